@@ -5,10 +5,10 @@ use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm
 
 /// Reads a file of `format` into its shape, and counts its oddities.
 ///
-/// Time and memory grow with the bytes that are there, never with a count that they declare. The bound is 64
-/// MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle where a file packs triangles tighter
-/// than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point that a path
-/// packs tighter; or 16 times the bytes of the samples that a packed volume unpacks to.
+/// Time and memory grow with the bytes that are there, never with a count that they declare. The bound is
+/// 64 MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle where a file packs triangles
+/// tighter than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point that
+/// a path packs tighter; or 16 times the bytes of the samples that a packed volume unpacks to.
 ///
 /// # Errors
 /// One [`ReadError`] with its location. Where the content looks like another format, the message names that

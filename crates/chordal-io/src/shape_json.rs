@@ -16,8 +16,8 @@ pub use write::write;
 
 /// Reads a shape from JSON. The file is one of
 ///
-/// - patches: `{"patches": [[[[x, y, z], …4], …4], …]}`, or `{"points": [[x, y, z], …], "patches": [[i, …16],
-///   …]}` with indices from 0;
+/// - patches: `{"patches": [[[[x, y, z], …4], …4], …]}`, or
+///   `{"points": [[x, y, z], …], "patches": [[i, …16], …]}` with indices from 0;
 /// - curves: `{"curves": [{"control": [[x, y], …], "closed": false}, …]}` with 3n + 1 control points of n
 ///   cubics;
 /// - polylines: `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …]}`, as Chordal

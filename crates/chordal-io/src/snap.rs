@@ -107,8 +107,8 @@ pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
         if reach > f64::from(f32::MAX) {
             return f64::INFINITY;
         }
-        // The largest stored number. STL stores the coordinates. GLB stores either them too, where reach ≤
-        // 2·half, or the distances to an origin. The origin is off the centre by at most half / 16 or, far
+        // The largest stored number. STL stores the coordinates. GLB stores either them too, where reach
+        // ≤ 2·half, or the distances to an origin. The origin is off the centre by at most half / 16 or, far
         // out, by half a single-precision step of the centre, 2⁻²⁴·reach. 2·half + 2⁻²³·reach covers all.
         let half = add_up(0.5 * bounds.max[k], -0.5 * bounds.min[k]);
         let about_centre = add_up(mul_up(2.0, half), mul_up(F32_STEP, reach));

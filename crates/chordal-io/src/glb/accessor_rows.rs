@@ -1,12 +1,12 @@
-//! `AccessorRows`: the numbers of an accessor, read from their bytes.
+//! `AccessorRows`: the rows of an accessor, decoded from their bytes.
 use super::format::{AccessorFormat, ComponentType};
 use super::model::{GltfModel, item};
 
-/// An accessor whose bytes are all there.
+/// An accessor whose bytes are all present.
 pub(super) struct AccessorRows<'m> {
     pub format: AccessorFormat,
     pub count: u64,
-    /// The first byte of the first row and what follows, and the bytes from row to row. Zeros when absent.
+    /// The bytes from the first row on, and the stride. The rows are zeros when absent.
     base: Option<(&'m [u8], usize)>,
     sparse: Option<SparseRows<'m>>,
     places: [usize; 16],
@@ -33,7 +33,7 @@ impl<'m> AccessorRows<'m> {
     /// The rows of an accessor; nothing is copied.
     ///
     /// # Errors
-    /// When a field is missing or wrong, or bytes are not there.
+    /// When a field is missing or wrong, or bytes are missing.
     pub fn new(model: &'m GltfModel<'_>, accessor: usize) -> Result<Self, AccessorError> {
         let Some(found) = item(&model.accessors, Some(accessor)) else {
             return unreadable("UNRESOLVED_REFERENCE", format!("there is no accessor {accessor}"));
@@ -51,7 +51,7 @@ impl<'m> AccessorRows<'m> {
                 return unreadable("ACCESSOR_SMALL_BYTESTRIDE", what);
             }
             let length = stride.saturating_mul(count - 1).saturating_add(format.row_length());
-            // Strides are 252 at most, or 64 by nature.
+            // Strides are 252 at most, or 64 when they follow from the format.
             base = Some((bytes(model, view, offset, length)?, stride as usize));
         }
         let mut sparse = None;
@@ -70,7 +70,7 @@ impl<'m> AccessorRows<'m> {
             sparse = Some(SparseRows {
                 indices: bytes(model, index_view, rows.index_offset.unwrap_or(0), n_index)?,
                 values: bytes(model, value_view, rows.value_offset.unwrap_or(0), n_value)?,
-                // So many values lie in memory.
+                // That many values fit in memory.
                 count: rows.count as usize,
                 index_component,
             });
@@ -82,7 +82,7 @@ impl<'m> AccessorRows<'m> {
         Ok(Self { format, count, base, sparse, places })
     }
 
-    /// The bytes that all rows take.
+    /// The bytes of all rows.
     pub fn n_bytes(&self) -> u64 {
         self.count.saturating_mul(self.format.row_length())
     }
@@ -92,13 +92,13 @@ impl<'m> AccessorRows<'m> {
         self.base.is_some() || self.sparse.is_some()
     }
 
-    /// The rows that are replaced.
+    /// The indices of the replaced rows.
     pub fn sparse_indices(&self) -> impl Iterator<Item = u64> {
         let n = self.sparse.as_ref().map_or(0, |sparse| sparse.count);
         (0..n).map(|i| self.sparse.as_ref().map_or(0, |sparse| sparse.index(i)))
     }
 
-    /// Visits rows in order, with their raw numbers.
+    /// Visits the rows in order, with their raw numbers.
     pub fn each(&self, mut visit: impl FnMut(u64, &[f64])) {
         let n = self.format.kind.n_components();
         let mut row = [0.0; 16];
@@ -109,7 +109,7 @@ impl<'m> AccessorRows<'m> {
                 && sparse.index(next) == i
             {
                 (0..n).for_each(|k| row[k] = sparse.value(self.format, next, k));
-                // Indices increase, or the file was refused; equal ones are passed over.
+                // Indices increase, or the file was refused; equal ones are skipped.
                 while next < sparse.count && sparse.index(next) <= i {
                     next += 1;
                 }
@@ -130,19 +130,19 @@ impl<'m> AccessorRows<'m> {
         self.base_number(row, k)
     }
 
-    /// One number, normalized where the accessor is.
+    /// One number, normalized if the accessor is.
     pub fn normalized(&self, row: u64, k: usize) -> f64 {
         self.decode(self.number(row, k))
     }
 
-    /// What a raw number stands for.
+    /// Converts a raw number to its value.
     pub fn decode(&self, x: f64) -> f64 {
         if self.format.normalized { self.format.component.normalize(x) } else { x }
     }
 
     fn base_number(&self, row: u64, k: usize) -> f64 {
         let Some((bytes, stride)) = self.base else { return 0.0 };
-        // Rows that passed the check in `of` lie in memory.
+        // Rows that passed the check in `new` are in memory.
         self.format.component.read(bytes.get(row as usize * stride + self.places[k]..).unwrap_or_default())
     }
 }
@@ -168,7 +168,7 @@ impl SparseRows<'_> {
     }
 }
 
-/// The bytes of a view from an offset on, at least as many as asked for.
+/// The bytes of a view from an offset on, at least as many as requested.
 fn bytes<'m>(
     model: &'m GltfModel<'_>,
     view: usize,

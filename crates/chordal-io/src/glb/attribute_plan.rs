@@ -1,28 +1,29 @@
-//! `AttributePlan`: which attributes the part of a mesh gets, decided before anything is read.
+//! `AttributePlan`: the attributes that the part of a mesh gets, decided before any is read.
 use super::format::AccessorType;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use chordal::explicit::Semantic;
 use std::collections::BTreeMap;
 
-/// The attributes of a part, in the order in which the file names them first.
+/// The attributes of a part, in the order of their first mention in the file.
 #[derive(Default)]
 pub(super) struct AttributePlan<'m> {
     pub streams: Vec<PlannedAttribute<'m>>,
 }
 
-/// One attribute.
+/// An attribute that a part gets.
 pub(super) struct PlannedAttribute<'m> {
     pub name: &'m str,
     pub semantic: Semantic,
     pub width: usize,
 }
 
-/// Texture and colour sets that a part has even where only some primitives have them.
+/// Texture and colour sets below this number are kept even where only some primitives have them.
 const COMMON_SETS: u32 = 8;
 
 impl<'m> AttributePlan<'m> {
-    /// Of the primitives with triangles a part gets all common attributes, and of others those that each
-    /// primitive has: so a part takes no more than a few times what its primitives say.
+    /// Plans the attributes for the primitives with triangles. Common attributes are kept if any primitive
+    /// has them, others only if every primitive does: so a part takes no more than a few times what its
+    /// primitives contain.
     pub fn from_mesh(model: &GltfModel<'_>, mesh: &'m GltfMesh<'_>) -> Self {
         let mut found: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::new();
         let mut order = Vec::new();
@@ -65,12 +66,12 @@ impl<'m> AttributePlan<'m> {
 }
 
 impl PlannedAttribute<'_> {
-    /// What a vertex has that says nothing: white, or zeros.
+    /// The value for vertices without the attribute: white, or zeros.
     pub fn default_value(&self) -> f64 {
         if matches!(self.semantic, Semantic::Color(_)) { 1.0 } else { 0.0 }
     }
 
-    /// Whether rows of so many numbers can be taken.
+    /// Whether rows of that many numbers are accepted.
     pub fn accepts_width(&self, width: usize) -> bool {
         width == self.width || (matches!(self.semantic, Semantic::Color(_)) && width == 3)
     }
@@ -86,7 +87,7 @@ pub(super) fn position_of(attributes: &GltfAttributes<'_>) -> Option<usize> {
     attributes.iter().find(|(name, _)| *name == "POSITION").and_then(|(_, accessor)| *accessor)
 }
 
-/// What an attribute means; `None` for positions, and for what only skins need.
+/// The semantic of an attribute; `None` for positions, and for attributes that only skins use.
 fn semantic_of(name: &str) -> Option<Semantic> {
     let set = |family: &str| name.strip_prefix(family)?.parse::<u32>().ok();
     match name {
@@ -103,7 +104,7 @@ fn semantic_of(name: &str) -> Option<Semantic> {
     }
 }
 
-/// Whether only skins need an attribute.
+/// Whether only skins use an attribute.
 pub(super) fn is_skinning(name: &str) -> bool {
     name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_")
 }

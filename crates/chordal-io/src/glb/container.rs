@@ -2,20 +2,21 @@
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
 use crate::{FileLocation, ReadError, Warning};
 
-/// The two chunks that matter.
+/// The two chunks that are read.
 pub(super) struct GlbChunks<'a> {
-    /// The JSON, and where it begins in the file.
+    /// The JSON.
     pub json: &'a [u8],
-    /// Its first byte.
+    /// The byte of the file at which it begins.
     pub json_at: u64,
     /// The buffer, if there is one.
     pub bin: Option<&'a [u8]>,
 }
 
-/// Takes a GLB file apart; what gltf-validator calls an error is one, what it calls a warning is listed.
+/// Splits a GLB file into chunks. What gltf-validator calls an error is one, what it calls a warning is
+/// listed.
 ///
 /// # Errors
-/// With the byte at which the container breaks.
+/// At the byte where the container breaks.
 pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result<GlbChunks<'a>, ReadError> {
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let error =

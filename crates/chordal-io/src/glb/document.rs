@@ -1,4 +1,4 @@
-//! The JSON of a GLB in the making, and the streams that its accessors speak of.
+//! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
 use super::node_list;
 use super::split::split;
 use super::streams::{AccessorStream, stored_bounds};
@@ -9,7 +9,7 @@ use chordal::explicit::Semantic;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
-/// A part as glTF can hold it.
+/// A part in the form that glTF can hold.
 pub(super) struct GltfPart<'a> {
     mesh: Cow<'a, Mesh>,
     origin: [f64; 3],
@@ -30,14 +30,14 @@ impl<'a> GltfPart<'a> {
     }
 }
 
-/// The JSON in the making, and the streams behind its accessors.
+/// The JSON that is being built, and the streams behind its accessors.
 #[derive(Default)]
 pub(super) struct GltfDocument<'a> {
     accessors: Vec<Value>,
     views: Vec<Value>,
     meshes: Vec<Value>,
     materials: Vec<Value>,
-    /// What the BIN chunk holds, in order.
+    /// The content of the BIN chunk, in order.
     pub streams: Vec<AccessorStream<'a>>,
     n_bytes: u64,
     /// For each part its mesh, unless it is empty, and its origin.
@@ -93,7 +93,7 @@ impl<'a> GltfDocument<'a> {
         self.accessors.len() - 1
     }
 
-    /// A plain material: glTF's own default is a metal, which viewers without surroundings show black.
+    /// A plain material. glTF's default is a metal, which viewers without an environment show black.
     fn material(&mut self, open: bool) -> usize {
         let Self { materials, material, .. } = self;
         *material[usize::from(open)].get_or_insert_with(|| {
@@ -107,12 +107,12 @@ impl<'a> GltfDocument<'a> {
         })
     }
 
-    /// The nodes of a scene whose parts were the last to be added, after `n_before` others.
+    /// The nodes of a scene whose parts were added last, after `n_before` other nodes.
     pub fn nodes(&self, scene: &Scene, n_before: usize) -> Result<node_list::NodeList, WriteError> {
         node_list::nodes(scene, &self.shown[self.shown.len() - scene.parts.len()..], n_before)
     }
 
-    /// The JSON chunk's content, of which `certificate` becomes an extra.
+    /// The content of the JSON chunk; `certificate` becomes an extra.
     pub fn json(&self, nodes: &node_list::NodeList, certificate: Option<&Value>) -> Map<String, Value> {
         let mut root = Map::new();
         let mut asset =
@@ -141,7 +141,7 @@ impl<'a> GltfDocument<'a> {
     }
 }
 
-/// The attributes of a mesh; texture and colour sets are numbered from zero without gaps, as glTF asks.
+/// The attributes of a mesh; texture and colour sets are numbered from zero without gaps, as glTF demands.
 fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     let mut sorted: Vec<_> = mesh.attributes().iter().collect();
     sorted.sort_by_key(|attribute| match attribute.semantic {
@@ -166,7 +166,7 @@ fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     Ok(streams)
 }
 
-/// Whether some edge has a triangle on one side only, vertices counted by their position.
+/// Whether an edge has a triangle on one side only. Vertices at one position count as one.
 fn is_open(mesh: &Mesh) -> bool {
     let mut edges = Vec::with_capacity(3 * mesh.faces().len());
     for face in mesh.faces() {

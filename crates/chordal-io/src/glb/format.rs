@@ -1,7 +1,7 @@
-//! Formats of accessors: how a row of numbers lies in bytes.
+//! Formats of accessors: how a row of numbers is laid out in bytes.
 use std::fmt;
 
-/// The type of one number.
+/// The type of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ComponentType {
     I8,
@@ -13,7 +13,7 @@ pub(super) enum ComponentType {
 }
 
 impl ComponentType {
-    /// From the code that OpenGL gave it.
+    /// Converts from OpenGL's code.
     pub fn from_code(code: u64) -> Option<Self> {
         Some(match code {
             5120 => Self::I8,
@@ -26,7 +26,7 @@ impl ComponentType {
         })
     }
 
-    /// Bytes a number.
+    /// Bytes per component.
     pub fn size(self) -> u64 {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -35,7 +35,7 @@ impl ComponentType {
         }
     }
 
-    /// The lowest and highest number; infinite for floats.
+    /// The lowest and highest value; infinite for floats.
     pub fn range(self) -> (f64, f64) {
         match self {
             Self::I8 => (-128.0, 127.0),
@@ -47,7 +47,7 @@ impl ComponentType {
         }
     }
 
-    /// The number that begins with the first byte given; 0 when bytes are missing.
+    /// Reads the number at the start of the bytes; 0 when bytes are missing.
     pub fn read(self, bytes: &[u8]) -> f64 {
         match (self, bytes) {
             (Self::I8, [a, ..]) => f64::from(i8::from_le_bytes([*a])),
@@ -60,11 +60,11 @@ impl ComponentType {
         }
     }
 
-    /// The number that an integer stands for when it is normalized: 0 to 1, or −1 to 1.
+    /// The value of a normalized integer: 0 to 1, or −1 to 1.
     pub fn normalize(self, x: f64) -> f64 {
         match self {
             Self::F32 => x,
-            // Two of the integers stand for −1.
+            // Two integers stand for −1.
             _ => {
                 let share = x / self.range().1;
                 if share < -1.0 { -1.0 } else { share }
@@ -86,7 +86,7 @@ pub(super) enum AccessorType {
 }
 
 impl AccessorType {
-    /// From its name.
+    /// Converts from its name.
     pub fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "SCALAR" => Self::Scalar,
@@ -100,7 +100,7 @@ impl AccessorType {
         })
     }
 
-    /// Numbers a row.
+    /// Components per row.
     pub fn n_components(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -127,7 +127,7 @@ impl AccessorType {
     }
 }
 
-/// A row of an accessor: its shape, the type of its numbers, and whether integers stand for fractions.
+/// The format of a row: its shape, its component type, and whether integers are normalized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct AccessorFormat {
     pub kind: AccessorType,
@@ -136,17 +136,17 @@ pub(super) struct AccessorFormat {
 }
 
 impl AccessorFormat {
-    /// One that is not normalized.
+    /// A format that is not normalized.
     pub const fn plain(kind: AccessorType, component: ComponentType) -> Self {
         Self { kind, component, normalized: false }
     }
 
-    /// One that is normalized.
+    /// A format that is normalized.
     pub const fn normalized(kind: AccessorType, component: ComponentType) -> Self {
         Self { kind, component, normalized: true }
     }
 
-    /// Where a number lies in its row; columns of matrices begin at multiples of four bytes.
+    /// The offset of a component in its row; columns of matrices begin at multiples of four bytes.
     pub fn place_of(self, component_idx: usize) -> u64 {
         let (size, i) = (self.component.size(), component_idx as u64);
         if !self.kind.is_matrix() {
@@ -160,12 +160,12 @@ impl AccessorFormat {
         (self.kind.n_rows() * self.component.size()).div_ceil(4) * 4
     }
 
-    /// Bytes a row, without padding after its last number.
+    /// Bytes per row, without padding after its last component.
     pub fn row_length(self) -> u64 {
         self.place_of(self.kind.n_components() - 1) + self.component.size()
     }
 
-    /// Bytes from row to row where nothing else is said.
+    /// The stride where none is given.
     pub fn natural_stride(self) -> u64 {
         if self.kind.is_matrix() {
             let rows = self.kind.n_rows();

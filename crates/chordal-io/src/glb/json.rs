@@ -1,16 +1,17 @@
 //! `JsonValue`: the JSON chunk, parsed within limits.
 //!
-//! An own reader, because a file may not choose the memory or the nesting it takes, two values for one key
-//! are refused instead of one being dropped, and numbers are rounded correctly. A value takes 24 bytes.
+//! It has its own parser for three reasons. A file must not choose how much memory or nesting it takes.
+//! Duplicate keys are refused instead of one being dropped. Numbers are rounded correctly. A value takes 24
+//! bytes.
 use crate::{FileLocation, Limits, ReadError};
 use serde_json::Value;
 
-/// A JSON value. Objects keep the order of the file, and no key comes twice.
+/// A JSON value. Objects keep the order of the file, and have no duplicate keys.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum JsonValue {
     Null,
     Bool(bool),
-    /// A number written without point and exponent that fits.
+    /// A number without point and exponent that fits.
     Int(i64),
     /// Any other number, finite.
     Float(f64),
@@ -20,12 +21,12 @@ pub(super) enum JsonValue {
 }
 
 impl JsonValue {
-    /// The value of a key; `None` in anything but an object.
+    /// The value of a key; `None` if this is no object.
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.entries().iter().find(|(k, _)| **k == *key).map(|(_, value)| value)
     }
 
-    /// The entries of an object; none in anything else.
+    /// The entries of an object; none if this is no object.
     pub fn entries(&self) -> &[(Box<str>, Self)] {
         if let Self::Object(entries) = self { entries } else { &[] }
     }
@@ -50,12 +51,12 @@ impl JsonValue {
         }
     }
 
-    /// The value of a whole number, also when it is written as `3.0` or `3e2`.
+    /// The value of a whole number, also if it is written as `3.0` or `3e2`.
     #[allow(clippy::cast_possible_truncation)]
     pub fn integer(&self) -> Option<i64> {
         match self {
             Self::Int(i) => Some(*i),
-            // 2⁶³: below it in size the conversion is exact; beyond, no count or index is meant.
+            // Below 2⁶³ in size the conversion is exact; larger numbers are no counts or indices.
             Self::Float(x) if x.trunc() == *x => Some(if x.abs() < 9_223_372_036_854_775_808.0 {
                 *x as i64
             } else {
@@ -65,7 +66,7 @@ impl JsonValue {
         }
     }
 
-    /// The same value in the common type.
+    /// Converts to serde_json's value.
     pub fn to_value(&self) -> Value {
         match self {
             Self::Null => Value::Null,
@@ -80,17 +81,17 @@ impl JsonValue {
         }
     }
 
-    /// Reads a text that lies `at` bytes into the file.
+    /// Parses a text that starts at byte `at` of the file.
     ///
     /// # Errors
-    /// With the byte, when the text is no JSON, nests deeper than the limit, or names a key twice.
+    /// At the byte, when the text is no JSON, nests deeper than the limit, or names a key twice.
     pub fn parse(bytes: &[u8], at: u64, limits: &Limits) -> Result<Self, ReadError> {
         let invalid = |offset: usize, what: &str| {
             ReadError::new("INVALID_JSON", FileLocation::Byte(at + offset as u64), what.to_owned())
         };
         let text =
             std::str::from_utf8(bytes).map_err(|e| invalid(e.valid_up_to(), "the JSON is not UTF-8"))?;
-        // Nesting costs stack here and wherever the value is walked; a thousand levels fit any thread.
+        // Nesting takes stack here and wherever the value is walked; a thousand levels fit any thread.
         let mut parser = JsonParser { text, at: 0, depth: limits.depth.min(1000) };
         let value = parser.value(0).and_then(|value| {
             parser.space();
@@ -100,7 +101,7 @@ impl JsonValue {
     }
 }
 
-/// How many bytes of JSON are read at most: a tenth of a million nodes take about ten million bytes.
+/// The most bytes of JSON that are read: a hundred thousand nodes take about ten million bytes.
 pub(super) const MAX_BYTES: u64 = 256 << 20;
 
 struct JsonParser<'a> {
@@ -282,7 +283,7 @@ impl JsonParser<'_> {
     fn unicode(&mut self) -> Result<char, String> {
         let mut units = [self.hex()?, 0];
         let mut n_units = 1;
-        // Characters above U+FFFF are written as two surrogates.
+        // Characters above U+FFFF are written as surrogate pairs.
         if (0xD800..0xDC00).contains(&units[0]) && self.text[self.at..].starts_with("\\u") {
             self.at += 2;
             units[1] = self.hex()?;
@@ -305,7 +306,8 @@ impl JsonParser<'_> {
     }
 }
 
-/// Appends, growing long lists by a quarter only: a file with one long list decides how much is taken.
+/// Appends to a list. Long lists grow by a quarter only, since a file with one long list decides how much is
+/// allocated.
 fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), String> {
     if list.len() == list.capacity() {
         let more = (list.len() / 4).max(4);

@@ -9,26 +9,26 @@ use std::io::Write;
 /// One level of detail.
 #[derive(Clone, Copy, Debug)]
 pub struct GlbLevel<'a> {
-    /// What it shows.
+    /// The scene of the level.
     pub scene: &'a Scene,
-    /// What is known of it.
+    /// The certificate of the level.
     pub certificate: Option<&'a Value>,
-    /// The least share of the screen, 0 to 1, that the object covers where this level is shown; below it the
-    /// next is, and nothing after the last.
+    /// The least share of the screen, 0 to 1, that the object covers where this level is shown. Below it the
+    /// next level is shown, and nothing after the last.
     pub coverage: f64,
 }
 
 /// Writes levels of detail as one GLB 2.0, finest first, the same bytes for the same levels.
 ///
 /// Each level is written as [`super::write`] writes a scene, below a node of its own. The scene of the file
-/// shows the first level; its node names those of the others by the extension `MSFT_lod`, and has the shares
-/// of the screen as its extra `MSFT_screencoverage`. The extension is not required, so that a viewer that
+/// shows the first level. Its node names the nodes of the other levels by the extension `MSFT_lod`, and has
+/// the screen coverages as its extra `MSFT_screencoverage`. The extension is not required, so a viewer that
 /// does not know it shows the first level. The certificates go to `asset.extras.chordal.levels`, one for each
-/// level, `null` where there is none. A single level is written as [`super::write`] does.
+/// level, `null` where there is none. A single level is written as by [`super::write`].
 ///
 /// # Errors
-/// As for [`super::write`]; also when there is no level, and for shares that are not from 0 to 1 or do not
-/// fall.
+/// As for [`super::write`]; also when there is no level, and for coverages that are not from 0 to 1 or do not
+/// decrease.
 ///
 /// ```
 /// use chordal::Mesh;

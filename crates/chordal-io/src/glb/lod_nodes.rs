@@ -1,11 +1,10 @@
-//! `LodNodes`: which nodes of a file are lower levels of detail, by `MSFT_lod`, and so not part of what it
-//! shows.
+//! `LodNodes`: the nodes that `MSFT_lod` makes lower levels of detail, which are not part of the scene.
 use super::LOD;
 use super::json::JsonValue;
 use super::model::{GltfModel, item};
 use crate::{FileLocation, ReadError};
 
-/// The nodes that a level of detail can be: themselves, their children, and the lower levels of any of them.
+/// The lower levels of detail that each node names.
 #[derive(Default)]
 pub(super) struct LodNodes {
     /// For each node the lower levels that it names.
@@ -19,10 +18,10 @@ pub(super) struct LodNodes {
 }
 
 impl LodNodes {
-    /// What the nodes of a document say.
+    /// Reads the levels of all nodes.
     ///
     /// # Errors
-    /// With the pointer, where there is no such node, or a level leads back to itself: by its levels, its
+    /// At the pointer, where there is no such node, or a level leads back to itself: by its levels, its
     /// children or both.
     pub fn new(json: &JsonValue, model: &GltfModel<'_>) -> Result<Self, ReadError> {
         let mut lower = Self {
@@ -60,7 +59,7 @@ impl LodNodes {
         }
     }
 
-    /// Parts, then lower levels.
+    /// The children of a node, then its lower levels.
     fn next<'a>(&'a self, model: &'a GltfModel<'_>, node: usize) -> impl Iterator<Item = usize> + 'a {
         let n = self.ids.len();
         let children = item(&model.nodes, Some(node)).map_or(&[][..], |node| &node.children);
@@ -68,11 +67,11 @@ impl LodNodes {
         children.chain(self.ids.get(node).into_iter().flatten().copied())
     }
 
-    /// A node with levels that is on a circle of levels and children, or behind one.
+    /// A node with levels on a cycle of levels and children, or behind one.
     fn cycle(&self, model: &GltfModel<'_>) -> Option<usize> {
         self.first?;
-        // Nodes that none leads to are taken away until none is left, or all that are left lie on cycles or
-        // behind them.
+        // Removes nodes without predecessors until none is left, or all that are left are on cycles or behind
+        // them.
         let mut n_before = vec![0_usize; self.ids.len()];
         for node in 0..self.ids.len() {
             self.next(model, node).for_each(|next| n_before[next] += 1);
@@ -86,7 +85,7 @@ impl LodNodes {
                 }
             }
         }
-        // Parts alone make no circle, which was looked at before.
+        // Children alone form no cycle, as was checked before.
         let left = |node: &usize| n_before[*node] > 0;
         (0..self.ids.len()).filter(left).find(|node| !self.ids[*node].is_empty())
     }
@@ -96,8 +95,7 @@ impl LodNodes {
         self.is_named[node]
     }
 
-    /// For each node whether it is only a lower level of something, and so left out of a scene with such
-    /// roots.
+    /// For each node whether it is only a lower level, and so left out of a scene with these roots.
     pub fn hidden_nodes(&self, model: &GltfModel<'_>, roots: &[usize]) -> Vec<bool> {
         let n = self.ids.len();
         let mut hidden = vec![false; n];
@@ -109,7 +107,7 @@ impl LodNodes {
         }
         let mut open = roots.to_vec();
         while let Some(node) = open.pop() {
-            // Parts have one parent, so that each node comes up once.
+            // Each node has one parent, so each is visited once.
             hidden[node] = false;
             let children = item(&model.nodes, Some(node)).map_or(&[][..], |node| &node.children);
             open.extend(children.iter().flatten().copied().filter(|child| *child < n));

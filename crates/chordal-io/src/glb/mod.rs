@@ -1,4 +1,4 @@
-//! Binary glTF 2.0: one file with a JSON chunk that describes and a BIN chunk that holds.
+//! Binary glTF 2.0: one file with a JSON chunk that describes the scene and a BIN chunk with its data.
 mod accessor_rows;
 mod attribute_plan;
 mod container;
@@ -26,9 +26,9 @@ pub use write::write;
 
 /// The first four bytes of a GLB file, `glTF`.
 pub(crate) const MAGIC: u32 = 0x4654_6C67;
-/// The type of the chunk that holds JSON, `JSON`.
+/// The type of the JSON chunk, `JSON`.
 pub(crate) const JSON_CHUNK: u32 = 0x4E4F_534A;
-/// The type of the chunk that holds buffers, `BIN\0`.
+/// The type of the chunk with the buffer, `BIN\0`.
 pub(crate) const BIN_CHUNK: u32 = 0x004E_4942;
 /// The extension by which a node names its lower levels of detail.
 const LOD: &str = "MSFT_lod";

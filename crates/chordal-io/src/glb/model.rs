@@ -1,4 +1,4 @@
-//! What a glTF file says, parsed: every field is what it should be, or `None` where the file errs.
+//! `GltfModel`: a parsed glTF file; each field is valid, or `None` where the file errs.
 use super::format::{AccessorFormat, AccessorType, ComponentType};
 
 /// The objects of a file by their lists; an item that is no object is `None`.
@@ -21,16 +21,16 @@ pub(super) struct GltfModel<'a> {
     pub extensions_required: Vec<&'a str>,
 }
 
-/// Bytes, and where they come from.
+/// A buffer: bytes, and where they come from.
 pub(super) struct GltfBuffer<'a> {
     pub byte_length: Option<u64>,
-    /// The `uri`, whatever it says.
+    /// The `uri`, valid or not.
     pub uri: Option<&'a str>,
     /// The bytes, where the file holds them.
     pub data: Option<std::borrow::Cow<'a, [u8]>>,
 }
 
-/// A part of a buffer.
+/// A range of a buffer.
 #[derive(Default)]
 pub(super) struct GltfBufferView {
     pub buffer: Option<usize>,
@@ -38,11 +38,11 @@ pub(super) struct GltfBufferView {
     pub length: Option<u64>,
     pub stride: Option<u64>,
     pub target: Option<u64>,
-    /// The extension by which it is compressed, if there is one.
+    /// Whether an extension compresses it.
     pub compressed: bool,
 }
 
-/// Rows of numbers.
+/// A typed, strided view of rows of numbers.
 #[derive(Default)]
 pub(super) struct GltfAccessor {
     pub view: Option<usize>,
@@ -57,13 +57,13 @@ pub(super) struct GltfAccessor {
 }
 
 impl GltfAccessor {
-    /// Its format, where it has one.
+    /// The format, if it is known.
     pub fn format(&self) -> Option<AccessorFormat> {
         Some(AccessorFormat { kind: self.kind?, component: self.component?, normalized: self.normalized })
     }
 }
 
-/// Rows that replace others.
+/// The rows of an accessor that replace others.
 pub(super) struct GltfSparse {
     pub count: u64,
     pub index_view: Option<usize>,
@@ -73,33 +73,33 @@ pub(super) struct GltfSparse {
     pub value_offset: Option<u64>,
 }
 
-/// A picture.
+/// An image.
 pub(super) struct GltfImage<'a> {
     pub view: Option<usize>,
     pub mime: Option<&'a str>,
     pub data: Option<Vec<u8>>,
     pub extended: bool,
-    /// The type that the bytes turned out to have.
+    /// The type that its bytes have.
     pub found: Option<&'static str>,
 }
 
-/// A picture with a sampler.
+/// A texture: an image with a sampler.
 pub(super) struct GltfTexture {
     pub source: Option<usize>,
-    /// The source by `EXT_texture_webp`.
+    /// The source given by `EXT_texture_webp`.
     pub webp: Option<usize>,
 }
 
-/// What a material asks of meshes.
+/// What a material requires of meshes.
 #[derive(Default)]
 pub(super) struct GltfMaterial {
     pub has_normal_texture: bool,
     pub needs_tangents: bool,
-    /// The highest texture coordinate set it reads, and which texture does.
+    /// The highest texture coordinate set that it reads, and the texture that reads it.
     pub texcoord: Option<(u64, String)>,
 }
 
-/// Primitives.
+/// A mesh: a list of primitives.
 pub(super) struct GltfMesh<'a> {
     pub name: &'a str,
     pub primitives: Vec<GltfPrimitive<'a>>,
@@ -108,21 +108,21 @@ pub(super) struct GltfMesh<'a> {
 /// Named accessors.
 pub(super) type GltfAttributes<'a> = Vec<(&'a str, Option<usize>)>;
 
-/// One drawing.
+/// A primitive of a mesh.
 pub(super) struct GltfPrimitive<'a> {
     pub attributes: GltfAttributes<'a>,
     pub indices: Option<usize>,
     pub material: Option<usize>,
     pub mode: Option<u64>,
     pub targets: Option<Vec<GltfAttributes<'a>>>,
-    /// Materials by `KHR_materials_variants`, each with its place below the primitive.
+    /// Materials by `KHR_materials_variants`, each with its pointer below the primitive.
     pub variants: Vec<(usize, String)>,
     pub n_joints: u64,
     pub n_texcoords: u64,
     pub draco: bool,
 }
 
-/// A place.
+/// A node of the scene graph.
 #[derive(Default)]
 pub(super) struct GltfNode<'a> {
     pub name: &'a str,
@@ -136,44 +136,44 @@ pub(super) struct GltfNode<'a> {
     pub weights: Option<Vec<f64>>,
 }
 
-/// Joints.
+/// A skin: joints and their matrices.
 pub(super) struct GltfSkin {
     pub matrices: Option<usize>,
     pub skeleton: Option<usize>,
     pub joints: Option<Vec<Option<usize>>>,
 }
 
-/// Channels and samplers.
+/// An animation: channels and samplers.
 pub(super) struct GltfAnimation<'a> {
     pub channels: Option<Vec<GltfChannel<'a>>>,
     pub samplers: Option<Vec<GltfAnimationSampler<'a>>>,
 }
 
-/// What moves.
+/// A channel: which sampler drives which property.
 pub(super) struct GltfChannel<'a> {
     pub sampler: Option<usize>,
     pub target: Option<GltfChannelTarget<'a>>,
 }
 
-/// A property of a node.
+/// The animated property of a node.
 pub(super) struct GltfChannelTarget<'a> {
     pub node: Option<usize>,
     pub path: Option<&'a str>,
 }
 
-/// How it moves.
+/// The sampler of a channel: keyframe times and values.
 pub(super) struct GltfAnimationSampler<'a> {
     pub input: Option<usize>,
     pub output: Option<usize>,
     pub interpolation: &'a str,
 }
 
-/// What is shown.
+/// A scene: its root nodes.
 pub(super) struct GltfScene {
     pub nodes: Option<Vec<Option<usize>>>,
 }
 
-/// The item of a list, if it is there.
+/// The item of a list, if it exists.
 pub(super) fn item<T>(list: &[Option<T>], index: Option<usize>) -> Option<&T> {
     list.get(index?)?.as_ref()
 }

@@ -1,9 +1,9 @@
-//! Where parts stand: the nodes of a GLB.
+//! `NodeList`: the nodes of a GLB, which place its meshes.
 use super::transform;
 use crate::{Axis, Frame, Node, Scene, WriteError};
 use serde_json::{Map, Value, json};
 
-/// What a part became: its mesh, unless it is empty, and its origin.
+/// What was written for a part: its mesh, unless it is empty, and its origin.
 pub(super) type PartMesh = (Option<usize>, [f64; 3]);
 
 /// The nodes of a file, and those of them without a parent.
@@ -12,13 +12,13 @@ pub(super) struct NodeList {
     pub roots: Vec<usize>,
 }
 
-/// One node a node of the scene in the same order, after the nodes that turn and scale the scene's frame, and
-/// before those that place a mesh about its origin where its node cannot. In the file they come after
-/// `n_before` others.
+/// Lists the nodes of a scene, one for each in the same order. Before them come the nodes that rotate and
+/// scale the scene's frame, after them those that place a mesh about its origin where its node cannot. In the
+/// file they follow `n_before` other nodes.
 pub(super) fn nodes(scene: &Scene, shown: &[PartMesh], n_before: usize) -> Result<NodeList, WriteError> {
     check_forest(scene)?;
     let mut frame = frame_nodes(scene.frame)?;
-    // A frame around nothing would be an empty node.
+    // A frame without content would be an empty node.
     if scene.roots.is_empty() {
         frame.clear();
     }
@@ -41,7 +41,7 @@ pub(super) fn nodes(scene: &Scene, shown: &[PartMesh], n_before: usize) -> Resul
     Ok(NodeList { list: [frame, list, extra].concat(), roots })
 }
 
-/// The nodes that turn the scene's frame into glTF's, outermost first.
+/// The nodes that map the scene's frame to glTF's, outermost first.
 fn frame_nodes(frame: Frame) -> Result<Vec<Value>, WriteError> {
     let mut nodes = Vec::new();
     if frame.up == Some(Axis::Z) {
@@ -57,10 +57,10 @@ fn frame_nodes(frame: Frame) -> Result<Vec<Value>, WriteError> {
     Ok(nodes)
 }
 
-/// One glTF node of those that a node of the scene needs.
+/// One of the glTF nodes that a node of the scene becomes.
 struct NodeLink<'a> {
     properties: Map<String, Value>,
-    /// The scene's children of it.
+    /// The children that the scene gives it.
     children: &'a [usize],
     /// Whether the next link is a child too.
     goes_on: bool,
@@ -77,7 +77,7 @@ impl NodeLink<'_> {
     }
 }
 
-/// What glTF needs for a node, outermost first; `None` when its transform has shear.
+/// The glTF nodes for a node, outermost first; `None` when its transform has shear.
 fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a>>> {
     let mut links: Vec<_> = transform::node_properties(&node.matrix)?
         .into_iter()
@@ -86,7 +86,7 @@ fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a
     let inner = links.last_mut()?;
     inner.children = &node.children;
     if let Some((Some(mesh), origin)) = place {
-        // An origin must not move the node's children, nor come before its own transform.
+        // An origin must not move the node's children, nor be applied before the node's own transform.
         let own = *origin != [0.0; 3] && !(inner.properties.is_empty() && node.children.is_empty());
         if own {
             links.push(NodeLink { properties: Map::new(), children: &[], goes_on: false });
@@ -102,7 +102,7 @@ fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a
     Some(links)
 }
 
-/// The object with its name first, unless that is empty.
+/// The object with its name first, unless the name is empty.
 pub(super) fn with_name(name: &str, object: Value) -> Value {
     let mut all = Map::new();
     if !name.is_empty() {
@@ -114,7 +114,7 @@ pub(super) fn with_name(name: &str, object: Value) -> Value {
     Value::Object(all)
 }
 
-/// Whether each index is in range and each node has at most one parent, and roots none.
+/// Checks that indices are in range, that each node has at most one parent, and that roots have none.
 fn check_forest(scene: &Scene) -> Result<(), WriteError> {
     let broken = |what: String| Err(WriteError::Unsupported(format!("the scene is no forest: {what}")));
     let n = scene.nodes.len();
@@ -136,7 +136,7 @@ fn check_forest(scene: &Scene) -> Result<(), WriteError> {
             return broken(format!("root {root} is not there, is listed twice or has a parent"));
         }
     }
-    // With one parent at most, a node that no parentless node reaches lies on a cycle.
+    // Each node has at most one parent, so a node that no parentless node reaches lies on a cycle.
     let mut open: Vec<usize> = (0..n).filter(|i| !has_parent[*i]).collect();
     let mut n_reached = 0;
     while let Some(i) = open.pop() {

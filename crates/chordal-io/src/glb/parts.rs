@@ -1,4 +1,4 @@
-//! Meshes of the file into parts: vertices, triangles, attributes.
+//! `PartReader`: reads meshes of the file into parts: vertices, triangles, attributes.
 use super::accessor_rows::{AccessorError, AccessorRows};
 use super::attribute_plan::{AttributePlan, PlannedAttribute, is_skinning, position_of};
 use super::model::{GltfAttributes, GltfModel, GltfPrimitive, item};
@@ -9,7 +9,7 @@ use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
 
-/// Turns meshes into parts, within limits.
+/// Reads meshes into parts, within limits.
 pub(super) struct PartReader<'m> {
     model: &'m GltfModel<'m>,
     limits: &'m Limits,
@@ -18,7 +18,7 @@ pub(super) struct PartReader<'m> {
     pub report: GlbWarnings,
 }
 
-/// A part in the making.
+/// A part that is being read.
 #[derive(Default)]
 struct PartDraft<'m> {
     positions: Vec<[f64; 3]>,
@@ -26,23 +26,23 @@ struct PartDraft<'m> {
     plan: AttributePlan<'m>,
     /// The values of the planned attributes.
     streams: Vec<Vec<f64>>,
-    /// The first vertex and the number of those that are there: primitives with the same attributes share
-    /// them.
+    /// The first vertex and the count of each block of vertices: primitives with the same attributes share
+    /// one.
     blocks: BTreeMap<&'m GltfAttributes<'m>, (usize, usize)>,
     /// The material of each face, −1 for none.
     materials: Vec<f64>,
 }
 
-/// What is said of attributes that are left out.
+/// The message for attributes that are left out.
 const SKIPPED: &str = "attributes that not all primitives of their mesh have in one form were skipped";
 
 impl<'m> PartReader<'m> {
-    /// For a file from which so many bytes may be decoded.
+    /// Starts on a file from which at most `left` bytes may be decoded.
     pub fn new(model: &'m GltfModel<'m>, limits: &'m Limits, left: u64) -> Self {
         Self { model, limits, left, report: GlbWarnings::default() }
     }
 
-    /// The part of a mesh; an empty one when the file's mesh is no object.
+    /// Reads a mesh as a part; an empty one when the mesh is no object.
     pub fn part(&mut self, mesh_idx: usize) -> Result<Part, ReadError> {
         let Some(mesh) = item(&self.model.meshes, Some(mesh_idx)) else {
             return Ok(Part { name: String::new(), mesh: Mesh::default(), indexed: false });
@@ -134,7 +134,7 @@ impl<'m> PartReader<'m> {
         }
         check_sparse(&rows).map_err(|error| at(error, &pointer, "POSITION"))?;
         let first = draft.positions.len();
-        // Of 2³² − 1 positions indices can name all.
+        // Indices can name each of 2³² − 1 positions.
         if rows.count > self.limits.rows || first as u64 + rows.count >= u64::from(u32::MAX) {
             let what = format!(
                 "{} vertices pass the limit of {}",
@@ -146,7 +146,7 @@ impl<'m> PartReader<'m> {
         self.charge(rows.count * 24, &pointer)?;
         let count = rows.count as usize;
         reserve(&mut draft.positions, count, &pointer)?;
-        // Zero has one sign here, so that −0 and 0 tie vertices.
+        // Zero loses its sign here, so that −0 and 0 tie vertices.
         rows.each(|_, row| draft.positions.push([0, 1, 2].map(|k| rows.decode(row[k]) + 0.0)));
         let mut named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         named.remove("POSITION");
@@ -167,7 +167,7 @@ impl<'m> PartReader<'m> {
         Ok((first, count))
     }
 
-    /// Reads one attribute of new vertices, or fills it where they have none.
+    /// Reads one attribute of new vertices, or fills it with defaults where they have none.
     fn stream(
         &mut self,
         (planned, values): (&PlannedAttribute<'_>, &mut Vec<f64>),
@@ -191,7 +191,7 @@ impl<'m> PartReader<'m> {
             {
                 rows
             }
-            // A file that got here strictly has such attributes by names of its own only.
+            // After strict checks only custom attributes can fail here.
             _ => {
                 self.report.add("attribute-skipped", place(), SKIPPED);
                 values.resize(values.len() + count * planned.width, planned.default_value());
@@ -201,7 +201,7 @@ impl<'m> PartReader<'m> {
         let mut n_broken = 0;
         rows.each(|_, row| {
             for k in 0..planned.width {
-                // The alpha that a colour without alpha has.
+                // A colour without alpha gets alpha 1.
                 let x = row.get(k).map_or(1.0, |x| rows.decode(*x));
                 n_broken += u64::from(!x.is_finite());
                 values.push(if x.is_finite() { x } else { 0.0 });
@@ -212,14 +212,14 @@ impl<'m> PartReader<'m> {
         Ok(())
     }
 
-    /// The corner indices of a primitive, counted from the first vertex of the part.
+    /// The corner indices of a primitive, as vertices of the part.
     fn corners(
         &mut self,
         primitive: &GltfPrimitive<'_>,
         (first, count): (usize, usize),
         pointer: &str,
     ) -> Result<PrimitiveIndices, ReadError> {
-        // Positions were counted to be fewer than 2³².
+        // The count of positions was checked to be below 2³².
         let first_idx = first as u32;
         let Some(accessor) = primitive.indices else {
             return Ok(PrimitiveIndices::Range(first_idx, count as u32));
@@ -248,7 +248,7 @@ impl<'m> PartReader<'m> {
             if wrong.is_none() && (row[0] >= limit || row[0] == restart) {
                 wrong = Some((i, row[0]));
             }
-            // In range, or the list is thrown away below.
+            // In range, or the list is discarded below.
             list.push(first_idx.saturating_add(row[0] as u32));
         });
         if let Some((i, index)) = wrong {
@@ -319,7 +319,7 @@ impl<'m> PartReader<'m> {
 }
 
 impl PartDraft<'_> {
-    /// Takes out vertices that are not finite, with their faces. Returns how many vertices.
+    /// Removes vertices that are not finite, with their faces. Returns how many vertices.
     fn drop_nonfinite(&mut self) -> u64 {
         let keep: Vec<bool> = self.positions.iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
         let mut renumbered = Vec::with_capacity(keep.len());
@@ -346,7 +346,7 @@ impl PartDraft<'_> {
     }
 }
 
-/// For each vertex the first at the same position to the last bit; `None` when no two share one.
+/// For each vertex the first at the bit-identical position; `None` when no two share one.
 fn exact_ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     let bits = |i: u32| positions[i as usize].map(f64::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
@@ -360,7 +360,7 @@ fn exact_ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     is_tied.then_some(ids)
 }
 
-/// Sparse rows have to be in range and in order, or it is not clear what they replace.
+/// Checks that sparse rows are in range and in order; otherwise it is unclear what they replace.
 fn check_sparse(rows: &AccessorRows<'_>) -> Result<(), AccessorError> {
     let mut next = 0;
     for (i, index) in rows.sparse_indices().enumerate() {
@@ -381,7 +381,7 @@ fn at(error: AccessorError, pointer: &str, key: &str) -> ReadError {
     ReadError::new(error.code, FileLocation::Pointer(format!("{pointer}/{key}")), error.what)
 }
 
-/// Room for the rows of a block: what is needed for the first, more in advance for others.
+/// Reserves memory for the rows of a block: exactly for the first block, with spare capacity for others.
 fn reserve<T>(list: &mut Vec<T>, n: usize, pointer: &str) -> Result<(), ReadError> {
     let reserved = if list.is_empty() { list.try_reserve_exact(n) } else { list.try_reserve(n) };
     reserved.map_err(|_| {

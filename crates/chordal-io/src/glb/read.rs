@@ -10,13 +10,14 @@ use crate::scene::IDENTITY;
 use crate::{Axis, Content, FileLocation, Frame, Limits, Node, ReadError, ReadOutcome, Scene};
 use serde_json::Value;
 
-/// Bytes that one object of the JSON may take once it is read: a node with its transform takes the most.
+/// The most bytes that one object of the JSON takes once it is read: a node with its transform takes the
+/// most.
 const OBJECT_BYTES: u64 = 512;
 
-/// Issues that stay errors when the reader is lenient: the nodes would be no forest.
+/// Issues that stay errors when the reader is lenient, since the nodes would be no forest.
 const FOREST: [&str; 3] = ["NODE_LOOP", "NODE_PARENT_OVERRIDE", "SCENE_NON_ROOT_NODE"];
 
-/// Extensions that do not change the triangles; `*` stands for any ending.
+/// Extensions that do not change the triangles; `*` matches any ending.
 const HARMLESS: [&str; 14] = [
     "KHR_mesh_quantization",
     "KHR_materials_*",
@@ -36,25 +37,25 @@ const HARMLESS: [&str; 14] = [
 
 /// Reads GLB 2.0.
 ///
-/// Whatever gltf-validator calls an error, anywhere in the file, is refused with its code and JSON pointer;
-/// [`Limits::lenient`] turns into warnings what does not keep the triangles from being read. One part stands
-/// for one mesh of the file, with the triangles of all its primitives; vertices at bit-identical positions
-/// are tied. Positions are the stored numbers exactly, in the mesh's own space; nodes carry the transforms
-/// and [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes
-/// from `asset.extras.chordal`.
+/// Whatever gltf-validator calls an error, anywhere in the file, is refused with its code and JSON pointer.
+/// [`Limits::lenient`] turns errors into warnings if the triangles can be read all the same. Each mesh of the
+/// file becomes one part, with the triangles of all its primitives; vertices at bit-identical positions are
+/// tied. Positions are exactly the stored numbers, in the mesh's own space; nodes carry the transforms and
+/// [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
+/// `asset.extras.chordal`.
 ///
-/// Lists, strips and fans are read with any accessor that the format knows, sparse and quantized ones too.
-/// Points, lines, morph targets, skins, animations, cameras, materials and pictures are counted as warnings.
-/// Other files and the network are never looked at. Of levels of detail by `MSFT_lod` the first is read, and
-/// the others are counted; the certificate is that of the first, where [`super::write_levels`] wrote one for
+/// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points,
+/// lines, morph targets, skins, animations, cameras, materials and pictures are counted as warnings. The
+/// reader never opens other files or the network. Of levels of detail by `MSFT_lod` the first is read, and
+/// the others are counted. The certificate is that of the first, where [`super::write_levels`] wrote one for
 /// each.
 ///
 /// Linear in the size of the file and of what is decoded from it; the latter stays below [`Limits::bytes`].
 ///
 /// # Errors
-/// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is passed,
-/// an extension is required that is not known (Draco, meshopt), the triangles need another file, or what is
-/// said above.
+/// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is exceeded,
+/// an unknown extension is required (Draco, meshopt), the triangles need another file, or an error of
+/// gltf-validator.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -103,7 +104,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
 }
 
 fn parse_json(chunks: &container::GlbChunks<'_>, limits: &Limits) -> Result<JsonValue, ReadError> {
-    // A value takes sixteen times the bytes of its text at most, so that this keeps below the limit.
+    // A value takes at most sixteen times the bytes of its text, so this stays below the limit.
     let most = json::MAX_BYTES.min(limits.bytes / 16);
     if chunks.json.len() as u64 > most {
         let what = format!("the JSON has {} bytes, the limit is {most}", chunks.json.len());
@@ -117,15 +118,15 @@ fn parse_json(chunks: &container::GlbChunks<'_>, limits: &Limits) -> Result<Json
     Ok(json)
 }
 
-/// How many bytes may be decoded from a file, and looked at in it.
+/// The most bytes that are decoded from a file and checked in it.
 ///
-/// A byte of a file becomes eight at most, and few of them are read twice: 64 times the file and a quarter of
-/// a GiB are beyond what an honest file asks for, and keep a small one from asking for hours.
+/// A byte of a file becomes eight at most, and few of them are read twice. 64 times the file and a quarter of
+/// a GiB are beyond the needs of an honest file, and keep a small one from taking hours.
 fn budget(bytes: &[u8], limits: &Limits) -> u64 {
     limits.bytes.min((1 << 28) + 64 * bytes.len() as u64)
 }
 
-/// Whether the lists are short enough to be held.
+/// Checks that the lists are short enough to be held.
 fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
     let most = limits.rows.min(limits.bytes / OBJECT_BYTES);
     for (key, value) in json.entries() {
@@ -138,8 +139,8 @@ fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Rows that lie in no view are zeros that take no bytes of the file, so that only limits keep them from
-/// growing.
+/// Checks rows that lie in no view. They are zeros that take no bytes of the file, so only limits keep them
+/// from growing.
 fn check_zeros(model: &GltfModel<'_>, (limits, budget): (&Limits, u64)) -> Result<(), ReadError> {
     let mut left = budget;
     for (i, accessor) in model.accessors.iter().enumerate() {
@@ -173,7 +174,7 @@ fn is_harmless(name: &str) -> bool {
         .any(|known| known.strip_suffix('*').map_or(name == *known, |start| name.starts_with(start)))
 }
 
-/// Refuses extensions without which the triangles cannot be understood; counts others that are ignored.
+/// Refuses extensions without which the triangles cannot be understood; counts other ignored ones.
 fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(), ReadError> {
     if let Some(i) = model.extensions_required.iter().position(|name| !is_harmless(name)) {
         let place = FileLocation::Pointer(format!("/extensionsRequired/{i}"));
@@ -187,7 +188,7 @@ fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(
     Ok(())
 }
 
-/// Decides over the issues: the first is the error, or all become warnings.
+/// Evaluates the issues: the first is the error, or all become warnings.
 fn apply_issues(lint: GltfLint<'_>, limits: &Limits, report: &mut GlbWarnings) -> Result<(), ReadError> {
     let is_forgiven = |code: &str| {
         (limits.lenient && !FOREST.contains(&code))
@@ -202,7 +203,7 @@ fn apply_issues(lint: GltfLint<'_>, limits: &Limits, report: &mut GlbWarnings) -
     Ok(())
 }
 
-/// The nodes and the roots of the scene that is shown: the default one, else the first, else all nodes
+/// The nodes, and the roots of the scene that is shown: the default one, else the first, else all nodes
 /// without parents.
 fn read_scene(model: &GltfModel<'_>, lower: &LodNodes, report: &mut GlbWarnings) -> Scene {
     let n = model.nodes.len();
@@ -245,7 +246,7 @@ fn read_scene(model: &GltfModel<'_>, lower: &LodNodes, report: &mut GlbWarnings)
     Scene { nodes, roots, ..Scene::default() }
 }
 
-/// Takes the nodes out that are lower levels of detail. Returns the meshes that become parts: all but those
+/// Removes the nodes that are lower levels of detail. Returns the meshes that become parts: all but those
 /// that only such nodes show.
 fn keep_first_levels(scene: &mut Scene, model: &GltfModel<'_>, lower: &LodNodes) -> Vec<usize> {
     let n_meshes = model.meshes.len();
@@ -279,7 +280,7 @@ fn keep_first_levels(scene: &mut Scene, model: &GltfModel<'_>, lower: &LodNodes)
     kept
 }
 
-/// The certificate in a file: that of the first level, where there are several.
+/// The certificate in a file: that of the first level, if there are several.
 fn certificate(json: &JsonValue, lower: &LodNodes) -> Option<Value> {
     let extras = json.get("asset").and_then(|asset| asset.get("extras"));
     let found = extras.and_then(|extras| extras.get("chordal"))?;

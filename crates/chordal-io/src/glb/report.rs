@@ -1,7 +1,7 @@
-//! `GlbWarnings`: warnings, each kind once with its first place and its count.
+//! `GlbWarnings`: warnings, each kind once with its first location and its count.
 use crate::{FileLocation, Warning};
 
-/// What was odd.
+/// The warnings so far.
 #[derive(Default)]
 pub(super) struct GlbWarnings {
     pub warnings: Vec<Warning>,
@@ -13,7 +13,7 @@ impl GlbWarnings {
         self.add_many(code, 1, (place, message));
     }
 
-    /// Counts many; nothing when there are none.
+    /// Counts many; nothing for 0.
     pub fn add_many(
         &mut self,
         code: &'static str,

@@ -1,21 +1,20 @@
-//! `split`: attributes of corners and faces become attributes of vertices, which are doubled where they
-//! differ.
+//! `split`: moves attributes of corners and faces to vertices, which are duplicated where they differ.
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh};
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
-/// The same triangles with every attribute on vertices, as [`super::write`] writes them.
+/// Returns the same triangles with every attribute on vertices, as [`super::write`] writes them.
 ///
-/// glTF knows attributes of vertices only. A vertex whose corners disagree becomes several rows of one
+/// glTF has attributes of vertices only. A vertex whose corners disagree becomes several rows with one
 /// `position_id`: the first keeps its index, the others follow after all old vertices. Triangles keep their
 /// order.
 ///
-/// O(m log m) time for m faces, 8 bytes a corner of memory; nothing where all attributes are on vertices
+/// O(m log m) time for m faces, 8 bytes of memory per corner; free where all attributes are on vertices
 /// already.
 ///
 /// # Errors
-/// [`InvalidMesh`] when there are more vertices afterwards than a mesh can have.
+/// [`InvalidMesh`] when the result has more vertices than a mesh can have.
 pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     let loose: Vec<&Attribute> = mesh.attributes().iter().filter(|a| a.domain != Domain::Vertex).collect();
     if loose.is_empty() {
@@ -31,7 +30,7 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
             match (attribute.domain, corner) {
                 (Domain::Vertex, _) => values.extend_from_slice(attribute.row(vertex as usize)),
                 (_, Some(corner)) => values.extend_from_slice(row_of(attribute, corner)),
-                // No face uses this vertex, so that nothing was said about it.
+                // No face uses this vertex, so it has no value.
                 (_, None) => values.resize(values.len() + attribute.width, 0.0),
             }
         }
@@ -41,7 +40,7 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     Ok(Cow::Owned(out))
 }
 
-/// For each new vertex the old one and a corner that shows its attributes, and the faces over new vertices.
+/// For each new vertex the old one and a corner with its attributes, and the faces over new vertices.
 struct SplitRows {
     vertex: Vec<u32>,
     corner: Vec<Option<usize>>,
@@ -67,7 +66,7 @@ impl SplitRows {
         rows
     }
 
-    /// The number of a new kind of corner at a vertex.
+    /// Adds a row for a new kind of corner at a vertex and returns its index.
     fn add(&mut self, vertex: u32, corner: usize) -> u32 {
         let slot = &mut self.corner[vertex as usize];
         if slot.is_none() {
@@ -76,7 +75,7 @@ impl SplitRows {
         }
         self.vertex.push(vertex);
         self.corner.push(Some(corner));
-        // A wrapped number cannot pass unseen: with that many positions the mesh is refused.
+        // A wrapped index cannot go unnoticed: with that many positions the mesh is refused.
         (self.vertex.len() - 1) as u32
     }
 }

@@ -1,4 +1,4 @@
-//! `AccessorStream`: one accessor to be written: what it holds and how its numbers become bytes.
+//! `AccessorStream`: one accessor to be written: its rows, and how they become bytes.
 use crate::WriteError;
 use crate::snap::store;
 use chordal::Mesh;
@@ -6,18 +6,18 @@ use chordal::convert::IndexBuffer;
 use chordal::explicit::{Attribute, Semantic};
 use std::io::Write;
 
-/// Bytes that are gathered before they go to the sink.
+/// Bytes that are collected before they go to the sink.
 const BATCH: usize = 1 << 16;
 
 /// The rows of one accessor.
 pub(super) enum AccessorSource<'a> {
-    /// Fixed indices, two bytes each.
+    /// Indices of two bytes.
     Short(&'a Mesh),
-    /// Fixed indices, four bytes each.
+    /// Indices of four bytes.
     Long(&'a Mesh),
     /// Positions about an origin.
     Positions(&'a Mesh, [f64; 3]),
-    /// Unit vectors, the first three numbers of a row; a row without direction becomes the axis given.
+    /// Unit vectors, from the first three numbers of a row; a row without direction becomes the given axis.
     Unit(&'a Attribute, usize),
     /// Numbers as they are.
     Plain(&'a Attribute),
@@ -46,7 +46,7 @@ impl<'a> AccessorStream<'a> {
         Self { name: Some("POSITION".to_owned()), rows: AccessorSource::Positions(mesh, origin) }
     }
 
-    /// An attribute under the name that glTF has for it; texture and colour sets are numbered by the caller.
+    /// An attribute under its glTF name; the caller numbers texture and colour sets.
     pub fn attribute(attribute: &'a Attribute, set: usize) -> Result<Self, WriteError> {
         let (name, widths, rows): (_, &[usize], _) = match &attribute.semantic {
             Semantic::Normal => ("NORMAL".to_owned(), &[3], AccessorSource::Unit(attribute, 2)),
@@ -54,7 +54,7 @@ impl<'a> AccessorStream<'a> {
             Semantic::TexCoord(_) => (format!("TEXCOORD_{set}"), &[2], AccessorSource::Plain(attribute)),
             Semantic::Color(_) => (format!("COLOR_{set}"), &[3, 4], AccessorSource::Plain(attribute)),
             Semantic::Group(name) | Semantic::Custom(name) => {
-                // Names of one's own start with an underscore.
+                // Custom names start with an underscore.
                 let mark = if name.starts_with('_') { "" } else { "_" };
                 (format!("{mark}{name}"), &[1, 2, 3, 4, 9, 16], AccessorSource::Plain(attribute))
             }
@@ -93,7 +93,7 @@ impl<'a> AccessorStream<'a> {
         }
     }
 
-    /// The accessor's type.
+    /// The accessor type.
     pub fn kind(&self) -> &'static str {
         match self.width() {
             1 => "SCALAR",
@@ -179,7 +179,7 @@ pub(super) fn stored_bounds(mesh: &Mesh, origin: [f64; 3]) -> [[f64; 3]; 2] {
     bounds
 }
 
-/// The direction of the first three numbers, or an axis where there is none.
+/// The first three numbers normalized, or an axis where they have no direction.
 fn unit(row: &[f64], axis: usize) -> [f64; 3] {
     let longest = row[..3].iter().fold(0.0_f64, |m, x| if x.abs() > m { x.abs() } else { m });
     let scaled: [f64; 3] = std::array::from_fn(|k| row[k] / longest);
@@ -187,11 +187,11 @@ fn unit(row: &[f64], axis: usize) -> [f64; 3] {
     if longest.is_finite() && length >= 1.0 {
         return scaled.map(|x| x / length);
     }
-    // Zero, infinite or NaN: the vertex has no direction, and a unit vector is all that the format allows.
+    // Zero, infinite or NaN: the vertex has no direction, but the format requires a unit vector.
     std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 })
 }
 
-/// Whether single precision can hold the values as the meaning wants them.
+/// Checks that single precision can hold the values, and that they fit the semantic.
 fn check_values(name: &str, attribute: &Attribute) -> Result<(), WriteError> {
     let fits = |x: f64| match attribute.semantic {
         Semantic::Color(_) => (0.0..=1.0).contains(&x),

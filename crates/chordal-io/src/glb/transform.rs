@@ -1,22 +1,22 @@
-//! Transforms of nodes: column-major matrices, and what glTF lets a node say.
+//! Transforms of nodes: column-major matrices, and their glTF node properties.
 use crate::scene::IDENTITY;
 use serde_json::{Map, Value, json};
 
-/// (x, y, z) → (x, z, −y): the third axis up becomes the second axis up, without rounding.
+/// (x, y, z) → (x, z, −y): maps z-up to y-up, without rounding.
 pub(super) const Z_UP_TO_Y_UP: [f64; 16] =
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// The difference of column sums by which gltf-validator tells matrices with shear.
+/// The difference of column sums from which gltf-validator detects shear.
 const SHEAR_LIMIT: f64 = 0.00005;
 
-/// What nodes say for a matrix, outermost first and at least one; `None` when it has shear, no inverse or a
-/// perspective row.
+/// The properties of the nodes for a matrix, outermost first and at least one. `None` when it has shear, no
+/// inverse or a perspective row.
 ///
-/// One node is enough unless the validator, whose limit is an absolute one, would take the rounding of a
-/// large matrix for shear. Then a first node holds translation and a power of two, by which the second is
+/// One node is enough unless the validator, whose limit is absolute, would take the rounding of a large
+/// matrix for shear. Then a first node holds the translation and a power of two, by which the second is
 /// scaled down.
 pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Value>>> {
-    // Adding zero takes the sign from −0, which JSON would show.
+    // Adding zero removes the sign of −0, which JSON would show.
     let m = matrix.map(|x| x + 0.0);
     if m.iter().any(|x| !x.is_finite()) {
         return None;
@@ -31,7 +31,7 @@ pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Valu
         return Some(vec![object("matrix", json!(m))]);
     }
     let largest = linear.concat().into_iter().fold(0.0, |a, x| if x.abs() > a { x.abs() } else { a });
-    // The exponent without the fraction: a power of two, so that scaling is exact.
+    // Masks out the fraction: a power of two, so scaling is exact.
     let power = f64::from_bits(largest.to_bits() & 0x7FF0_0000_0000_0000);
     if power == 0.0 {
         return None;
@@ -42,7 +42,7 @@ pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Valu
     is_trs(&inner).then(|| vec![place([m[12], m[13], m[14]], [power; 3]), object("matrix", json!(inner))])
 }
 
-/// Translation and scale, each left out where it does nothing.
+/// Translation and scale, each omitted where it is the identity.
 fn place(translation: [f64; 3], scale: [f64; 3]) -> Map<String, Value> {
     let mut map = Map::new();
     if translation != [0.0; 3] {
@@ -58,14 +58,14 @@ fn object(key: &str, value: Value) -> Map<String, Value> {
     std::iter::once((key.to_owned(), value)).collect()
 }
 
-/// Whether a matrix changes nothing in single precision.
+/// Whether a matrix is the identity in single precision.
 #[allow(clippy::cast_possible_truncation)]
 pub(super) fn is_identity(matrix: &[f64; 16]) -> bool {
     matrix.map(|x| f64::from(x as f32)) == IDENTITY
 }
 
-/// Whether a matrix is a translation, a rotation and a scale, as gltf-validator sees it: it decomposes the
-/// matrix in single precision and compares the largest column sum of what it composes again.
+/// Whether a matrix is a translation, a rotation and a scale by gltf-validator's test: it decomposes the
+/// matrix in single precision and compares the largest column sum of the recomposed matrix.
 ///
 /// Source: glTF-Validator, NODE_MATRIX_NON_TRS.
 #[allow(clippy::cast_possible_truncation)]
@@ -141,7 +141,7 @@ fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [f64; 9] {
     ]
 }
 
-/// The matrix of a translation after a rotation after a scale.
+/// The matrix that scales, then rotates, then translates.
 pub(super) fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> [f64; 16] {
     let r = rotation_matrix(rotation);
     let mut m = IDENTITY;

@@ -1,8 +1,8 @@
-//! Lists, strips and fans of corners into triangles.
+//! Converts triangle lists, strips and fans to triangles.
 
 /// The corners of a primitive.
 pub(super) enum PrimitiveIndices {
-    /// So many vertices from this one on.
+    /// The first vertex, and the number of consecutive vertices.
     Range(u32, u32),
     /// Vertices by their index.
     List(Vec<u32>),
@@ -23,18 +23,18 @@ impl PrimitiveIndices {
         }
     }
 
-    /// The most triangles that can come of them.
+    /// The most triangles that they can form.
     pub fn n_triangles(&self) -> u64 {
         self.len() as u64
     }
 }
 
-/// What made no triangle.
+/// Corners and triangles that were left out.
 #[derive(Default)]
 pub(super) struct SkippedTriangles {
-    /// Corners at the end that are too few for one more triangle.
+    /// Corners at the end that are too few for another triangle.
     pub unused: u64,
-    /// Triangles of strips and fans with a repeated index, which only join two runs.
+    /// Degenerate triangles of strips and fans, which only join two runs.
     pub degenerate: u64,
 }
 
@@ -53,7 +53,7 @@ pub(super) fn triangles(corners: &PrimitiveIndices, mode: u64, out: &mut Vec<[u3
     }
     for i in 0..n - 2 {
         let [a, b, c] = match mode {
-            // Every second triangle of a strip is turned, so that all face the same way.
+            // Every second triangle of a strip is flipped, so that all have the same orientation.
             5 => [i, i + 1 + i % 2, i + 2 - i % 2],
             _ => [i + 1, i + 2, 0],
         }

@@ -7,22 +7,22 @@ use std::io::Write;
 
 /// Writes a scene as GLB 2.0, the same bytes for the same scene.
 ///
-/// Positions are f32 about the part's origin, as [`crate::snap()`] gives them: a mesh that was snapped is
-/// kept to the last bit, another one is rounded by what `snap` says. Indices are u16 up to 65535 vertices,
-/// then u32. OfCorners attributes are written as f32; normals and tangents are scaled to unit length, and one
-/// without a direction becomes an axis. Attributes of corners and faces double the vertices where they
-/// differ. Meshes with a boundary get a two-sided material. The certificate goes to `asset.extras.chordal`.
+/// Positions are f32 about the part's origin, as in [`crate::snap()`]: a snapped mesh is kept to the last
+/// bit, another one is rounded as `snap` would. Indices are u16 up to 65535 vertices, then u32. Attributes
+/// are written as f32; normals and tangents are scaled to unit length, and one without a direction becomes an
+/// axis. Vertices are duplicated where attributes of corners and faces differ. Meshes with a boundary get a
+/// two-sided material. The certificate goes to `asset.extras.chordal`.
 ///
-/// glTF is y-up and in metres: a z-up scene gets a root node with the exact matrix (x, y, z) → (x, z, −y),
+/// glTF is y-up and in metres. A z-up scene gets a root node with the exact matrix (x, y, z) → (x, z, −y),
 /// and a known unit other than the metre a node that scales. An unknown frame is left alone. A part without
-/// any vertex leaves its node without a mesh.
+/// vertices leaves its node without a mesh.
 ///
-/// Beside the scene it takes memory for split meshes only.
+/// Beside the scene, only split meshes take memory.
 ///
 /// # Errors
 /// [`WriteError::Io`] when the sink fails. [`WriteError::Unsupported`] when coordinates overflow single
 /// precision, a part has vertices and no triangles, an attribute has values or a width that glTF lacks, nodes
-/// are no forest, a transform has shear, or the file would pass 4 GiB.
+/// are no forest, a transform has shear, or the file would exceed 4 GiB.
 ///
 /// ```
 /// use chordal::Mesh;

@@ -8,18 +8,18 @@ use crate::{FileLocation, ReadError};
 
 /// Bytes of the header of version 1 and of version 2.
 const SIZES: [usize; 2] = [348, 540];
-/// Bytes that say whether something follows the header, before samples can start.
+/// Bytes that say whether anything follows the header, before the samples.
 const EXTENDER: usize = 4;
 /// The most bytes of a header.
 pub(super) const MOST: usize = SIZES[1];
 
-/// What a header says.
+/// The fields of a header.
 pub(super) struct NiftiHeader {
     pub endian: Endian,
     pub element: SampleType,
-    /// `dim`: how many axes there are, then their sizes.
+    /// `dim`: the number of axes, then their sizes.
     pub dim: [i64; 8],
-    /// The byte at which `dim` stands.
+    /// The byte offset of `dim`.
     pub dim_at: usize,
     pub bits: i64,
     pub bits_at: usize,
@@ -42,7 +42,7 @@ pub(super) struct NiftiHeader {
     pub rows_at: usize,
 }
 
-/// Which version some bytes are of, and in which byte order, by the size that they start with.
+/// Detects version and byte order from the header size, which the first bytes hold.
 fn kind(bytes: &[u8]) -> Option<(usize, Endian)> {
     let first: [u8; 4] = bytes.get(..4)?.try_into().ok()?;
     let is = |size: usize, number: i32| size as i64 == i64::from(number);
@@ -55,7 +55,7 @@ fn kind(bytes: &[u8]) -> Option<(usize, Endian)> {
     })
 }
 
-/// Whether bytes look like a NIfTI file that is not packed.
+/// Whether bytes look like a NIfTI file that is not gzipped.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     match kind(bytes) {
         Some((0, _)) => bytes.get(344..348).is_some_and(|magic| magic == b"n+1\0" || magic == b"ni1\0"),
@@ -68,7 +68,7 @@ pub(super) fn header_error(code: &'static str, at: usize, message: impl Into<Str
     ReadError::new(code, FileLocation::Byte(at as u64), message)
 }
 
-/// Fields of a header, whose length was checked.
+/// Access to the fields of a header, whose length was checked.
 struct NiftiFields<'a> {
     bytes: &'a [u8],
     endian: Endian,
@@ -104,10 +104,10 @@ impl NiftiFields<'_> {
 }
 
 impl NiftiHeader {
-    /// The header in the first bytes of an unpacked file.
+    /// Parses the header in the first bytes of an unpacked file.
     ///
     /// # Errors
-    /// When it is none, is of a pair of files, or of a type of samples that is not read.
+    /// When it is no header, belongs to a pair of files, or has a sample type that is not read.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, ReadError> {
         let Some((version, endian)) = kind(bytes) else {
             let message = "a NIfTI file starts with the size of its header, 348 or 540, in either byte order";
@@ -151,7 +151,7 @@ impl NiftiHeader {
     }
 
     fn second(f: &NiftiFields) -> Result<Self, ReadError> {
-        // Offsets that f64 does not hold are beyond any file.
+        // Offsets beyond the integers of f64 are beyond any file.
         let start = f.i64(168) as f64;
         Ok(Self {
             endian: f.endian,
@@ -202,14 +202,14 @@ fn check_magic(bytes: &[u8], version: usize) -> Result<(), ReadError> {
     }
 }
 
-/// Where samples start.
+/// The byte at which samples start.
 fn offset(start: f64, at: usize, size: usize) -> Result<u64, ReadError> {
     let least = size + EXTENDER;
-    // 0 stands for the earliest place there is.
+    // 0 stands for the earliest possible offset.
     if start == 0.0 {
         return Ok(least as u64);
     }
-    // Beyond 2⁵³ there are no files, and f64 holds no odd numbers.
+    // No file is larger than 2⁵³ bytes, and f64 holds no odd numbers beyond.
     let is_place = start.fract() == 0.0 && start >= least as f64 && start < 9_007_199_254_740_992.0;
     if !is_place {
         let message = format!("samples cannot start at byte {start}: the header takes {least} bytes");
@@ -218,7 +218,7 @@ fn offset(start: f64, at: usize, size: usize) -> Result<u64, ReadError> {
     Ok(start as u64)
 }
 
-/// The type of samples, by its number in the standard.
+/// The sample type of a number of the standard.
 fn element(code: i64, at: usize) -> Result<SampleType, ReadError> {
     let name = match code {
         2 => return Ok(SampleType::U8),

@@ -1,10 +1,10 @@
-//! Where the samples of a NIfTI file are: its sform, else its qform, else the steps between its samples.
+//! Orientation of a NIfTI volume: its sform, else its qform, else the steps between its samples.
 use super::header::{NiftiHeader, header_error};
 use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
 use chordal::implicit::Affine3;
 
-/// The map from indices to the patient: the first of what the standard offers that the file has.
+/// The map from indices to patient coordinates: the first of the standard's three methods that the file has.
 ///
 /// # Errors
 /// When it is singular, or a number in it is not finite.
@@ -28,7 +28,7 @@ pub(super) fn affine(header: &NiftiHeader, warnings: &mut Warnings) -> Result<Af
         .map_err(|error| refused(header.pixdim_at, &error))
 }
 
-/// The steps between samples, which are lengths.
+/// The steps between samples, checked to be positive and finite.
 fn steps(header: &NiftiHeader) -> Result<[f64; 3], ReadError> {
     let mut steps = [0.0; 3];
     for (axis, step) in steps.iter_mut().enumerate() {
@@ -41,7 +41,7 @@ fn steps(header: &NiftiHeader) -> Result<[f64; 3], ReadError> {
     Ok(steps)
 }
 
-/// Rows of the map of a unit quaternion (a, b, c, d), of which a is not stored: "method 2" of `nifti1.h`.
+/// Rows of the map of a unit quaternion (a, b, c, d), whose a is not stored: "method 2" of `nifti1.h`.
 fn by_quaternion(header: &NiftiHeader, [x, y, z]: [f64; 3]) -> Result<[[f64; 4]; 3], ReadError> {
     let [mut b, mut c, mut d] = header.quaternion;
     let squares = b * b + c * c + d * d;
@@ -52,8 +52,8 @@ fn by_quaternion(header: &NiftiHeader, [x, y, z]: [f64; 3]) -> Result<[[f64; 4];
             "the quaternion of the qform is not finite",
         ));
     }
-    // Below this, a is noise of b, c and d, which are single precision: derived, 2⁻²³, as the standard's own
-    // code has it.
+    // Below this, a is noise of b, c and d, which are single precision: derived, 2⁻²³, as in the standard's
+    // own code.
     const NOISE: f64 = 1e-7;
     let mut a = 1.0 - squares;
     if a < NOISE {
@@ -62,7 +62,7 @@ fn by_quaternion(header: &NiftiHeader, [x, y, z]: [f64; 3]) -> Result<[[f64; 4];
     } else {
         a = a.sqrt();
     }
-    // The first of the steps says whether the third axis is turned round.
+    // The sign of the first entry says whether the third axis is flipped.
     let z = if header.pixdim[0] < 0.0 { -z } else { z };
     let [p, q, r] = header.shift;
     Ok([

@@ -9,15 +9,14 @@ use crate::warnings::Warnings;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::{Grid, Samples};
 
-/// The volume of a NIfTI file, packed by gzip or not, in the patient's coordinates: x to the right, y to the
-/// front, z to the head ("RAS"), as the file's affine says: sform before qform before plain steps. Numbers
-/// are scaled as the header says. Of a file of several volumes, [`Limits::index`] names the one to read.
+/// Reads the volume of a NIfTI file, gzipped or not, in patient coordinates: x to the right, y to the front,
+/// z to the head ("RAS"). The file's affine map is its sform, else its qform, else plain steps. Numbers are
+/// scaled as the header says. In a file of several volumes, [`Limits::index`] chooses one.
 ///
-/// Memory grows with what is unpacked, which ends at [`Limits::bytes`] and at what the header declares.
+/// Memory grows with what is unpacked, which is limited by [`Limits::bytes`] and by what the header declares.
 ///
 /// # Errors
-/// [`ReadError`] at the byte: of the unpacked file for what its header says, of the packed one for its
-/// samples.
+/// [`ReadError`] at the byte: of the unpacked file for header errors, of the packed file for sample errors.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let mut stream = if bytes.starts_with(&MAGIC) {
@@ -70,7 +69,7 @@ fn is_wide(first: &[u8; header::MOST]) -> bool {
         || [first[0], first[1], first[2], first[3]] == 540_i32.to_be_bytes()
 }
 
-/// The size of one volume, and where the one that is wanted stands.
+/// The size of one volume, and the layout of the chosen one.
 fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLayout), ReadError> {
     let place = FileLocation::Byte(header.dim_at as u64);
     let axes = header.dim[0];
@@ -101,7 +100,7 @@ fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLa
     ))
 }
 
-/// The volume that is wanted of several.
+/// The index of the chosen volume.
 pub(crate) fn which(volumes: u64, limits: &Limits, place: &FileLocation) -> Result<u64, ReadError> {
     match limits.index {
         None if volumes > 1 => {
@@ -127,7 +126,7 @@ fn check_bits(header: &NiftiHeader, warnings: &mut Warnings) {
     }
 }
 
-/// The samples as the header scales them. A slope of 0 stands for none.
+/// The samples scaled as the header says. A slope of 0 means no scaling.
 fn scaled(stored: Samples, header: &NiftiHeader, warnings: &mut Warnings) -> Result<Samples, ReadError> {
     let (slope, inter) = (header.slope, header.inter);
     if slope == 0.0 || (slope == 1.0 && inter == 0.0) {
@@ -143,7 +142,7 @@ fn scaled(stored: Samples, header: &NiftiHeader, warnings: &mut Warnings) -> Res
     samples::scaled(&stored, slope, inter)
 }
 
-/// The length of one unit, by the number that the standard has for it.
+/// The length of one unit in metres, by its number in the standard.
 fn unit(header: &NiftiHeader, warnings: &mut Warnings) -> Option<f64> {
     match header.units & 7 {
         1 => Some(1.0),
@@ -160,7 +159,7 @@ fn unit(header: &NiftiHeader, warnings: &mut Warnings) -> Option<f64> {
     }
 }
 
-/// Whether some packed or plain bytes start like a NIfTI file.
+/// Whether bytes start like a NIfTI file, gzipped or not.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     header::looks_like(&crate::volume::gunzip::peek(bytes, 348))
 }

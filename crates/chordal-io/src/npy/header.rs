@@ -1,17 +1,17 @@
-//! The header of a `.npy` file: a Python dictionary of three entries, read without Python.
+//! The header of a `.npy` file: a Python dictionary of three entries, parsed without Python.
 use super::MAGIC;
 use crate::text::{show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, Limits, ReadError};
 
-/// What the header says.
+/// The fields of the header.
 pub(super) struct NpyHeader {
     pub element: SampleType,
     pub endian: Endian,
     /// Whether the first index runs fastest.
     pub fortran_order: bool,
     pub shape: Vec<i64>,
-    /// Where the shape stands.
+    /// The location of the shape.
     pub shape_place: FileLocation,
     /// The byte at which samples start.
     pub end: usize,
@@ -22,10 +22,10 @@ fn header_error(at: usize, message: impl Into<String>) -> ReadError {
 }
 
 impl NpyHeader {
-    /// The header at the start of a file.
+    /// Parses the header at the start of a file.
     ///
     /// # Errors
-    /// When it is none, or of a type of samples that is not read.
+    /// When it is no header, or has a sample type that is not read.
     pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let cut = || {
             let message = format!("the file ends in its header, after {} bytes", bytes.len());
@@ -59,11 +59,11 @@ impl NpyHeader {
     }
 }
 
-/// The dictionary, read from left to right.
+/// A parser for the dictionary, from left to right.
 struct NpyDictionary<'a> {
     text: &'a [u8],
     at: usize,
-    /// Where the text stands in the file.
+    /// The byte of the file at which the text starts.
     start: usize,
 }
 
@@ -163,7 +163,7 @@ impl<'a> NpyDictionary<'a> {
             let digits = word.strip_suffix(b"L").unwrap_or(word);
             let number = crate::text::integer(digits)
                 .map_err(|_| header_error(at, format!("{} is no number of samples", show(word))))?;
-            // No array has more axes than that.
+            // No array has more axes than 64.
             if all.len() == 64 {
                 return Err(header_error(at, "more than 64 axes"));
             }

@@ -7,5 +7,5 @@ pub use read::read;
 pub use write::write;
 pub(crate) use write::write_samples;
 
-/// What every such file starts with.
+/// The first bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";

@@ -7,14 +7,14 @@ use crate::warnings::Warnings;
 use crate::{Content, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::{Affine3, Grid};
 
-/// The volume of an array `a[i, j, k]`, whose sample stands at x = i, y = j, z = k: neither turned nor
-/// copied, in whichever order its indices run.
+/// Reads the volume of an array `a[i, j, k]`. Its sample is at x = i, y = j, z = k, in whichever order its
+/// indices run: neither rotated nor copied.
 ///
 /// Numbers of 64 bits become 32 bits where all of them fit, else f64 where that holds all of them exactly.
 ///
 /// # Errors
-/// [`ReadError`] at the byte: for arrays that have not three axes, of records, of complex numbers, or of
-/// Python objects, which nothing here ever runs.
+/// [`ReadError`] at the byte: for arrays that do not have three axes, and arrays of records, of complex
+/// numbers, or of Python objects, which are never executed.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, npy};
@@ -47,10 +47,10 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Volume(Volume::from_grid(grid)), warnings: warnings.into_list() })
 }
 
-/// Lattice index (k, j, i) is the point (i, j, k).
+/// Maps lattice index (k, j, i) to the point (i, j, k).
 pub(super) fn reversed() -> Affine3 {
     let rows = [[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
-    // A permutation flattens nothing.
+    // A permutation is never singular.
     Affine3::new(rows).unwrap_or(Affine3::IDENTITY)
 }
 

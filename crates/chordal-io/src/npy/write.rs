@@ -5,10 +5,10 @@ use crate::{Volume, WriteError};
 use chordal::implicit::{Affine3, Samples};
 use std::io::Write;
 
-/// Writes the samples as an array of version 1, little-endian. `a[i, j, k]` is what stands at x = i, y = j, z
-/// = k where the volume was read from such a file; elsewhere it is the sample of lattice index (i, j, k), in
-/// Fortran's order. Spacing, place and unit are not written: the format has none. Where a volume has some,
-/// [`crate::nrrd`] holds them.
+/// Writes the samples as an array of version 1, little-endian. If the volume was read from such a file,
+/// `a[i, j, k]` is the sample at x = i, y = j, z = k. Otherwise it is the sample of lattice index (i, j, k),
+/// in Fortran order. Spacing, origin and unit are not written, since the format has none; [`crate::nrrd`]
+/// holds them.
 ///
 /// # Errors
 /// When the sink fails.
@@ -41,25 +41,25 @@ pub fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), WriteError> {
     let [x, y, z] = shape;
     let mut header =
         format!("{{'descr': '{types}', 'fortran_order': {order}, 'shape': ({x}, {y}, {z}), }}").into_bytes();
-    // Magic, version and length take 10 bytes; samples start at a multiple of 64, after a new line.
+    // Magic, version and length take 10 bytes. Samples start at a multiple of 64, after a line feed.
     let padding = 63 - (10 + header.len()) % 64;
     header.resize(header.len() + padding, b' ');
     header.push(b'\n');
     out.write_all(MAGIC)?;
     out.write_all(&[1, 0])?;
-    // At most some hundred bytes.
+    // The length is at most some hundred bytes.
     out.write_all(&(header.len() as u16).to_le_bytes())?;
     out.write_all(&header)?;
     write_samples(volume.grid.samples(), out)
 }
 
-/// Whether the axes of two lattices run the same ways, in equal steps or not.
+/// Whether the axes of two lattices have the same directions, with equal steps or not.
 fn same_axes(a: &Affine3, b: &Affine3) -> bool {
     let along = |step: [f64; 3]| step.map(|x| if x == 0.0 { 0.0 } else { x.signum() });
     a.steps().map(along) == b.steps().map(along)
 }
 
-/// The bytes of all samples, the lowest of each first.
+/// Writes the bytes of all samples, little-endian.
 pub(crate) fn write_samples(samples: &Samples, out: &mut dyn Write) -> Result<(), WriteError> {
     fn put<const N: usize, T: Copy>(
         all: &[T],
@@ -87,5 +87,5 @@ pub(crate) fn write_samples(samples: &Samples, out: &mut dyn Write) -> Result<()
     }
 }
 
-/// Samples that are written at once.
+/// The number of samples written at once.
 const CHUNK: usize = 1 << 13;

@@ -1,18 +1,18 @@
-//! The header of a NRRD file: lines of `field: value`, `key:=value` and `# comment`, up to an empty one.
+//! The header of a NRRD file: lines of `field: value`, `key:=value` and `# comment`, up to an empty line.
 use super::{CERTIFICATE, MAGIC};
 use crate::text::{LineTokens, TextLines, finite, integer, number, number_error, show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, Limits, ReadError};
 use serde_json::Value;
 
-/// A value with the line that it stands in.
+/// A value with its line number.
 #[derive(Clone, Debug)]
 pub(super) struct NrrdField<T> {
     pub value: T,
     pub line: u64,
 }
 
-/// How samples are written.
+/// How samples are encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NrrdEncoding {
     Raw,
@@ -20,7 +20,7 @@ pub(super) enum NrrdEncoding {
     Gzip,
 }
 
-/// What the header says; fields that say nothing of where samples are were skipped.
+/// The fields of the header; fields that do not describe the samples were skipped.
 #[derive(Default)]
 pub(super) struct NrrdHeader {
     pub element: Option<SampleType>,
@@ -30,10 +30,10 @@ pub(super) struct NrrdHeader {
     pub sizes: Option<NrrdField<Vec<i64>>>,
     pub space: Option<NrrdField<String>>,
     pub space_dimension: Option<NrrdField<i64>>,
-    /// One step for each axis; none for an axis that is not of space.
+    /// One step for each axis; none for an axis outside space.
     pub directions: Option<NrrdField<Vec<Option<[f64; 3]>>>>,
     pub origin: Option<NrrdField<[f64; 3]>>,
-    /// NaN for an axis that is not of space.
+    /// NaN for an axis outside space.
     pub spacings: Option<NrrdField<Vec<f64>>>,
     pub mins: Option<u64>,
     pub kinds: Option<NrrdField<Vec<String>>>,
@@ -42,7 +42,7 @@ pub(super) struct NrrdHeader {
     pub line_skip: u64,
     pub byte_skip: i64,
     pub certificate: Option<Value>,
-    /// The line that says which lines came.
+    /// The last line that was read, where missing fields are reported.
     pub last_line: u64,
     /// The byte at which the samples start.
     pub end: usize,
@@ -57,10 +57,10 @@ fn unsupported(line: u64, message: impl Into<String>) -> ReadError {
 }
 
 impl NrrdHeader {
-    /// The header at the start of a file.
+    /// Parses the header at the start of a file.
     ///
     /// # Errors
-    /// At the line that is wrong, or asks for what is not read.
+    /// At the line that is wrong or not supported.
     pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let magic = bytes.get(..8).filter(|magic| magic.starts_with(MAGIC));
         if !magic.is_some_and(|magic| (b'1'..=b'5').contains(&magic[7])) {
@@ -113,7 +113,7 @@ impl NrrdHeader {
                 format!("field {} is there twice, or without a name", show(&name)),
             ));
         }
-        // There are some thirty fields.
+        // The format has some thirty fields.
         if seen.len() > 100 {
             return Err(header_error(line, "more than 100 fields"));
         }
@@ -176,7 +176,7 @@ impl NrrdHeader {
             }
             b"spaceunits" | b"units" => {
                 let units = quoted(value);
-                // Those of space are the ones that count where both are there.
+                // The units of space have priority where both are given.
                 if name == b"spaceunits" || self.units.is_none() {
                     self.units = Some(NrrdField { value: units, line });
                 }
@@ -202,7 +202,7 @@ impl NrrdHeader {
                 );
                 return Err(ReadError::new("detached", FileLocation::Line(line), message));
             }
-            // Fields that say nothing of where samples are and what they hold.
+            // Fields that do not describe the position or value of samples.
             b"blocksize" | b"min" | b"max" | b"oldmin" | b"oldmax" | b"number" | b"sampleunits"
             | b"labels" | b"thicknesses" | b"centers" | b"centerings" | b"measurementframe" => {}
             _ => return Err(header_error(line, format!("{} is no field that is known", show(name)))),
@@ -211,7 +211,7 @@ impl NrrdHeader {
     }
 }
 
-/// `\n` and `\\` in values of keys stand for a line's end and a backslash.
+/// Replaces `\n` and `\\` in values of keys by a line feed and a backslash.
 fn unescaped(value: &[u8]) -> Vec<u8> {
     let mut all = Vec::with_capacity(value.len());
     let mut bytes = value.iter();
@@ -231,18 +231,18 @@ fn unescaped(value: &[u8]) -> Vec<u8> {
     all
 }
 
-/// `"mm" "mm" "mm"`
+/// Parses `"mm" "mm" "mm"`.
 fn quoted(value: &[u8]) -> Vec<String> {
     let texts = value.split(|b| *b == b'"').skip(1).step_by(2);
     texts.map(|text| String::from_utf8_lossy(text).trim().to_owned()).collect()
 }
 
-/// `(1,0,0) none (0,1,0)`
+/// Parses `(1,0,0) none (0,1,0)`.
 fn directions(value: &[u8], line: u64) -> Result<Vec<Option<[f64; 3]>>, ReadError> {
     let mut rest = trim(value);
     let mut all = Vec::new();
     while !rest.is_empty() {
-        // There are no more axes in any file.
+        // No file has more axes.
         if all.len() == 16 {
             return Err(header_error(line, "more than 16 axes"));
         }
@@ -258,7 +258,7 @@ fn directions(value: &[u8], line: u64) -> Result<Vec<Option<[f64; 3]>>, ReadErro
     Ok(all)
 }
 
-/// `(1,0,0)` at the start of a text, and what follows it.
+/// Parses `(1,0,0)` at the start of a text. Returns the rest too.
 fn vector(text: &[u8], line: u64) -> Result<([f64; 3], &[u8]), ReadError> {
     let text = trim(text);
     let inner = text.strip_prefix(b"(").and_then(|rest| {

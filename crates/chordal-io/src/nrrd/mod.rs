@@ -10,7 +10,7 @@ mod write;
 pub use read::read;
 pub use write::write;
 
-/// What every such file starts with, before a digit for its version.
+/// The first bytes of a file, before a digit for its version.
 pub(crate) const MAGIC: &[u8] = b"NRRD000";
 /// The key of the certificate.
 const CERTIFICATE: &str = "chordal";

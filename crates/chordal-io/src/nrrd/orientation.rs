@@ -1,4 +1,4 @@
-//! Where the samples of a NRRD file are, and in which space.
+//! Orientation of a NRRD volume: the map from indices to space, and which space it is.
 use super::fields::{NrrdField, NrrdHeader};
 use crate::warnings::Warnings;
 use crate::{Axis, FileLocation, Frame, ReadError};
@@ -11,7 +11,7 @@ fn singular(line: u64, message: impl Into<String>) -> ReadError {
 /// The map from the indices of the three axes of space: directions and origin, else spacings.
 ///
 /// # Errors
-/// When it is singular, or does not speak of three axes.
+/// When it is singular, or does not have three axes.
 pub(super) fn affine(
     fields: &NrrdHeader,
     axes: [usize; 3],
@@ -57,10 +57,10 @@ pub(super) fn affine(
     Affine3::new([row(0), row(1), row(2)]).map_err(|error| singular(line, error.to_string()))
 }
 
-/// What is known of the space, and what its axes are called.
+/// The frame, and the name of its axes.
 ///
 /// # Errors
-/// When it has other than three axes.
+/// When it does not have three axes.
 pub(super) fn space(
     fields: &NrrdHeader,
     warnings: &mut Warnings,
@@ -101,7 +101,7 @@ pub(super) fn space(
     Ok((frame, Some(name.to_owned())))
 }
 
-/// The length of one unit, where all axes name the same that is known.
+/// The length of one unit in metres, if all axes have the same known unit.
 fn unit(fields: &NrrdHeader) -> Option<f64> {
     let units = &fields.units.as_ref()?.value;
     let named: Vec<&String> = units.iter().filter(|unit| !unit.is_empty() && *unit != "???").collect();

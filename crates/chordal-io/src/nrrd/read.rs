@@ -12,11 +12,10 @@ use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::{Grid, Samples};
 
-/// The volume of a NRRD file, in the space of the file: its directions and origin place the samples,
-/// whichever of RAS, LPS or another space they are given in. Nothing is turned; [`Volume::space`] says which
-/// it is.
+/// Reads the volume of a NRRD file, in the space of the file. Its directions and origin place the samples,
+/// whether in RAS, LPS or another space. Nothing is rotated; [`Volume::space`] names the space.
 ///
-/// An axis that is not of space (colours, times) makes several volumes, of which [`Limits::index`] names one.
+/// An axis outside space (colours, times) makes several volumes, of which [`Limits::index`] chooses one.
 ///
 /// # Errors
 /// [`ReadError`] at the line of the header, or at the byte; also for samples in another file, which no reader
@@ -70,7 +69,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
-/// The sizes of all axes, as many as there are said to be.
+/// The sizes of all axes, checked against the declared number of axes.
 fn sizes(fields: &NrrdHeader) -> Result<NrrdField<Vec<i64>>, ReadError> {
     let missing = |what: &str| {
         ReadError::new(
@@ -88,7 +87,7 @@ fn sizes(fields: &NrrdHeader) -> Result<NrrdField<Vec<i64>>, ReadError> {
     Ok(sizes)
 }
 
-/// The axes of space, and the one that is not.
+/// The axes of space, and the one outside space.
 fn axes(
     fields: &NrrdHeader,
     sizes: &[i64],
@@ -111,14 +110,14 @@ fn axes(
         kinds.value.iter().position(|kind| known(&kind) && !is_space(kind))
     };
     let by_spacing = || fields.spacings.as_ref().and_then(|all| all.value.iter().position(|x| x.is_nan()));
-    // Where nothing says which, the slowest.
+    // If nothing says which, the slowest axis.
     let list = by_direction.or_else(by_kind).or_else(by_spacing).filter(|axis| *axis < 4).unwrap_or(3);
     let mut axes = (0..4).filter(|axis| *axis != list);
     let mut next = || axes.next().unwrap_or(0);
     Ok(([next(), next(), next()], Some(list)))
 }
 
-/// How to read on.
+/// What decoding the samples needs.
 struct DecodeContext<'a> {
     encoding: NrrdEncoding,
     limits: &'a Limits,
@@ -138,7 +137,7 @@ fn samples_of(
             let mut stream = SampleStream::plain(bytes, start);
             let declared = layout.bytes().unwrap_or(u64::MAX);
             let left = (bytes.len() - start) as u64;
-            // Counted from the end where the header says -1.
+            // The header says -1 to count from the end.
             let skip = skipped.unwrap_or(left.saturating_sub(declared));
             if stream.skip(skip)? < skip {
                 return Err(stream.truncated(0, declared));
@@ -165,7 +164,7 @@ fn samples_of(
     }
 }
 
-/// The byte after as many lines as the header says to skip.
+/// The byte after the lines that the header says to skip.
 fn after_lines(bytes: &[u8], fields: &NrrdHeader) -> Result<usize, ReadError> {
     let mut at = fields.end;
     for _ in 0..fields.line_skip {
@@ -178,7 +177,7 @@ fn after_lines(bytes: &[u8], fields: &NrrdHeader) -> Result<usize, ReadError> {
     Ok(at)
 }
 
-/// Numbers with spaces or commas between them.
+/// Parses numbers separated by spaces or commas.
 fn parse_text_samples(text: &[u8], start: usize, layout: &SampleLayout) -> Result<Samples, ReadError> {
     let declared = layout.inner.saturating_mul(layout.of).saturating_mul(layout.outer);
     let mut kept = TextSamples::new(layout.element);

@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::io::Write;
 
 /// Writes a volume with its directions, origin, unit and certificate: raw, little-endian. Every number reads
-/// back to the last bit.
+/// back to the same bits.
 ///
 /// # Errors
 /// When the sink fails.

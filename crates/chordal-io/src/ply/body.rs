@@ -1,4 +1,4 @@
-//! The body of a PLY file: numbers one after the other, as text or binary.
+//! The body of a PLY file: a sequence of numbers, as text or binary.
 use super::header::{PlyElement, PlyEncoding, PlyHeader, PlyPropertyType, PlyScalar};
 use crate::text::{IntegerError, LineTokens, TextLines, grouped, integer, number, number_error, show, trim};
 use crate::{FileLocation, ReadError};
@@ -7,7 +7,7 @@ use crate::{FileLocation, ReadError};
 pub(super) struct PlyBody<'a> {
     encoding: PlyEncoding,
     bytes: &'a [u8],
-    /// Where the body starts.
+    /// The byte at which the body starts.
     body: usize,
     /// The next byte of a binary body.
     at: usize,
@@ -35,7 +35,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// The byte, or in text the line, at which the reader is.
+    /// The byte of the cursor, or in text its line.
     pub(super) fn place(&self) -> FileLocation {
         match self.encoding {
             PlyEncoding::Text => FileLocation::Line(self.line),
@@ -48,14 +48,14 @@ impl<'a> PlyBody<'a> {
         ReadError::new(code, self.place(), format!("row {} of '{}': {message}", self.row, element.name))
     }
 
-    /// Refuses an element that cannot be as long as it says, before anything is read of it.
+    /// Refuses an element with more rows than the file can hold, before any is read.
     pub(super) fn check_size(&self, element: &PlyElement) -> PlyResult<()> {
         let left = match self.encoding {
             PlyEncoding::Text => self.bytes.len() - self.body - self.lines.offset(),
             _ => self.bytes.len() - self.at,
         } as u64;
         let least = |shape: PlyPropertyType| match (self.encoding, shape) {
-            // A digit and what separates it from the next one; the last line of a file needs no end.
+            // A digit and its separator; the last line of a file needs no line end.
             (PlyEncoding::Text, _) => 2,
             (_, PlyPropertyType::One(scalar)) => scalar.size(),
             (_, PlyPropertyType::List { length, .. }) => length.size(),
@@ -76,7 +76,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// Goes to row `row`. A text has one row a line; blank lines are skipped.
+    /// Moves to row `row`. A text has one row on each line; blank lines are skipped.
     #[inline]
     pub(super) fn start_row(&mut self, element: &PlyElement, row: u64) -> PlyResult<()> {
         self.row = row;
@@ -95,7 +95,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// Ends a row: a text must have nothing more on its line.
+    /// Ends a row: in text, nothing more may be on its line.
     #[inline]
     pub(super) fn end_row(&mut self, element: &PlyElement) -> PlyResult<()> {
         if self.encoding != PlyEncoding::Text {
@@ -133,7 +133,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// The next number; it may be NaN or infinite.
+    /// Reads the next number; it may be NaN or infinite.
     #[inline]
     pub(super) fn number(&mut self, element: &PlyElement, scalar: PlyScalar) -> PlyResult<f64> {
         if scalar.range().is_some() {
@@ -153,7 +153,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// The next number of an integer type.
+    /// Reads the next number of an integer type.
     #[inline]
     pub(super) fn integer(&mut self, element: &PlyElement, scalar: PlyScalar) -> PlyResult<i64> {
         if self.encoding == PlyEncoding::Text {
@@ -179,7 +179,7 @@ impl<'a> PlyBody<'a> {
                 let bytes = self.take(element)?;
                 i64::from(if little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
             }
-            // The header admits integer types only where one is asked for.
+            // The header admits only integer types here.
             PlyScalar::F32 | PlyScalar::F64 | PlyScalar::Opaque(_) => {
                 return Err(self.error(element, "type-unknown", "an integer should stand here"));
             }
@@ -202,7 +202,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// The length of a list, once it is sure that its items can follow.
+    /// Reads the length of a list, and checks that its items can follow.
     #[inline]
     pub(super) fn length(
         &mut self,
@@ -215,7 +215,7 @@ impl<'a> PlyBody<'a> {
             return Err(self.error(element, "list-length", &format!("a list of length {n}")));
         };
         let left = match self.encoding {
-            // Each item is a character and a space at least.
+            // Each item is at least a character and a space.
             PlyEncoding::Text => self.tokens.rest().len() as u64 / 2 + 1,
             _ => (self.bytes.len() - self.at) as u64 / item.size(),
         };
@@ -240,14 +240,14 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// Goes past a property.
+    /// Skips a property.
     pub(super) fn skip(&mut self, element: &PlyElement, shape: PlyPropertyType) -> PlyResult<()> {
         match shape {
             PlyPropertyType::One(scalar) => self.number(element, scalar).map(|_| ()),
             PlyPropertyType::List { length, item } => {
                 let n = self.length(element, length, item)?;
                 if self.encoding != PlyEncoding::Text {
-                    // `length` has made sure that the product fits.
+                    // `length` has checked that the product fits.
                     return self.skip_bytes(element, n * item.size());
                 }
                 (0..n).try_for_each(|_| self.token(element).map(|_| ()))
@@ -255,7 +255,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// Goes past all rows of an element.
+    /// Skips all rows of an element.
     pub(super) fn skip_element(&mut self, element: &PlyElement) -> PlyResult<()> {
         let fixed = element.properties.iter().map(|p| match p.shape {
             PlyPropertyType::One(scalar) => Some(scalar.size()),
@@ -265,7 +265,7 @@ impl<'a> PlyBody<'a> {
         match size {
             // A text has no lines for rows without properties.
             _ if element.properties.is_empty() => Ok(()),
-            // `check_size` has made sure that the product fits.
+            // `check_size` has checked that the product fits.
             Some(size) if self.encoding != PlyEncoding::Text => self.skip_bytes(element, size * element.rows),
             _ => (0..element.rows).try_for_each(|row| {
                 self.start_row(element, row)?;
@@ -275,7 +275,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// How many bytes, or lines of text, stand after the last element, and where.
+    /// The number of bytes, or lines of text, after the last element, and their location.
     pub(super) fn rest(mut self) -> Option<(FileLocation, u64)> {
         if self.encoding != PlyEncoding::Text {
             let n = (self.bytes.len() - self.at) as u64;

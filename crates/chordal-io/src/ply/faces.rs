@@ -8,10 +8,10 @@ use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 
-/// The names under which the corners of a face go.
+/// The property names of the corners of a face.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Reads faces and strips, whose indices must lie below the number of vertices.
+/// Reads faces and strips, whose indices must be below the number of vertices.
 pub(super) struct PlyFaceReader<'a> {
     pub(super) faces: Faces,
     n_vertices: u64,
@@ -56,7 +56,7 @@ impl PlyFaceReader<'_> {
         Ok(())
     }
 
-    /// Reads all rows of an element of strips: -1 starts a new one.
+    /// Reads all rows of an element of strips: -1 starts a new strip.
     pub(super) fn strips(
         &mut self,
         body: &mut PlyBody,
@@ -78,7 +78,7 @@ impl PlyFaceReader<'_> {
                         n_stitches += 1;
                         continue;
                     }
-                    // Every second triangle of a strip runs the other way round.
+                    // Every second triangle of a strip has the opposite orientation.
                     self.faces.push(&if i % 2 == 0 { [a, b, c] } else { [b, a, c] }, row)?;
                 }
                 self.check_rows(body)?;
@@ -93,7 +93,7 @@ impl PlyFaceReader<'_> {
         Ok(())
     }
 
-    /// Reads one row: the indices of the list, none of them beyond the vertices, go to `into`.
+    /// Reads one row, and appends the indices of the list to `into` after checking their range.
     fn row(
         &self,
         body: &mut PlyBody,
@@ -138,7 +138,7 @@ impl PlyFaceReader<'_> {
     }
 }
 
-/// Which property lists the corners; the others are counted.
+/// The property that lists the corners; counts the others.
 fn corner_list(element: &PlyElement, warnings: &mut Warnings) -> Result<usize, ReadError> {
     let is_list = |p: &super::header::PlyProperty| match p.shape {
         PlyPropertyType::List { item, .. } => item.range().is_some() && CORNERS.contains(&p.name.as_str()),

@@ -1,15 +1,15 @@
-//! The header of a PLY file: which elements follow, of which properties.
+//! The header of a PLY file: its elements and their properties.
 use crate::text::{LineTokens, TextLines, grouped, integer, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use serde_json::Value;
 
-/// Elements that a header may declare, far more than any writer does.
+/// The most elements that a header may declare, far more than any writer does.
 const MOST_ELEMENTS: usize = 256;
-/// Properties that an element may have: scanners write some tens, splat files some hundreds.
+/// The most properties that an element may have: scanners write some tens, splat files some hundreds.
 const MOST_PROPERTIES: usize = 4096;
 
-/// How the body is written.
+/// The encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlyEncoding {
     Text,
@@ -28,11 +28,11 @@ pub(super) enum PlyScalar {
     U32,
     F32,
     F64,
-    /// Known by its size alone: it can be skipped.
+    /// A type known only by its size: it can be skipped.
     Opaque(u8),
 }
 
-/// The names of 1990, those with sizes that came later, and what some tools add to them.
+/// The names of 1990, the later ones with sizes, and those that some tools add.
 const NAMES: [(&str, PlyScalar); 26] = [
     ("char", PlyScalar::I8),
     ("int8", PlyScalar::I8),
@@ -118,7 +118,7 @@ pub(super) struct PlyHeader {
     pub(super) encoding: PlyEncoding,
     pub(super) elements: Vec<PlyElement>,
     pub(super) certificate: Option<Value>,
-    /// Where the body starts, and how many lines stand before it.
+    /// Where the body starts, and how many lines precede it.
     pub(super) body: usize,
     pub(super) lines: u64,
 }
@@ -128,7 +128,7 @@ fn error(line: u64, code: &'static str, message: impl Into<String>) -> ReadError
 }
 
 impl PlyHeader {
-    /// The header at the start of `bytes`; blank lines and a byte order mark may stand before it.
+    /// Parses the header at the start of `bytes`; blank lines and a byte order mark may precede it.
     pub(super) fn read(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> Result<Self, ReadError> {
         let mut reader = PlyHeaderReader::default();
         let mut lines = TextLines::new(bytes);
@@ -305,7 +305,7 @@ impl PlyHeaderReader {
     }
 }
 
-/// The name of an element or property: printable, as everything in a header is.
+/// Parses the name of an element or property; all characters of a header are printable.
 fn name(line: u64, tokens: &mut LineTokens, what: &str) -> Result<String, ReadError> {
     let token = tokens.next().unwrap_or_default();
     match std::str::from_utf8(token) {

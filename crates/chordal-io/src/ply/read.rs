@@ -8,10 +8,10 @@ use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 
-/// The mesh of a PLY file, as one part: text or binary, either byte order.
+/// Reads the mesh of a PLY file as one part: text or binary, either byte order.
 ///
-/// `nx ny nz`, texture coordinates and colours of vertices become attributes under the names that tools use
-/// for them, other numbers become [`chordal::explicit::Semantic::Custom`]; colours in bytes are divided by
+/// `nx ny nz`, texture coordinates and colours of vertices become attributes, by the property names that
+/// tools use. Other numbers become [`chordal::explicit::Semantic::Custom`]; colours in bytes are divided by
 /// 255. Polygons and `tristrips` are cut into triangles. Other elements and properties are skipped and
 /// counted.
 ///

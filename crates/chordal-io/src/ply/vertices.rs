@@ -1,4 +1,4 @@
-//! The vertices of a PLY file: which property goes into which stream.
+//! The vertices of a PLY file: reads properties into streams.
 use super::body::PlyBody;
 use super::header::{PlyElement, PlyPropertyType, PlyScalar};
 use crate::grow::{push, with_room};
@@ -6,7 +6,7 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 
-/// The names under which components of the known streams go.
+/// The property names of the known streams.
 const TEXCOORDS: [[&str; 2]; 5] = [
     ["s", "t"],
     ["u", "v"],
@@ -21,20 +21,20 @@ const COLORS: [[&str; 4]; 3] = [
 ];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 const POSITION: [&str; 3] = ["x", "y", "z"];
-/// Which vertices are one position; written by this library only.
+/// The property that ties vertices of one position; only this library writes it.
 pub(super) const POSITION_ID: &str = "position_id";
 
-/// Where a value goes.
+/// The destination of a value.
 #[derive(Clone, Copy, Debug)]
 enum PlyValueTarget {
     Position(usize),
     PositionId,
-    /// A stream, a component, and by what the value is divided.
+    /// A stream, a component, and the divisor of the value.
     Stream(usize, usize, f64),
     Skip,
 }
 
-/// What the vertices hold.
+/// The data of the vertices.
 #[derive(Debug, Default)]
 pub(super) struct PlyVertices {
     pub(super) positions: Vec<[f64; 3]>,
@@ -79,7 +79,7 @@ impl PlyVertexLayout {
         Ok(plan)
     }
 
-    /// A stream of the properties of these names, if all of them are there.
+    /// Adds a stream of the properties of these names, if all of them are present.
     fn stream(&mut self, element: &PlyElement, semantic: Semantic, names: &[&str]) {
         if !has(element, names) {
             return;
@@ -98,7 +98,7 @@ impl PlyVertexLayout {
         self.streams.push(Attribute { semantic, domain, width: names.len(), values: Vec::new() });
     }
 
-    /// Every other number is a stream of its own; lists and numbers that cannot be read are skipped.
+    /// Adds every other number as a stream of its own; lists and unreadable numbers are skipped.
     fn read_custom(&mut self, element: &PlyElement, warnings: &mut Warnings) {
         for (i, property) in element.properties.iter().enumerate() {
             if !matches!(self.targets[i], PlyValueTarget::Skip) {
@@ -148,7 +148,7 @@ impl PlyVertices {
     ) -> Result<Self, ReadError> {
         let PlyVertexLayout { targets, mut streams, has_id } =
             PlyVertexLayout::from_element(element, warnings)?;
-        // `PlyBody::check_size` has seen that many rows' bytes, so that room for all of them is in
+        // `PlyBody::check_size` has seen the bytes of that many rows, so the memory for them is in
         // proportion.
         let n_rows = element.rows as usize;
         let mut positions: Vec<[f64; 3]> = with_room(n_rows)?;
@@ -192,7 +192,7 @@ impl PlyVertices {
     }
 }
 
-/// The ids if each names a vertex at the same position.
+/// The ids, if each names a vertex at the same position.
 fn checked_ids(
     ids: &[i64],
     positions: &[[f64; 3]],

@@ -10,11 +10,11 @@ use std::io::{BufWriter, Write};
 /// Writes a scene as binary little-endian PLY: positions and texture coordinates as doubles, normals as
 /// floats, indices as 32-bit.
 ///
-/// PLY has one row a vertex, so that vertices which differ only in their attributes stay rows of their own;
-/// where the mesh ties them, a property `position_id` names the first row at the same position, which the
-/// reader here understands and others skip. Nodes are applied, and all parts become one. Colours are bytes
-/// where that is exact, else floats. The certificate stands in a comment. What PLY cannot hold is told by
-/// [`crate::losses`].
+/// PLY has one row for each vertex, so vertices that differ only in their attributes stay separate rows.
+/// Where the mesh ties them, a property `position_id` names the first row at the same position. This reader
+/// understands it, others skip it. Transforms of nodes are applied, and all parts become one. Colours are
+/// bytes where that is exact, else floats. The certificate is a comment. [`crate::losses`] lists what PLY
+/// cannot hold.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the
@@ -58,7 +58,7 @@ enum PlyColors {
     Floats(usize),
 }
 
-/// What every row of the file has: all that some part has.
+/// The properties of every row of the file: all that some part has.
 struct PlyFileLayout {
     n_vertices: u64,
     n_faces: u64,

@@ -6,8 +6,8 @@ use std::io::{BufWriter, Write};
 /// Writes the vertices and polygons of a cage as binary little-endian PLY: positions as doubles, indices as
 /// 32-bit.
 ///
-/// PLY has no subdivision tags; what is lost is told by [`crate::losses_of_polygons`]. The certificate stands
-/// in a comment.
+/// PLY has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost. The certificate is a
+/// comment.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, or the certificate is too long for a header line.

@@ -1,20 +1,20 @@
-//! `TextCursor`: numbers, flags and separators of SVG's attribute texts, with the place of what is wrong.
+//! `TextCursor`: parses numbers, flags and separators of SVG's attribute texts, and locates errors.
 use crate::text::show;
 
-/// Where and why a text could not be read on.
+/// Where and why parsing a text failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct SvgSyntaxError {
     /// Bytes from the start of the text.
     pub at: usize,
-    /// What should stand there, and what does.
+    /// What was expected, and what was found.
     pub what: String,
-    /// Whether it is a number that is not finite.
+    /// Whether the cause is a number that is not finite.
     pub not_finite: bool,
 }
 
 pub(super) type CursorResult<T> = Result<T, SvgSyntaxError>;
 
-/// A place in an attribute's text.
+/// A position in an attribute's text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextCursor<'a> {
     text: &'a [u8],
@@ -49,7 +49,7 @@ impl<'a> TextCursor<'a> {
         }
     }
 
-    /// Skips space with at most one comma in it; whether there was a comma.
+    /// Skips white space with at most one comma in it. Returns whether there was a comma.
     pub fn skip_comma(&mut self) -> bool {
         self.skip_space();
         let comma = self.peek() == Some(b',');
@@ -60,14 +60,14 @@ impl<'a> TextCursor<'a> {
         comma
     }
 
-    /// Takes this byte if it comes next.
+    /// Takes this byte if it is next.
     pub fn take(&mut self, byte: u8) -> bool {
         let found = self.peek() == Some(byte);
         self.at += usize::from(found);
         found
     }
 
-    /// The letters that come next.
+    /// Takes the letters that are next.
     pub fn word(&mut self) -> &'a [u8] {
         let rest = &self.text[self.at..];
         let len = rest.iter().take_while(|b| b.is_ascii_alphabetic()).count();
@@ -75,7 +75,7 @@ impl<'a> TextCursor<'a> {
         &rest[..len]
     }
 
-    /// What is left.
+    /// The rest of the text.
     pub fn rest(&self) -> &'a [u8] {
         &self.text[self.at..]
     }
@@ -84,7 +84,7 @@ impl<'a> TextCursor<'a> {
         self.at >= self.text.len()
     }
 
-    /// That something else should stand here.
+    /// The error that says what was expected here.
     pub fn trouble(&self, wanted: &str) -> SvgSyntaxError {
         let rest = self.rest();
         let found = if rest.is_empty() {
@@ -100,7 +100,7 @@ impl<'a> TextCursor<'a> {
         }
     }
 
-    /// Whether a word comes that programs print for numbers that are none.
+    /// Whether a word is next that programs print for values that are not finite.
     fn is_no_finite_word(&self) -> bool {
         let rest = self.rest();
         let rest = match rest {
@@ -111,7 +111,7 @@ impl<'a> TextCursor<'a> {
             .is_some_and(|word| word.eq_ignore_ascii_case(b"nan") || word.eq_ignore_ascii_case(b"inf"))
     }
 
-    /// Whether a number comes next.
+    /// Whether a number is next.
     pub fn at_number(&self) -> bool {
         match self.rest() {
             [b'0'..=b'9' | b'.', ..] | [b'+' | b'-', b'0'..=b'9' | b'.', ..] => true,
@@ -119,7 +119,7 @@ impl<'a> TextCursor<'a> {
         }
     }
 
-    /// A finite number: sign, digits, point, digits, exponent. A point may be first or last.
+    /// Parses a finite number: sign, digits, point, digits, exponent. A point may be first or last.
     pub fn number(&mut self) -> CursorResult<f64> {
         let rest = self.rest();
         let mut len = usize::from(matches!(rest.first(), Some(b'+' | b'-')));
@@ -138,7 +138,7 @@ impl<'a> TextCursor<'a> {
             let sign = usize::from(matches!(rest.get(len + 1), Some(b'+' | b'-')));
             let exponent =
                 rest.get(len + 1 + sign..).map_or(0, |r| r.iter().take_while(|b| b.is_ascii_digit()).count());
-            // Without digits it is a unit: em, ex.
+            // An `e` without digits starts a unit: em, ex.
             len += if exponent > 0 { 1 + sign + exponent } else { 0 };
         }
         let token = &rest[..len];
@@ -155,13 +155,13 @@ impl<'a> TextCursor<'a> {
         }
     }
 
-    /// A number with the separator before it.
+    /// Parses a number, after an optional separator.
     pub fn next_number(&mut self) -> CursorResult<f64> {
         self.skip_comma();
         self.number()
     }
 
-    /// `0` or `1`, which needs no separator after it.
+    /// Parses `0` or `1`, which needs no separator after it.
     pub fn flag(&mut self) -> CursorResult<bool> {
         self.skip_comma();
         match self.peek() {
@@ -174,7 +174,7 @@ impl<'a> TextCursor<'a> {
     }
 }
 
-/// All numbers of a list, and what stopped the reading if it was not the end.
+/// Parses all numbers of a list. Returns the error too, if one ended it early.
 pub(super) fn numbers(text: &str) -> (Vec<f64>, Option<SvgSyntaxError>) {
     let mut cursor = TextCursor::new(text);
     let mut all = Vec::new();

@@ -1,17 +1,17 @@
 //! `SvgLength`: lengths with units or percentages, in user units.
 use super::cursor::{SvgSyntaxError, TextCursor};
 
-/// A length as it stands in the file.
+/// A length as the file gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SvgLength {
     pub value: f64,
     pub unit: SvgUnit,
 }
 
-/// What a length is counted in.
+/// The unit of a length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SvgUnit {
-    /// User units, which a unit of its own makes pixels.
+    /// User units, written without a unit; `px` is the same length.
     User,
     Px,
     In,
@@ -26,14 +26,14 @@ pub(super) enum SvgUnit {
 /// Why a length cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum LengthError {
-    /// It is not spelled like one, or not finite.
+    /// Its spelling is wrong, or it is not finite.
     Wrong(SvgSyntaxError),
-    /// Its unit depends on fonts or windows.
+    /// Its unit depends on fonts or the viewport.
     Unit(String),
 }
 
 impl SvgUnit {
-    /// User units in one, as a product and a quotient, so that one of both can be exact.
+    /// User units per unit, as a numerator and a denominator, so that each can be exact.
     fn scale(self) -> [f64; 2] {
         // CSS Values and Units 3, 6.2: an inch is 96 pixels and 2.54 cm, 72 points, 6 picas.
         match self {
@@ -47,7 +47,7 @@ impl SvgUnit {
         }
     }
 
-    /// Metres in one, for units of the world; a pixel is none.
+    /// Metres per unit, for physical units; a pixel is none.
     pub fn metres(self) -> Option<f64> {
         match self {
             Self::In => Some(0.0254),
@@ -62,6 +62,8 @@ impl SvgUnit {
 }
 
 impl SvgLength {
+    /// Parses a length.
+    ///
     /// # Errors
     /// When the text is no length, or its unit is not supported.
     pub fn read(text: &str) -> Result<Self, LengthError> {
@@ -92,7 +94,7 @@ impl SvgLength {
         }
     }
 
-    /// In user units, where a percentage is of `whole`; none where that is not known.
+    /// Converts to user units; a percentage is of `whole`. `None` where that is not known.
     pub fn resolve(self, whole: Option<f64>) -> Option<f64> {
         match self.unit {
             SvgUnit::Percent => whole.map(|whole| self.value * whole / 100.0),
@@ -103,7 +105,7 @@ impl SvgLength {
         }
     }
 
-    /// Whether nothing is rounded.
+    /// Whether the conversion to user units rounds nothing.
     pub fn is_exact(self) -> bool {
         self.unit.scale() == [1.0, 1.0] && self.unit != SvgUnit::Percent
     }

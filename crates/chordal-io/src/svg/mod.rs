@@ -1,7 +1,7 @@
-//! SVG: drawings as curves in the plane, and polylines as drawings.
+//! SVG: reads drawings as curves in the plane, and writes polylines as drawings.
 //!
-//! Coordinates are the root's user units, as its `viewBox` says; y grows downwards. What is drawn but not
-//! supported is counted in warnings; `docs/svg.md` lists it.
+//! Coordinates are the root's user units, as its `viewBox` says; y grows downwards. Visible elements that are
+//! not supported are counted in warnings; `docs/svg.md` lists them.
 mod cursor;
 mod length;
 mod names;
@@ -20,18 +20,18 @@ use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
 pub use write::write;
 
-/// The element that holds a certificate, in a namespace of its own.
+/// The element with a certificate, in a namespace of its own.
 const CERTIFICATE: &str = "chordal:certificate";
 
-/// The curves of an SVG file: one for each subpath of each drawn element, in document order.
+/// Reads the curves of an SVG file: one for each subpath of each drawn element, in document order.
 ///
-/// Arcs stay arcs, lines lines, and quadratic curves become the cubics that they are; what transforms and
-/// relative coordinates lose to rounding is in the slack of each curve.
+/// Arcs stay arcs, lines stay lines, and quadratic curves become equal cubics. The slack of each curve bounds
+/// the rounding of transforms and relative coordinates.
 ///
 /// # Errors
-/// [`ReadError`] with line and column: no well-formed XML, a document type with declarations, a number that
-/// is not finite (unless the limits drop such elements), nesting or copies by `use` over the limits, `use` in
-/// a circle.
+/// [`ReadError`] with line and column: XML that is not well-formed, a document type with declarations, a
+/// number that is not finite (unless the limits drop such elements), nesting or copies by `use` over the
+/// limits, `use` in a cycle.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, svg};
@@ -81,7 +81,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Drawing(drawing), warnings: warnings.into_list() })
 }
 
-/// Whether a text starts like an SVG file: with the element, or with what XML lets stand before it.
+/// Whether a text starts like an SVG file: with the element, or with what XML allows before it.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
     const LOOKED_AT: usize = 4096;
     if text.first() != Some(&b'<') {

@@ -1,4 +1,4 @@
-//! The names that mean something here: elements and attributes of SVG.
+//! The known names: elements and attributes of SVG.
 
 /// An element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,17 +16,17 @@ pub(super) enum ElementTag {
     Polyline,
     Polygon,
     Style,
-    /// Holds things that are drawn only where something refers to them, or describes.
+    /// A description, or a container whose content is drawn only where something refers to it.
     Silent,
-    /// Would be drawn, or would change what is drawn, and is not supported.
+    /// Visible or with a visible effect, and not supported.
     Unsupported(UnsupportedFeature),
-    /// Not of SVG.
+    /// Outside SVG's namespace.
     Foreign,
-    /// Of SVG's namespace, and not known.
+    /// In SVG's namespace, but unknown.
     Unknown,
 }
 
-/// What is not supported, by the code of its warning.
+/// An unsupported feature, by the code of its warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum UnsupportedFeature {
     Text,
@@ -68,13 +68,13 @@ impl ElementTag {
             | "mpath" => Self::Unsupported(UnsupportedFeature::Animation),
             "script" | "handler" | "listener" => Self::Unsupported(UnsupportedFeature::Script),
             "video" | "audio" | "iframe" | "canvas" => Self::Unsupported(UnsupportedFeature::Media),
-            // The lights and steps of filters.
+            // Lights and primitives of filters.
             _ if name.starts_with("fe") => Self::Silent,
             _ => Self::Unknown,
         }
     }
 
-    /// Whether a path is drawn for it.
+    /// Whether it is drawn as a path.
     pub fn is_shape(self) -> bool {
         matches!(
             self,
@@ -103,7 +103,7 @@ impl ElementTag {
 }
 
 impl UnsupportedFeature {
-    /// The code of the warning and what it says.
+    /// The code and the message of the warning.
     pub fn warning(self) -> (&'static str, &'static str) {
         match self {
             Self::Text => {
@@ -122,7 +122,7 @@ impl UnsupportedFeature {
 
 macro_rules! keys {
     ($($name:literal $key:ident,)*) => {
-        /// An attribute that is looked at.
+        /// A known attribute.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Key {
             $($key,)*

@@ -1,8 +1,8 @@
-//! Path data: the text of `d`, all commands, drawn up to the first thing that is wrong.
+//! Path data: parses the text of `d`, with all commands, and draws it up to the first error.
 use super::cursor::{SvgSyntaxError, TextCursor};
 use super::path_builder::{ArcParameters, PathBuilder, PathError};
 
-/// What the last command left for a smooth one.
+/// The control point that the last command left for a smooth one.
 #[derive(Clone, Copy)]
 enum SmoothControl {
     Cubic([f64; 2]),
@@ -10,7 +10,7 @@ enum SmoothControl {
     Other,
 }
 
-/// One reading of path data.
+/// A parser of path data.
 struct PathParser<'a, 'p> {
     text: TextCursor<'a>,
     pen: &'p mut PathBuilder,
@@ -20,8 +20,8 @@ struct PathParser<'a, 'p> {
 /// Draws path data.
 ///
 /// # Errors
-/// Where the text cannot be read on: what came before is drawn, as SVG 2 asks (9.5.4, *Error handling in path
-/// data*).
+/// At the first error in the text. What precedes it is drawn, as SVG 2 demands (9.5.4, *Error handling in
+/// path data*).
 pub(super) fn draw(text: &str, pen: &mut PathBuilder) -> Result<(), PathError> {
     let mut path = PathParser { text: TextCursor::new(text), pen, last: SmoothControl::Other };
     let drawn = path.all();
@@ -51,7 +51,7 @@ impl PathParser<'_, '_> {
         Ok(())
     }
 
-    /// A command with all its repetitions.
+    /// Reads a command with all its repetitions.
     fn command(&mut self, command: u8) -> Result<(), PathError> {
         if matches!(command, b'z' | b'Z') {
             self.last = SmoothControl::Other;
@@ -60,7 +60,7 @@ impl PathParser<'_, '_> {
         let mut command = command;
         loop {
             self.draw_command(command)?;
-            // Points after the first one of a move are lines.
+            // After the first point of a move, further points are lines.
             command = match command {
                 b'm' => b'l',
                 b'M' => b'L',
@@ -119,7 +119,7 @@ impl PathParser<'_, '_> {
         Ok(())
     }
 
-    /// A point, with what stands between it and what came before.
+    /// Reads a point, after optional separators.
     fn point(&mut self, relative: bool) -> Result<[f64; 2], PathError> {
         self.text.skip_comma();
         let at = self.text.at();

@@ -1,4 +1,4 @@
-//! `PathBuilder`: draws subpaths piece by piece, and counts what rounding loses on the way.
+//! `PathBuilder`: draws subpaths segment by segment, and bounds the rounding on the way.
 use super::cursor::SvgSyntaxError;
 use crate::ReadError;
 use crate::grow::{push, push_large};
@@ -6,12 +6,12 @@ use chordal::explicit::{Arc, Bezier, Curve, CurveSegment, InvalidArc, SvgArcShap
 use chordal::math::{add_up, mul_up};
 use std::f64::consts::PI;
 
-/// Why nothing more can be drawn.
+/// Why drawing stops.
 #[derive(Debug)]
 pub(super) enum PathError {
-    /// Of the text, which ends the element there.
+    /// An error in the text, which ends the element there.
     Text(SvgSyntaxError),
-    /// Of the reader.
+    /// An error of the reader, which refuses the file.
     Read(ReadError),
 }
 
@@ -27,8 +27,7 @@ impl From<ReadError> for PathError {
     }
 }
 
-/// An elliptical arc as in path data: half axes, direction in degrees, and whether it is the large one and
-/// turns from x to y.
+/// An elliptical arc in path data: radii, rotation in degrees, and the large-arc and sweep flags.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ArcParameters {
     pub radii: [f64; 2],
@@ -36,27 +35,27 @@ pub(super) struct ArcParameters {
     pub flags: [bool; 2],
 }
 
-/// What an element draws: one curve a subpath.
+/// Draws an element: one curve for each subpath.
 #[derive(Debug, Default)]
 pub(super) struct PathBuilder {
-    /// The subpaths that are done.
+    /// The finished subpaths.
     pub curves: Vec<Curve<2>>,
-    /// Subpaths that were one point and drew nothing.
+    /// The number of subpaths that were one point and drew nothing.
     pub lone_points: u64,
     pieces: Vec<CurveSegment<2>>,
     start: [f64; 2],
     current: [f64; 2],
-    /// Whether a subpath is open: a move was made or implied.
+    /// Whether a subpath is open, by an explicit or implied move.
     is_down: bool,
-    /// What sums of relative coordinates have lost so far in this subpath, and the worst that one piece adds
+    /// What sums of relative coordinates have lost so far in this subpath, and the most that one segment adds
     /// to it.
     drift: f64,
     worst: f64,
-    /// How far the last control point that was mirrored may be off.
+    /// A bound on the error of the last mirrored control point.
     mirror: f64,
 }
 
-/// The sum of two numbers and the size of what rounding took from it, exactly.
+/// The sum of two numbers and the absolute value of its rounding error, both exact.
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     // D. Knuth, The Art of Computer Programming 2, 4.2.2.
     let sum = a + b;
@@ -66,12 +65,12 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl PathBuilder {
-    /// Where the pen is.
+    /// The current point.
     pub fn at(&self) -> [f64; 2] {
         self.current
     }
 
-    /// A point given relative to the pen; what the sum loses is counted.
+    /// A point relative to the current one. Counts the rounding of the sum.
     pub fn relative(&mut self, by: [f64; 2]) -> [f64; 2] {
         let (x, lost_x) = two_sum(self.current[0], by[0]);
         let (y, lost_y) = two_sum(self.current[1], by[1]);
@@ -80,7 +79,7 @@ impl PathBuilder {
         [x, y]
     }
 
-    /// The point on the other side of the pen. It is off by twice as much as the pen, and by as much as the
+    /// The point mirrored at the current one. Its error is twice that of the current point, plus that of the
     /// point.
     pub fn mirrored(&mut self, point: [f64; 2]) -> [f64; 2] {
         if self.drift > 0.0 {
@@ -95,21 +94,21 @@ impl PathBuilder {
         [x, y]
     }
 
-    /// A sum, whose rounding is counted.
+    /// A sum. Counts its rounding.
     pub fn sum(&mut self, a: f64, b: f64) -> f64 {
         let (sum, lost) = two_sum(a, b);
         self.add_error(lost);
         sum
     }
 
-    /// Counts a rounding of this size.
+    /// Counts an error of this size.
     pub fn add_error(&mut self, lost: f64) {
         if lost > 0.0 {
             self.drift = add_up(self.drift, lost);
         }
     }
 
-    /// Counts a rounding of this size against everything that was drawn.
+    /// Counts an error of this size for all finished subpaths.
     pub fn add_error_everywhere(&mut self, lost: f64) {
         if lost > 0.0 {
             let all = std::mem::take(&mut self.curves).into_iter();
@@ -130,17 +129,17 @@ impl PathBuilder {
         Ok(())
     }
 
-    /// A straight line.
+    /// Appends a straight line.
     pub fn line_to(&mut self, to: [f64; 2]) -> Result<(), ReadError> {
         self.piece(CurveSegment::Line([self.current, to]))
     }
 
-    /// A cubic Bézier curve.
+    /// Appends a cubic Bézier curve.
     pub fn cubic_to(&mut self, [b, c, d]: [[f64; 2]; 3]) -> Result<(), ReadError> {
         self.piece(CurveSegment::Cubic(Bezier { control: [self.current, b, c, d] }))
     }
 
-    /// A quadratic Bézier curve.
+    /// Appends a quadratic Bézier curve.
     pub fn quadratic_to(&mut self, [b, c]: [[f64; 2]; 2]) -> Result<(), ReadError> {
         let all = [self.current, b, c];
         let reach =
@@ -150,18 +149,18 @@ impl PathBuilder {
         self.piece(CurveSegment::quadratic(all))
     }
 
-    /// An elliptical arc to a point. False where its numbers are beyond what an arc can be made of.
+    /// Appends an elliptical arc to a point. Returns false where its parameters are too extreme for an arc.
     pub fn arc_to(&mut self, shape: &ArcParameters, to: [f64; 2]) -> Result<bool, ReadError> {
         if to == self.current {
             return Ok(true);
         }
-        // The pen may stand beside where the file says, and the end does not: the arc spans another way than
-        // it should.
+        // The current point may be off what the file says, and the end is not, so the arc may span another
+        // chord than it should.
         let off_by = self.drift;
         self.span(shape, off_by, to, |from, shape| Arc::through(from, to, shape))
     }
 
-    /// An elliptical arc by a step from the pen, which its shape depends on alone.
+    /// Appends an elliptical arc by a step from the current point; its shape depends on the step alone.
     pub fn arc_by(&mut self, shape: &ArcParameters, step: [f64; 2]) -> Result<bool, ReadError> {
         if step == [0.0; 2] {
             return Ok(true);
@@ -181,7 +180,8 @@ impl PathBuilder {
         if radii.contains(&0.0) {
             return self.line_to(to).map(|()| true);
         }
-        // An ellipse is itself after half a turn, and after a quarter with its axes swapped: both exactly.
+        // An ellipse is invariant under half a turn, and under a quarter turn with its axes swapped: both
+        // exactly.
         let half_turned = shape.deg % 180.0;
         let (radii, deg) =
             if half_turned.abs() == 90.0 { ([radii[1], radii[0]], 0.0) } else { (radii, half_turned) };
@@ -199,12 +199,12 @@ impl PathBuilder {
         Ok(true)
     }
 
-    /// An arc that starts at the pen.
+    /// Appends an arc that starts at the current point.
     pub fn arc(&mut self, arc: Arc<2>) -> Result<(), ReadError> {
         self.piece(CurveSegment::Arc(arc))
     }
 
-    /// Says that the pen stands where the file says in absolute numbers.
+    /// Resets the error: the current point is at absolute coordinates of the file.
     pub fn reset_drift(&mut self) {
         self.drift = 0.0;
     }
@@ -219,7 +219,7 @@ impl PathBuilder {
         push_large(&mut self.pieces, piece)
     }
 
-    /// Closes the subpath with a straight line, if it needs one; the next piece starts where this subpath
+    /// Closes the subpath, with a straight line if it needs one. The next segment starts where this subpath
     /// did.
     pub fn close(&mut self) -> Result<(), ReadError> {
         if self.current != self.start {
@@ -250,7 +250,7 @@ impl PathBuilder {
         let slack = add_up(self.drift, self.worst);
         let slack = if self.drift == 0.0 && self.worst == 0.0 { 0.0 } else { slack };
         (self.worst, self.mirror) = (0.0, 0.0);
-        // Pieces join by construction; those that are not finite were refused with their numbers.
+        // Segments join by construction; those that are not finite were refused with their numbers.
         if let Ok(curve) = Curve::new(pieces, closed) {
             push(&mut self.curves, curve.with_slack(slack))?;
         }
@@ -258,27 +258,27 @@ impl PathBuilder {
     }
 }
 
-/// How far an arc may be off because the direction of its axes was rounded from degrees to radians and its
-/// sine and cosine once more, and because the way from its start to its end is off by `off_by`.
+/// A bound on the error of an arc. It covers the rotation, which was rounded from degrees to radians, its
+/// sine and cosine, which were rounded again, and a chord from start to end that is off by `off_by`.
 fn span_error([from, to]: [[f64; 2]; 2], [rx, ry]: [f64; 2], rotation_rad: f64, off_by: f64) -> f64 {
     let (sin, cos) = libm::sincos(rotation_rad);
     let half = [(from[0] - to[0]) / 2.0, (from[1] - to[1]) / 2.0];
     let turned = [(half[0] * cos + half[1] * sin) / rx, (half[1] * cos - half[0] * sin) / ry];
     let square = turned[0] * turned[0] + turned[1] * turned[1];
     let (long, short) = if rx > ry { (rx, ry) } else { (ry, rx) };
-    // 1. The angle, at most a quarter turn after whole ones, is off by less than 2 ε, sine and cosine by one
+    // 1. The angle, at most a quarter turn after reduction, is off by less than 2 ε, sine and cosine by one
     //    more. In units of the radii that moves the half chord by the ratio of the radii times its length, at
-    //    most 1 (or grown to it), and its square by twice that: 8 ε with the sums' own rounding. A way that
+    //    most 1 (or grown to it), and its square by twice that: 8 ε with the sums' own rounding. A chord that
     //    is off by some length moves the half chord by half of it, in units of the shorter radius, and its
     //    square, of a length of at most 1 and a bit, by no more than three times that.
     let by_way = mul_up(1.5, off_by / short);
     let known = add_up(mul_up(8.0 * f64::EPSILON, long / short), mul_up(by_way, add_up(1.0, by_way)));
-    // 2. The centre's height over the chord is the root of what the square leaves of 1.
+    // 2. The height of the centre above the chord is the root of 1 minus the square.
     let left = (1.0 - square).abs();
     let of_height = if left > 4.0 * known {
         if square > 1.0 { known } else { known / left.sqrt() }
     } else {
-        // Its root moves by no more than the root of all that it may be.
+        // Its root moves by no more than the root of its largest possible value.
         (5.0 * known).sqrt()
     };
     let grown = if square > 1.0 { long * square.sqrt() } else { long };

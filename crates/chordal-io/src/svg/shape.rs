@@ -1,4 +1,4 @@
-//! The basic shapes, drawn as SVG 2 (chapter 10) says which path each one is.
+//! The basic shapes, drawn as the paths that SVG 2 (chapter 10) defines for them.
 use super::cursor::numbers;
 use super::length::{LengthError, SvgLength};
 use super::names::{ElementTag, Key};
@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Why an element draws nothing.
 #[derive(Debug)]
 pub(super) enum ElementError {
-    /// It was counted as a warning, or has no size.
+    /// Counted as a warning, or without a size.
     Skip,
     /// The file is refused.
     Refuse(ReadError),
@@ -25,7 +25,7 @@ impl From<ReadError> for ElementError {
     }
 }
 
-/// Against what a percentage is taken.
+/// The length that a percentage refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PercentBasis {
     X,
@@ -37,16 +37,16 @@ pub(super) enum PercentBasis {
 pub(super) struct LengthReader<'w, 'a> {
     pub tree: &'w XmlTree<'a>,
     pub node: usize,
-    /// Width and height of the viewport, where they are known.
+    /// Width and height of the viewport, if known.
     pub viewport: Option<[f64; 2]>,
     pub limits: &'w Limits,
     pub warnings: &'w mut Warnings,
-    /// What the conversion of units has rounded, all together.
+    /// The total rounding of unit conversions.
     pub lost: f64,
 }
 
 impl LengthReader<'_, '_> {
-    /// A number that is not finite refuses the file, or drops the element where the limits say so.
+    /// Handles a number that is not finite: refuses the file, or drops the element if the limits say so.
     pub fn not_finite(&mut self, place: FileLocation, what: String) -> ElementError {
         if !self.limits.drop_nonfinite {
             return ElementError::Refuse(ReadError::new("not-finite", place, what));
@@ -56,7 +56,7 @@ impl LengthReader<'_, '_> {
         ElementError::Skip
     }
 
-    /// A length; none where it is not given, is `auto`, or is not spelled like one, which is counted.
+    /// Reads a length. `None` if it is absent, `auto`, or malformed, which is counted.
     pub fn length(&mut self, key: Key, along: PercentBasis) -> Result<Option<f64>, ElementError> {
         let tree = self.tree;
         let Some((text, start)) = tree.get(self.node, key) else { return Ok(None) };
@@ -71,7 +71,7 @@ impl LengthReader<'_, '_> {
         match SvgLength::read(&text) {
             Ok(length) => match length.resolve(whole) {
                 Some(value) if value.is_finite() => {
-                    // At most six roundings on the way from a percentage.
+                    // At most six roundings for a percentage.
                     self.lost += if length.is_exact() { 0.0 } else { 8.0 * f64::EPSILON * value.abs() };
                     Ok(Some(value))
                 }
@@ -110,7 +110,7 @@ impl LengthReader<'_, '_> {
         });
     }
 
-    /// A size: 0 or none draws nothing, and a negative one is an error that draws nothing.
+    /// Reads a size: 0 or none draws nothing, and a negative one is an error that draws nothing.
     fn size(&mut self, key: Key, along: PercentBasis) -> Result<f64, ElementError> {
         match self.length(key, along)? {
             Some(value) if value > 0.0 => Ok(value),
@@ -123,7 +123,7 @@ impl LengthReader<'_, '_> {
         }
     }
 
-    /// A radius; none where it follows the other one.
+    /// Reads a radius; `None` if it follows the other one.
     fn radius(&mut self, key: Key, along: PercentBasis) -> Result<Option<f64>, ElementError> {
         let radius = self.length(key, along)?;
         if radius.is_some_and(|r| r < 0.0) {
@@ -134,7 +134,7 @@ impl LengthReader<'_, '_> {
         Ok(radius)
     }
 
-    /// Draws the shape.
+    /// Draws the shape of an element.
     pub fn draw(&mut self, tag: ElementTag, pen: &mut PathBuilder) -> Result<(), ElementError> {
         match tag {
             ElementTag::Rect => self.rect(pen)?,
@@ -226,7 +226,8 @@ impl LengthReader<'_, '_> {
     }
 }
 
-/// Clockwise on the screen from the end of the first corner, as the specification says.
+/// Draws a rounded rectangle, clockwise on the screen from the end of the first corner, as the specification
+/// says.
 fn round_rect(
     pen: &mut PathBuilder,
     [[x, y], [right, bottom]]: [[f64; 2]; 2],
@@ -234,7 +235,7 @@ fn round_rect(
 ) -> Result<(), ElementError> {
     let [left_in, right_in] = [pen.sum(x, rx), pen.sum(right, -rx)];
     let [top_in, bottom_in] = [pen.sum(y, ry), pen.sum(bottom, -ry)];
-    // Each side runs to where the arc of the corner after it begins.
+    // Each side ends where the arc of the next corner begins.
     let sides = [
         ([right_in, y], [right, top_in], [right_in, top_in]),
         ([right, bottom_in], [right_in, bottom], [right_in, bottom_in]),
@@ -261,12 +262,13 @@ fn quarter(
 ) -> Result<(), ElementError> {
     match arc {
         Ok(arc) => Ok(pen.arc(arc)?),
-        // Finite numbers whose sums are not: such a corner is beyond every budget, and its square is drawn.
+        // The numbers are finite and their sums are not: such a corner is beyond every budget, so it is drawn
+        // square.
         Err(_) => Ok(()),
     }
 }
 
-/// One turn from the end of the first axis.
+/// Draws an ellipse: one turn from the end of the first axis.
 fn ellipse(pen: &mut PathBuilder, centre: [f64; 2], [rx, ry]: [f64; 2]) -> Result<(), ElementError> {
     let start = [pen.sum(centre[0], rx), centre[1]];
     let whole = Arc::new(centre, [[rx, 0.0], [0.0, ry]], 0.0, 2.0 * PI).map_err(|_| ElementError::Skip)?;

@@ -1,9 +1,8 @@
-//! `InheritedStyle`: what of an element's style decides what is drawn: fill, fill rule, whether it shows at
-//! all.
+//! `StyleCascade`: the style properties that decide what is drawn: fill, fill rule, visibility.
 use super::names::Key;
 use chordal::explicit::FillRule;
 
-/// The properties that children take over.
+/// The properties that children inherit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct InheritedStyle {
     pub filled: bool,
@@ -28,21 +27,21 @@ impl Default for InheritedStyle {
     }
 }
 
-/// The properties of an element alone.
+/// The properties that children do not inherit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ElementStyle {
     pub hidden: bool,
     pub clipped: bool,
     pub masked: bool,
     pub filtered: bool,
-    /// Geometry or transform given by CSS, or the origin of a transform, which are not supported.
+    /// Geometry, a transform or its origin given by CSS, which are not supported.
     pub css_geometry: bool,
-    /// Less than opaque, which is not looked at.
+    /// An opacity below 1, which is ignored.
     pub sheer: bool,
     pub important: bool,
 }
 
-/// A property that is looked at.
+/// A known property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StyleProperty {
     Fill,
@@ -54,13 +53,13 @@ pub(super) enum StyleProperty {
     Mask,
     Filter,
     Marker,
-    /// Of geometry, which is only read from attributes.
+    /// Geometry, which is only read from attributes.
     Geometry,
     Opacity,
 }
 
 impl StyleProperty {
-    /// By its name in a style sheet.
+    /// Converts from its name in a style sheet.
     pub fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "fill" => Self::Fill,
@@ -81,7 +80,7 @@ impl StyleProperty {
         })
     }
 
-    /// By the attribute of the same meaning.
+    /// Converts from the attribute of the same meaning.
     pub fn from_attribute(key: Key) -> Option<Self> {
         Some(match key {
             Key::Fill => Self::Fill,
@@ -100,7 +99,7 @@ impl StyleProperty {
     }
 }
 
-/// The looks of one element, on their way from those of its parent.
+/// The style of one element, while it is computed from that of its parent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StyleCascade {
     pub inherited: InheritedStyle,
@@ -113,7 +112,7 @@ impl StyleCascade {
         Self { inherited: parent, own: ElementStyle::default(), parent }
     }
 
-    /// One declaration; those that come later win.
+    /// Applies one declaration; later ones win.
     pub fn set(&mut self, property: StyleProperty, value: &str) {
         let value = value.trim();
         let (value, important) = match value.rsplit_once('!') {
@@ -156,7 +155,7 @@ impl StyleCascade {
         }
     }
 
-    /// The declarations of a `style` attribute.
+    /// Applies the declarations of a `style` attribute.
     pub fn set_all(&mut self, text: &str) {
         for (name, value) in declarations(text) {
             if let Some(property) = StyleProperty::from_name(&name.to_ascii_lowercase()) {
@@ -166,7 +165,7 @@ impl StyleCascade {
     }
 }
 
-/// `name: value` between semicolons.
+/// Splits `name: value` pairs at semicolons.
 pub(super) fn declarations(text: &str) -> impl Iterator<Item = (&str, &str)> {
     text.split(';').filter_map(|one| one.split_once(':')).map(|(name, value)| (name.trim(), value.trim()))
 }

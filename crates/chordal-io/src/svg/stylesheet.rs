@@ -1,9 +1,10 @@
-//! `StyleSheet`: style sheets: rules for elements, classes and ids; all else is counted.
+//! `StyleSheet`: rules for elements, classes and ids; all else is counted.
 use super::style::{StyleProperty, declarations};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Rules of one sheet beyond which nothing more is read: matching is linear in those that name one class.
+/// The most rules of one sheet; further ones are dropped. Matching is linear in the rules that name one
+/// class.
 pub(super) const MOST_RULES: usize = 4096;
 
 /// A selector of one element: `path`, `.a`, `#b`, `path.a.b`, `*`.
@@ -21,19 +22,19 @@ struct CssRule {
     value: String,
 }
 
-/// All rules of a file, by what their selectors name.
+/// All rules of a file, indexed by the names in their selectors.
 #[derive(Debug, Default)]
 pub(super) struct StyleSheet {
     rules: Vec<CssRule>,
     /// Indices of the rules whose selector names this id (`#…`), class (`.…`) or element, or nothing (empty).
     by_name: BTreeMap<String, Vec<u32>>,
-    /// Selectors and at-rules that are not supported.
+    /// The number of selectors and at-rules that are not supported.
     pub unsupported: u64,
-    /// Rules beyond the limit.
+    /// The number of rules over the limit.
     pub dropped: u64,
 }
 
-/// What selectors ask of an element.
+/// The properties of an element that selectors match.
 #[derive(Debug)]
 pub(super) struct SelectorSubject<'a> {
     pub element: &'a str,
@@ -46,7 +47,7 @@ impl StyleSheet {
         self.rules.is_empty()
     }
 
-    /// Reads one sheet more.
+    /// Adds a sheet.
     pub fn add(&mut self, text: &str) {
         let text = without_comments(text);
         let mut rest = text.trim_start();
@@ -104,7 +105,7 @@ impl StyleSheet {
 }
 
 impl CssSelector {
-    /// None where it is more than names of one element.
+    /// Parses a selector. `None` if it has more than names of one element.
     fn read(text: &str) -> Option<Self> {
         let is_plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | '#' | '*');
         if text.is_empty() || !text.chars().all(is_plain) {
@@ -156,11 +157,11 @@ fn without_comments(text: &str) -> String {
         rest = after.split_once("*/").map_or("", |(_, after)| after);
     }
     kept.push_str(rest);
-    // Old pages hide sheets from older readers.
+    // Old pages wrap sheets in comments to hide them from old browsers.
     kept.replace("<!--", " ").replace("-->", " ")
 }
 
-/// What follows an at-rule: its semicolon, or its block with all blocks inside.
+/// The text after an at-rule: after its semicolon, or after its block with all nested blocks.
 fn after_at_rule(text: &str) -> &str {
     let mut depth = 0_u32;
     for (at, c) in text.char_indices() {

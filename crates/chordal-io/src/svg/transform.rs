@@ -1,14 +1,14 @@
-//! `SvgTransform`: transforms and view boxes, with what their own rounding may move.
+//! `SvgTransform`: transforms and view boxes, with bounds on their own rounding.
 use super::cursor::{CursorResult, SvgSyntaxError, TextCursor};
 use chordal::explicit::{AffineMap, Curve, InvalidCurve};
 use chordal::math::{add_up, mul_up};
 use std::f64::consts::PI;
 
-/// An affine map of the plane, and how far each of its numbers may be from what the file means.
+/// An affine map of the plane, and bounds on the error of each of its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SvgTransform {
     affine: AffineMap<2>,
-    /// Bounds from above, each of the number that stands there in the map.
+    /// Upper bounds, each of the error of the number at the same position of the map.
     off: AffineMap<2>,
     is_identity: bool,
 }
@@ -20,7 +20,7 @@ impl SvgTransform {
         Self { affine: AffineMap::identity(), off: NOTHING, is_identity: true }
     }
 
-    /// A map whose numbers are as they stand in the file.
+    /// A map whose numbers are exactly those of the file.
     fn exact(columns: [[f64; 2]; 2], offset: [f64; 2]) -> Self {
         let affine = AffineMap { columns, offset };
         Self { affine, off: NOTHING, is_identity: affine == AffineMap::identity() }
@@ -37,7 +37,7 @@ impl SvgTransform {
         Self { affine: AffineMap { columns, offset }, off, is_identity: false }
     }
 
-    /// A turn by so many degrees from x towards y.
+    /// A rotation by an angle in degrees, from x towards y.
     fn rotation(deg: f64) -> Self {
         let deg = deg % 360.0;
         if deg % 90.0 == 0.0 {
@@ -47,14 +47,14 @@ impl SvgTransform {
         }
         let rad = deg * (PI / 180.0);
         let (sin, cos) = libm::sincos(rad);
-        // The angle is rounded twice, each by half a step of it; sine and cosine are off by less than one
-        // step more.
+        // The angle is rounded twice, each by half a step; sine and cosine are off by less than one step
+        // more.
         let off = 2.0 * f64::EPSILON * (rad.abs() + 1.0);
         let affine = AffineMap { columns: [[cos, sin], [-sin, cos]], offset: [0.0; 2] };
         Self { affine, off: AffineMap { columns: [[off; 2]; 2], offset: [0.0; 2] }, is_identity: false }
     }
 
-    /// The tangent of an angle in degrees, and how far it may be off.
+    /// The tangent of an angle in degrees, and a bound on its error.
     fn tangent(deg: f64) -> Option<(f64, f64)> {
         let deg = deg % 180.0;
         if deg.abs() == 90.0 {
@@ -65,11 +65,11 @@ impl SvgTransform {
         }
         let rad = deg * (PI / 180.0);
         let tan = libm::tan(rad);
-        // As for a turn, times the slope of the tangent.
+        // As for a rotation, times the slope of the tangent.
         Some((tan, 4.0 * f64::EPSILON * (rad.abs() + 1.0) * (1.0 + tan * tan)))
     }
 
-    /// What comes of `inner` first and then this.
+    /// The map that applies `inner` first and then this.
     pub fn after(&self, inner: &Self) -> Self {
         if self.is_identity {
             return *inner;
@@ -96,7 +96,7 @@ impl SvgTransform {
         Self { affine: self.affine.after(&inner.affine), off, is_identity: false }
     }
 
-    /// A curve under the map; all that was rounded is in its slack.
+    /// Applies the map to a curve; the slack of the result bounds all rounding.
     pub fn apply(&self, curve: &Curve<2>) -> Result<Curve<2>, InvalidCurve> {
         let moved = curve.transformed(&self.affine)?;
         let reach = curve
@@ -118,9 +118,9 @@ impl SvgTransform {
         self.is_identity
     }
 
-    /// Whether it flattens the plane, so that nothing is drawn.
+    /// Whether the map is singular, so that nothing is drawn.
     pub fn is_singular(&self) -> bool {
-        // Scaled, so that products neither vanish nor overflow.
+        // Scaling keeps products from vanishing or overflowing.
         let scaled = |[x, y]: [f64; 2]| {
             let most = if x.abs() > y.abs() { x.abs() } else { y.abs() };
             if most > 0.0 { [x / most, y / most] } else { [0.0; 2] }
@@ -129,13 +129,14 @@ impl SvgTransform {
         a * d == b * c
     }
 
-    /// The same map, for which the place and the size that it puts a view box into are off by up to `lost`.
+    /// The same map, with bounds that allow for an error of up to `lost` in the position and size of the
+    /// viewport.
     pub fn with_error(mut self, lost: f64, view: Option<[f64; 4]>) -> Self {
         if lost > 0.0 {
             let [x, y, w, h] = view.unwrap_or([0.0, 0.0, 1.0, 1.0]);
             let least = if w < h { w } else { h };
-            // A scale is the quotient of a size by the view's; an offset the place less that of the view's
-            // corner, and half of what the other side leaves.
+            // A scale is the quotient of a size by the view's. An offset is the position minus that of the
+            // view's corner, plus half of the unused length.
             let of_scale = if view.is_some() { mul_up(2.0, lost / least) } else { 0.0 };
             let of_corner = mul_up(of_scale, add_up(add_up(x.abs(), y.abs()), add_up(w, h)));
             let of_offset = add_up(mul_up(2.0, lost), of_corner);
@@ -146,7 +147,7 @@ impl SvgTransform {
         self
     }
 
-    /// A list of transforms, as in `rotate(30 10 10) scale(2)`.
+    /// Parses a list of transforms, as in `rotate(30 10 10) scale(2)`.
     pub fn read(text: &str) -> CursorResult<Self> {
         let mut cursor = TextCursor::new(text);
         let mut map = Self::identity();
@@ -158,7 +159,7 @@ impl SvgTransform {
         Ok(map)
     }
 
-    /// From a view box into a viewport, both as x, y, width and height.
+    /// Maps a view box into a viewport, both as x, y, width and height.
     pub fn fit(view: [f64; 4], port: [f64; 4], aspect: PreserveAspectRatio) -> Self {
         let mut scale = [port[2] / view[2], port[3] / view[3]];
         if let Some(slice) = aspect.uniform {
@@ -171,8 +172,7 @@ impl SvgTransform {
         let offset = [0, 1].map(|k| port[k] + room[k] - view[k] * scale[k]);
         // A quotient is rounded by half a step; offsets follow below.
         let mut map = Self::rounded(columns, offset, 4.0 * f64::EPSILON);
-        // A sum can be smaller than what it is made of: five roundings of half a step each, of no more than
-        // its parts.
+        // A sum can be smaller than its parts: five roundings of half a step each, relative to its parts.
         for k in 0..2 {
             let parts =
                 port[k].abs() + port[2 + k].abs() + (view[k].abs() + view[2 + k].abs()) * scale[k].abs();
@@ -231,9 +231,9 @@ fn read_one(cursor: &mut TextCursor) -> CursorResult<SvgTransform> {
 /// How a view box sits in a viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PreserveAspectRatio {
-    /// None for `none`; else whether the viewport is filled (`slice`) instead of everything shown (`meet`).
+    /// `None` for `none`; else whether the viewport is filled (`slice`) or everything is shown (`meet`).
     uniform: Option<bool>,
-    /// How much of the room that is left stands before: 0, a half or 1.
+    /// The share of the unused length that comes before: 0, a half or 1.
     align: [f64; 2],
 }
 
@@ -244,7 +244,7 @@ impl Default for PreserveAspectRatio {
 }
 
 impl PreserveAspectRatio {
-    /// The value of `preserveAspectRatio`; none if it is not spelled like one.
+    /// Parses the value of `preserveAspectRatio`; `None` if it is malformed.
     pub fn read(text: &str) -> Option<Self> {
         let mut words = text.split_ascii_whitespace().skip_while(|word| *word == "defer");
         let name = words.next()?;
@@ -270,7 +270,7 @@ impl PreserveAspectRatio {
         Some(Self { uniform, align: [x, y] })
     }
 
-    /// The scale from a view box into a viewport of these sizes, where it is one for both axes.
+    /// The scale from a view box into a viewport of these sizes, if it is the same for both axes.
     pub fn scale(self, view: [f64; 2], port: [f64; 2]) -> Option<f64> {
         let [x, y] = [port[0] / view[0], port[1] / view[1]];
         match self.uniform {
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn the_error_of_a_chain_covers_what_it_loses() {
-        // Eighteen turns of 20 degrees are none.
+        // Eighteen rotations by 20 degrees make the identity.
         let mut map = SvgTransform::identity();
         for _ in 0..18 {
             map = map.after(&SvgTransform::rotation(20.0));

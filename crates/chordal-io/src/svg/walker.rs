@@ -1,4 +1,4 @@
-//! `SvgWalker`: from the elements of a file to what it draws, in document order.
+//! `SvgWalker`: visits the elements of a file in document order, and draws them.
 use super::names::{ElementTag, Key};
 use super::path;
 use super::path_builder::{PathBuilder, PathError};
@@ -15,12 +15,12 @@ use crate::{FileLocation, Limits, ReadError};
 use chordal::math::add_up;
 use std::collections::BTreeMap;
 
-/// Elements inside each other, with those that `use` brings: each takes some of the call stack.
+/// The deepest nesting of elements, including those that `use` adds: each level takes some of the call stack.
 const DEEPEST: usize = 400;
-/// Pieces and elements that `use` may copy whatever the size of the file: 64 MiB of them, at about 320 bytes.
+/// The segments and elements that `use` may copy whatever the file's size: 64 MiB, at about 320 bytes each.
 const COPIES: u64 = 200_000;
 
-/// What children take over.
+/// What children inherit.
 #[derive(Clone, Copy)]
 struct ParentContext {
     map: SvgTransform,
@@ -42,7 +42,7 @@ pub(super) struct SvgWalker<'w, 'a> {
     drawing: Drawing,
 }
 
-/// The size that a `use` gives to the symbol that it shows, and what its units lost.
+/// The size that a `use` gives to its symbol, and the rounding of its units.
 #[derive(Clone, Copy, Debug, Default)]
 struct UseSize {
     size: [Option<f64>; 2],
@@ -83,7 +83,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         Self { tree, limits, warnings, sheet, ids, using: Vec::new(), copies_left, drawing }
     }
 
-    /// What the file draws.
+    /// Draws the file.
     pub fn run(mut self) -> Result<Drawing, ReadError> {
         let viewport = self.root()?;
         let (map, inherited) = (SvgTransform::identity(), InheritedStyle::default());
@@ -98,7 +98,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         Ok(self.drawing)
     }
 
-    /// What the root says of the picture: coordinates are those of its view box, which is not applied.
+    /// Reads the root: coordinates are those of its view box, which is not applied.
     fn root(&mut self) -> Result<Option<[f64; 2]>, ReadError> {
         let tree = self.tree;
         let mut sizes = [None; 2];
@@ -126,7 +126,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         let aspect = self.aspect(0);
         self.drawing.frame.metres_per_unit = match (metres(0), metres(1), shown) {
             (Some(w), Some(h), Some([_, _, vw, vh])) => aspect.scale([vw, vh], [w, h]),
-            // A size that is not given follows from the other by the view box.
+            // A missing size follows from the other by the view box.
             (Some(w), None, Some([_, _, vw, _])) if sizes[1].is_none() => Some(w / vw),
             (None, Some(h), Some([_, _, _, vh])) if sizes[0].is_none() => Some(h / vh),
             _ => None,
@@ -168,7 +168,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         })
     }
 
-    /// The looks of an element from attributes, sheets and its own style, in this order.
+    /// The style of an element from attributes, sheets and its own style, in this order.
     fn cascade(&mut self, node: usize, parent: InheritedStyle) -> StyleCascade {
         let tree = self.tree;
         let mut cascade = StyleCascade::from(parent);
@@ -200,7 +200,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         self.warnings.count(code, || (tree.place(node), message.to_owned()));
     }
 
-    /// Counts what an element asks for that is not supported; whether it is drawn at all.
+    /// Counts unsupported properties of an element. Returns whether it is drawn at all.
     fn is_visible(&mut self, node: usize, own: &ElementStyle) -> bool {
         if own.hidden {
             self.warn(node, "hidden", "elements that are not displayed were left out");
@@ -289,7 +289,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         }
     }
 
-    /// The context with the element's transform; none where it leaves nothing to draw.
+    /// The context with the element's transform; `None` if that leaves nothing to draw.
     fn transformed(
         &mut self,
         node: usize,
@@ -317,7 +317,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         Ok(Some(ParentContext { map: context.map.after(&map), ..context }))
     }
 
-    /// A nested picture, or the symbol of a `use` with the sizes that it gives.
+    /// Draws a nested picture, or the symbol of a `use` with the sizes that it gives.
     fn viewport(&mut self, node: usize, context: &ParentContext, given: UseSize) -> Result<(), ReadError> {
         let place = match self.port(node, context) {
             Ok(place) => place,
@@ -358,7 +358,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         self.children(node, &inner)
     }
 
-    /// The place and the size that an element gives, and what their units lost.
+    /// The position and size of an element, and the rounding of their units.
     fn port(
         &mut self,
         node: usize,
@@ -385,7 +385,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         }
     }
 
-    /// Whether the conditions of an element hold, as for a reader of English who has no extensions.
+    /// Whether the conditions of an element hold, as for a reader of English without extensions.
     fn conditions_hold(&self, node: usize) -> bool {
         let language = self.tree.get(node, Key::SystemLanguage).is_none_or(|(all, _)| {
             all.split(',').any(|one| one.trim() == "en" || one.trim().starts_with("en-"))
@@ -393,7 +393,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         language && self.tree.get(node, Key::RequiredExtensions).is_none()
     }
 
-    /// The first child whose conditions hold.
+    /// Draws the first child whose conditions hold.
     fn switch(&mut self, node: usize, context: &ParentContext) -> Result<(), ReadError> {
         let tree = self.tree;
         let holds = |child: &usize| {
@@ -448,7 +448,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         drawn
     }
 
-    /// A symbol or picture that is used.
+    /// Draws a symbol or picture that is used.
     fn draw_instance(
         &mut self,
         node: usize,
@@ -467,7 +467,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         }
     }
 
-    /// What is drawn through `use` has a limit of its own: a few lines can mean more than any memory holds.
+    /// Counts what `use` draws against a limit of its own: a few lines can stand for more than memory holds.
     fn count_copies(&mut self, node: usize, more: u64) -> Result<(), ReadError> {
         if self.using.is_empty() {
             return Ok(());
@@ -550,7 +550,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         }
     }
 
-    /// Puts what the pen drew into the drawing.
+    /// Adds the finished paths to the drawing.
     fn add_element(
         &mut self,
         node: usize,

@@ -1,4 +1,4 @@
-//! Polylines as an SVG file: one path an element, with a subpath for each polyline.
+//! Writes polylines as an SVG file: one path for each element, with a subpath for each polyline.
 use super::CERTIFICATE;
 use crate::WriteError;
 use crate::drawing::{DrawingElement, Polylines};
@@ -11,8 +11,8 @@ use std::io::Write;
 /// The namespace of the certificate.
 const NAMESPACE: &str = "urn:chordal:certificate:1";
 
-/// Writes polylines with every digit that they need to read back to the last bit. What was filled is filled,
-/// all else is a thin line. The certificate stands in `metadata`.
+/// Writes polylines with all digits that they need to read back to the same bits. Filled elements are filled,
+/// all others are thin lines. The certificate is in `metadata`.
 ///
 /// # Errors
 /// When the sink fails, or the polylines are in space.
@@ -40,7 +40,7 @@ pub fn write(
             "<metadata><{CERTIFICATE} xmlns:chordal=\"{NAMESPACE}\">{text}</{CERTIFICATE}></metadata>"
         )?;
     }
-    // One id is one element's; copies that `use` made have the same.
+    // An id must be unique; copies that `use` made have the same.
     let mut named = BTreeSet::new();
     for (element, lines) in drawn.groups() {
         let id = named.insert(&element.name).then_some(&*element.name).filter(|id| !id.is_empty());
@@ -75,7 +75,7 @@ fn path(
             };
             write!(out, "{command}{} {}", ShortestDecimal(*x), ShortestDecimal(*y))?;
         }
-        // One point is drawn by closing it.
+        // A single point is drawn by closing it.
         if line.closed || line.points.len() == 1 {
             out.write_all(b"Z")?;
         }
@@ -84,7 +84,7 @@ fn path(
     Ok(())
 }
 
-/// A box around all points, which has a size even where they have none.
+/// A box around all points, of positive size even where they have none.
 fn bounds(lines: &[Polyline<2>]) -> [f64; 4] {
     let mut points = lines.iter().flat_map(|line| &line.points);
     let Some(first) = points.next() else { return [0.0, 0.0, 1.0, 1.0] };
@@ -102,7 +102,7 @@ fn bounds(lines: &[Polyline<2>]) -> [f64; 4] {
     [low[0], low[1], w, h]
 }
 
-/// Text as it stands in an element or an attribute.
+/// Escapes text for an element or an attribute.
 fn escaped(text: &str) -> String {
     let mut all = String::with_capacity(text.len());
     for c in text.chars() {
@@ -111,7 +111,7 @@ fn escaped(text: &str) -> String {
             '<' => all.push_str("&lt;"),
             '>' => all.push_str("&gt;"),
             '"' => all.push_str("&quot;"),
-            // Read back as they are, which a plain line break in an attribute is not.
+            // Escaped to read back unchanged, unlike a plain line break in an attribute.
             '\t' | '\n' | '\r' => all.push_str(&format!("&#{};", c as u32)),
             c if (c as u32) < 0x20 => all.push('\u{fffd}'),
             c => all.push(c),

@@ -1,5 +1,5 @@
 //! `XmlTree`: the elements of an SVG file in document order, in 24 bytes each and 12 for each attribute that
-//! is looked at.
+//! is kept.
 use super::names::{ElementTag, Key};
 use crate::grow::push;
 use crate::text::{grouped, show};
@@ -11,10 +11,9 @@ use quick_xml::events::attributes::Attributes;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Attributes of one element. The check for one that stands twice is quadratic in them.
+/// The most attributes of one element. The check for duplicates is quadratic in them.
 const MOST_ATTRIBUTES: usize = 1000;
-/// The deepest nesting that is read whatever the limits say: each level takes some of the call stack later
-/// on.
+/// The deepest nesting, whatever the limits allow: each level takes some of the call stack later.
 const DEEPEST: usize = 256;
 /// The namespace of SVG.
 const SVG: &str = "http://www.w3.org/2000/svg";
@@ -26,7 +25,7 @@ struct XmlNode {
     n_attributes: u16,
     /// Its first attribute.
     attributes: u32,
-    /// Where its `<` stands.
+    /// The byte of its `<`.
     at: u32,
     /// The node after its last descendant.
     end: u32,
@@ -45,11 +44,11 @@ pub(super) struct XmlTree<'a> {
     text: &'a str,
     nodes: Vec<XmlNode>,
     attributes: Vec<XmlAttribute>,
-    /// Style sheets with the place where each starts.
+    /// Style sheets with their nodes.
     pub sheets: Vec<(u32, String)>,
-    /// Where a document type stands that nothing was read of.
+    /// The byte of a document type, which is ignored.
     pub doctype: Option<u32>,
-    /// Where a style sheet in another file is named.
+    /// The byte of a reference to an external style sheet.
     pub style_sheet: Option<u32>,
     /// Whether the root is in SVG's namespace.
     pub has_namespace: bool,
@@ -66,8 +65,11 @@ pub(super) fn place(text: &str, at: usize) -> FileLocation {
 }
 
 impl<'a> XmlTree<'a> {
+    /// Parses a file.
+    ///
     /// # Errors
-    /// When the text is no XML, has a document type with declarations, or is larger or deeper than may be.
+    /// When the text is no XML, has a document type with declarations, or exceeds the limits on size or
+    /// depth.
     pub fn read(text: &'a str, limits: &Limits) -> Result<Self, ReadError> {
         if u32::try_from(text.len()).is_err() {
             let message = format!("{} bytes are over the limit of 4,294,967,295", grouped(text.len() as u64));
@@ -105,12 +107,12 @@ impl<'a> XmlTree<'a> {
         })
     }
 
-    /// Where the element stands.
+    /// The location of the element.
     pub fn place(&self, node: usize) -> FileLocation {
         place(self.text, self.nodes[node].at as usize)
     }
 
-    /// The name as it stands in the file.
+    /// The name in the file.
     pub fn name(&self, node: usize) -> &'a str {
         let rest = &self.text[self.nodes[node].at as usize + 1..];
         rest.split(|c: char| c.is_ascii_whitespace() || c == '>' || c == '/').next().unwrap_or("")
@@ -124,7 +126,7 @@ impl<'a> XmlTree<'a> {
         Some((self.value(*found), found.at as usize))
     }
 
-    /// All attributes that are looked at.
+    /// All attributes that are kept.
     pub fn attributes(&self, node: usize) -> impl Iterator<Item = (Key, Cow<'a, str>, usize)> + '_ {
         let XmlNode { attributes, n_attributes, .. } = self.nodes[node];
         let own = &self.attributes[attributes as usize..attributes as usize + usize::from(n_attributes)];
@@ -133,23 +135,23 @@ impl<'a> XmlTree<'a> {
 
     fn value(&self, attribute: XmlAttribute) -> Cow<'a, str> {
         let raw = &self.text[attribute.at as usize..(attribute.at + attribute.len) as usize];
-        // That it can be resolved was checked when it was read.
+        // Parsing has checked that it can be resolved.
         if raw.contains('&') { unescape(raw).unwrap_or(Cow::Borrowed(raw)) } else { Cow::Borrowed(raw) }
     }
 
-    /// Where a byte of an attribute's value stands; with escapes in it, where the value starts.
+    /// The location of a byte in an attribute's value; with escapes in it, where the value starts.
     pub fn place_in(&self, (value, start): (&Cow<'_, str>, usize), at: usize) -> FileLocation {
         let offset = if matches!(value, Cow::Borrowed(_)) { at } else { 0 };
         place(self.text, start + offset)
     }
 
-    /// Where a byte of the file stands.
+    /// The location of a byte of the file.
     pub fn place_of(&self, at: usize) -> FileLocation {
         place(self.text, at)
     }
 }
 
-/// Reads a tree.
+/// Builds a tree.
 struct XmlParser<'a> {
     reader: Reader<&'a [u8]>,
     deepest: usize,
@@ -157,7 +159,7 @@ struct XmlParser<'a> {
     tree: XmlTree<'a>,
     /// The open elements.
     open: Vec<u32>,
-    /// For each prefix the namespaces that it is bound to, the innermost last: whether that is SVG's.
+    /// For each prefix its namespace bindings, the innermost last: whether each is SVG's.
     bound: BTreeMap<&'a str, Vec<bool>>,
     /// The prefixes that each open element binds.
     binds: Vec<Vec<&'a str>>,
@@ -248,8 +250,8 @@ impl<'a> XmlParser<'a> {
         let declared = self.tree.text[at..end].to_ascii_lowercase();
         let Some((_, encoding)) = declared.split_once("encoding") else { return Ok(()) };
         let name = encoding.split(['"', '\'']).nth(1).unwrap_or("");
-        // The bytes are UTF-8, or the text would not be here; of those that only say something else, plain
-        // ASCII reads the same.
+        // The bytes are UTF-8, or the text would have been refused. If only the declaration says otherwise,
+        // plain ASCII reads the same.
         if matches!(name, "utf-8" | "utf8" | "us-ascii" | "ascii") || self.tree.text.is_ascii() {
             return Ok(());
         }
@@ -275,7 +277,7 @@ impl<'a> XmlParser<'a> {
         self.text(at, &resolved)
     }
 
-    /// Text counts in style sheets and in the certificate; outside the root there is none.
+    /// Handles text, which counts in style sheets and in the certificate; outside the root there is none.
     fn text(&mut self, at: usize, text: &str) -> Result<(), ReadError> {
         let Some(node) = self.open.last() else {
             if text.trim_matches(|c: char| c.is_ascii_whitespace() || c == '\u{feff}').is_empty() {
@@ -318,7 +320,7 @@ impl<'a> XmlParser<'a> {
         let is_root = self.tree.nodes.is_empty();
         let is_svg = match self.bound.get(prefix).and_then(|all| all.last()) {
             Some(is_svg) => *is_svg,
-            // A file that names no namespace at all means this one.
+            // In a file without any namespace, names are SVG's.
             None => prefix.is_empty() && !self.tree.has_namespace,
         };
         if is_root {
@@ -340,7 +342,7 @@ impl<'a> XmlParser<'a> {
     }
 
     fn finish(&mut self) {
-        // The reader has matched the names of starts and ends.
+        // The reader has matched start and end tags.
         let Some(node) = self.open.pop() else { return };
         self.tree.nodes[node as usize].end = self.tree.nodes.len() as u32;
         for prefix in self.binds.pop().unwrap_or_default() {
@@ -350,7 +352,7 @@ impl<'a> XmlParser<'a> {
         }
     }
 
-    /// Keeps the attributes that are looked at; returns the prefixes that are bound here.
+    /// Keeps the known attributes. Returns the prefixes that are bound here.
     fn attributes(&mut self, body: &'a str, name_len: usize, at: usize) -> Result<Vec<&'a str>, ReadError> {
         let mut binds = Vec::new();
         let base = body.as_ptr() as usize;
@@ -370,7 +372,7 @@ impl<'a> XmlParser<'a> {
                 return Err(self.error(at, "too-many-attributes", message));
             }
             let name: &'a str = attribute.key.0;
-            // Raw values are parts of the text; one that is not would be empty.
+            // Raw values are slices of the text; any other would become empty.
             let value: &'a str = match attribute.value {
                 Cow::Borrowed(value) => value,
                 Cow::Owned(_) => "",
@@ -393,10 +395,10 @@ impl<'a> XmlParser<'a> {
     }
 }
 
-/// A prefix other than that of links makes an attribute foreign.
+/// The local name of an attribute; a prefix other than that of links makes it foreign.
 fn local_of(name: &str) -> &str {
     match name.split_once(':') {
-        // By whatever prefix: nobody binds another namespace to an attribute of this name.
+        // Any prefix counts: nobody binds another namespace to an attribute of this name.
         Some((_, "href")) => "xlink:href",
         Some(_) => "",
         None => name,

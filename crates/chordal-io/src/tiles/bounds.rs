@@ -1,16 +1,16 @@
-//! Boxes of tiles: around what a viewer makes of a GLB that we write.
+//! Bounding boxes of tiles: around what a viewer shows of a GLB that Chordal writes.
 use crate::scene::IDENTITY;
 use crate::snap::{origin_of, store};
 use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
 use chordal::math::{Box3, Interval, mul_down, mul_up};
 
-/// The box, in the space of tiles, of what [`crate::glb::write`] writes for a scene.
+/// The box, in tile coordinates, of what [`crate::glb::write`] writes for a scene.
 ///
-/// Tiles are z-up and in metres. GLB is y-up and in metres, and a viewer turns it by (x, y, z) → (x, −z, y).
-/// So a z-up scene is where its coordinates say, any other is turned by that, and a known unit scales both:
-/// what the writer's nodes for the frame do, and a viewer after them. The box holds every stored position,
-/// taken exactly, with every rounding outward; where no node has a transform, no unit is known and parts are
-/// not far from zero for their size, it is the smallest such box.
+/// Tiles are z-up and in metres. GLB is y-up and in metres, and a viewer rotates it by (x, y, z) →
+/// (x, −z, y). So a z-up scene keeps its coordinates, any other is rotated, and a known unit scales both: the
+/// same that the writer's frame nodes and a viewer do. The box holds every stored position, taken exactly,
+/// with all rounding outward. It is the smallest such box where no node has a transform, no unit is known,
+/// and parts are not far from zero for their size.
 ///
 /// Linear in the number of vertices. Empty for a scene that shows nothing.
 ///
@@ -50,8 +50,9 @@ pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
     in_tile_space(bounds, scene)
 }
 
-/// A box as a tile's: the centre, then the half axes along x, y and z. Whoever computes centre ± half axis,
-/// in double precision or exactly, gets a box around this one, by about two units in the last place.
+/// Converts a box to a tile's: the centre, then the half axes along x, y and z. Computing centre ± half axis,
+/// in double precision or exactly, gives a box that contains this one, larger by about two units in the last
+/// place.
 ///
 /// ```
 /// use chordal::math::Box3;
@@ -67,7 +68,8 @@ pub fn aligned_box(bounds: &Box3) -> [f64; 12] {
     for k in 0..3 {
         let (below, above) = (centre[k] - bounds.min[k], bounds.max[k] - centre[k]);
         let half = if above > below { above } else { below };
-        // The rounded difference may be half a step short. What is added back exactly was not rounded.
+        // The rounded difference may be half a step short, unless adding it back exactly shows that it was
+        // not rounded.
         let exact = centre[k] - half <= bounds.min[k]
             && centre[k] + half >= bounds.max[k]
             && (half == 0.0 || is_sum(centre[k], half));
@@ -76,8 +78,8 @@ pub fn aligned_box(bounds: &Box3) -> [f64; 12] {
     volume
 }
 
-/// Whether `a − b` and `a + b` are numbers, so that computing them rounds nothing: the error of a sum is a
-/// number itself, and can be computed.
+/// Whether `a − b` and `a + b` are computed without rounding: the error of a sum is itself a floating-point
+/// number, and can be computed.
 ///
 /// Source: Knuth, The Art of Computer Programming, volume 2, 4.2.2, theorem B.
 fn is_sum(a: f64, b: f64) -> bool {
@@ -89,7 +91,7 @@ fn is_sum(a: f64, b: f64) -> bool {
     error(a, b) == 0.0 && error(a, -b) == 0.0
 }
 
-/// A box of scene coordinates in the space of tiles.
+/// Converts a box from scene to tile coordinates.
 fn in_tile_space(bounds: Box3, scene: &Scene) -> Result<Box3, WriteError> {
     if bounds.is_empty() {
         return Ok(bounds);
@@ -149,12 +151,12 @@ impl IntervalAffine {
         Self { rows: std::array::from_fn(|i| columns.map(|column| column[i])), is_identity: false }
     }
 
-    /// Where a direction goes.
+    /// Maps a direction.
     fn turn(&self, v: [Interval; 3]) -> [Interval; 3] {
         self.rows.map(|row| (row[0] * v[0] + row[1] * v[1]) + row[2] * v[2])
     }
 
-    /// Where a point goes.
+    /// Maps a point.
     fn map(&self, p: [Interval; 3]) -> [Interval; 3] {
         let turned = self.turn(p);
         std::array::from_fn(|i| turned[i] + self.rows[i][3])

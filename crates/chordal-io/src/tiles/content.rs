@@ -1,7 +1,7 @@
-//! Contents of tiles: GLB; what other formats tiles may have is named and refused.
+//! Contents of tiles: GLB is read; other tile formats are named and refused.
 use crate::{FileLocation, Limits, ReadError, ReadOutcome, glb};
 
-/// Formats by their first four bytes, which 3D Tiles 1.0 had and 1.1 still allows.
+/// Formats by their first four bytes, from 3D Tiles 1.0; 1.1 still allows them.
 const OLD: [(&[u8; 4], &str); 5] = [
     (b"b3dm", "b3dm (Batched 3D Model)"),
     (b"i3dm", "i3dm (Instanced 3D Model)"),
@@ -13,11 +13,11 @@ const OLD: [(&[u8; 4], &str); 5] = [
 /// The first two bytes of a gzip stream.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// Reads what a tile shows. It is y-up, as GLB is; a viewer turns it by (x, y, z) → (x, −z, y).
+/// Reads the content of a tile. It is y-up, as GLB is; a viewer rotates it by (x, y, z) → (x, −z, y).
 ///
 /// # Errors
-/// As for [`glb::read`]; `unsupported` for other formats of tiles, by their name, and `compressed` for gzip,
-/// which a server puts around files and a file must not be.
+/// As for [`glb::read`]; `unsupported` for other tile formats, by name; `compressed` for gzip, which belongs
+/// to a server's transfer and not into a file.
 ///
 /// ```
 /// use chordal_io::{Limits, tiles};
@@ -38,7 +38,7 @@ pub fn content(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> 
     glb::read(bytes, limits)
 }
 
-/// Refuses bytes that are compressed as a whole.
+/// Refuses a gzipped file.
 pub(super) fn refuse_gzip(bytes: &[u8]) -> Result<(), ReadError> {
     if bytes.starts_with(&GZIP) {
         let what = "the file is compressed by gzip, which is for a server to do, not for a file";

@@ -1,4 +1,5 @@
-//! 3D Tiles 1.1: a tree of tiles, each with a box, an error in metres and a file that shows it.
+//! 3D Tiles 1.1: a tree of tiles, each with a bounding box, a geometric error in metres and a file with its
+//! content.
 mod bounds;
 mod content;
 mod parse;

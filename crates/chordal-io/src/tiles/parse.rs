@@ -1,4 +1,4 @@
-//! The JSON of a tileset into its tree, without a look at any other file.
+//! Parses the JSON of one tileset into its tree, without opening other files.
 use super::content::refuse_gzip;
 use super::{BoundingVolume, Refine, Subdivision, Tile, Tileset};
 use crate::grow::push_large;
@@ -7,7 +7,7 @@ use crate::warnings::Warnings;
 use crate::{Limits, ReadError};
 use serde_json::Value;
 
-/// A tile's rule for the tiles below it, as it is written.
+/// The implicit tiling of a tile, as written in the file.
 pub(super) struct ImplicitTilingJson {
     pub subdivision: Subdivision,
     pub subtree_levels: u32,
@@ -15,26 +15,25 @@ pub(super) struct ImplicitTilingJson {
     pub template: String,
 }
 
-/// What is not settled by a tile alone.
+/// What a tile leaves open until its surroundings are known.
 #[derive(Default)]
 pub(super) struct UnresolvedTile {
     pub rule: Option<ImplicitTilingJson>,
-    /// Without it the parent's counts, which may be written after its children.
+    /// `None` inherits the parent's, which may be written after its children.
     pub refine: Option<Refine>,
 }
 
-/// A tileset whose URIs are as they are written, and what is pending of its tiles, in the order of
-/// [`Tileset::tiles`].
+/// A tileset with its URIs as written, and the open fields of its tiles, in the order of [`Tileset::tiles`].
 pub(super) struct RawTileset {
     pub tileset: Tileset,
     pub pending: Vec<UnresolvedTile>,
 }
 
-/// What extras may take while they are held, beside a share of the file: a small text may become a hundred
-/// times its size.
+/// The memory for extras beside a share of the file: a small text may become a hundred times its size.
 const EXTRAS_BYTES: u64 = 16 << 20;
 
-/// What a value of extras takes at most: itself and its key, in a list with room for as many again.
+/// The most memory that a value of extras takes: itself and its key, in a list with a spare capacity of as
+/// many again.
 const VALUE_BYTES: u64 = 256;
 
 struct TilesetParser<'p> {
@@ -46,6 +45,8 @@ struct TilesetParser<'p> {
 
 type TileParseResult<T> = Result<T, ReadError>;
 
+/// Parses a tileset.
+///
 /// # Errors
 /// With the byte or the pointer, when it is no JSON or no tileset.
 pub(super) fn parse(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> TileParseResult<RawTileset> {
@@ -102,7 +103,7 @@ fn error_of(json: &mut JsonReader<'_>) -> TileParseResult<f64> {
 fn refuse_extensions(json: &mut JsonReader<'_>) -> TileParseResult<()> {
     json.array(|json, _| {
         let name = json.string()?;
-        // It only says that contents may be glTF, which 1.1 says of all.
+        // It only says that contents may be glTF, which 1.1 allows always.
         if name == "3DTILES_content_gltf" {
             return Ok(());
         }
@@ -111,7 +112,7 @@ fn refuse_extensions(json: &mut JsonReader<'_>) -> TileParseResult<()> {
     Ok(())
 }
 
-/// As many numbers as are wanted.
+/// Reads exactly `N` numbers.
 fn numbers<const N: usize>(json: &mut JsonReader<'_>) -> TileParseResult<[f64; N]> {
     let mut found = [0.0; N];
     let n = json.array(|json, i| {
@@ -148,7 +149,7 @@ fn volume(json: &mut JsonReader<'_>) -> TileParseResult<BoundingVolume> {
 }
 
 impl TilesetParser<'_> {
-    /// Counts what is not kept.
+    /// Skips and counts a property that is not kept.
     fn ignore(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<()> {
         let place = json.place();
         self.warnings.count("tiles-metadata-ignored", || {
@@ -160,7 +161,7 @@ impl TilesetParser<'_> {
     fn extras(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<Option<Value>> {
         let place = json.place();
         let text = json.raw()?;
-        // Each value but the first comes after one of these; strings only make it more.
+        // Each value but the first follows one of these; those in strings only make the count larger.
         let n_values = 1 + text.iter().filter(|b| matches!(b, b',' | b'[' | b'{')).count() as u64;
         let taken = text.len() as u64 + n_values * VALUE_BYTES;
         let parsed = match self.extras_left.checked_sub(taken) {
@@ -215,7 +216,7 @@ impl TilesetParser<'_> {
                         let child = self.tile(json)?;
                         push_large(&mut children, child)
                     })?;
-                    // Most lists are short, and there can be many.
+                    // Most lists are short, and there can be many of them.
                     children.shrink_to_fit();
                 }
                 "implicitTiling" => self.pending[at].rule = Some(rule(json)?),
@@ -244,7 +245,7 @@ impl TilesetParser<'_> {
             match key {
                 // Version 0.0 had `url`, and files that say 1.0 still do.
                 "uri" | "url" => uri = Some(json.string()?),
-                // A tighter volume: what is not known of it, the tile's own says.
+                // A tighter volume, which the tile's own replaces.
                 "boundingVolume" => json.skip()?,
                 _ => self.ignore(json)?,
             }
@@ -271,7 +272,7 @@ fn affine(json: &mut JsonReader<'_>) -> TileParseResult<[f64; 16]> {
     Ok(matrix)
 }
 
-/// Levels are counted in 32 bits; more than 62 halvings in a file of bits cannot be numbered.
+/// Reads a number of levels. It is counted in 32 bits; tiles more than 62 halvings deep cannot be numbered.
 fn levels(json: &mut JsonReader<'_>) -> TileParseResult<u32> {
     let number = json.number()?;
     if number.fract() != 0.0 || !(1.0..=62.0).contains(&number) {

@@ -1,4 +1,4 @@
-//! The tileset reader: the tree of one file, and of those that it names.
+//! The tileset reader: the tree of one file, and of the files that it references.
 use super::parse::{self, RawTileset, UnresolvedTile};
 use super::subtree::{self, TileCoordinates};
 use super::{ImplicitTiling, Refine, Tile, Tileset, uri};
@@ -6,26 +6,27 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError, Warning};
 use std::collections::BTreeSet;
 
-/// Gives the bytes of a file by its path below the tileset's folder, or says why not. Such a path has no
-/// `..`, no scheme and no leading `/`; whoever opens it looks after links that lead out of the folder.
+/// Returns the bytes of a file by its path below the tileset's folder, or says why not. Such a path has no
+/// `..`, no scheme and no leading `/`. The opener must handle symbolic links that leave the folder.
 pub type FileOpener<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
-/// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles name and the subtrees of its implicit
-/// tilings; `open` gives those files. Contents other than tilesets are not opened.
+/// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles reference and the subtrees of its implicit
+/// tilings; `open` returns those files. Contents other than tilesets are not opened.
 ///
 /// Paths in the result are relative to the first file's folder. A tile whose content is a tileset has that
-/// one's root as its last child; one that is named a second time is not opened again, and counted. Errors
-/// must not grow towards the leaves, which [`Limits::lenient`] turns into a warning. What a tileset says
-/// beside its tree (metadata, styles, tighter volumes of contents, request volumes) is counted, not kept.
+/// one's root as its last child; a tileset that is referenced again is counted and not opened again.
+/// Geometric errors must not grow towards the leaves, which [`Limits::lenient`] turns into a warning. What a
+/// tileset holds beside its tree (metadata, styles, tighter volumes of contents, request volumes) is counted,
+/// not kept.
 ///
-/// Linear in the bytes of all files, which together stay below [`Limits::bytes`]; nesting is limited by
-/// [`Limits::depth`].
+/// Linear in the bytes of all files, whose sum is limited by [`Limits::bytes`]; [`Limits::depth`] limits
+/// nesting.
 ///
 /// # Errors
 /// [`ReadError`] with the byte or JSON pointer, and the file's name where it is not the first: no tileset,
-/// errors that grow, a URI with a scheme or one that leads out of the folder, tilesets that contain
-/// themselves, a file that is missing or compressed, a subtree with the wrong number of bits, an extension
-/// that is required.
+/// errors that grow, a URI with a scheme or one that leaves the folder, tilesets that contain themselves, a
+/// file that is missing or compressed, a subtree with the wrong number of bits, an extension that is
+/// required.
 ///
 /// ```
 /// use chordal_io::{Limits, tiles};
@@ -59,17 +60,17 @@ struct TilesetReader<'r, 'o> {
     open: &'r mut FileOpener<'o>,
     limits: &'r Limits,
     warnings: Warnings,
-    /// The tilesets within which this is, by their paths; the first has none.
+    /// The paths of the enclosing tilesets; the first has an empty one.
     chain: Vec<String>,
-    /// Tilesets that were opened.
+    /// Tilesets that were opened before.
     seen: BTreeSet<String>,
     /// Bytes that may still be read.
     left: u64,
-    /// Tiles of all files.
+    /// The number of tiles in all files.
     n_tiles: u64,
 }
 
-/// A tile's surroundings.
+/// What a tile inherits from its parent and its file.
 #[derive(Clone, Copy)]
 struct ParentTile<'a> {
     error: f64,
@@ -81,7 +82,7 @@ struct ParentTile<'a> {
 type TilesetResult<T> = Result<T, ReadError>;
 
 impl TilesetReader<'_, '_> {
-    /// Counts bytes that are about to be looked at.
+    /// Counts bytes that are about to be read.
     fn charge(&mut self, n: u64) -> TilesetResult<()> {
         match self.left.checked_sub(n) {
             Some(left) => {
@@ -95,7 +96,7 @@ impl TilesetReader<'_, '_> {
         }
     }
 
-    /// One file, whose path is empty for the first, below a tile of an error.
+    /// Reads one file, below a tile with the geometric error `above`. The path is empty for the first file.
     fn tileset(&mut self, bytes: &[u8], path: &str, above: Option<f64>) -> TilesetResult<Tileset> {
         let RawTileset { mut tileset, pending } = parse::parse(bytes, self.limits, &mut self.warnings)?;
         self.n_tiles += pending.len() as u64;
@@ -118,7 +119,7 @@ impl TilesetReader<'_, '_> {
         Ok(tileset)
     }
 
-    /// Refuses an error that grows towards the leaves, or counts it.
+    /// Refuses a geometric error that grows towards the leaves, or counts it.
     fn check_error(&mut self, error: f64, above: f64, pointer: &str) -> TilesetResult<()> {
         let what = format!("the error of {error} m is above that of the tile before it, {above} m");
         let place = FileLocation::Pointer(pointer.to_owned());
@@ -129,7 +130,7 @@ impl TilesetReader<'_, '_> {
         Ok(())
     }
 
-    /// Settles a tile and what is below it.
+    /// Completes a tile and its descendants.
     fn tile(
         &mut self,
         tile: &mut Tile,
@@ -160,7 +161,7 @@ impl TilesetReader<'_, '_> {
             let written = if rule.is_some() { root_uri(content) } else { content.clone() };
             let path = resolved(above.folder, &written, &key)?;
             if rule.is_some() {
-                // The template stays; that what it stands for is below the folder is known.
+                // The template stays; that its paths are below the folder is known.
                 continue;
             }
             *content = path;
@@ -176,14 +177,14 @@ impl TilesetReader<'_, '_> {
         Ok(())
     }
 
-    /// The root of a tileset that a tile shows, unless it was opened before.
+    /// The root of the tileset that a tile references, unless it was opened before.
     fn external(&mut self, path: &str, error: f64, pointer: &str) -> TilesetResult<Option<Tile>> {
         let place = || FileLocation::Pointer(pointer.to_owned());
         if self.chain.iter().any(|file| file == path) {
             let what = format!("the tileset '{path}' contains itself");
             return Err(ReadError::new("tileset-cycle", place(), what));
         }
-        // A chain of files costs stack as nesting does.
+        // A chain of files takes stack, as nesting does.
         if self.chain.len() >= MOST_FILES.min(self.limits.depth) {
             let what = format!("tilesets in tilesets, {} deep, pass the limit", self.chain.len() + 1);
             return Err(ReadError::new("too-deep", place(), what));
@@ -209,7 +210,7 @@ impl TilesetReader<'_, '_> {
         Ok(bytes)
     }
 
-    /// What the subtrees of an implicit tiling say.
+    /// Reads the subtrees of an implicit tiling.
     fn implicit(
         &mut self,
         rule: &parse::ImplicitTilingJson,
@@ -221,7 +222,7 @@ impl TilesetReader<'_, '_> {
             super::Subdivision::Quadtree => &["{level}", "{x}", "{y}"],
             super::Subdivision::Octree => &["{level}", "{x}", "{y}", "{z}"],
         };
-        // Without one of them many subtrees would be one file, and a small one could be read without end.
+        // Otherwise many subtrees would be one file, and a small one could be read without end.
         if let Some(name) = axes.iter().find(|name| !rule.template.contains(**name)) {
             return Err(ReadError::new("bad-template", place(), format!("the template has no {name}")));
         }
@@ -249,11 +250,11 @@ impl TilesetReader<'_, '_> {
     }
 }
 
-/// Tilesets within tilesets that are read. Chosen: far more than are nested in practice, and a few hundred
+/// The deepest nesting of tilesets in tilesets. Chosen: far more than in practice, and a few hundred
 /// kilobytes of stack.
 const MOST_FILES: usize = 16;
 
-/// The path that a URI names.
+/// The path that a URI resolves to.
 fn resolved(folder: &str, written: &str, pointer: &str) -> TilesetResult<String> {
     uri::resolve(folder, written).map_err(|outside| {
         let place = FileLocation::Pointer(pointer.to_owned());
@@ -261,12 +262,12 @@ fn resolved(folder: &str, written: &str, pointer: &str) -> TilesetResult<String>
     })
 }
 
-/// A template for the first tile.
+/// Fills a template in for the first tile.
 fn root_uri(template: &str) -> String {
     TileCoordinates { level: 0, place: [0; 3] }.uri(template)
 }
 
-/// An error within a file that another one names.
+/// Adds the path of a referenced file to its error.
 fn error_in_file(path: &str, error: ReadError) -> ReadError {
     ReadError { message: format!("{} (in '{path}')", error.message), ..error }
 }

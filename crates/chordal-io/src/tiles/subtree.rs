@@ -1,4 +1,4 @@
-//! Subtrees: files of bits that say which tiles of an implicit tiling are there.
+//! Subtrees: files of bitstreams with the availability of tiles of an implicit tiling.
 use super::content::refuse_gzip;
 use super::parse::ImplicitTilingJson;
 use super::{ImplicitTiling, Subdivision};
@@ -9,10 +9,10 @@ use std::collections::BTreeSet;
 /// The first four bytes of a subtree file.
 const MAGIC: &[u8; 4] = b"subt";
 
-/// Magic, version, and the lengths of JSON and buffer.
+/// The bytes of magic, version, and the lengths of JSON and buffer.
 const HEADER: usize = 24;
 
-/// A tile or subtree by its level and its place in it.
+/// A tile or subtree by its level and its coordinates there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TileCoordinates {
     pub level: u32,
@@ -20,14 +20,14 @@ pub(super) struct TileCoordinates {
 }
 
 impl TileCoordinates {
-    /// The template's URI with the numbers put in.
+    /// Fills the coordinates into a template.
     pub fn uri(self, template: &str) -> String {
         let [x, y, z] = self.place;
         let numbers = [("{level}", u64::from(self.level)), ("{x}", x), ("{y}", y), ("{z}", z)];
         numbers.iter().fold(template.to_owned(), |uri, (name, n)| uri.replace(name, &n.to_string()))
     }
 
-    /// The one of number `morton` among those `levels` below this.
+    /// The descendant with Morton index `morton`, `levels` levels down.
     fn descendant(self, levels: u32, morton: u64, subdivision: Subdivision) -> Self {
         let axes = if subdivision == Subdivision::Quadtree { 2 } else { 3 };
         let mut place = self.place.map(|x| x << levels);
@@ -40,7 +40,7 @@ impl TileCoordinates {
     }
 }
 
-/// Which of some things are there.
+/// The availability of a list of items.
 enum AvailabilityBits<'b> {
     All,
     Nothing,
@@ -59,7 +59,7 @@ impl AvailabilityBits<'_> {
         }
     }
 
-    /// How many of those from `first` on, `many` of them, are there. Linear only where bytes say so.
+    /// The number of available items among the `many` from `first` on. Linear only for bitstreams.
     fn count(&self, first: u64, many: u64) -> u64 {
         match self {
             Self::All => many,
@@ -69,7 +69,7 @@ impl AvailabilityBits<'_> {
     }
 }
 
-/// What an availability says, before its bits are looked up.
+/// An availability as written, before its bits are looked up.
 #[derive(Default)]
 struct Availability {
     bitstream: Option<u64>,
@@ -84,7 +84,7 @@ struct SubtreeBufferView {
     length: u64,
 }
 
-/// The JSON of a subtree.
+/// The parsed JSON of a subtree.
 #[derive(Default)]
 struct Subtree {
     buffers: Vec<(u64, Option<String>)>,
@@ -96,11 +96,11 @@ struct Subtree {
 
 type SubtreeResult<T> = Result<T, ReadError>;
 
-/// Gives the bytes of a file by the URI that a subtree names it by.
+/// Returns the bytes of a file by the URI in a subtree.
 pub(super) type SubtreeFileOpener<'f> = dyn FnMut(&str) -> SubtreeResult<Vec<u8>> + 'f;
 
-/// Reads one subtree, counts its tiles into `found`, and returns the subtrees below it. `open` gives other
-/// files that it names.
+/// Reads one subtree, counts its tiles into `found`, and returns the subtrees below it. `open` returns other
+/// files that it references.
 ///
 /// # Errors
 /// With the byte or the pointer in this file.
@@ -168,8 +168,7 @@ pub(super) fn read(
     child_subtrees(&children, n_last, (rule, at))
 }
 
-/// The subtrees that a subtree says are below it: no more than its file has bits, or than a single number may
-/// stand for.
+/// The available subtrees below a subtree: no more than its file has bits, or than a constant may declare.
 fn child_subtrees(
     children: &AvailabilityBits<'_>,
     n_last: u64,
@@ -195,12 +194,12 @@ fn child_subtrees(
     Ok(there.map(|i| at.descendant(rule.subtree_levels, i, rule.subdivision)).collect())
 }
 
-/// Contents of one tile whose bits are looked at. Chosen: several are rare, and all may share one list of
-/// bits.
+/// The most contents of one tile whose bits are read. Chosen: several are rare, and all may share one
+/// bitstream.
 const MOST_CONTENTS: usize = 16;
 
-/// Subtrees below one that a single number may say are there. Chosen: eight levels of a quadtree, 2 MB of
-/// list.
+/// The most subtrees below one that a constant may declare available. Chosen: eight levels of a quadtree, 2
+/// MB of list.
 const MOST_CONSTANT: u64 = 1 << 16;
 
 fn too_deep(name: &str, rule: &ImplicitTilingJson) -> ReadError {
@@ -208,7 +207,7 @@ fn too_deep(name: &str, rule: &ImplicitTilingJson) -> ReadError {
     ReadError::new("beyond-levels", FileLocation::Pointer(format!("/{name}")), what)
 }
 
-/// Whether each tile's parent is there, and each content's tile.
+/// Checks that the parent of each available tile is available, and the tile of each content.
 fn check_parents(
     tiles: &AvailabilityBits<'_>,
     contents: &[AvailabilityBits<'_>],
@@ -216,8 +215,7 @@ fn check_parents(
 ) -> SubtreeResult<()> {
     let error = |name: String, what| Err(ReadError::new("no-such-tile", FileLocation::Pointer(name), what));
     if let AvailabilityBits::Stream(_, n_tiles) = tiles {
-        // The first of a level follows the last of the one above, so that the children of tile i are n·i + 1
-        // to n·i + n.
+        // Levels follow each other without gaps, so the children of tile i are n·i + 1 to n·i + n.
         if let Some(i) = (1..*n_tiles).find(|i| tiles.get(*i) && !tiles.get((i - 1) / n)) {
             return error("/tileAvailability".to_owned(), format!("tile {i} is there and its parent is not"));
         }
@@ -233,7 +231,7 @@ fn check_parents(
     Ok(())
 }
 
-/// The JSON and the buffer of a subtree file.
+/// Splits a subtree file into its JSON and its buffer.
 fn chunks(bytes: &[u8]) -> SubtreeResult<(&[u8], &[u8])> {
     let error =
         |code, at: usize, what: String| Err(ReadError::new(code, FileLocation::Byte(at as u64), what));
@@ -252,7 +250,7 @@ fn chunks(bytes: &[u8]) -> SubtreeResult<(&[u8], &[u8])> {
         let what = format!("the header says {json} and {binary} bytes, {} follow", rest.len());
         return error("wrong-length", 8, what);
     }
-    // No more than what follows, just compared.
+    // Not more than follows, as was just checked.
     Ok(rest.split_at(json as usize))
 }
 
@@ -310,10 +308,10 @@ fn parse(text: &[u8], limits: &Limits) -> SubtreeResult<Subtree> {
     Ok(subtree)
 }
 
-/// A whole number that single counts can have.
+/// Reads an integer that counts something.
 fn integer(json: &mut JsonReader<'_>) -> SubtreeResult<u64> {
     let number = json.number()?;
-    // 2⁵³: below it each whole number is one.
+    // Below 2⁵³ all integers are exact.
     if number.fract() != 0.0 || !(0.0..9_007_199_254_740_992.0).contains(&number) {
         return Err(json.error("out-of-range", format!("{number} is no count")));
     }
@@ -344,7 +342,7 @@ fn availability(json: &mut JsonReader<'_>) -> SubtreeResult<Availability> {
 enum SubtreeBuffer<'b> {
     Here(&'b [u8]),
     Elsewhere(Vec<u8>),
-    /// Nothing that is asked for lies in it.
+    /// Nothing that is needed is in it.
     Unused,
 }
 
@@ -399,7 +397,7 @@ impl SubtreeBuffer<'_> {
 
 type SubtreeError = (&'static str, String);
 
-/// The bits of an availability of `n` things: as many bytes as they take, and as many ones as are said.
+/// The bits of an availability of `n` items, checked for the length and for the declared number of ones.
 fn bits<'b>(
     subtree: &Subtree,
     buffers: &'b [SubtreeBuffer<'_>],

@@ -1,40 +1,40 @@
-//! `Tileset` and `Tile`: what a tileset says.
+//! `Tileset` and `Tile`: the tree of a tileset.
 use serde_json::Value;
 
 /// A tree of tiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tileset {
-    /// The error in metres where nothing of the tileset is shown.
+    /// The geometric error in metres if nothing of the tileset is shown.
     pub geometric_error: f64,
-    /// The tile that covers all.
+    /// The tile that covers everything.
     pub root: Tile,
-    /// Whatever else is said; for ours the certificate of the whole.
+    /// Other data; in Chordal's files the certificate of the whole.
     pub extras: Option<Value>,
 }
 
-/// A part of space, and what is shown there.
+/// A region of space, with the content that shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
-    /// Where its content and that of all its children is.
+    /// A volume around its content and that of all its children.
     pub volume: BoundingVolume,
-    /// The error in metres where this tile is shown and its children are not; 0 where there are none.
+    /// The geometric error in metres if this tile is shown and its children are not; 0 if it has none.
     pub geometric_error: f64,
-    /// What becomes of its content once its children are shown.
+    /// Whether children replace its content or add to it.
     pub refine: Refine,
-    /// Column-major 4 × 4 matrix from its space to its parent's, where it has one of its own.
+    /// Column-major 4 × 4 matrix from its space to its parent's, if it has one of its own.
     pub transform: Option<Box<[f64; 16]>>,
-    /// The files that show it, by their paths below the tileset's folder. Ours have one; an empty tile has
-    /// none.
+    /// The files of its content, by their paths below the tileset's folder. Chordal writes one; an empty tile
+    /// has none.
     pub contents: Vec<String>,
-    /// Finer tiles for the same space.
+    /// Finer tiles for the same region.
     pub children: Vec<Tile>,
-    /// Tiles below it that follow a rule, and that files of bits list.
+    /// The implicit tiling below it: tiles that follow a rule, listed in subtree files.
     pub implicit: Option<ImplicitTiling>,
-    /// Whatever else is said; for ours the certificate of this tile's content.
+    /// Other data; in Chordal's files the certificate of this tile's content.
     pub extras: Option<Value>,
 }
 
-/// A volume around a tile, in metres. Tiles are z-up: a viewer turns y-up content by (x, y, z) → (x, −z, y).
+/// A bounding volume, in metres. Tiles are z-up: a viewer rotates y-up content by (x, y, z) → (x, −z, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoundingVolume {
     /// The centre, then three half axes.
@@ -48,35 +48,35 @@ pub enum BoundingVolume {
 /// How children relate to their parent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Refine {
-    /// They stand in its place.
+    /// They replace it.
     #[default]
     Replace,
-    /// They come on top of it.
+    /// They are shown in addition to it.
     Add,
 }
 
-/// Tiles below one tile that are halves of it in each direction, as far as they are there.
+/// Implicit tiling: available tiles below one tile, each half as large in each direction as its parent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImplicitTiling {
-    /// Into how many a tile falls.
+    /// How a tile is subdivided.
     pub subdivision: Subdivision,
-    /// Levels of tiles that one file lists.
+    /// Levels of tiles in one subtree file.
     pub subtree_levels: u32,
-    /// Files that list them.
+    /// The number of subtree files.
     pub n_subtrees: u64,
-    /// For each level, the tile itself first, how many tiles are there. The error of a level is half that of
-    /// the one before.
+    /// For each level, the tile itself first, the number of available tiles. Each level halves the geometric
+    /// error.
     pub n_tiles: Vec<u64>,
-    /// For each level how many files show its tiles.
+    /// For each level the number of contents.
     pub n_contents: Vec<u64>,
 }
 
-/// Into how many tiles one falls.
+/// How a tile is subdivided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subdivision {
-    /// Four, by x and y.
+    /// Into four, by x and y.
     Quadtree,
-    /// Eight.
+    /// Into eight.
     Octree,
 }
 
@@ -98,7 +98,7 @@ impl Tile {
 }
 
 impl Tileset {
-    /// All tiles with their depths, parents before their children; those that follow a rule are not among
+    /// All tiles with their depths, parents before their children; tiles of implicit tilings are not among
     /// them.
     ///
     /// ```
@@ -122,7 +122,7 @@ impl Tileset {
 }
 
 impl Subdivision {
-    /// Tiles that one falls into.
+    /// The number of children of a tile.
     pub(super) fn n_children(self) -> u64 {
         match self {
             Self::Quadtree => 4,

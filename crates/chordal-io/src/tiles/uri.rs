@@ -1,14 +1,14 @@
-//! Paths of files below a tileset's folder: what a relative URI names, and nothing else.
+//! Resolves relative URIs to paths below a tileset's folder, and refuses all others.
 
 /// Why a URI names no file below the folder.
 pub(super) enum UriError {
     /// It has a scheme, as in `https:`.
     Scheme,
-    /// It begins at the root of a server or disk.
+    /// It is absolute: it begins at the root of a server or disk.
     Absolute,
     /// It climbs above the folder.
     Above,
-    /// It is empty, names a folder, or has an escape that is none.
+    /// It is empty, names a folder, or has an invalid escape.
     NoFile,
 }
 
@@ -31,8 +31,8 @@ impl UriError {
     }
 }
 
-/// The path below the top folder that a URI names in `folder`, which is itself such a path; without query and
-/// fragment.
+/// Resolves a URI in `folder` to a path below the top folder, without query and fragment. `folder` is such a
+/// path itself.
 ///
 /// Escapes are decoded first, so that none of them hides a dot or a slash.
 pub(super) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {

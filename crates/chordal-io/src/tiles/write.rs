@@ -3,47 +3,48 @@ use super::{BoundingVolume, Refine, Tile, Tileset, uri};
 use serde_json::{Map, Value, json};
 use std::fmt;
 
-/// Levels of children that are written. Chosen: a tree of halves that deep tells the width of an atom on
-/// Earth, and readers that stop at 128 levels of JSON, as ours does, still have 27 for what stands in the
+/// The most levels of children that are written. Chosen: a tree of so many halvings resolves the width of an
+/// atom on Earth. Readers that stop at 128 levels of JSON, as ours does, still have 27 for the content of the
 /// deepest tile.
 const MOST_LEVELS: usize = 50;
 
-/// How far a child's box may stick out of its parent's, relative to where and how large they are: each half
-/// axis and centre was rounded once or twice, and so was what is computed of them here. Derived: eight
-/// roundings of half a step.
+/// How far a child's box may stick out of its parent's, relative to their positions and sizes: each half axis
+/// and centre was rounded once or twice, and so were the values that are computed from them here. Derived:
+/// eight roundings of half a step.
 const SLACK: f64 = 4.0 * f64::EPSILON;
 
-/// Why a tileset is not written: the tile and what is wrong with it.
+/// Why a tileset is not written: the tile and its fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InvalidTileset {
-    /// A JSON pointer to the tile in what would have been written; empty for the tileset as a whole.
+    /// A JSON pointer to the tile in the output; empty for the tileset as a whole.
     pub tile: String,
-    /// What is wrong.
+    /// The fault.
     pub fault: TileFault,
 }
 
 /// What can be wrong with a tile.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TileFault {
-    /// An error is negative, infinite or NaN.
+    /// A geometric error is negative, infinite or NaN.
     BadError(f64),
-    /// The error of a tile without children is not 0: what is left there belongs into the extras.
+    /// The geometric error of a tile without children is not 0; a remaining error belongs into the extras.
     LeafError(f64),
-    /// The error is not below the parent's.
+    /// The geometric error is not below the parent's.
     NotDecreasing {
         /// The tile's.
         error: f64,
         /// The parent's.
         parent: f64,
     },
-    /// The error of the tileset is 0 or below the root's, so that a viewer would show nothing or not begin.
+    /// The geometric error of the tileset is 0 or below the root's: a viewer would show nothing, or not
+    /// begin.
     BadTilesetError {
         /// The tileset's.
         error: f64,
         /// The root's.
         root: f64,
     },
-    /// The volume is no box of finite numbers along the axes, with half axes that are not negative.
+    /// The volume is no axis-aligned box of finite numbers with non-negative half axes.
     NoBox,
     /// The box sticks out of the parent's.
     BoxOutside,
@@ -52,8 +53,8 @@ pub enum TileFault {
     BadUri(String),
     /// The tree is deeper than 50 levels.
     TooDeep,
-    /// Something that is only read is there: a transform that is no shift of the root, or tiles that follow a
-    /// rule.
+    /// It has something that is only read: a transform other than a translation of the root, or an implicit
+    /// tiling.
     OnlyRead(&'static str),
 }
 
@@ -85,13 +86,13 @@ impl fmt::Display for InvalidTileset {
 
 impl std::error::Error for InvalidTileset {}
 
-/// The `tileset.json` of a tileset, version 1.1, the same bytes for the same tileset.
+/// Writes the `tileset.json` of a tileset, version 1.1, the same bytes for the same tileset.
 ///
-/// What is demanded of it: errors are finite, 0 for tiles without children, and below the parent's for all
-/// others; the tileset's is above 0 and not below the root's. Volumes are boxes along the axes, and a child's
-/// is in its parent's but for rounding; the root may be shifted as a whole. Names of files are plain relative
-/// paths. So a viewer that shows a tile where its error takes at most so many pixels always has an answer,
-/// and every way down the tree is finer by each step.
+/// The tileset must comply. Geometric errors are finite, 0 for tiles without children, and below the parent's
+/// for all others; the tileset's is above 0 and not below the root's. Volumes are axis-aligned boxes, and a
+/// child's is inside its parent's but for rounding; the root may be translated as a whole. File names are
+/// plain relative paths. So a viewer that shows a tile if its error takes at most so many pixels always finds
+/// one, and every path down the tree gets finer at each step.
 ///
 /// Linear in the number of tiles.
 ///
@@ -135,7 +136,7 @@ pub fn write(tileset: &Tileset) -> Result<Vec<u8>, InvalidTileset> {
     Ok(Value::Object(json).to_string().into_bytes())
 }
 
-/// The place in the tree.
+/// The current position in the tree, as a JSON pointer.
 struct TilesetWriter {
     at: String,
 }
@@ -148,7 +149,7 @@ impl TilesetWriter {
         if let Some(matrix) = tile.transform.as_deref() {
             json.insert("transform".to_owned(), json!(matrix.map(|x| x + 0.0)));
         }
-        // Adding zero takes the sign from −0, which JSON would show.
+        // Adding zero removes the sign of −0, which JSON would show.
         json.insert("boundingVolume".to_owned(), json!({ "box": volume.map(|x| x + 0.0) }));
         json.insert("geometricError".to_owned(), json!(tile.geometric_error + 0.0));
         if parent.is_none_or(|parent| parent.refine != tile.refine) {
@@ -182,7 +183,7 @@ impl TilesetWriter {
     }
 }
 
-/// The box of a tile that complies.
+/// Checks that a tile complies, and returns its box.
 fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], TileFault> {
     let error = tile.geometric_error;
     if depth > MOST_LEVELS {
@@ -216,7 +217,7 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
     }
 }
 
-/// Whether a column-major matrix moves everything alike.
+/// Whether a column-major matrix is a translation.
 fn is_translation(matrix: &[f64; 16]) -> bool {
     (0..16).all(|i| match i {
         0 | 5 | 10 | 15 => matrix[i] == 1.0,
@@ -225,7 +226,7 @@ fn is_translation(matrix: &[f64; 16]) -> bool {
     })
 }
 
-/// The box of a tile, if it is one along the axes.
+/// The box of a tile, if it is axis-aligned.
 fn aligned(tile: &Tile) -> Option<[f64; 12]> {
     let BoundingVolume::Box(volume) = tile.volume else { return None };
     let is_diagonal = (0..9).all(|i| if i % 4 == 0 { volume[3 + i] >= 0.0 } else { volume[3 + i] == 0.0 });

@@ -1,15 +1,15 @@
-//! The number of samples that a header declares, before anything is allocated for them.
+//! The number of samples that a header declares, checked before anything is allocated.
 use super::element::SampleType;
 use crate::text::grouped;
 use crate::{FileLocation, Limits, ReadError};
 
-/// The most samples along one axis: more are taken for a broken header.
+/// The most samples along one axis; a larger number means a broken header.
 const MOST_ALONG: u64 = (1 << 31) - 1;
 
-/// The size of a lattice, checked.
+/// The size of a lattice, checked against the limits.
 ///
 /// # Errors
-/// When an axis has no cell or too many, or the samples are more than the limit of bytes.
+/// When an axis has no cell or too many, or the samples exceed the limit of bytes.
 pub(crate) fn size_of(
     declared: [i64; 3],
     element: SampleType,
@@ -42,7 +42,7 @@ pub(crate) fn size_of(
     Ok(declared.map(|n| n as usize))
 }
 
-/// Whether a header can mean this number of samples along an axis.
+/// Checks that the number of samples along an axis is plausible.
 pub(crate) fn along(axis: usize, n: i64, place: &FileLocation) -> Result<u64, ReadError> {
     let wrong = |why: String| Err(ReadError::new("bad-size", place.clone(), why));
     match n {

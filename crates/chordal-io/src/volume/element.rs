@@ -1,4 +1,4 @@
-//! `SampleType`: the type of one sample in a file, and how its bytes become a number.
+//! `SampleType`: the type of one sample in a file, and its conversion to a number.
 
 /// The type of a sample in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ impl SampleType {
     }
 }
 
-/// Which end of a number comes first.
+/// The byte order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Endian {
     Little,
@@ -45,7 +45,7 @@ pub(crate) enum Endian {
 }
 
 impl Endian {
-    /// The bytes of one number, the lowest first.
+    /// The bytes of one number, in little-endian order.
     pub(crate) fn array<const N: usize>(self, bytes: &[u8]) -> [u8; N] {
         let mut array = [0; N];
         array.copy_from_slice(&bytes[..N]);
@@ -62,7 +62,7 @@ pub(crate) fn half(bits: u16) -> f32 {
     let exponent = u32::from(bits >> 10 & 0x1f);
     let fraction = u32::from(bits & 0x3ff);
     match exponent {
-        // A subnormal is a whole number of 2⁻²⁴, which single precision holds exactly.
+        // A subnormal is a multiple of 2⁻²⁴, which single precision holds exactly.
         0 => {
             let size = fraction as f32 * f32::from_bits((127 - 24) << 23);
             f32::from_bits(size.to_bits() | sign)

@@ -1,4 +1,4 @@
-//! Gzip, decoded piece by piece: nothing is held but what was asked for, however much a file unpacks to.
+//! Gzip, decoded in pieces: only the requested bytes are held, however much a file unpacks to.
 use crate::text::grouped;
 use crate::{FileLocation, ReadError};
 use flate2::bufread::MultiGzDecoder;
@@ -7,14 +7,15 @@ use std::io::{ErrorKind, Read};
 /// The two bytes that a gzip stream starts with.
 pub(crate) const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Samples take no more than so many times their packed bytes. The format ends at 1,032 (RFC 1951: 258 bytes
-/// by two bits), which only what is nearly constant comes near to;
+/// The most bytes of samples for one packed byte. The format's own maximum is 1,032 (RFC 1951: 258 bytes by
+/// two bits); only nearly constant samples come close to it.
 const MOST_RATIO: u64 = 1_000;
-/// so smaller volumes, which a mask of one organ may be, are read whatever they hold. Chosen: 1024³ labels of
-/// a byte.
+/// Chosen: 1024³ labels of a byte. Volumes up to this size are read whatever their ratio, such as a mask of
+/// one organ.
 const SMALL: u64 = 1 << 30;
 
-/// Refuses samples of so many bytes from fewer packed ones than any that were measured take.
+/// Refuses a declared number of bytes if more samples than any that were measured would come from each packed
+/// byte.
 pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &FileLocation) -> Result<(), ReadError> {
     let declared = declared.unwrap_or(u64::MAX);
     if declared <= SMALL || declared <= MOST_RATIO.saturating_mul(packed) {
@@ -32,7 +33,7 @@ pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &FileLocati
 /// A gzip stream in memory.
 pub(crate) struct GzipReader<'a> {
     inner: MultiGzDecoder<&'a [u8]>,
-    /// The length of the packed bytes, and where they start in the file.
+    /// The length of the packed bytes, and their start in the file.
     packed: usize,
     start: u64,
 }
@@ -43,7 +44,7 @@ impl<'a> GzipReader<'a> {
         Self { inner: MultiGzDecoder::new(packed), packed: packed.len(), start }
     }
 
-    /// Fills as much of `buffer` as there is.
+    /// Fills as much of `buffer` as there are bytes.
     pub(crate) fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, ReadError> {
         let mut filled = 0;
         while filled < buffer.len() {
@@ -72,7 +73,7 @@ impl<'a> GzipReader<'a> {
     }
 }
 
-/// Up to `most` bytes of what some bytes unpack to, or of the bytes themselves where they are not packed.
+/// Up to `most` unpacked bytes, or the bytes themselves where they are not packed.
 pub(crate) fn peek(bytes: &[u8], most: usize) -> Vec<u8> {
     if !bytes.starts_with(&MAGIC) {
         return bytes[..bytes.len().min(most)].to_vec();

@@ -1,4 +1,4 @@
-//! `Volume`: samples on a lattice in the space of their file, and what the readers of such files share.
+//! `Volume`: samples on a lattice in the space of their file, and the shared parts of volume readers.
 pub(crate) mod count;
 pub(crate) mod element;
 pub(crate) mod gunzip;
@@ -9,19 +9,19 @@ use crate::Frame;
 use chordal::implicit::Grid;
 use serde_json::Value;
 
-/// What a file of samples says.
+/// A volume with the other data of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
-    /// The samples and where they are. The numbers are those of the file; NaN is kept.
+    /// The samples and their positions. The numbers are those of the file; NaN is kept.
     pub grid: Grid,
-    /// The space.
+    /// The coordinate frame.
     pub frame: Frame,
-    /// What the file calls it, or empty.
+    /// The name in the file, or empty.
     pub name: String,
-    /// What the axes of space are called, where the file says: "RAS" for axes to the patient's right, front
-    /// and head, "LPS" for left, back and head. Coordinates are the file's own: nothing is turned.
+    /// The names of the axes of space, where the file has them: "RAS" for axes to the patient's right, front
+    /// and head, "LPS" for left, back and head. Coordinates are the file's own: nothing is rotated.
     pub space: Option<String>,
-    /// The certificate that travels in the file, if it carries one.
+    /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
 }
 
@@ -33,7 +33,7 @@ impl Volume {
     }
 }
 
-/// A name as a header holds it: up to its first NUL, without spaces at its ends and control characters.
+/// A name in a header: up to its first NUL, trimmed and without control characters.
 pub(crate) fn name_of(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
     let text = String::from_utf8_lossy(&bytes[..end]);

@@ -1,5 +1,4 @@
-//! Samples out of a stream: in the type that they came in, of one volume of several, scaled where a header
-//! says so.
+//! Samples read from a stream: in their own type, of one volume of several, scaled where a header says so.
 use super::element::{Endian, SampleType, half};
 use super::stream::SampleStream;
 use crate::grow::{out_of_memory, push, with_room};
@@ -8,7 +7,8 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::implicit::Samples;
 
-/// How samples stand in a stream: `outer` times `of` runs of `inner` samples, of which run `index` is wanted.
+/// The layout of samples in a stream: `outer` times `of` runs of `inner` samples, of which run `index` is
+/// wanted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleLayout {
     pub element: SampleType,
@@ -20,7 +20,7 @@ pub(crate) struct SampleLayout {
 }
 
 impl SampleLayout {
-    /// One volume after the other, of which one is wanted.
+    /// Consecutive volumes, of which one is wanted.
     pub(crate) fn volumes(element: SampleType, endian: Endian, size: [usize; 3]) -> Self {
         let inner = size.iter().map(|n| *n as u64).product();
         Self { element, endian, inner, of: 1, outer: 1, index: 0 }
@@ -34,13 +34,13 @@ impl SampleLayout {
     }
 }
 
-/// Bytes that are read at once: a whole number of any element.
+/// Bytes that are read at once: a whole number of samples of any type.
 const CHUNK: usize = 1 << 15;
 
-/// The samples of a stream, which has to end with them.
+/// Reads the samples of a stream, which must end with them.
 ///
 /// # Errors
-/// When it ends before, or goes on after; when 64-bit numbers are too large to be kept exactly.
+/// When it ends before or after them; when 64-bit numbers are too large to be kept exactly.
 pub(crate) fn read(
     stream: &mut SampleStream,
     layout: &SampleLayout,
@@ -74,12 +74,12 @@ pub(crate) fn read(
     Ok(samples)
 }
 
-/// Nothing may follow: more samples than were declared are of another header.
+/// Checks that nothing follows: with more samples than declared the header is wrong.
 fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
     let place = stream.place();
     let more = match stream.left() {
         Some(left) => left,
-        // Of packed bytes the first one that is too many is enough, except where all of them are counted.
+        // One packed byte too many is enough, unless all of them are counted.
         None => stream.skip(if limits.lenient { u64::MAX } else { 1 })?,
     };
     if more == 0 {
@@ -107,7 +107,7 @@ fn collect<T: Copy>(
     let run = layout.inner * width as u64;
     let (before, after) = (layout.index * run, (layout.of - 1 - layout.index) * run);
     let declared = layout.outer * layout.of * run;
-    // Bytes that are there can be counted; of packed ones only what arrives is known.
+    // Bytes in the file can be counted in advance, packed ones only on arrival.
     let mut all = match stream.left() {
         Some(_) => with_room((layout.inner * layout.outer) as usize)?,
         None => Vec::new(),
@@ -140,7 +140,7 @@ fn collect<T: Copy>(
     Ok(all)
 }
 
-/// Appends a chunk, in steps of half of what is there.
+/// Appends a chunk. The list grows by half.
 fn append<T>(all: &mut Vec<T>, chunk: impl ExactSizeIterator<Item = T>) -> Result<(), ReadError> {
     if all.capacity() - all.len() < chunk.len() {
         let step = chunk.len().max(all.len() / 2);
@@ -150,16 +150,16 @@ fn append<T>(all: &mut Vec<T>, chunk: impl ExactSizeIterator<Item = T>) -> Resul
     Ok(())
 }
 
-/// Whole numbers of 64 bits, of which most files hold none that need them.
+/// Integers of 64 bits; most files hold none that need them.
 trait WideInteger: Copy + TryInto<i32> + TryInto<u32> + std::fmt::Display {
-    /// The number, where f64 has it.
+    /// The number as f64, if exact.
     fn exact(self) -> Option<f64>;
 }
 
 impl WideInteger for i64 {
     fn exact(self) -> Option<f64> {
         let value = self as f64;
-        // 2⁶³ would saturate to the largest number, which is another one.
+        // 2⁶³ would saturate to the largest i64, which is another number.
         (value < 9_223_372_036_854_775_808.0 && value as i64 == self).then_some(value)
     }
 }
@@ -171,7 +171,7 @@ impl WideInteger for u64 {
     }
 }
 
-/// The smallest type that holds all: 32 bits with or without sign, else f64.
+/// Converts to the smallest type that holds all: 32 bits with or without sign, else f64.
 fn narrow<T: WideInteger>(all: &[T]) -> Result<Samples, ReadError> {
     if let Some(all) = convert_all(all, |x| TryInto::<i32>::try_into(x).ok())? {
         return Ok(Samples::I32(all));
@@ -196,10 +196,10 @@ fn convert_all<T: Copy, U>(all: &[T], to: impl Fn(T) -> Option<U>) -> Result<Opt
     Ok(Some(list))
 }
 
-/// `slope · sample + inter`, in f32 where that is exact for all of them, else in f64.
+/// Computes `slope · sample + inter`, in f32 where that is exact for all of them, else in f64.
 ///
 /// # Errors
-/// When there is no memory for them.
+/// When memory runs out.
 pub(crate) fn scaled(samples: &Samples, slope: f64, inter: f64) -> Result<Samples, ReadError> {
     let value = |i: usize| slope * samples.get(i) + inter;
     let n = samples.len();
@@ -214,7 +214,7 @@ pub(crate) fn scaled(samples: &Samples, slope: f64, inter: f64) -> Result<Sample
     Ok(Samples::F64(list))
 }
 
-/// Numbers spelled out, in the type that a header names.
+/// Numbers in text, in the type that a header names.
 pub(crate) struct TextSamples {
     element: SampleType,
     values: Vec<f64>,
@@ -225,7 +225,7 @@ impl TextSamples {
         Self { element, values: Vec::new() }
     }
 
-    /// Appends a number, if its type has it; a type of floating point rounds.
+    /// Appends a number, if its type can hold it; floating-point types round.
     pub(crate) fn push(&mut self, value: f64) -> Result<bool, ReadError> {
         let range = match self.element {
             SampleType::Bool | SampleType::U8 => Some((0.0, f64::from(u8::MAX))),
@@ -234,7 +234,7 @@ impl TextSamples {
             SampleType::I16 => Some((f64::from(i16::MIN), f64::from(i16::MAX))),
             SampleType::U32 => Some((0.0, f64::from(u32::MAX))),
             SampleType::I32 => Some((f64::from(i32::MIN), f64::from(i32::MAX))),
-            // Whole numbers below 2⁵³ were spelled exactly.
+            // Whole numbers below 2⁵³ are parsed exactly.
             SampleType::U64 => Some((0.0, 9_007_199_254_740_992.0)),
             SampleType::I64 => Some((-9_007_199_254_740_992.0, 9_007_199_254_740_992.0)),
             SampleType::F16 | SampleType::F32 | SampleType::F64 => None,
@@ -246,7 +246,7 @@ impl TextSamples {
         Ok(true)
     }
 
-    /// All of them.
+    /// Returns all samples.
     pub(crate) fn finish(self) -> Result<Samples, ReadError> {
         fn list<T>(values: &[f64], to: impl Fn(f64) -> T) -> Result<Vec<T>, ReadError> {
             let mut list = with_room(values.len())?;
@@ -269,7 +269,7 @@ impl TextSamples {
     }
 }
 
-/// Counts samples that are no finite numbers.
+/// Counts samples that are not finite.
 pub(crate) fn count_not_finite(samples: &Samples, warnings: &mut Warnings) {
     let place = |row: usize| FileLocation::Row { list: "sample", row: row as u64 };
     let mut count = |code, message: &str, is: &dyn Fn(f64) -> bool| {

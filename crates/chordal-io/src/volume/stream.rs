@@ -1,18 +1,18 @@
-//! `SampleStream`: the bytes of samples, as they stand in a file or packed.
+//! `SampleStream`: the bytes of samples, plain or packed.
 use super::gunzip::GzipReader;
 use crate::text::grouped;
 use crate::{FileLocation, ReadError};
 
-/// Bytes that come one after the other.
+/// A stream of bytes.
 pub(crate) enum SampleStream<'a> {
-    /// As they stand in a file, up to its end.
+    /// Plain bytes, up to the end of the file.
     Plain {
         /// All bytes of the file.
         file: &'a [u8],
-        /// The next one.
+        /// The next byte.
         at: usize,
     },
-    /// Packed.
+    /// Gzipped bytes.
     Packed(GzipReader<'a>),
 }
 
@@ -22,7 +22,7 @@ impl<'a> SampleStream<'a> {
         Self::Plain { file, at: at.min(file.len()) }
     }
 
-    /// Fills as much of `buffer` as there is.
+    /// Fills as much of `buffer` as there are bytes.
     pub(crate) fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, ReadError> {
         match self {
             Self::Plain { file, at } => {
@@ -35,7 +35,7 @@ impl<'a> SampleStream<'a> {
         }
     }
 
-    /// Passes over as many of `n` bytes as there are, and says how many that were.
+    /// Skips up to `n` bytes, and returns how many were there.
     pub(crate) fn skip(&mut self, n: u64) -> Result<u64, ReadError> {
         if let Self::Plain { file, at } = self {
             let step = usize::try_from(n).unwrap_or(usize::MAX).min(file.len() - *at);
@@ -55,7 +55,7 @@ impl<'a> SampleStream<'a> {
         Ok(n - left)
     }
 
-    /// How many bytes are left, where that is known without reading them.
+    /// The number of bytes left, if that is known without reading them.
     pub(crate) fn left(&self) -> Option<u64> {
         match self {
             Self::Plain { file, at } => Some((file.len() - *at) as u64),
@@ -63,7 +63,7 @@ impl<'a> SampleStream<'a> {
         }
     }
 
-    /// The byte of the file that is next.
+    /// The location of the next byte.
     pub(crate) fn place(&self) -> FileLocation {
         match self {
             Self::Plain { at, .. } => FileLocation::Byte(*at as u64),
@@ -71,7 +71,7 @@ impl<'a> SampleStream<'a> {
         }
     }
 
-    /// The error of samples that end too early, after `there` of `declared` bytes.
+    /// The error for samples that end too early, after `there` of `declared` bytes.
     pub(crate) fn truncated(&self, there: u64, declared: u64) -> ReadError {
         let message = format!(
             "the samples are cut off: {} bytes are there, the header says {}",

@@ -2,21 +2,17 @@
 //!
 //! # Why the bound holds
 //! A candidate for the closest point bounds a distance from *above*. From below, a direction does: all of a
-//! triangle lies on the near side of the plane with normal `n` through its corner `v` with the least `n·(p −
-//! v)`, hence
+//! triangle lies on the near side of the plane with normal `n` through its corner `v` with the least
+//! `n·(p − v)`, hence
+//!
+//! `distance(p, triangle) ≥ min over the corners of n·(p − v) / |n|` for **any** `n ≠ 0`,
 //!
 //! with equality where `n` points from the closest point of the triangle to `p`. So the directions below may
-//! be found with rounding, in any way that mostly finds good ones, and only one formula needs care. With `u =
-//! 2⁻⁵³` the sum of the three products takes four roundings a term: the difference, the product, two sums.
-//! Hence, the computed sum `s` and the computed sum `a` of the same terms without signs,
+//! be rounded, and found in any way that usually finds good ones; only one formula needs care. With
+//! `u = 2⁻⁵³` the sum of the three products takes four roundings a term: the difference, the product, two
+//! sums. Hence, with the computed sum `s` and the computed sum `a` of the same terms without signs,
 //!
-//! with equality where `n` points from the closest point of the triangle to `p`. So the directions below may
-//! be rounded, and found in any way that usually finds good ones; only one formula needs care. With `u =
-//! 2⁻⁵³` the sum of the three products takes four roundings a term: the difference, the product, two sums.
-//! Hence, with the computed sum `s` and the computed sum `a` of the same terms without signs,
-//!
-//! which `6u·a + 2⁻¹⁰²²` covers together with the rounding of that product and sum. An overflow makes the
-//! result zero.
+//! `|s − n·(p − v)| ≤ ((1 + u)⁴ − 1)/(1 − u)⁴·a + what underflows < 5u·a + 2⁻¹⁰⁷⁰`,
 //!
 //! which `6u·a + 2⁻¹⁰²²` covers together with the rounding of that product and sum. An overflow makes the
 //! result zero.

@@ -78,7 +78,8 @@ pub fn join<const D: usize>(
         scaled(after.second_derivative(0.0), widths[1] * widths[1]),
     ];
     let narrow = if widths[0] < widths[1] { widths[0] } else { widths[1] };
-    let off = [FIRST * f64::EPSILON * size / narrow, SECOND * f64::EPSILON * size / (narrow * narrow)]; // see FIRST
+    // See FIRST.
+    let off = [FIRST * f64::EPSILON * size / narrow, SECOND * f64::EPSILON * size / (narrow * narrow)];
     let position_gap = length(difference(end, start));
     let parametric = (position_gap == 0.0).then(|| {
         if length(difference(first[0], first[1])) > off[0] {
@@ -102,7 +103,8 @@ pub fn join<const D: usize>(
     let curved = curvatures.iter().flatten().fold(0.0, |most, c| if *c > most { *c } else { most });
     let curvature_off = (off[1] / slow + 4.0 * curved * off[0]) / slow;
     let geometric = (position_gap == 0.0).then(|| match (angle_rad, curvature_gap) {
-        (Some(angle), _) if slow == 0.0 => u8::from(angle <= FIRST * f64::EPSILON), // directions of unit length
+        // Directions of unit length.
+        (Some(angle), _) if slow == 0.0 => u8::from(angle <= FIRST * f64::EPSILON),
         (Some(angle), Some(gap)) if angle <= angle_off => {
             if gap <= curvature_off {
                 2

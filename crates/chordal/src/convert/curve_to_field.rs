@@ -1,4 +1,4 @@
-//! Curves to fields: tubes around them.
+//! The arrow from a curve to a field: the tube around it.
 use super::curve_to_polyline;
 use super::mesh_leaf::MeshLeaf;
 use crate::budget::{Bounded, Budget, Failure, Job, JobError, RefusalCode};
@@ -7,21 +7,21 @@ use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, add_up, sub_down};
 use std::sync::Arc;
 
-/// The tube of a radius around a curve: every point nearer to it than that. A curve of the plane gives a band of the plane,
-/// endless along z.
+/// Makes the tube of a radius around a curve: all points nearer to it than the radius. A plane curve gives a
+/// band of the plane, endless along z.
 ///
-/// **Bound.** Two-sided Hausdorff distance between the curve and the polyline that stands for it, *proved*, rounding
-/// included; tubes of one radius around both are no farther apart.
+/// **Bound.** Two-sided Hausdorff distance between the curve and the polyline that replaces it, *proved*,
+/// rounding included. Tubes of one radius around both are no farther apart.
 ///
-/// **Value.** The exact distance to the polyline's tube outside; inside a bound, since parts of a tube may cover each
-/// other. Off by a few roundings of the curve's extent.
+/// **Value.** Outside, the exact distance to the polyline's tube; inside, a bound, since parts of a tube may
+/// cover each other. Off by a few roundings of the curve's extent.
 ///
-/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polyline and a tree of boxes over it;
-/// O(log n) a point.
+/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polyline and a tree of boxes
+/// over it; O(log n) a point.
 ///
 /// # Errors
-/// [`Failure::Refused`]: a radius that is not a finite number above 0; as for [`curve_to_polyline`]. [`Failure::Unmet`]
-/// with the best; [`Failure::Cancelled`].
+/// [`Failure::Refused`]: a radius that is not a finite number above 0; as for [`curve_to_polyline`].
+/// [`Failure::Unmet`] with the best; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Bezier, Budget, Job, Tolerance, convert::curve_to_field};

@@ -1,29 +1,29 @@
-//! Paths to polylines: nearly as few segments as can be, or equal steps, proved.
+//! The arrow from curves to polylines: nearly the fewest segments, or equal steps, proved.
 use super::curves::flatten::{Flattener, Spacing};
 use crate::budget::{Bounded, Budget, Failure, Job};
 use crate::explicit::{Curve, Polyline};
 
-/// Turns a path into straight segments so that the two are nowhere farther apart than the budget allows, with nearly as
-/// few segments as that takes.
+/// Flattens a path to a polyline within a budget, with nearly as few segments as possible.
 ///
-/// **Bound.** Two-sided Hausdorff distance between the path, taken exactly as given, and the polyline, *proved*,
-/// rounding and [`Curve::slack`] included. `at_least` is a distance that was found. With a budget of pixels the bound
-/// also says how many pixels that is at the view; a path in the plane lies in the plane z = 0.
+/// **Bound.** Two-sided Hausdorff distance between the path, taken exactly as given, and the polyline,
+/// *proved*, rounding and [`Curve::slack`] included. `at_least` is a distance that was found. With a budget
+/// of pixels the bound also says how many pixels that is at the view; a plane path lies in the plane z = 0.
 ///
-/// **Polyline.** Every vertex lies on the path, in order, and every end of a piece is a vertex. No two points in a row
-/// are equal; a closed path gives a closed polyline. A path that is one point gives one point.
+/// **Polyline.** Every vertex lies on the path, in order, and every end of a piece is a vertex. No two
+/// consecutive points are equal; a closed path gives a closed polyline. A path that is one point gives one
+/// point.
 ///
-/// **Budgets.** A length, pixels at a view, a number of segments, or several. With a number of segments alone the
-/// polyline is the best of a ladder of lengths.
+/// **Budgets.** A length, pixels at a view, a number of segments, or several. With a number of segments alone
+/// the polyline is the best of a ladder of lengths.
 ///
-/// **Cost.** 50 to 300 ns a segment, more where they are few; 32 bytes a point. [`BezierCutter`](super::BezierCutter) takes a
-/// quarter to a half of that.
+/// **Cost.** 50 to 300 ns a segment, more where they are few; 32 bytes a point.
+/// [`BezierCutter`](super::BezierCutter) takes a quarter to a half of that.
 ///
 /// # Errors
-/// [`Failure::Refused`]: a budget that limits no polyline, a number that is not finite or beyond 1e150, more segments
-/// or bytes than the job allows (said before the work), a budget below rounding, an eye too close, an environment that
-/// flushes subnormals. [`Failure::Unmet`] with the best polyline: the length or the pixels need more segments than the
-/// budget has, or the path has more pieces. [`Failure::Cancelled`].
+/// [`Failure::Refused`]: a budget that limits no polyline, a number that is not finite or beyond 1e150, more
+/// segments or bytes than the job allows (said before the work), a budget below rounding, an eye too close,
+/// an environment that flushes subnormals. [`Failure::Unmet`] with the best polyline: the length or the
+/// pixels need more segments than the budget has, or the path has more pieces. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Bezier, Budget, Job, Tolerance, convert};
@@ -47,7 +47,7 @@ pub fn curve_to_polyline<const D: usize>(
     flatten_curve(curve, budget, job, Spacing::Fewest)
 }
 
-/// The same with equal steps of the parameter in each piece: more segments, in less time.
+/// Like [`curve_to_polyline`], with equal parameter steps in each piece: more segments, in less time.
 ///
 /// One piece and a budget of `n` segments alone give exactly `n` steps.
 ///
@@ -71,9 +71,9 @@ pub fn curve_to_polyline_evenly<const D: usize>(
     flatten_curve(curve, budget, job, Spacing::Even)
 }
 
-/// Many paths at once, each into a polyline of its own, in their order, on all threads of the job.
+/// Flattens many paths at once, each into its own polyline, in their order, on all threads of the job.
 ///
-/// The bound holds for each path and its polyline; a number of segments is for all together.
+/// The bound holds for each path and its polyline; a number of segments is the total.
 ///
 /// # Errors
 /// As for [`curve_to_polyline`]; no path at all gives no polyline and a bound of 0.

@@ -1,4 +1,4 @@
-//! From a volume of labels to a mesh for each: `labels_to_meshes`.
+//! The arrow from a volume of labels to a mesh for each label: `labels_to_meshes`.
 use super::cubes::bound::{IsosurfaceDistance, diagonal};
 use super::cubes::caps::{CapVertex, triangles};
 use super::cubes::case_table::{EDGES, TABLE};
@@ -15,34 +15,35 @@ use std::collections::BTreeMap;
 pub struct LabelOptions {
     /// The label that gets no mesh.
     pub background: Option<u32>,
-    /// What happens at the border of the lattice.
+    /// Whether the shape is open or capped at the border of the lattice.
     pub border: [[Border; 2]; 3],
     /// As [`Polygonize::offset`].
     pub offset: [i64; 3],
 }
 
 impl Default for LabelOptions {
-    /// Without a mesh for label 0, closed at the border.
+    /// No mesh for label 0, capped at the border.
     fn default() -> Self {
         Self { background: Some(0), border: [[Border::Capped; 2]; 3], offset: [0; 3] }
     }
 }
 
-/// A mesh for each label of a volume, in the order of labels.
+/// Makes a mesh for each label of a volume, in the order of labels.
 ///
-/// A label's mesh is that of [`grid_to_mesh`](super::grid_to_mesh) for the samples of that label as 1 among 0, at level 0.5: closed and
-/// manifold each, up to a border that is open. Every vertex is in the middle of an edge of the lattice between two labels, and has
-/// the same bits in the meshes of both. Where three labels or more meet in a cell their meshes leave a gap
-/// between them, as they do where two cross a face of a cell diagonally.
+/// A label's mesh is that of [`grid_to_mesh`](super::grid_to_mesh) for a mask of 1 at its samples and 0
+/// elsewhere, at level 0.5: each is closed and manifold, up to an open border. Every vertex is the midpoint
+/// of a lattice edge between two labels, with the same bits in the meshes of both. Where three or more labels
+/// meet in a cell, or two cross a face of a cell diagonally, their meshes leave a gap between them.
 ///
 /// **Bound.** As for `grid_to_mesh`, with the longest diagonal of a cell; *proved*.
 ///
-/// **Cost.** One pass plane by plane on one thread: a few numbers for each sample of two planes, beside the meshes.
+/// **Cost.** One pass plane by plane on one thread: a few numbers for each sample of two planes, beside the
+/// meshes.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no sample but the background, or an axis of one sample ([`RefusalCode::Empty`]); a sample that is no whole
-/// number from 0 to 2³² − 1 ([`RefusalCode::Unsupported`], with its place); a transform as for `grid_to_mesh`; more triangles or bytes
-/// than the job allows. [`Failure::Cancelled`].
+/// [`Failure::Refused`]: no sample but the background, or an axis of one sample ([`RefusalCode::Empty`]); a
+/// sample that is no whole number from 0 to 2³² − 1 ([`RefusalCode::Unsupported`], with its index); a
+/// transform as for `grid_to_mesh`; more triangles or bytes than the job allows. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::convert::{LabelOptions, labels_to_meshes};
@@ -90,8 +91,8 @@ fn label(sample: f64) -> Option<u32> {
 
 type LabelMesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
-/// One plane of samples, and the vertices that begin in it: for each edge of the lattice the rows in the meshes of its two labels, and
-/// for each sample in a capped border the row in that of its own.
+/// One plane of samples, and the vertices that begin in it: for each lattice edge its rows in the meshes of
+/// its two labels, and for each sample on a capped border its row in the mesh of its own label.
 #[derive(Default)]
 struct LabelPlane {
     labels: Vec<u32>,
@@ -109,7 +110,7 @@ struct LabelMesher<'a> {
     triangles: u64,
 }
 
-/// The row of a vertex that is not there.
+/// The row of a missing vertex.
 const NONE: u32 = u32::MAX;
 
 impl<'a> LabelMesher<'a> {
@@ -158,7 +159,7 @@ impl<'a> LabelMesher<'a> {
                 format!("the labels have more than {} triangles, which is the limit", job.triangle_limit);
             return Err(refusal(RefusalCode::TooManyTriangles, message));
         }
-        // Arrays that grow hold up to twice what is in them.
+        // Growing arrays reserve up to twice their contents.
         if 2 * (24 * self.vertices + 12 * self.triangles) > job.memory_limit {
             let message = format!(
                 "the meshes of the labels need more than {} bytes, which is the limit",
@@ -169,7 +170,7 @@ impl<'a> LabelMesher<'a> {
         Ok(())
     }
 
-    /// A vertex in the mesh of a label.
+    /// Adds a vertex to the mesh of a label.
     fn vertex(&mut self, label: u32, at: [f64; 3]) -> u32 {
         if self.rule.background == Some(label) {
             return NONE;
@@ -186,7 +187,7 @@ impl<'a> LabelMesher<'a> {
         faces.push(if self.upright { [a, b, c] } else { [a, c, b] });
     }
 
-    /// The two vertices in the middle of an edge along `axis` from the sample (i, j, k).
+    /// Adds the two vertices at the midpoint of an edge along `axis` from the sample (i, j, k).
     fn middle(&mut self, [low, high]: [u32; 2], axis: usize, [i, j, k]: [usize; 3]) -> [u32; 2] {
         if low == high {
             return [NONE; 2];
@@ -197,7 +198,7 @@ impl<'a> LabelMesher<'a> {
         [self.vertex(low, at), self.vertex(high, at)]
     }
 
-    /// Makes the vertices in a plane.
+    /// Adds the vertices in a plane.
     fn add_plane_vertices(&mut self, plane: &mut LabelPlane, k: usize) {
         let [nx, ny, nz] = self.grid.size();
         let capped = |axis: usize, end: usize| self.rule.border[axis][end] == Border::Capped;
@@ -225,7 +226,7 @@ impl<'a> LabelMesher<'a> {
         }
     }
 
-    /// Makes the vertices between two planes.
+    /// Adds the vertices between two planes.
     fn add_vertices_between(&mut self, low: &mut LabelPlane, high: &LabelPlane, k: usize) {
         let nx = self.grid.size()[0];
         for at in 0..low.labels.len() {
@@ -269,7 +270,7 @@ impl<'a> LabelMesher<'a> {
         }
     }
 
-    /// The caps of the walls between two planes.
+    /// Adds the caps of the side walls between two planes.
     fn cap_sides(&mut self, low: &LabelPlane, high: &LabelPlane) {
         let [nx, ny, _] = self.grid.size();
         let border = self.rule.border;
@@ -279,7 +280,8 @@ impl<'a> LabelMesher<'a> {
                 let (step, start, count) = if axis == 0 { (nx, fixed, ny) } else { (1, nx * fixed, nx) };
                 for p in 0..count - 1 {
                     let (a, b) = (start + p * step, start + (p + 1) * step);
-                    // Along the other axis, then up: seen from outside of the low x and the high y this turns left.
+                    // Along the other axis, then up: seen from outside of the low x and the high y this turns
+                    // left.
                     let mut corners = [(0, a), (0, b), (1, b), (1, a)];
                     let mut sides =
                         [low.edges[1 - axis][a], low.edges[2][b], high.edges[1 - axis][a], low.edges[2][a]];
@@ -293,7 +295,7 @@ impl<'a> LabelMesher<'a> {
         }
     }
 
-    /// The cap in the first or the last plane.
+    /// Adds the cap of the first or the last plane.
     fn cap_end(&mut self, plane: &LabelPlane, end: usize) {
         let [nx, ny, _] = self.grid.size();
         for j in 0..ny - 1 {
@@ -311,8 +313,8 @@ impl<'a> LabelMesher<'a> {
         }
     }
 
-    /// The caps of all labels in one square: the plane and the place of each corner, counter-clockwise from outside, and the vertices of the
-    /// side after each.
+    /// Adds the caps of all labels in one square. Each corner is a plane and a row, counter-clockwise from
+    /// outside; `sides` has the vertices of the side after each corner.
     fn cap_square(&mut self, planes: [&LabelPlane; 2], corners: [(usize, usize); 4], sides: [[u32; 2]; 4]) {
         let of = |(plane, at): (usize, usize)| planes[plane].labels[at];
         let labels = corners.map(of);

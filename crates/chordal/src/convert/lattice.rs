@@ -1,22 +1,23 @@
-//! Where samples of a field are taken, and the bricks that they are worked on in.
+//! Lattices: where a field is sampled, and the bricks in which the samples are processed.
 use crate::implicit::Affine3;
 use crate::math::{Box3, add_up};
 
 /// Samples along each side of a brick.
 pub(super) const BRICK: usize = 8;
 
-/// A lattice of samples: how many along each index, and where they are.
+/// A lattice of samples: their number along each index, and their positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Samples along each index.
     pub size: [usize; 3],
-    /// From indices to space.
+    /// Maps indices to space.
     pub affine: Affine3,
 }
 
 impl Lattice {
-    /// Cubes around a box: `cells` of them along its longest side, and `margin` more beyond each side. `None` for a box
-    /// that is empty, endless, or a single point, for no cells, and for more samples than 2⁴⁰.
+    /// Covers a box with cubes: `cells` of them along its longest side, and `margin` more beyond each side.
+    /// `None` for a box that is empty, endless, or a single point, for no cells, and for more samples than
+    /// 2⁴⁰.
     #[must_use]
     pub fn around(bounds: &Box3, cells: usize, margin: usize) -> Option<Self> {
         if bounds.is_empty() || cells == 0 {
@@ -33,7 +34,7 @@ impl Lattice {
         if size.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).is_none_or(|n| n as u64 > 1 << 40) {
             return None;
         }
-        // What whole cells are more than the side is shared by both ends.
+        // Both ends share what the whole cells exceed the side by.
         let origin = std::array::from_fn(|k| {
             let slack = counts[k] as f64 * step - sides[k];
             bounds.min[k] - (margin as f64 * step + 0.5 * slack)
@@ -41,13 +42,13 @@ impl Lattice {
         Some(Self { size, affine: Affine3::cubes(origin, step).ok()? })
     }
 
-    /// The place of a sample.
+    /// The position of a sample.
     #[must_use]
     pub fn at(&self, index: [usize; 3]) -> [f64; 3] {
         self.affine.at(index.map(|i| i as f64))
     }
 
-    /// How many samples there are.
+    /// The number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         self.size.iter().product()
@@ -63,7 +64,7 @@ impl Lattice {
         i + self.size[0] * (j + self.size[1] * k)
     }
 
-    /// Layers of bricks along the last index.
+    /// The number of layers of bricks along the last index.
     pub(super) fn layers(&self) -> usize {
         self.size[2].div_ceil(BRICK)
     }
@@ -83,7 +84,7 @@ impl Lattice {
         })
     }
 
-    /// A box around all samples of a brick, rounding included: each is where [`Affine3::at`] computes it.
+    /// A box around all samples of a brick as [`Affine3::at`] computes them, rounding included.
     pub(super) fn hull(&self, [first, end]: [[usize; 3]; 2]) -> Box3 {
         let mut hull = Box3::EMPTY;
         for corner in 0..8_usize {

@@ -1,20 +1,21 @@
-//! A mesh to the buffers that a graphics processor takes: single precision about an origin, small indices, good orders.
+//! The arrow from a mesh to GPU buffers: single precision about an origin, small indices, cache-friendly
+//! orders.
 use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode};
 use crate::explicit::{Mesh, acmr, cache_order, fetch_order};
 use crate::math::{Box3, DoubleDouble, add_up, mul_up, sqrt_up};
 
-/// Indices of vertices, as small as they can be.
+/// Vertex indices, of the smallest type that fits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum IndexBuffer {
-    /// Where [`IndexBuffer::fit_16_bits`].
+    /// Where [`IndexBuffer::fit_16_bits`] holds.
     U16(Vec<[u16; 3]>),
-    /// Any number of vertices.
+    /// For any number of vertices.
     U32(Vec<[u32; 3]>),
 }
 
 impl IndexBuffer {
-    /// Whether the indices of so many vertices fit 16 bits: up to 65,535 of them, whose last index is 65,534. The last
-    /// 16-bit number means "restart" to a graphics processor.
+    /// Whether the indices of `n_vertices` fit 16 bits: up to 65,535 vertices, whose last index is 65,534.
+    /// The last 16-bit number means "restart" to a graphics processor.
     #[must_use]
     pub fn fit_16_bits(n_vertices: usize) -> bool {
         n_vertices <= usize::from(u16::MAX)
@@ -40,7 +41,7 @@ impl IndexBuffer {
     /// One triangle.
     ///
     /// # Panics
-    /// When there is none of that index.
+    /// When `index` is out of range.
     #[must_use]
     pub fn triangle(&self, index: usize) -> [u32; 3] {
         match self {
@@ -50,12 +51,13 @@ impl IndexBuffer {
     }
 }
 
-/// What a graphics processor takes.
+/// The buffers that a graphics processor draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GpuBuffers {
-    /// What positions are about: add it in the transform of the part.
+    /// The origin of the positions: add it in the transform of the part.
     pub origin: [f64; 3],
-    /// n × 3, less the origin, in the mesh's unit: 12 bytes a vertex, in the order in which triangles first use them.
+    /// n × 3, relative to the origin, in the mesh's unit: 12 bytes a vertex, in the order in which triangles
+    /// first use them.
     pub positions: Vec<[f32; 3]>,
     /// m × 3: 6 bytes a triangle, or 12.
     pub indices: IndexBuffer,
@@ -82,7 +84,7 @@ impl GpuBuffers {
         36 * self.indices.n_triangles() as u64
     }
 
-    /// Vertices computed for each triangle by a first-in, first-out cache of so many places: [`acmr`].
+    /// Vertices computed for each triangle with a first-in, first-out cache of that size: [`acmr`].
     #[must_use]
     pub fn acmr(&self, cache: u32) -> f64 {
         let faces: Vec<_> = (0..self.indices.n_triangles()).map(|i| self.indices.triangle(i)).collect();
@@ -90,19 +92,21 @@ impl GpuBuffers {
     }
 }
 
-/// Turns a mesh into buffers for a graphics processor: positions in single precision about the middle of its box, indices
-/// of 16 bits while they fit, triangles in the order of [`cache_order`], vertices in that of [`fetch_order`].
+/// Turns a mesh into buffers for a graphics processor. Positions are in single precision about the middle of
+/// the mesh's box, indices have 16 bits while they fit, triangles are in the order of [`cache_order`],
+/// vertices in that of [`fetch_order`].
 ///
-/// **Bound.** Two-sided Hausdorff distance between the mesh and `origin + positions`, taken exactly, *proved*: a point
-/// moves no farther than the corners of its triangle, and how far those were moved is computed exactly and rounded up.
-/// Vertices that no triangle uses are left out. Attributes stay with the mesh; `source_vertex` says where. No budget
-/// decides anything here: the bound is about 2⁻²⁵ of the size of the part.
+/// **Bound.** Two-sided Hausdorff distance between the mesh and `origin + positions`, taken exactly,
+/// *proved*: a point moves no farther than the corners of its triangle, and how far those were moved is
+/// computed exactly and rounded up. Unused vertices are left out. Attributes stay with the mesh;
+/// `source_vertex` gives their rows. No budget decides anything here: the bound is about 2⁻²⁵ of the size of
+/// the part.
 ///
 /// **Cost.** O(n), about 0.3 µs a triangle.
 ///
 /// # Errors
-/// [`Failure::Refused`] for a mesh without triangles, and where it is so large that its corners leave the range of f32 about
-/// the middle; [`Failure::Cancelled`].
+/// [`Failure::Refused`] for a mesh without triangles, and for one so large that its corners leave the range
+/// of f32 about the middle; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Job, Mesh, convert};
@@ -126,7 +130,7 @@ pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>
     let mut renamed = vec![0_u32; mesh.positions().len()];
     source_vertex.iter().zip(0..).for_each(|(old, new)| renamed[*old as usize] = new);
     let faces: Vec<[u32; 3]> = drawn.into_iter().map(|face| face.map(|v| renamed[v as usize])).collect();
-    // 2. Positions about the middle, and what that moved.
+    // 2. Positions about the middle, and how far that moves them.
     let corner = |old: &u32| mesh.positions()[*old as usize];
     let bounds = source_vertex.iter().map(corner).fold(Box3::EMPTY, Box3::with);
     let origin = bounds.centre();
@@ -152,13 +156,13 @@ pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>
     Ok(Bounded { shape: GpuBuffers { origin, positions, indices, source_vertex, source_face }, bound })
 }
 
-/// How far `origin + about` is from `p`, from above; 0 exactly where nothing moved.
+/// The distance of `origin + about` from `p`, rounded up; exactly 0 where nothing moved.
 fn displacement(p: [f64; 3], origin: [f64; 3], about: [f32; 3]) -> f64 {
-    // Adding or multiplying nothing rounds nothing.
+    // Adding zero rounds nothing.
     let sum = |a: f64, b: f64| if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) };
     let mut square = 0.0;
     for k in 0..3 {
-        // The difference is exact as a sum of two; what is left of it is rounded once more.
+        // The difference is exact as a sum of two numbers; its remainder is rounded once more.
         let d = DoubleDouble::two_sum(p[k], -origin[k]);
         let rest = DoubleDouble::two_sum(d.hi, -f64::from(about[k]));
         let off = sum(sum(rest.hi.abs(), rest.lo.abs()), d.lo.abs());

@@ -1,4 +1,4 @@
-//! Meshes to grids of distances.
+//! The arrow from a mesh to a grid of distances.
 use super::lattice::{BRICK, Lattice};
 use super::mesh_leaf::{MeshLeaf, PreviousPoint};
 use super::mesh_to_field::SolidReport;
@@ -6,32 +6,34 @@ use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map_owned};
 use crate::explicit::Mesh;
 use crate::implicit::{Grid, Samples};
 
-/// Distances to a mesh on a lattice, and whether the mesh is a solid.
+/// Distances to a mesh on a lattice, with a report whether the mesh is a solid.
 #[derive(Clone, Debug)]
 pub struct DistanceGrid {
     /// The samples, f64, negative inside.
     pub grid: Grid,
-    /// What the mesh is.
+    /// Whether the mesh is a solid.
     pub solid: SolidReport,
-    /// Samples whose value is a distance; all others say only that they are beyond the band, and on which side.
+    /// The number of samples whose value is a distance; the others say only that they are beyond the band,
+    /// and on which side.
     pub n_within: u64,
-    /// The largest distance that samples have; ∞ where all are distances.
+    /// The largest distance that samples hold; ∞ where all are distances.
     pub band: f64,
 }
 
-/// Samples the distance to a mesh on a lattice of cubes, `cells` along the longest side of its box with a margin around
-/// it; with a `band` of so many cells only near the mesh, and ±band elsewhere.
+/// Samples the distance to a mesh on a lattice of cubes, `cells` along the longest side of its box with a
+/// margin around it. With a `band` of so many cells, only samples near the mesh are distances, and the others
+/// ±band.
 ///
-/// **Values.** As for [`mesh_to_field`](super::mesh_to_field()): the exact distance to the triangles but for rounding (at
-/// most 1e-12 of the extent), never scaled, and a side that is exact for closed meshes. With a band, samples farther from
-/// the mesh hold the band's width, with the sign of their side.
+/// **Values.** As for [`mesh_to_field`](super::mesh_to_field()): the exact distance to the triangles but for
+/// rounding (at most 1e-12 of the extent), never scaled, and a side that is exact for closed meshes. With a
+/// band, samples farther from the mesh hold the band's width, with the sign of their side.
 ///
-/// **Cost.** About 1 µs for a sample that is computed; a brick of 8³ samples beyond the band takes as long as one.
-/// For meshes that are not closed a winding number for every sample, 10 to 100 µs. 8 bytes a sample.
+/// **Cost.** About 1 µs for each computed sample; a brick of 8³ samples beyond the band takes as long as one.
+/// For meshes that are not closed, a winding number for every sample, 10 to 100 µs. 8 bytes a sample.
 ///
 /// # Errors
-/// [`JobError::Refused`] for a mesh without extent, no cells, a band that is not above 0, more samples than the job's
-/// memory holds, and as for [`mesh_to_field`](super::mesh_to_field()); [`JobError::Cancelled`].
+/// [`JobError::Refused`] for a mesh without extent, no cells, a band that is not above 0, more samples than
+/// the job's memory holds, and as for [`mesh_to_field`](super::mesh_to_field()); [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::{Job, Mesh, convert::mesh_to_grid};
@@ -77,7 +79,7 @@ pub fn mesh_to_grid(
     Ok(DistanceGrid { grid, solid, n_within, band })
 }
 
-/// Samples layer by layer of bricks, and how many are distances.
+/// The samples by layers of bricks, and how many are distances.
 fn mesh_on_lattice(
     leaf: &MeshLeaf,
     lattice: &Lattice,
@@ -106,7 +108,7 @@ fn mesh_on_lattice(
     Ok((samples, counts.into_iter().sum()))
 }
 
-/// One layer being baked.
+/// One layer in progress.
 struct BrickSampler<'a> {
     leaf: &'a MeshLeaf,
     lattice: &'a Lattice,
@@ -116,21 +118,21 @@ struct BrickSampler<'a> {
 }
 
 impl BrickSampler<'_> {
-    /// The samples of a brick; how many of them are distances.
+    /// Fills the samples of a brick; returns how many of them are distances.
     fn brick(&mut self, brick: [[usize; 3]; 2]) -> u64 {
         let [first, end] = brick;
         let hull = self.lattice.hull(brick);
         let radius = 0.5 * hull.diagonal();
         let Some(middle) = self.leaf.step(hull.centre(), self.last) else { return 0 };
         self.last = Some(middle);
-        // A share that is far more than the rounding of the distance and of the radius.
+        // A factor far above the rounding of the distance and of the radius.
         const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
         let is_far = middle.distance() > (self.band + radius) * SHARE;
         let one_side = self.leaf.is_closed();
         let mut count = 0;
         for k in first[2]..end[2] {
             for j in first[1]..end[1] {
-                // To and fro, so that neighbours follow each other.
+                // Back and forth, so that consecutive samples are neighbours.
                 let back = (j + k) % 2 == 1;
                 for i in first[0]..end[0] {
                     let i = if back { first[0] + end[0] - 1 - i } else { i };

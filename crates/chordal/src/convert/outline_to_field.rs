@@ -1,4 +1,4 @@
-//! Outlines to fields of the plane.
+//! The arrow from an outline to a field of the plane.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
@@ -6,22 +6,23 @@ use crate::explicit::{FillRule, Outline, Polyline};
 use crate::implicit::Field;
 use crate::implicit::shapes::{ContourFill, Contours};
 
-/// What an outline encloses as a field of the plane, endless along z: [`Field::extruded`] gives it a height,
-/// [`Field::revolved`] turns it.
+/// Makes a field of the plane from what an outline encloses, endless along z: [`Field::extruded`] gives it a
+/// height, [`Field::revolved`] turns it.
 ///
-/// **Bound.** Two-sided Hausdorff distance between each contour and the closed polygon that stands for it, *proved*,
-/// rounding included. So the field's shape and the outline's differ only at points no farther than the bound from a contour.
-/// Polygons themselves cost nothing: contours of lines alone have the bound 0.
+/// **Bound.** Two-sided Hausdorff distance between each contour and the closed polygon that replaces it,
+/// *proved*, rounding included. So the field's shape and the outline's differ only at points no farther than
+/// the bound from a contour. Contours of straight lines alone have the bound 0.
 ///
-/// **Value.** The exact distance to the polygons where they meet nowhere, and those that bound nothing (one in another of
-/// the same direction) are left out; else a bound. Which side a point is on is exact for the polygons.
+/// **Value.** The exact distance to the polygons where they meet nowhere; those that bound nothing (one in
+/// another of the same direction) are left out. Otherwise a bound. The side of a point is exact for the
+/// polygons.
 ///
-/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polylines, and O(n log n); O(log n) a
-/// point.
+/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polylines, and O(n log n);
+/// O(log n) a point.
 ///
 /// # Errors
-/// [`Failure::Refused`]: as for [`curves_to_polylines`]; when the contours enclose nothing. [`Failure::Unmet`] with the
-/// best; [`Failure::Cancelled`].
+/// [`Failure::Refused`]: as for [`curves_to_polylines`]; when the contours enclose nothing.
+/// [`Failure::Unmet`] with the best; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Bezier, Budget, Job, Tolerance, convert::outline_to_field};

@@ -1,4 +1,4 @@
-//! Outlines to triangles: what they enclose by their fill rules, in the plane z = 0.
+//! The arrow from outlines to triangles: the areas that their fill rules enclose, in the plane z = 0.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
 use crate::budget::{
@@ -11,25 +11,25 @@ use crate::explicit::fill::{FillTriangles, fill};
 use crate::explicit::{Curve, CurveSegment, FillRule, Mesh, Outline, Polyline};
 use crate::math::{Box3, add_up, sub_down};
 
-/// Turns outlines into triangles in the plane z = 0: each encloses what its rule says, whatever its contours do to
-/// themselves and each other. Outlines that lie on each other stay apart, in their order.
+/// Turns outlines into triangles in the plane z = 0. Each outline encloses what its fill rule says, however
+/// its contours cross themselves and each other. Overlapping outlines stay separate, in their order.
 ///
-/// **Bound.** Two-sided Hausdorff distance between each contour and the closed polyline that stands for it, *proved*,
-/// rounding included. So a point that is inside an outline and not under its triangles, or the other way round, is no
-/// farther than the bound from one of its contours.
+/// **Bound.** Two-sided Hausdorff distance between each contour and the closed polyline that replaces it,
+/// *proved*, rounding included. So a point that is inside an outline and not under its triangles, or the
+/// other way round, is no farther than the bound from one of its contours.
 ///
-/// **Triangles.** Counter-clockwise, all with area, no two of an outline on each other; vertices of an outline are
-/// shared, and none lies inside an edge of another triangle. Contours that are open are closed by a straight line. An
-/// outline thinner than the bound can vanish.
+/// **Triangles.** Counter-clockwise, all with area; those of one outline do not overlap, share vertices, and
+/// have none inside an edge of another. Open contours are closed by a straight line. An outline thinner than
+/// the bound can vanish.
 ///
 /// **Budgets.** A length, pixels at a view, a number of triangles, or several.
 ///
 /// **Cost.** The polylines, and O((n + k) log n) for n segments that cross k times: about 1 µs a segment.
 ///
 /// # Errors
-/// [`Failure::Refused`]: as for [`curves_to_polylines`]; a length below the grid that contours are rounded to, 2⁻³⁶ of
-/// the largest outline's extent or the spacing of numbers there; so many segments on each other that no end is in sight.
-/// [`Failure::Unmet`] with the best mesh; [`Failure::Cancelled`].
+/// [`Failure::Refused`]: as for [`curves_to_polylines`]; a length below the grid that contours are rounded
+/// to, 2⁻³⁶ of the largest outline's extent or the spacing of numbers there; so many overlapping segments
+/// that their crossings cannot be counted. [`Failure::Unmet`] with the best mesh; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Budget, Job, Tolerance, convert};
@@ -64,7 +64,7 @@ pub fn outlines_to_mesh(
                 Ok(made) if made.shape.faces().len() as u64 <= most => Ok(made),
                 Ok(_) => {
                     let best = outlines.by_count(most, job)?;
-                    // Fewer segments than the length alone takes may still keep it.
+                    // Fewer segments than the length alone takes may still keep within it.
                     let is_within = |limit: f64| best.bound.at_most().is_some_and(|most| most <= limit);
                     let by_length = budget.length.is_none_or(|length| is_within(length.get()));
                     if by_length && budget.pixels.is_none() {
@@ -83,13 +83,13 @@ pub fn outlines_to_mesh(
 /// Outlines whose contours are all closed.
 struct ClosedOutlines {
     contours: Vec<Curve<2>>,
-    /// For each outline how many contours are its own, and its rule.
+    /// For each outline the number of its contours, and its rule.
     outlines: Vec<(usize, FillRule)>,
     grids: Vec<SnapGrid>,
     bounds: Box3,
 }
 
-/// The part of `x` that a failure of polylines says of meshes.
+/// Turns a failure of polylines into one of meshes.
 fn mesh_failure(failure: Failure<Vec<Polyline<2>>>) -> Failure<Mesh> {
     match failure {
         Failure::Unmet(best) => Failure::refused(
@@ -103,7 +103,7 @@ fn mesh_failure(failure: Failure<Vec<Polyline<2>>>) -> Failure<Mesh> {
 
 /// Beyond this, squares of differences leave the range of numbers; polylines refuse it too.
 const LARGEST: f64 = 1e150;
-/// How often a number of segments is tried for a number of triangles.
+/// The most segment counts that are tried for a number of triangles.
 const TRIES: u32 = 32;
 
 impl ClosedOutlines {
@@ -135,7 +135,7 @@ impl ClosedOutlines {
         Ok(closed)
     }
 
-    /// What rounding to the grids may cost.
+    /// The most that rounding to the grids moves a point.
     fn snapping_error(&self) -> f64 {
         let all = self.grids.iter().map(SnapGrid::moved_at_most);
         all.fold(0.0, |most: f64, lost| if lost > most { lost } else { most })
@@ -148,7 +148,7 @@ impl ClosedOutlines {
         self.fill(made, budget, job)
     }
 
-    /// The budget of the polylines: what was given, less what rounding to the grid may cost.
+    /// The budget of the polylines: the given one, less the error of rounding to the grid.
     fn polyline_budget(&self, budget: &Budget, lost: f64) -> Result<Budget, Failure<Mesh>> {
         let too_small = |asked: String| {
             let message = format!(
@@ -170,7 +170,7 @@ impl ClosedOutlines {
         Ok(inner)
     }
 
-    /// The finest polylines that were found whose triangles are no more than `most`.
+    /// The finest polylines found whose triangles are no more than `most`.
     fn by_count(&self, most: u64, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
         let flatten = |segments: u64| match curves_to_polylines(
             &self.contours,
@@ -182,7 +182,8 @@ impl ClosedOutlines {
             Ok(made) => Ok((true, made)),
             Err(other) => Err(mesh_failure(other)),
         };
-        // 1. A polygon of n corners has n − 2 triangles, and two more for each hole: as a start, as many segments.
+        // 1. A polygon of n corners has n − 2 triangles, and two more for each hole: start with as many
+        // segments.
         let (mut fits, mut fails) = (None, None::<u64>);
         let mut segments = most.saturating_add(2);
         for _ in 0..TRIES {
@@ -190,7 +191,7 @@ impl ClosedOutlines {
             let mesh = self.fill(polylines, &Budget::default(), job)?;
             let n = mesh.shape.faces().len() as u64;
             if n <= most {
-                // 2. More segments while there is room for triangles.
+                // 2. Add segments while more triangles are allowed.
                 let room = most - n;
                 let stop = room == 0 || fails.is_some_and(|fails| fails <= segments + 1);
                 fits = Some((segments, mesh));
@@ -202,7 +203,7 @@ impl ClosedOutlines {
                     None => segments.saturating_add(room),
                 };
             } else if !is_met {
-                // The fewest segments that there can be have more triangles than that.
+                // Even the fewest possible segments have more triangles than that.
                 return match fits {
                     Some((_, best)) => Ok(best),
                     None => Err(Failure::Unmet(Box::new(mesh))),
@@ -224,7 +225,7 @@ impl ClosedOutlines {
         }
     }
 
-    /// The triangles of polylines, and the bound of both.
+    /// Triangulates polylines, and bounds the error of both steps.
     fn fill(
         &self,
         made: Bounded<Vec<Polyline<2>>>,
@@ -270,7 +271,7 @@ fn too_close<T>() -> Failure<T> {
     )
 }
 
-/// What keeps an outline from being filled.
+/// Why an outline cannot be filled.
 enum OutlineFillError {
     Stop(ArrangeError),
     Areas,
@@ -309,7 +310,7 @@ fn fill_failure(fault: OutlineFillError, index: usize) -> Failure<Mesh> {
     }
 }
 
-/// Appends the triangles of one outline, with the points that they have.
+/// Appends the triangles of one outline, with their points.
 fn append(
     filled: &FillTriangles,
     grid: &SnapGrid,
@@ -335,7 +336,7 @@ fn append(
     Ok(())
 }
 
-/// The contour with a straight line back to its start, if it needs one.
+/// Closes a contour with a straight line back to its start, if it needs one.
 fn closed_contour(contour: &Curve<2>) -> Curve<2> {
     let (start, end) = (contour.start(), contour.end());
     if contour.is_closed() || contour.segments().is_empty() {
@@ -345,6 +346,6 @@ fn closed_contour(contour: &Curve<2>) -> Curve<2> {
     if end != start {
         pieces.push(CurveSegment::Line([end, start]));
     }
-    // The pieces join as they did, and the new one by construction.
+    // The pieces join as before, and the new one by construction.
     Curve::new(pieces, true).map_or_else(|_| contour.clone(), |closed| closed.with_slack(contour.slack()))
 }

@@ -1,4 +1,4 @@
-//! Bicubic Bézier patches to triangles: adaptive, crack-free by shared index, proved.
+//! The arrow from bicubic Bézier patches to triangles: adaptive, crack-free by shared indices, proved.
 use super::patches::budget::{check_angle, mesh_within};
 use super::patches::mesher::TessellationFailure;
 use super::patches::subpatch::BezierPatches;
@@ -6,30 +6,34 @@ use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
 use crate::explicit::{Mesh, Patch};
 use crate::math::flushes_subnormals;
 
-/// Meshes bicubic Bézier patches so that nothing is farther from them than the budget allows.
+/// Meshes bicubic Bézier patches within a budget.
 ///
 /// **Bound.** Two-sided Hausdorff distance between the union of the patches, taken exactly as given, and the
-/// triangles, *proved*, rounding included (the mathematics stands in `patches/derivative_bound.rs` and in
-/// `docs/patches_to_mesh.md`). `at_least` is a distance that was found. With a budget of pixels the bound also
-/// says how many pixels that is at the view; only distances count, neither normals nor contours inside the shape.
+/// triangles, *proved*, rounding included (for the mathematics see `patches/derivative_bound.rs` and
+/// `docs/patches_to_mesh.md`). `at_least` is a distance that was found. With a budget of pixels the bound
+/// also says how many pixels that is at the view; only distances count, neither normals nor contours inside
+/// the shape.
 ///
-/// **Mesh.** Sides with equal control points (forwards or backwards) are one curve and share their vertices by
-/// index, so there are no cracks and no T-junctions at any budget; a side that is one point becomes one vertex and
-/// makes no degenerate triangle. Every vertex lies on the surface (up to rounding) with the surface's own unit
-/// normal; where patches meet at an angle of 1° or more, vertices are split and tied by [`Mesh::position_id`].
+/// **Mesh.** Sides with equal control points (forwards or backwards) are one curve and share their vertices
+/// by index, so there are no cracks and no T-junctions at any budget. A side that is one point becomes one
+/// vertex and makes no degenerate triangle. Every vertex lies on the surface (up to rounding) with the
+/// surface's own unit normal. Where patches meet at an angle of 1° or more, vertices are split and tied by
+/// [`Mesh::position_id`].
 ///
-/// **Budgets.** A length, pixels at a view, a number of triangles, or several. With a number of triangles alone the
-/// mesh is the best on a ladder of lengths with 32 steps an octave; more triangles never give a larger bound.
+/// **Budgets.** A length, pixels at a view, a number of triangles, or several. With a number of triangles
+/// alone the mesh is the best on a ladder of lengths with 32 steps an octave; more triangles never give a
+/// larger bound.
 ///
-/// **Cost.** O(triangles) time and about 100 bytes a triangle, on all threads of the job; the same bytes on any
-/// number of threads.
+/// **Cost.** O(triangles) time and about 100 bytes a triangle, on all threads of the job; the same bytes on
+/// any number of threads.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no limit in the budget or an angle ([`RefusalCode::Budget`], [`RefusalCode::Unsupported`]), no patches,
-/// control points that are not finite or beyond 1e150, more triangles or bytes than the job allows (said before the
-/// work), a budget below rounding ([`RefusalCode::BelowPrecision`]), an eye too close ([`RefusalCode::TooClose`]), an environment that flushes subnormals.
-/// [`Failure::Unmet`] with the best mesh: the length or pixels need more triangles than the budget has.
-/// [`Failure::Cancelled`].
+/// [`Failure::Refused`]: no limit in the budget or an angle ([`RefusalCode::Budget`],
+/// [`RefusalCode::Unsupported`]), no patches, control points that are not finite or beyond 1e150, more
+/// triangles or bytes than the job allows (said before the work), a budget below rounding
+/// ([`RefusalCode::BelowPrecision`]), an eye too close ([`RefusalCode::TooClose`]), an environment that
+/// flushes subnormals. [`Failure::Unmet`] with the best mesh: the length or pixels need more triangles than
+/// the budget has. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Budget, Job, Patch, Tolerance, convert};
@@ -43,7 +47,8 @@ use crate::math::flushes_subnormals;
 /// # Ok::<(), chordal::budget::InvalidTolerance>(())
 /// ```
 ///
-/// Source: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986, extended.
+/// Source: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986,
+/// extended.
 pub fn patches_to_mesh(
     patches: &[Patch],
     budget: &Budget,
@@ -87,7 +92,7 @@ fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), TessellationFai
 /// Derivatives multiply coordinates by less than 1e3, and squares of those must stay below 1e308.
 const LARGEST: f64 = 1e150;
 
-/// −0 and 0 are the same place; equal bits make equal curves.
+/// Turns −0 into 0, since curves with equal bits are equal.
 fn positive_zeros(patch: &Patch) -> Patch {
     Patch { control: patch.control.map(|row| row.map(|p| p.map(|x| x + 0.0))) }
 }

@@ -70,8 +70,8 @@ impl Cluster {
     /// whole cluster. Never true where a front is visible; false where sphere and cone cannot decide.
     ///
     /// Take a point of the sphere and a normal of the cone: with `x` and `y` the parts of `centre − eye`
-    /// along the axis and across, and `α` the cone's angle, the normal points away from the eye by `x·cos α −
-    /// y·sin α − radius` or more.
+    /// along the axis and across, and `α` the cone's angle, the normal points away from the eye by
+    /// `x·cos α − y·sin α − radius` or more.
     #[must_use]
     pub fn is_backward(&self, eye: [f64; 3]) -> bool {
         let Some(axis) = self.axis else { return false };

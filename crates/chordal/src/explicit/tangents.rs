@@ -5,11 +5,11 @@ use bevy_mikktspace::{Geometry, Ops, TangentSpace};
 /// The mesh with MikkTSpace tangents for the texture coordinates of a set, which replace any others. `None`
 /// where it has no such coordinates (2 wide) or no normals (3 wide), of vertices, corners or faces.
 ///
-/// Four numbers for each *corner*: the unit tangent, and the sign of the bitangent `sign · (normal ×
-/// tangent)`. Corners of one vertex can differ, as where mirrored halves of a texture meet; one tangent per
-/// vertex would be wrong there. Formats that have vertex attributes only, such as GLB, duplicate such
-/// vertices. A corner without a defined tangent, as on faces without area or without extent in the texture,
-/// takes that of a neighbour or, without one, (1, 0, 0, 1).
+/// Four numbers for each *corner*: the unit tangent, and the sign of the bitangent
+/// `sign · (normal × tangent)`. Corners of one vertex can differ, as where mirrored halves of a texture meet;
+/// one tangent per vertex would be wrong there. Formats that have vertex attributes only, such as GLB,
+/// duplicate such vertices. A corner without a defined tangent, as on faces without area or without extent in
+/// the texture, takes that of a neighbour or, without one, (1, 0, 0, 1).
 ///
 /// The computation is in single precision, relative to the centre of the mesh and in units of its extent,
 /// because the method is defined on floats and baked maps rely on it. The order of faces does not matter.

@@ -1,10 +1,10 @@
-//! Polygons into triangles: every corner is kept, every decision is exact, the work is bounded.
+//! Polygon triangulation that keeps every corner, decides exactly and bounds the work.
 //!
-//! A polygon of n corners always gives n − 2 triangles that form a disc with exactly the polygon's edges as
-//! its border. So neighbours that share an edge still share it afterwards, also where corners lie on a
-//! straight line or repeat. That is why the crate `earcut` is only the oracle of the tests: it leaves such
-//! corners out (which opens T-junctions), decides in rounded arithmetic, and takes cubic time on polygons
-//! that cross themselves.
+//! A polygon of n corners always gives n − 2 triangles that form a disc whose boundary is exactly the
+//! polygon. So neighbours that share an edge still share it afterwards, even where corners lie on a straight
+//! line or coincide. That is why the crate `earcut` is only the oracle of the tests: it omits such corners
+//! (which opens T-junctions), decides in rounded arithmetic, and takes cubic time on self-intersecting
+//! polygons.
 mod blockers;
 mod ears;
 mod holes;
@@ -19,10 +19,10 @@ pub use holes::{ContourCorner, ContourRepair, InvalidPolygon, PolygonTriangles, 
 /// The triangles of one polygon.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Triangulation {
-    /// Indices into the polygon's corners; n − 2 rows, none for fewer than 3 corners.
+    /// Indices of the polygon's corners; n − 2 rows, none for fewer than 3 corners.
     pub triangles: Vec<[u32; 3]>,
-    /// How many triangles lie face down. 0 proves that their areas add up to the polygon's area; a polygon
-    /// that crosses itself has no triangulation without such folds.
+    /// The number of triangles that face backwards. 0 proves that the areas add up to the polygon's area; a
+    /// self-intersecting polygon has no triangulation without such folds.
     pub folded: usize,
 }
 
@@ -34,17 +34,18 @@ impl Triangulation {
     }
 }
 
-/// The triangles of one polygon in space.
+/// Triangulates one polygon in space.
 ///
-/// The polygon is seen along the largest axis of its Newell normal, which changes no coordinate, so that all
-/// decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of two).
-/// All triangles together have the polygon's signed area, because they form a disc with its border; so they
-/// have its area when none is face down. For a polygon that is not flat this holds in that view, or, where
-/// something folds in it and less does along the normal itself, in that one (rounded). A quadrilateral that
-/// is not flat is cut along the diagonal that bends least ([`Quad::flattest`]), if both may be taken.
+/// The polygon is projected along the largest axis of its Newell normal. This changes no coordinate, so that
+/// all decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of
+/// two). All triangles together have the polygon's signed area, because they form a disc with its boundary;
+/// so they have its area when none faces backwards. For a polygon that is not flat this holds in that
+/// projection. Where something folds in it, the projection along the normal itself (rounded) is used if it
+/// has fewer folds. A quadrilateral that is not flat is split along the diagonal with the smaller bend
+/// ([`Quad::flattest`]), if both are valid.
 ///
 /// `points`: finite corners in order, the last one joined to the first, fewer than 2³¹. Time O(n log n) as
-/// long as corners block few ears, and never more than 1,024 steps a corner; memory O(n).
+/// long as corners block few ears, and never more than 1,024 steps per corner; memory O(n).
 ///
 /// ```
 /// use chordal::explicit::triangulate::polygon;
@@ -57,7 +58,7 @@ impl Triangulation {
 /// ```
 ///
 /// Source: G. H. Meisters, *Polygons have ears*, 1975; M. Held, *FIST: fast industrial-strength triangulation
-/// of polygons*, 2001, for what to do when there are none.
+/// of polygons*, 2001, for polygons without ears.
 #[must_use]
 pub fn polygon(points: &[[f64; 3]]) -> Triangulation {
     let mut triangles = Vec::new();
@@ -65,7 +66,7 @@ pub fn polygon(points: &[[f64; 3]]) -> Triangulation {
     Triangulation { triangles, folded }
 }
 
-/// [`polygon`] with buffers that are used again: for meshes of many polygons.
+/// [`polygon`] with reusable buffers, for meshes of many polygons.
 #[derive(Clone, Debug, Default)]
 pub struct Triangulator {
     flat: Vec<[f64; 2]>,
@@ -74,7 +75,7 @@ pub struct Triangulator {
 }
 
 impl Triangulator {
-    /// Appends the triangles of one polygon to `out` and returns how many of them lie face down.
+    /// Appends the triangles of one polygon to `out` and returns the number that face backwards.
     pub fn polygon(&mut self, points: &[[f64; 3]], out: &mut Vec<[u32; 3]>) -> usize {
         match points.len() {
             0..=2 => return 0,
@@ -98,7 +99,7 @@ impl Triangulator {
         if folded == 0 || !along_normal(points, scale, normal, &mut self.flat) {
             return folded;
         }
-        // A bent polygon may cross itself in one view and not in the other.
+        // A non-planar polygon may intersect itself in one projection and not in the other.
         self.second.clear();
         let folded_second = cut(&self.flat, &mut self.ears, &mut self.second);
         if folded_second >= folded {
@@ -117,13 +118,13 @@ fn cut(flat: &[[f64; 2]], ears: &mut EarClipper, out: &mut Vec<[u32; 3]>) -> usi
     }
 }
 
-/// Positive where `a`, `b`, `c` turn left; the sign is exact.
+/// Positive for a left turn `a`, `b`, `c`; the sign is exact.
 fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let coord = |[x, y]: [f64; 2]| Coord { x, y };
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// The diagonal of a quadrilateral that is not flat and may be cut along either: the one that bends least.
+/// The diagonal with the smaller bend, for a quadrilateral that is not flat and can be split along either.
 fn bent_quad(corners: [[f64; 3]; 4], flat: &[[f64; 2]]) -> Option<Diagonal> {
     let [a, b, c, d] = *flat else { return None };
     let both = turn(a, b, c) > 0.0 && turn(b, c, d) > 0.0 && turn(c, d, a) > 0.0 && turn(d, a, b) > 0.0;
@@ -131,26 +132,27 @@ fn bent_quad(corners: [[f64; 3]; 4], flat: &[[f64; 2]]) -> Option<Diagonal> {
     (both && !quad.is_flat()).then(|| quad.flattest())
 }
 
-/// The two triangles of a quadrilateral: cut from its first corner where that is right, else from its second.
+/// The two triangles of a quadrilateral: split at its first corner where that is valid, else at its second.
 fn quad(p: [[f64; 2]; 4], out: &mut Vec<[u32; 3]>) -> usize {
     const CUTS: [[[u32; 3]; 2]; 2] = [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]];
     let turns = CUTS.map(|cut| cut.map(|t| turn(p[t[0] as usize], p[t[1] as usize], p[t[2] as usize])));
     let all = |test: fn(f64) -> bool| (0..2).find(|k| turns[*k].iter().all(|t| test(*t)));
-    // Two triangles with area if possible, else two that are not face down, else the first cut.
+    // Two triangles with area if possible, else two that do not face backwards, else the first split.
     let pick = all(|t| t > 0.0).or_else(|| all(|t| t >= 0.0)).unwrap_or(0);
     out.extend(CUTS[pick]);
     turns[pick].iter().filter(|t| **t < 0.0).count()
 }
 
-/// The polygon seen along the largest axis of its normal, counter-clockwise. Exact but for the power of two.
+/// The projection of the polygon along the largest axis of its normal, counter-clockwise. Exact but for the
+/// power of two.
 fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) {
     let [u, v] = seen_axes(points, normal);
     flat.clear();
     flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
 }
 
-/// The axes that become x and y where one looks against a normal, along its largest axis; without a normal,
-/// along the axis on which the points differ least.
+/// The axes that become x and y when looking against a normal, along its largest axis. Without a normal,
+/// along the axis of the points' smallest extent.
 fn seen_axes(points: &[[f64; 3]], normal: [f64; 3]) -> [usize; 2] {
     let mut drop = largest_axis(normal);
     if normal[drop].is_nan() || normal[drop] == 0.0 {
@@ -160,14 +162,14 @@ fn seen_axes(points: &[[f64; 3]], normal: [f64; 3]) -> [usize; 2] {
     if normal[drop] < 0.0 { [v, u] } else { [u, v] }
 }
 
-/// The polygon seen along its normal, counter-clockwise, rounded; false where it has no normal.
+/// The projection of the polygon along its normal, counter-clockwise, rounded; false where it has no normal.
 fn along_normal(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) -> bool {
     let largest = normal[largest_axis(normal)].abs();
     if !(largest > 0.0 && largest.is_finite()) {
         return false;
     }
     let n = normal.map(|x| x / largest);
-    // The axis that is furthest from the normal, made perpendicular to it, and a third one to both.
+    // The axis farthest from the normal, made perpendicular to it, and a third axis perpendicular to both.
     let mut k = 0;
     for other in 1..3 {
         if n[other].abs() < n[k].abs() {
@@ -202,7 +204,7 @@ fn scale_of(points: &[[f64; 3]]) -> f64 {
     if scale >= low && scale <= high { 1.0 } else { scale }
 }
 
-/// A power of two that brings the largest coordinate near 1.
+/// A power of two that scales the largest coordinate to near 1.
 pub(super) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
     let largest =
         points.iter().flatten().fold(0.0_f64, |most, x| if x.abs() > most { x.abs() } else { most });
@@ -214,7 +216,7 @@ pub(super) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
     f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
 }
 
-/// Twice the polygon's vector area, after scaling.
+/// Twice the polygon's vector area (Newell's normal), after scaling.
 fn newell(points: &[[f64; 3]], scale: f64) -> [f64; 3] {
     points.windows(2).skip(1).fold([0.0; 3], |sum, pair| {
         let term = cross(from_first(points, &pair[0], scale), from_first(points, &pair[1], scale));
@@ -222,7 +224,7 @@ fn newell(points: &[[f64; 3]], scale: f64) -> [f64; 3] {
     })
 }
 
-/// The axis along which the points differ least.
+/// The axis along which the points have the smallest extent.
 fn thinnest(points: &[[f64; 3]]) -> usize {
     let extent = |k: usize| {
         let low = points.iter().fold(f64::INFINITY, |m, p| if p[k] < m { p[k] } else { m });

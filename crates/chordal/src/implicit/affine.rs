@@ -1,4 +1,4 @@
-//! `Affine3`: an affine map from the indices of a lattice to points of space.
+//! `Affine3`: from the indices of a lattice to points of space.
 use crate::math::{Orientation, orient3d};
 use std::fmt;
 
@@ -26,7 +26,7 @@ impl Affine3 {
         Ok(map)
     }
 
-    /// A lattice of cubes of side `step` with its first sample at `origin`.
+    /// Cubes of side `step` with the first sample at `origin`.
     ///
     /// # Errors
     /// As for [`Affine3::new`].

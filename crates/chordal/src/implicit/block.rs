@@ -1,5 +1,4 @@
-//! Blocks: as many values as fit well into the first-level cache, one row per component, so that loops over
-//! them become vector code.
+//! Blocks: as many values as fit well into the first-level cache, one row per component, for vector code.
 use super::dual::{Dual, each_axis};
 use super::inputs::LeafScalar;
 use super::number::TapeInterval;
@@ -13,8 +12,8 @@ pub(super) trait BlockScalar: LeafScalar + 'static {
     const LANES: usize;
     /// Whether it carries a decoration, which operations may clear.
     const CLAIMS: bool;
-    /// Whether constants are put into the loops themselves. Otherwise they go into a block first, which keeps
-    /// the program small.
+    /// Whether constants are put into the loops themselves; else into a block first, which keeps the program
+    /// small.
     const IMMEDIATE: bool;
 
     fn block() -> Self::Block;
@@ -209,7 +208,7 @@ pub(super) fn all_near<N: BlockScalar>(n: usize, a: &N::Block) -> bool {
     all
 }
 
-/// `n`, clamped so that the compiler knows it is at most the block size.
+/// `n`, at most the block size, which the compiler then knows.
 #[inline(always)]
 pub(super) fn at_most<N: BlockScalar>(n: usize) -> usize {
     if n < N::LANES { n } else { N::LANES }

@@ -45,11 +45,11 @@ impl Distance {
     pub const EXACT: Self = Self { outside: DistanceQuality::Exact, inside: DistanceQuality::Exact };
     /// Never more than the distance, everywhere.
     pub const BOUND: Self = Self { outside: DistanceQuality::Bound, inside: DistanceQuality::Bound };
-    /// Only the sign has a meaning, everywhere.
+    /// Only a sign, everywhere.
     pub const SIGN: Self = Self { outside: DistanceQuality::Sign, inside: DistanceQuality::Sign };
 
-    /// The quality of `min(a, b)`. Outside both shapes, the nearer surface is the nearest of the union.
-    /// Inside, the other shape may cover that surface, so only a bound is left.
+    /// That of `min(a, b)`. Outside both shapes the nearer surface is the nearest of the union. Inside, the
+    /// other shape may cover that surface, so only a bound is left.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let inside = if self.inside < other.inside { self.inside } else { other.inside };
@@ -59,13 +59,13 @@ impl Distance {
         }
     }
 
-    /// The quality of `max(a, b)`: [`Distance::union`] with inside and outside exchanged.
+    /// That of `max(a, b)`: [`Distance::union`] with both sides exchanged.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         self.complement().union(other.complement()).complement()
     }
 
-    /// The quality of `−a`.
+    /// That of `−a`.
     #[must_use]
     pub fn complement(self) -> Self {
         Self { outside: self.inside, inside: self.outside }

@@ -48,12 +48,11 @@ pub(super) trait GeneralizedDerivative: Scalar {
     fn box_distance_gradient<const N: usize>(sides: [Self; N]) -> [Self; N];
     /// The derivative of a step function that has this value.
     fn step_derivative(value: Self) -> Self;
-    /// The number of whole `b`s that were subtracted from `a` to leave `value`.
+    /// How many whole `b`s were subtracted from `a` to leave `value`.
     fn whole_quotient(a: Self, b: Self, value: Self) -> Self;
     /// `zero` where `condition` is 0, else `other`.
     fn select(condition: Self, zero: [Self; 3], other: [Self; 3]) -> [Self; 3];
-    /// Gives all components one decoration: a slope is defined and continuous where the value and all
-    /// derivatives are.
+    /// One decoration for all: a slope is defined and continuous where the value and all derivatives are.
     fn unify_decorations(slope: Dual<Self>) -> Dual<Self>;
 }
 
@@ -70,7 +69,7 @@ impl GeneralizedDerivative for f64 {
     fn mean(share: Self, da: [Self; 3], db: [Self; 3]) -> [Self; 3] {
         each_axis!(k => {
             let mean = share * da[k] + (1.0 - share) * db[k];
-            // An operand of weight 0 does not count, whatever its value.
+            // An operand of weight 0 does not count at all.
             let mean = if share < 1.0 { mean } else { da[k] };
             if share > 0.0 { mean } else { db[k] }
         })
@@ -279,7 +278,7 @@ fn chain<N: GeneralizedDerivative>(op: Unary, a: Dual<N>, value: N, other: N) ->
     N::unify_decorations(Dual { value, gradient })
 }
 
-/// The operation whose value the chain rule needs besides the result.
+/// What the chain rule needs besides the value.
 #[inline(always)]
 fn partner(op: Unary) -> Unary {
     match op {

@@ -157,7 +157,7 @@ impl Expr {
     /// [`Tape::at`](super::Tape::at).
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn at(&self, point: [f64; 3]) -> Result<f64, LeafError> {
         let mut value = [0.0];
         Tape::new(self).at(&[point], &mut value)?;

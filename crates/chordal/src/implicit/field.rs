@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 /// An implicit shape: the set of points where an expression is negative.
 ///
-/// Besides the expression, a field carries what proofs and queries need: what the value is worth as a
-/// distance, and a box that contains the shape. Statements of the caller that could not be checked are kept
-/// as sentences; [`Field::evidence`] lists them.
+/// Besides the expression, a field carries what proofs and queries need: its distance quality, and a box that
+/// contains the shape. Statements of the caller that could not be checked are kept as sentences;
+/// [`Field::evidence`] lists them.
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
@@ -73,8 +73,8 @@ impl Field {
         field
     }
 
-    /// Returns the field with the caller's promise of what the value is worth as a distance. Proofs depend on
-    /// it once an operation uses the distance, such as [`Field::offset`].
+    /// The same, with the caller's promise of the distance quality. Proofs depend on it once an operation
+    /// uses the distance, such as [`Field::offset`].
     #[must_use]
     pub fn with_distance(mut self, distance: Distance) -> Self {
         if distance != Distance::SIGN {
@@ -87,7 +87,7 @@ impl Field {
         self.known_distance(distance)
     }
 
-    /// Returns the field with the caller's promise that no point outside the box is inside the shape.
+    /// The same, with the caller's promise that no point outside the box is inside the shape.
     ///
     /// If interval arithmetic proves this, it is no promise any more. Intervals are rounded outward, so a box
     /// larger by 2⁻⁴⁰ of its largest coordinate is tried as well; if only that one holds, it becomes the box.
@@ -107,8 +107,8 @@ impl Field {
         self.known_bounds(bounds)
     }
 
-    /// Returns the field with the caller's promise that `sign` is negative exactly where the value is, and
-    /// positive exactly where the value is. [`Field::evidence`] lists the promise.
+    /// The same, with the caller's promise that `sign` is negative exactly where the value is, and positive
+    /// exactly where that is. [`Field::evidence`] lists the promise.
     ///
     /// A distance often has kinks on the surface itself, where intervals of its gradient say little: the
     /// distance to a box consists of an outer and an inner part that meet there. An expression that passes
@@ -124,15 +124,14 @@ impl Field {
         self.promises.add(sentence.into());
     }
 
-    /// Returns the field for an operation that uses the value as a distance. Proofs then depend on the
-    /// promises about the distance too.
+    /// The same, for an operation that uses the distance: from now on proofs depend on promises about it too.
     pub(super) fn as_distance(&self) -> Self {
         let mut field = self.clone();
         field.promises.extend(&self.distance_promises);
         field
     }
 
-    /// Sets what the value is worth as a distance, where this is known and not promised.
+    /// Sets the distance quality, where it is known and not promised.
     pub(crate) fn known_distance(self, distance: Distance) -> Self {
         Self { distance, ..self }
     }
@@ -209,13 +208,13 @@ impl Field {
         self.has_own_sign() && self.has_creases
     }
 
-    /// The expression that gives the value at each point.
+    /// The expression of the value.
     #[must_use]
     pub fn expr(&self) -> &Expr {
         &self.expr
     }
 
-    /// What the value is worth as a distance.
+    /// The distance quality of the value.
     #[must_use]
     pub fn distance(&self) -> Distance {
         self.distance
@@ -234,7 +233,7 @@ impl Field {
     }
 }
 
-/// The box, enlarged by a margin for the rounding of intervals at its sides.
+/// The box with a margin for the rounding of intervals at its sides.
 fn with_margin(bounds: &Box3) -> Box3 {
     /// Derived: an interval of some thousand steps is off by less than 2⁻⁴⁰ of its numbers.
     const ROOM: f64 = 1.0 / (1_u64 << 40) as f64;

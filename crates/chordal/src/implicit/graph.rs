@@ -22,12 +22,12 @@ pub enum Term {
 
 /// The distinct terms of an expression in evaluation order; the last is its value.
 ///
-/// Equal terms are merged (common subexpressions), whether they were shared or written twice. Operations on
-/// constants are carried out in f64, and the rounded result defines the true shape, as a number in a text
-/// does. Other simplifications change no value where the expression has one: `a + 0`, `1 · a`, `−(−a)`,
-/// `| |a| |`, `min(a, a)`; and `a · a` becomes `a²`, whose interval is known to be positive. The logarithm of
-/// a sum of exponentials becomes [`Binary::LogSumExp`], the same number up to rounding: its exponentials do
-/// not overflow, and the interval of its slope is that of a mean.
+/// Equal terms are merged (common subexpressions), whether shared or written twice. Operations on constants
+/// are carried out in f64; the rounded result defines the true shape, as a number in a text does. Other
+/// simplifications change no value where the expression has one: `a + 0`, `1 · a`, `−(−a)`, `| |a| |`,
+/// `min(a, a)`; and `a · a` is `a²`, whose interval is known to be positive. The logarithm of a sum of
+/// exponentials is [`Binary::LogSumExp`], the same number up to rounding: its exponentials do not overflow,
+/// and the interval of its slope is that of a mean.
 #[derive(Clone, Debug)]
 pub struct ExprGraph {
     terms: Vec<Term>,
@@ -65,7 +65,7 @@ impl ExprGraph {
 /// The most exponentials in a sum whose logarithm becomes one term. Chosen: learned fields have some hundred.
 const MOST_EXPONENTIALS: usize = 1024;
 
-/// The key by which equal terms are found. A leaf equals only itself.
+/// The key that equal terms share. A leaf equals only itself.
 #[derive(PartialEq, Eq, Hash)]
 enum TermKey {
     Const(u64),
@@ -138,7 +138,7 @@ impl GraphBuilder {
         match expr.kind() {
             ExprKind::Const(_) | ExprKind::Axis(_) => {}
             ExprKind::Unary(_, a) => tasks.push(LoweringTask::Visit(a, frame)),
-            // The first operand is on top of the stack, so it is done first.
+            // The first operand is on top, so it is done first.
             ExprKind::Binary(_, a, b) => {
                 tasks.extend([LoweringTask::Visit(b, frame), LoweringTask::Visit(a, frame)])
             }
@@ -219,7 +219,7 @@ impl GraphBuilder {
         }
     }
 
-    /// The logarithm of `sum`, if that is a sum of exponentials.
+    /// The logarithm of `sum`, if that is one of exponentials.
     fn log_of(&mut self, sum: u32) -> Option<u32> {
         let mut open = vec![sum];
         let mut logs = Vec::new();
@@ -229,7 +229,7 @@ impl GraphBuilder {
                 Term::Binary(Binary::Add, a, b) => open.extend([*b, *a]),
                 _ => return None,
             }
-            // Sums of shared parts could have exponentially many exponentials.
+            // Sums that share their parts could be endless.
             if logs.len() + open.len() > MOST_EXPONENTIALS {
                 return None;
             }

@@ -2,7 +2,7 @@
 use super::affine::Affine3;
 use std::fmt;
 
-/// The samples of a [`Grid`], in the type that they came in.
+/// The samples of a [`Grid`], in their original type.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Samples {
@@ -10,17 +10,17 @@ pub enum Samples {
     F32(Vec<f32>),
     /// 64-bit floating point.
     F64(Vec<f64>),
-    /// Whole numbers of 8 bits, without sign.
+    /// Unsigned 8-bit integers.
     U8(Vec<u8>),
-    /// Whole numbers of 8 bits.
+    /// Signed 8-bit integers.
     I8(Vec<i8>),
-    /// Whole numbers of 16 bits, without sign.
+    /// Unsigned 16-bit integers.
     U16(Vec<u16>),
-    /// Whole numbers of 16 bits.
+    /// Signed 16-bit integers.
     I16(Vec<i16>),
-    /// Whole numbers of 32 bits, without sign.
+    /// Unsigned 32-bit integers.
     U32(Vec<u32>),
-    /// Whole numbers of 32 bits.
+    /// Signed 32-bit integers.
     I32(Vec<i32>),
 }
 
@@ -43,29 +43,29 @@ macro_rules! with_samples {
 pub(crate) use with_samples;
 
 impl Samples {
-    /// How many there are.
+    /// The number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         with_samples!(self, values => values.len())
     }
 
-    /// Whether there are none.
+    /// Whether there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// One of them as f64, which holds all of these types exactly.
+    /// One sample as f64, which represents all of these types exactly.
     ///
     /// # Panics
-    /// When there are not so many.
+    /// When the index is too large.
     #[must_use]
     #[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
     pub fn get(&self, index: usize) -> f64 {
         with_samples!(self, values => f64::from(values[index]))
     }
 
-    /// How many are NaN, and how many infinite.
+    /// The numbers of NaN and of infinite samples.
     #[must_use]
     pub fn count_not_finite(&self) -> [u64; 2] {
         let mut counts = [0; 2];
@@ -77,7 +77,7 @@ impl Samples {
         counts
     }
 
-    /// Bytes of one sample.
+    /// The bytes of one sample.
     #[must_use]
     pub fn width(&self) -> usize {
         match self {
@@ -95,7 +95,7 @@ fn tally(value: f64, [unknown, infinite]: &mut [u64; 2]) {
 }
 
 /// Samples on a lattice, the first index running fastest, with the map from indices to space. Between samples
-/// the value is their trilinear interpolant, taken exactly: of the samples and of the map as they are in f64.
+/// the value is the exact trilinear interpolant of the samples and the map as they are in f64.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples};
@@ -111,7 +111,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid with `size[k]` samples along index k.
+    /// A grid with `size[k]` samples along index k.
     ///
     /// # Errors
     /// [`InvalidGrid`] when a size is 0, or the number of samples is not their product.
@@ -124,7 +124,7 @@ impl Grid {
         Ok(Self { size, samples, affine })
     }
 
-    /// How many samples there are along each index.
+    /// The number of samples along each index.
     #[must_use]
     pub fn size(&self) -> [usize; 3] {
         self.size
@@ -136,13 +136,13 @@ impl Grid {
         &self.samples
     }
 
-    /// From indices to space.
+    /// The map from indices to space.
     #[must_use]
     pub fn affine(&self) -> &Affine3 {
         &self.affine
     }
 
-    /// The same samples somewhere else.
+    /// The same samples with another map to space.
     #[must_use]
     pub fn with_affine(self, affine: Affine3) -> Self {
         Self { affine, ..self }

@@ -62,8 +62,7 @@ impl LeafScalar for Interval {
         let mut ranges = vec![Self::UNKNOWN; boxes.len()];
         let answer = leaf.over(&boxes, &mut ranges)?;
         for (range, sides) in ranges.iter_mut().zip(at) {
-            // Nothing is known without an answer. Without defined coordinates the answer is not defined
-            // either.
+            // Nothing is known without an answer; without defined coordinates it is not defined.
             let claims = sides.iter().all(|side| side.is_defined());
             *range = match answer {
                 LeafAnswer::None => Self::UNKNOWN,
@@ -99,7 +98,7 @@ impl LeafScalar for Dual<Interval> {
     }
 }
 
-/// The chain rule for a leaf: derivatives along x, y and z from those along its own coordinates.
+/// A leaf's derivatives along x, y and z from those along its own coordinates.
 fn chain<N: Copy>(
     outer: &[N; 3],
     inner: &[Dual<N>; 3],

@@ -20,7 +20,7 @@ pub(super) struct ProgramRun<'a, N: BlockScalar, F, G> {
 }
 
 impl<N: BlockScalar, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> ProgramRun<'_, N, F, G> {
-    /// Runs the program, with its steps compiled for the processor's best instruction set.
+    /// Runs the steps on the processor's best instruction set.
     ///
     /// Inputs and outputs stay outside the code that is compiled for each instruction set. The steps then
     /// contain no closures, and there is one copy of them per kind of number, not one per kind of query.
@@ -136,7 +136,7 @@ impl<N: BlockScalar> BlockInterpreter<N> {
         machine
     }
 
-    /// Keeps the interpreter for the thread's next call, unless it is large.
+    /// Keeps it for the thread's next call, unless it is large.
     #[inline(never)]
     fn cache(self: Box<Self>) {
         if self.registers.len() <= MOST_KEPT {

@@ -18,7 +18,7 @@ pub enum LeafAnswer {
 pub struct Lipschitz {
     /// The largest slope, ≥ 0.
     pub constant: f64,
-    /// The largest difference between a returned value and a function with that slope, ≥ 0.
+    /// The largest error of a returned value against a function with that slope, ≥ 0.
     pub error: f64,
 }
 
@@ -43,8 +43,8 @@ pub trait Leaf: Send + Sync + fmt::Debug {
         Ok(LeafAnswer::None)
     }
 
-    /// The step of the finite differences that replace a missing gradient, in the leaf's own units. The four
-    /// samples are corners of a tetrahedron, each off by this step along every axis.
+    /// The step of the differences that replace a missing gradient, in the leaf's own units: four samples at
+    /// the corners of a tetrahedron, each off by it along every axis.
     fn difference_step(&self) -> f64 {
         1.0 / 65_536.0
     }

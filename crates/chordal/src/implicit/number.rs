@@ -258,7 +258,7 @@ impl TapeInterval {
         }
     }
 
-    /// The result of a step function, which is continuous only where it is constant.
+    /// A step function's result; continuous only where it is constant.
     #[inline(always)]
     fn flat(self, ends: BareInterval) -> Self {
         self.to(ends, ends.lo == ends.hi, true)

@@ -56,7 +56,7 @@ pub enum Binary {
     /// `a` where `a > b`, else `b`.
     Max,
     /// The smaller of both with its kink rounded off: `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`. It
-    /// is nowhere above the minimum, and equal to it where the operands are at least 1 apart.
+    /// is nowhere above the minimum, and equals it where they are 1 apart.
     SmoothMin,
     /// `ln(eᵃ + eᵇ)`: the maximum with its kink rounded off. It overflows only where the maximum does.
     LogSumExp,

@@ -1,4 +1,4 @@
-//! The test whether interval arithmetic proves that an expression is nowhere negative outside a box.
+//! Interval tests that an expression is nowhere negative outside a box.
 use super::leaf::LeafError;
 use super::tape::Tape;
 use crate::math::{Box3, Interval};
@@ -91,8 +91,8 @@ fn halves(part: &Box3, bounds: &Box3) -> [Box3; 2] {
     [low, high]
 }
 
-/// Where a side is cut: in the middle, or, if it is unbounded, as far beyond its end as that is from the box,
-/// so that the next cuts double.
+/// Where a side is cut: in the middle, or, if unbounded, as far beyond its end as that is from the box, so
+/// that cuts double.
 fn cut([low, high]: [f64; 2], bounds: [f64; 2]) -> f64 {
     let (centre, size) = middle_and_size(bounds);
     match (low.is_finite(), high.is_finite()) {

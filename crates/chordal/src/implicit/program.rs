@@ -281,8 +281,7 @@ impl ProgramBuilder<'_> {
         })
     }
 
-    /// The operand that holds a term's value. A constant that is needed as an operand gets a register of its
-    /// own.
+    /// The operand with a term's value. A constant used as an operand gets its own register.
     fn place(&mut self, term: u32) -> u32 {
         if let (NOWHERE, Term::Const(number)) = (self.place[term as usize], &self.terms[term as usize]) {
             let out = self.register();

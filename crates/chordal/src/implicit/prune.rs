@@ -1,5 +1,4 @@
-//! Tape pruning: where one operand of a minimum, smooth or not, or maximum always wins in a region, the other
-//! is left out.
+//! Tape pruning: where one operand of a minimum or maximum always wins in a region, the other is left out.
 //!
 //! A first pass, from the leaves to the root, finds the interval of every term. A second one, from the root,
 //! finds for every term above and below which values it does not affect the result. In a chain of blends,
@@ -133,7 +132,7 @@ impl PruningBounds {
         Self { above: -self.below, below: -self.above }
     }
 
-    /// The same, with values from there on without effect as well.
+    /// The same with values from there on without effect.
     fn from(self, above: f64) -> Self {
         Self { above: if above < self.above { above } else { self.above }, ..self }
     }
@@ -152,7 +151,7 @@ impl PruningBounds {
 /// For each term the operand that is enough, from the root down.
 fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<OperandChoice> {
     let mut choices = vec![OperandChoice::Itself; terms.len()];
-    // Terms that run as one step have tighter slopes than what would be left of them.
+    // What is one step has tighter slopes than its parts.
     let mut is_within_step = vec![false; terms.len()];
     for term in terms {
         box_distance_terms(terms, term).into_iter().for_each(|part| is_within_step[part as usize] = true);

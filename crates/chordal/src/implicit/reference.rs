@@ -1,4 +1,4 @@
-//! Expressions evaluated term by term, one number at a time: slow and plain, the oracle of [`super::Tape`].
+//! Expressions evaluated term by term, one number at a time: slow and simple, the oracle of [`super::Tape`].
 use super::dual::Dual;
 use super::graph::{ExprGraph, Term};
 use super::inputs::{LeafScalar, box_side, seed_dual, to_triples};
@@ -9,7 +9,7 @@ use crate::math::{Box3, Interval};
 /// [`super::Tape::at`].
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 pub fn at(graph: &ExprGraph, points: &[[f64; 3]]) -> Result<Vec<f64>, LeafError> {
     columns(graph, &|k, row| points[row][k], points.len())
 }
@@ -17,7 +17,7 @@ pub fn at(graph: &ExprGraph, points: &[[f64; 3]]) -> Result<Vec<f64>, LeafError>
 /// [`super::Tape::at_f32`].
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 pub fn at_f32(graph: &ExprGraph, points: &[[f32; 3]]) -> Result<Vec<f32>, LeafError> {
     columns(graph, &|k, row| points[row][k], points.len())
 }
@@ -25,7 +25,7 @@ pub fn at_f32(graph: &ExprGraph, points: &[[f32; 3]]) -> Result<Vec<f32>, LeafEr
 /// [`super::Tape::gradient_at`].
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 pub fn gradient_at(graph: &ExprGraph, points: &[[f64; 3]]) -> Result<Vec<Dual<f64>>, LeafError> {
     columns(graph, &|k, row| seed_dual(points[row][k], k), points.len())
 }
@@ -33,7 +33,7 @@ pub fn gradient_at(graph: &ExprGraph, points: &[[f64; 3]]) -> Result<Vec<Dual<f6
 /// [`super::Tape::over`].
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 pub fn over(graph: &ExprGraph, boxes: &[Box3]) -> Result<Vec<Interval>, LeafError> {
     columns(graph, &|k, row| box_side(&boxes[row], k), boxes.len())
 }
@@ -41,12 +41,12 @@ pub fn over(graph: &ExprGraph, boxes: &[Box3]) -> Result<Vec<Interval>, LeafErro
 /// [`super::Tape::gradient_over`].
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 pub fn gradient_over(graph: &ExprGraph, boxes: &[Box3]) -> Result<Vec<Dual<Interval>>, LeafError> {
     columns(graph, &|k, row| seed_dual(box_side(&boxes[row], k), k), boxes.len())
 }
 
-/// Every term for every row; the last term's column.
+/// Evaluates every term for every row; returns the last column.
 fn columns<N: Scalar + LeafScalar>(
     graph: &ExprGraph,
     axis: &dyn Fn(usize, usize) -> N,

@@ -1,4 +1,4 @@
-//! `SparseGrid`: samples on a lattice, in bricks of 8³, of which those that are all background are not there.
+//! `SparseGrid`: samples on a lattice in bricks of 8³, without the bricks that hold only background.
 use super::affine::Affine3;
 use super::grid::{Grid, InvalidGrid, Samples};
 
@@ -7,18 +7,18 @@ pub(crate) const BRICK: usize = 8;
 /// Samples of a brick.
 const VOLUME: usize = BRICK * BRICK * BRICK;
 
-/// What the directory says of a brick that is not there: all of its samples are the background, outside …
+/// The directory entry of an absent brick: all samples are the background, outside …
 const OUTSIDE: u32 = u32::MAX;
-/// … or the background with a minus sign, inside.
+/// … or minus the background, inside.
 const INSIDE: u32 = u32::MAX - 1;
 
-/// Samples in f64 on a lattice, as those of a narrow band of distances are: a directory with a number for
-/// each brick of 8³ samples, and dense values for those bricks that hold anything but the background value,
-/// or all of it with a minus sign.
+/// Samples in f64 on a lattice, for data such as a narrow band of distances. A directory has one entry for
+/// each brick of 8³ samples. Only bricks that hold anything but the background value, or minus that value
+/// throughout, store their samples.
 ///
-/// A sample is found in O(1) through the directory; [`SparseGrid::to_dense`] has the same numbers bit for
-/// bit. Memory: 4 KiB for a brick that is there and 4 bytes for one that is not, 1/1024 of the dense samples'
-/// bytes ([`SparseGrid::bytes`]).
+/// Access to a sample takes O(1) through the directory; [`SparseGrid::to_dense`] has the same numbers bit for
+/// bit. Memory: 4 KiB for a stored brick and 4 bytes for an absent one, 1/1024 of its dense samples
+/// ([`SparseGrid::bytes`]).
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples, SparseGrid};
@@ -39,18 +39,18 @@ pub struct SparseGrid {
     size: [usize; 3],
     affine: Affine3,
     background: f64,
-    /// For each brick of the lattice, the first index running fastest, its place among the values.
+    /// For each brick of the lattice, the first index running fastest, the index of its values.
     directory: Vec<u32>,
-    /// 512 values a brick, the first index running fastest; those beyond the lattice are 0.
+    /// 512 values per stored brick, the first index running fastest; those beyond the lattice are 0.
     values: Vec<f64>,
 }
 
 impl SparseGrid {
-    /// A dense grid without the bricks that are all `background`, or all minus that. Cost: one look at every
-    /// sample.
+    /// The dense grid without the bricks that are all `background`, or all minus that. Cost: one pass over
+    /// the samples.
     ///
     /// # Panics
-    /// When the lattice has 2³² − 2 bricks or more.
+    /// When 2³² − 2 bricks or more have to be stored.
     #[must_use]
     pub fn from_grid(grid: &Grid, background: f64) -> Self {
         let size = grid.size();
@@ -67,12 +67,12 @@ impl SparseGrid {
         made
     }
 
-    /// No layer yet.
+    /// A grid without layers.
     pub(crate) fn empty(size: [usize; 3], affine: Affine3, background: f64) -> Self {
         Self { size, affine, background, directory: Vec::new(), values: Vec::new() }
     }
 
-    /// The next eight planes.
+    /// Appends the next eight planes.
     pub(crate) fn push(&mut self, layer: BrickSlab) {
         let first = (self.values.len() / VOLUME) as u32;
         let placed = layer.directory.iter().map(|brick| if *brick < INSIDE { first + brick } else { *brick });
@@ -81,25 +81,25 @@ impl SparseGrid {
         assert!(self.values.len() / VOLUME < INSIDE as usize, "bricks are numbered in 32 bits");
     }
 
-    /// How many samples there are along each index.
+    /// The number of samples along each index.
     #[must_use]
     pub fn size(&self) -> [usize; 3] {
         self.size
     }
 
-    /// From indices to space.
+    /// The map from indices to space.
     #[must_use]
     pub fn affine(&self) -> &Affine3 {
         &self.affine
     }
 
-    /// The size of samples in bricks that are not there.
+    /// The background value: absent bricks hold it, or minus it.
     #[must_use]
     pub fn background(&self) -> f64 {
         self.background
     }
 
-    /// How many bricks are there, and how many the lattice has.
+    /// The number of stored bricks, and of all bricks of the lattice.
     #[must_use]
     pub fn n_bricks(&self) -> [usize; 2] {
         [self.values.len() / VOLUME, self.directory.len()]
@@ -111,7 +111,7 @@ impl SparseGrid {
         8 * self.values.len() as u64 + 4 * self.directory.len() as u64
     }
 
-    /// The largest size of a sample; infinite ones count as the largest number.
+    /// The largest absolute value; infinite samples count as the largest number.
     pub(crate) fn largest(&self) -> f64 {
         let sizes = self.values.iter().map(|x| if x.is_infinite() { f64::MAX } else { x.abs() });
         sizes.fold(self.background.abs(), |most, x| if x > most { x } else { most })
@@ -137,7 +137,7 @@ impl SparseGrid {
         }
     }
 
-    /// The same samples in one array, for files and for what wants all of them.
+    /// The same samples in one array, for files and for code that needs all of them.
     #[must_use]
     pub fn to_dense(&self) -> Grid {
         let [nx, ny, nz] = self.size;
@@ -152,9 +152,9 @@ impl SparseGrid {
     }
 }
 
-/// Eight planes of samples, or what is left of them at the end, in bricks.
+/// Up to eight planes of samples in bricks; fewer at the end of the lattice.
 pub(crate) struct BrickSlab {
-    /// Places counted from the layer's own first brick.
+    /// Brick indices, counted from the first brick of this layer.
     directory: Vec<u32>,
     values: Vec<f64>,
 }
@@ -173,7 +173,7 @@ impl BrickSlab {
                     for j in y..ny.min(y + BRICK) {
                         for i in x..nx.min(x + BRICK) {
                             let value = samples[i + nx * (j + ny * k)];
-                            // By bits, so that all come back as they were.
+                            // By bits, so that all come back unchanged.
                             outside &= value.to_bits() == background.to_bits();
                             inside &= value.to_bits() == (-background).to_bits();
                             brick[i - x + BRICK * (j - y + BRICK * k)] = value;

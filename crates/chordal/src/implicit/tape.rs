@@ -134,7 +134,7 @@ impl Tape {
     /// The value at each point; NaN where the expression is undefined.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         self.run(points.len(), |k, row| points[row][k], |row, value| out[row] = value)
     }
@@ -142,7 +142,7 @@ impl Tape {
     /// [`Tape::at`] for points given by the columns of their coordinates.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn at_columns(&self, points: [&[f64]; 3], out: &mut [f64]) -> Result<(), LeafError> {
         self.run(out.len(), |k, row| points[k][row], |row, value| out[row] = value)
     }
@@ -150,7 +150,7 @@ impl Tape {
     /// The value at each point, in f32 throughout, for pictures and previews. Leaves are evaluated in f64.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn at_f32(&self, points: &[[f32; 3]], out: &mut [f32]) -> Result<(), LeafError> {
         self.run(points.len(), |k, row| points[row][k], |row, value| out[row] = value)
     }
@@ -158,7 +158,7 @@ impl Tape {
     /// [`Tape::at_f32`] for points given by the columns of their coordinates.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn at_columns_f32(&self, points: [&[f32]; 3], out: &mut [f32]) -> Result<(), LeafError> {
         self.run(out.len(), |k, row| points[k][row], |row, value| out[row] = value)
     }
@@ -167,18 +167,18 @@ impl Tape {
     /// gradient is sampled around the point, see [`Leaf::difference_step`].
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn gradient_at(&self, points: &[[f64; 3]], out: &mut [Dual<f64>]) -> Result<(), LeafError> {
         self.run(points.len(), |k, row| seed_dual(points[row][k], k), |row, value| out[row] = value)
     }
 
     /// An interval of the values in each box. It contains the values of the exact expression, and those that
     /// [`Tape::at`] returns for points of the box, unless they overflow or come from a choice between a
-    /// number and NaN. An interval that is not marked as defined says nothing about points where a part of
-    /// the expression is undefined.
+    /// number and NaN. An interval that is not defined says nothing about points where a part of the
+    /// expression is undefined.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<(), LeafError> {
         let axis = |k: usize, row: usize| TapeInterval::side(boxes[row].min[k], boxes[row].max[k]);
         self.run(boxes.len(), axis, |row, value| out[row] = value.interval())
@@ -189,7 +189,7 @@ impl Tape {
     /// or none is.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn gradient_over(&self, boxes: &[Box3], out: &mut [Dual<Interval>]) -> Result<(), LeafError> {
         let axis = |k: usize, row: usize| seed_dual(box_side(&boxes[row], k), k);
         self.run(boxes.len(), axis, |row, value| out[row] = value)
@@ -200,7 +200,7 @@ impl Tape {
     /// than an eighth.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn prune(&self, bounds: &Box3) -> Result<(Interval, Option<Self>), LeafError> {
         let (range, graph) = self.graph.prune(bounds)?;
         Ok((range, graph.map(Self::from_graph)))

@@ -1,4 +1,4 @@
-//! `Trilinear`: a grid as a function of every point.
+//! `Trilinear`: the trilinear interpolant of a grid.
 use super::affine::Affine3;
 use super::grid::Grid;
 use super::leaf::{Leaf, LeafAnswer, LeafError};
@@ -10,13 +10,14 @@ use std::sync::Arc;
 /// The trilinear interpolant of a grid, dense or in bricks, as a leaf of expressions: the same bits for the
 /// same samples.
 ///
-/// Outside of the lattice the value is that of the nearest index: each index is kept between the first and
-/// the last sample, so the function is continuous everywhere. The values are the samples' own: a density is
-/// made a field by `level − grid`. Where a sample of the cell is NaN so is the value, which is outside.
+/// Outside the lattice the value is that of the nearest index: each index is clamped between the first and
+/// the last sample, so the function is continuous everywhere. The values are the samples' own; a density
+/// becomes a field by `level − grid`. Where a sample of the cell is NaN, so is the value, which counts as
+/// outside.
 ///
-/// Ranges are outward rounded, hold the values that are computed, and take the inverse of the lattice's
-/// transform as intervals. In boxes of up to 64 cells the range is that of the corners of the box's part of
-/// each cell, else that of the samples of blocks of cells.
+/// Intervals are rounded outward, contain the computed values, and enclose the inverse of the lattice's
+/// transform. In boxes of up to 64 cells they come from the corners of the box's part of each cell, else from
+/// the samples of blocks of cells.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Leaf, Samples, Trilinear};
@@ -31,17 +32,17 @@ pub struct Trilinear<G = Grid> {
     grid: Arc<G>,
     /// From space to indices: three rows of `[a, b, c]` for a point minus the first sample's.
     inverse: [[Interval; 3]; 3],
-    /// The least and the largest sample of blocks of cells, from blocks of 4³ cells on, each level of 4³ of
-    /// the one before.
+    /// The least and the largest samples of blocks of cells: first of blocks of 4³ cells, then of 4³ blocks
+    /// of the level before.
     levels: Vec<MinMaxLevel>,
 }
 
 /// Samples on a lattice, dense or in bricks.
 pub trait SampleGrid: Send + Sync + std::fmt::Debug {
-    /// How many samples there are along each index.
+    /// The number of samples along each index.
     fn size(&self) -> [usize; 3];
 
-    /// From indices to space.
+    /// The map from indices to space.
     fn affine(&self) -> &Affine3;
 
     /// One sample.
@@ -78,22 +79,22 @@ impl SampleGrid for SparseGrid {
     }
 }
 
-/// Ranges of the samples of blocks of cells.
+/// The sample intervals of blocks of cells.
 #[derive(Clone, Debug)]
 struct MinMaxLevel {
     /// Blocks along each index.
     size: [usize; 3],
-    /// The least and the largest; [`Interval::UNKNOWN`] where one is not finite.
+    /// The smallest and largest sample; [`Interval::UNKNOWN`] where one is not finite.
     ranges: Vec<Interval>,
 }
 
-/// How many cells, or blocks of a level, a range is made of at most.
+/// The most cells, or blocks of a level, that are combined into one interval.
 const MOST_BLOCKS: usize = 64;
-/// Cells a side of a block, and blocks of one level in one of the next.
+/// Cells along a block, and blocks of one level along one of the next.
 const BLOCK: usize = 4;
 
 impl<G: SampleGrid> Trilinear<G> {
-    /// The leaf of a grid. Cost: one look at every sample; a twentieth of the bytes of an f64 grid.
+    /// The leaf of a grid. Cost: one pass over the samples, and a twentieth of the bytes of an f64 grid.
     #[must_use]
     pub fn new(grid: G) -> Self {
         let inverse = inverse(grid.affine());
@@ -107,7 +108,7 @@ impl<G: SampleGrid> Trilinear<G> {
         &self.grid
     }
 
-    /// The place of a point between indices, not kept inside.
+    /// The fractional index of a point, not clamped.
     fn to_index(&self, point: [f64; 3]) -> [f64; 3] {
         let rows = self.grid.affine().rows();
         let from: [f64; 3] = std::array::from_fn(|k| point[k] - rows[k][3]);
@@ -117,7 +118,7 @@ impl<G: SampleGrid> Trilinear<G> {
         })
     }
 
-    /// The lower sample along an axis and how far the place is to the next, kept inside the lattice.
+    /// The lower sample along an axis and the fraction of the way to the next one, clamped to the lattice.
     fn split(&self, axis: usize, place: f64) -> (usize, f64) {
         let last = (self.grid.size()[axis] - 1) as f64;
         let kept = if place > 0.0 { if place < last { place } else { last } } else { 0.0 };
@@ -125,7 +126,7 @@ impl<G: SampleGrid> Trilinear<G> {
         (low, kept - low as f64)
     }
 
-    /// The eight samples of the cell from a lower sample on; the same again along an axis of one sample.
+    /// The eight samples of the cell that starts at a lower sample; repeated along an axis of one sample.
     fn corners(&self, low: [usize; 3]) -> [f64; 8] {
         let size = self.grid.size();
         std::array::from_fn(|c| {
@@ -133,7 +134,7 @@ impl<G: SampleGrid> Trilinear<G> {
         })
     }
 
-    /// The range of indices that a box of space may lie at, not kept inside.
+    /// The fractional indices that a box of space may contain, not clamped.
     fn places(&self, bounds: &Box3) -> [Interval; 3] {
         let rows = self.grid.affine().rows();
         let from: [Interval; 3] = std::array::from_fn(|k| {
@@ -143,12 +144,12 @@ impl<G: SampleGrid> Trilinear<G> {
         self.inverse.map(|row| (row[0] * from[0] + row[1] * from[1]) + row[2] * from[2])
     }
 
-    /// The cells that a range of indices touches, first and last of each axis.
+    /// The cells that a range of indices touches: first and last along each axis.
     fn cells(&self, places: &[Interval; 3]) -> [[usize; 2]; 3] {
         std::array::from_fn(|k| {
             let (low, _) = self.split(k, places[k].lo());
             let (high, part) = self.split(k, places[k].hi());
-            // A box that ends on a sample touches the cell before it only, whose values there are the same.
+            // A box that ends on a sample touches only the cell before it, whose values there are the same.
             [low, if part == 0.0 && high > low { high - 1 } else { high }]
         })
     }
@@ -171,7 +172,8 @@ impl<G: SampleGrid> Trilinear<G> {
             .unwrap_or(Interval::UNKNOWN)
     }
 
-    /// The range of the samples of all blocks at the cells, on the first level that has few of them.
+    /// The interval of the samples of all blocks at the cells, on the first level that has few enough of
+    /// them.
     fn coarse_range(&self, cells: &[[usize; 2]; 3]) -> Interval {
         let mut blocks = *cells;
         for level in &self.levels {
@@ -193,7 +195,7 @@ impl<G: SampleGrid> Trilinear<G> {
         let cells = self.cells(&places);
         let size = self.grid.size();
         let mut slopes = if count(&cells) > MOST_BLOCKS {
-            // No difference of two samples is larger than that of the largest and the least.
+            // No difference of two samples is larger than that of the largest and the smallest.
             let range = self.coarse_range(&cells);
             {
                 let most = range.width();
@@ -216,7 +218,7 @@ impl<G: SampleGrid> Trilinear<G> {
             slopes.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k]))).unwrap_or([Interval::UNKNOWN; 3])
         };
         for k in 0..3 {
-            // Outside of the lattice the index stands still.
+            // Outside the lattice the index is constant.
             if places[k].lo() <= 0.0 || places[k].hi() >= (size[k] - 1) as f64 {
                 slopes[k] = slopes[k].hull(Interval::point(0.0));
             }
@@ -291,7 +293,7 @@ impl<G: SampleGrid> Leaf for Trilinear<G> {
     }
 }
 
-/// How many cells or blocks there are from first to last.
+/// The number of cells or blocks from first to last.
 fn count(ranges: &[[usize; 2]; 3]) -> usize {
     ranges.iter().map(|[low, high]| high - low + 1).fold(1, usize::saturating_mul)
 }
@@ -316,16 +318,16 @@ fn cell_fractions(places: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
     })
 }
 
-/// The range of a mean of two ranges with a weight: attained at the ends of the weight.
+/// The interval of a weighted mean of two intervals; its extremes are at the ends of the weight.
 fn lerp_range(a: Interval, b: Interval, part: Interval) -> Interval {
     let at = |t: f64| a * (Interval::point(1.0) - Interval::point(t)) + b * Interval::point(t);
     let either = at(part.lo()).hull(at(part.hi()));
-    // A mean is never outside of what it is of.
+    // A mean is never outside of its operands.
     either.intersection(a.hull(b))
 }
 
-/// The range of the interpolant over a part of a cell. It is linear along each axis, so nothing is lost by
-/// going axis by axis.
+/// The interval of the interpolant over a part of a cell. The interpolant is linear along each axis, so going
+/// axis by axis loses nothing.
 fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
     let v = v.map(Interval::point);
     let corner = |x: f64, y: f64, z: f64| {
@@ -343,13 +345,13 @@ fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
     if v.iter().all(|v| v.is_defined()) { range } else { Interval::UNKNOWN }
 }
 
-/// A range of the interpolant widened to hold what [`Leaf::at`] computes: a mean of two equal samples can be
-/// off by its last place. A mean of numbers that are not negative is not negative either, rounded or not, and
-/// likewise of numbers that are not positive.
+/// Widens an interval of the interpolant to contain what [`Leaf::at`] computes: a mean of two equal samples
+/// can be off by its last place. A mean of numbers that are not negative is not negative either, rounded or
+/// not, and likewise of numbers that are not positive.
 fn with_rounding(range: Interval, samples: &[f64]) -> Interval {
     let largest = samples.iter().fold(0.0, |most: f64, v| if v.abs() > most { v.abs() } else { most });
-    // Three means of three roundings each, of numbers no larger than the largest; the smallest number stands
-    // for what underflows.
+    // Three means of three roundings each, of numbers no larger than the largest. The smallest normal number
+    // covers underflow.
     let off = add_up(mul_up(8.0 * f64::EPSILON, largest), f64::MIN_POSITIVE);
     let around = Interval::new(-off, off).unwrap_or(Interval::UNKNOWN);
     let end = |lo: f64, hi: f64| Interval::new(lo, hi).unwrap_or(Interval::UNKNOWN);
@@ -359,7 +361,8 @@ fn with_rounding(range: Interval, samples: &[f64]) -> Interval {
     if samples.iter().all(|v| *v <= 0.0) { wide.intersection(end(f64::NEG_INFINITY, 0.0)) } else { wide }
 }
 
-/// The ranges of the derivatives along the indices over a part of a cell: each is bilinear in the other two.
+/// The intervals of the derivatives along the indices over a part of a cell. Each is bilinear in the other
+/// two indices.
 fn slopes_over(v: &[f64; 8], parts: &[Interval; 3]) -> [Interval; 3] {
     std::array::from_fn(|k| {
         let (p, q) = ((k + 1) % 3, (k + 2) % 3);
@@ -373,7 +376,7 @@ fn slopes_over(v: &[f64; 8], parts: &[Interval; 3]) -> [Interval; 3] {
     })
 }
 
-/// The inverse of the linear part, as intervals that hold it.
+/// The inverse of the linear part, enclosed in intervals.
 fn inverse(affine: &Affine3) -> [[Interval; 3]; 3] {
     let m = affine.rows().map(|row| [row[0], row[1], row[2]].map(Interval::point));
     let minor = |r: usize, c: usize| {
@@ -384,7 +387,7 @@ fn inverse(affine: &Affine3) -> [[Interval; 3]; 3] {
     std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / determinant))
 }
 
-/// The ranges of blocks, level by level until one block holds all.
+/// The intervals of blocks, level by level until one block covers everything.
 fn levels<G: SampleGrid>(grid: &G) -> Vec<MinMaxLevel> {
     let size = grid.size();
     let mut blocks = size.map(|n| (n - 1).max(1).div_ceil(BLOCK));

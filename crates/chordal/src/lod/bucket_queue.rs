@@ -1,20 +1,20 @@
-//! `BucketQueue`: what costs least comes first, up to a sixteenth of an octave.
+//! `BucketQueue`: a priority queue by least cost, up to a sixteenth of an octave.
 
-/// Entries in buckets by cost. Within a bucket, which spans a sixteenth of an octave, the first in is the first out, so
-/// that edges that cost the same are taken all over the surface and not where the last one was.
+/// Entries in buckets by cost. A bucket spans a sixteenth of an octave and is first in, first out, so that
+/// edges of equal cost are collapsed all over the surface and not next to the last one.
 ///
-/// Costs are f32 ≥ 0, and all below the smallest normal one are alike; putting in and taking out take O(1).
+/// Costs are f32 ≥ 0; all costs below the smallest normal number are equal. Push and pop are O(1).
 #[derive(Clone)]
 pub(super) struct BucketQueue {
     buckets: Vec<CostBucket>,
-    /// No bucket before this one holds anything.
+    /// All buckets before this one are empty.
     first: usize,
 }
 
 #[derive(Clone, Default)]
 struct CostBucket {
     entries: Vec<(f32, u32)>,
-    /// Those before are out already.
+    /// The number of entries that are already taken.
     taken: usize,
 }
 
@@ -42,7 +42,7 @@ impl BucketQueue {
         }
     }
 
-    /// What costs least, with its cost.
+    /// The entry of least cost, with its cost.
     #[inline]
     pub fn pop(&mut self) -> Option<(f32, u32)> {
         while let Some(bucket) = self.buckets.get_mut(self.first) {

@@ -1,4 +1,4 @@
-//! `chain`: a shape as levels with ever larger errors and ever fewer triangles, each with its own bound.
+//! `chain`: a shape as levels with growing errors and fewer triangles, each with its own bound.
 use super::reduction::ReductionStats;
 use super::simplify::{ProgressiveSimplifier, SimplifiedMesh, SimplifyInput};
 use crate::budget::{Bound, Bounded, ErrorLimit, Job, JobError, Reference, Refusal, RefusalCode, Tolerance};
@@ -11,14 +11,14 @@ use std::borrow::Cow;
 pub struct LodLevel {
     /// The triangles.
     pub mesh: Mesh,
-    /// How far they are from the true shape: proved.
+    /// How far the triangles are from the true shape: proved.
     pub bound: Bound,
-    /// What could not shrink, and what went altogether.
+    /// What could not be collapsed, and what was left out.
     pub stats: ReductionStats,
 }
 
 impl LodLevel {
-    /// The error that is proved.
+    /// The proved error.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.bound.at_most().unwrap_or(f64::INFINITY)
@@ -27,58 +27,59 @@ impl LodLevel {
 
 /// A shape from which levels are made.
 pub enum LodSource<'a> {
-    /// Triangles, which are the truth.
+    /// Triangles, which are the true shape.
     Triangles(&'a Mesh, Topology),
-    /// Something smooth: makes triangles within a length of it, with a proof.
+    /// A smooth shape: a function that makes triangles within a length of it, with a proof.
     Smooth(&'a mut dyn FnMut(Tolerance) -> Result<Bounded<Mesh>, JobError>),
 }
 
 /// Which levels to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LodSteps {
-    /// What the finest level may lose.
+    /// The tolerance of the finest level.
     pub finest: Tolerance,
-    /// By how much each level may lose more than the one before, > 1. 2 halves the triangles of a smooth surface.
+    /// The ratio of the errors of successive levels, > 1. 2 halves the triangles of a smooth surface.
     pub factor: f64,
-    /// A level with at most so many triangles is the last.
+    /// A level with at most this many triangles is the last.
     pub enough: usize,
-    /// A finest level with more triangles is the only one: it is to be cut in space by [`tree`](super::tree()), which makes
-    /// coarser ones of its own.
+    /// If the finest level has more triangles than this, it is the only level: [`tree`](super::tree()) is to
+    /// split it in space and make coarser ones of its own.
     pub whole: usize,
-    /// The share of the finest error that making triangles of something smooth may use, between 0 and 1; simplifying them has the rest,
-    /// and spends it better.
+    /// The fraction of the finest error that tessellating a smooth shape may use, between 0 and 1.
+    /// Simplification gets the rest and makes better use of it.
     pub share: f64,
 }
 
 impl LodSteps {
-    /// Levels from `finest` on, each twice as coarse, until 64 triangles or fewer; none is too large. Triangles of something smooth have
-    /// half of the finest error.
+    /// Levels from `finest` on, each twice as coarse, until 64 triangles or fewer, without a size limit.
+    /// Tessellation of a smooth shape gets half of the finest error.
     #[must_use]
     pub fn from_finest(finest: Tolerance) -> Self {
         Self { finest, factor: 2.0, enough: 64, whole: usize::MAX, share: 0.5 }
     }
 }
 
-/// A level that has more than this share of the triangles of the one before is left out.
+/// A level that has more than this fraction of the triangles of the one before is left out.
 const WORTH_IT: f64 = 0.8;
-/// Levels at most: 2⁴⁸ between the finest and the coarsest error.
+/// The largest number of levels: 2⁴⁸ between the finest and the coarsest error.
 const MOST_STEPS: u32 = 48;
 
 /// Levels of a shape, the finest first. Errors grow strictly from level to level, and triangles become fewer.
 ///
-/// Something smooth is turned into triangles once, within a share of the finest error, and those are simplified; the two
-/// proofs are added. Simplifying goes on from level to level, so that all levels together take little longer than the
-/// coarsest alone, and what is measured and proved for each is the distance to the triangles at the start, never to the level
-/// before. The first level is within `steps.finest`; the chain ends where `steps.enough` triangles are left, or where the error is
-/// the extent of the shape: seen from where that is one pixel the shape is one, too.
+/// A smooth shape is tessellated once, within a fraction of the finest error, and its triangles are
+/// simplified; the two proofs are added. Simplification continues from level to level, so all levels together
+/// take little longer than the coarsest alone. The error of each level is measured and proved against the
+/// initial triangles, never against the previous level. The first level is within `steps.finest`. The chain
+/// ends where `steps.enough` triangles are left, or where the error is the extent of the shape: at a distance
+/// where that error is one pixel, the shape is one pixel, too.
 ///
-/// Cost: that of one [`simplify`](super::simplify()), and the proof for each level, 3.5 µs a triangle of the finest; for
-/// something smooth its own triangles as well.
+/// Cost: that of one [`simplify`](super::simplify()), and the proof for each level, 3.5 µs a triangle of the
+/// finest; for a smooth shape its own triangles as well.
 ///
 /// # Errors
-/// As for [`simplify`](super::simplify()), and those of the source; [`RefusalCode::Budget`] for a factor that is not larger than
-/// 1 and a share that is none; [`RefusalCode::Unsupported`] where a source gives triangles without a bound from above; [`RefusalCode::BelowPrecision`] where a
-/// source does not come as near as `steps.finest`.
+/// As for [`simplify`](super::simplify()), and those of the source; [`RefusalCode::Budget`] for a factor that
+/// is not larger than 1 and for an invalid share; [`RefusalCode::Unsupported`] where a source gives triangles
+/// without an upper bound; [`RefusalCode::BelowPrecision`] where a source does not reach `steps.finest`.
 ///
 /// ```
 /// use chordal::{Job, Mesh, Tolerance, explicit::Topology, lod::{LodSource, LodSteps, chain}};
@@ -149,11 +150,11 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
         let mut error = steps.finest;
         let extent = mesh.bounds().diagonal();
         for _ in 0..MOST_STEPS {
-            // What the source's own bound leaves.
+            // The error that the source's own bound leaves.
             let left = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
             let fewer =
                 if left > 0.0 { progress.simplify_within(&ErrorLimit::uniform(left), job)? } else { None };
-            // The finest level is there even if nothing could go.
+            // The finest level exists even if nothing could be collapsed.
             let fewer = fewer.or_else(|| levels.is_empty().then(|| progress.unchanged()));
             let level = fewer.map(|fewer| level_of(fewer, is_smooth.then_some(&made.bound)));
             let is_new = |level: &LodLevel| {
@@ -177,7 +178,7 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
     })
 }
 
-/// A level, whose triangles were made of something smooth within a bound of their own, and then simplified.
+/// A level; `made` is the bound of a smooth shape's triangles before they were simplified.
 fn level_of(fewer: Bounded<SimplifiedMesh>, made: Option<&Bound>) -> LodLevel {
     let bound = made.map_or(fewer.bound.clone(), |made| made.then(&fewer.bound));
     LodLevel { mesh: fewer.shape.mesh, bound, stats: fewer.shape.stats }

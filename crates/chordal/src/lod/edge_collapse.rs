@@ -1,4 +1,5 @@
-//! `EdgeCollapser`: edges shrink to points, the cheapest first, as long as the surface stays one and nothing turns over.
+//! `EdgeCollapser`: collapses edges, the cheapest first, as long as the surface stays manifold and no face
+//! flips.
 use super::bucket_queue::BucketQueue;
 use super::error_monitor::{CollapseChange, ErrorMonitor};
 use super::local_tolerance::LocalTolerance;
@@ -9,25 +10,25 @@ use crate::budget::Job;
 use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{Box3, cross, difference, dot};
 
-/// What a vertex may do.
+/// How a vertex may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CollapseVertexKind {
-    /// Lies in the surface: goes anywhere.
+    /// A vertex inside the surface: moves anywhere.
     Smooth,
-    /// Lies on a line that is kept: goes along it.
+    /// A vertex on a feature line: moves along it.
     Feature,
-    /// Stays, since lines end or meet there.
+    /// Fixed, since feature lines end or meet there.
     Corner,
-    /// Stays, since the mesh is not a manifold there.
+    /// Fixed, since the mesh is not a manifold there.
     Locked,
 }
 
-/// How far to go.
+/// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StopCriterion<'a> {
-    /// Stop at so many faces.
+    /// Stop at this number of faces.
     pub faces: usize,
-    /// How far from the original what is where may be.
+    /// The allowed distance from the original, by place.
     pub tolerance: &'a LocalTolerance,
 }
 
@@ -37,33 +38,33 @@ pub(super) struct EdgeCollapser {
     pub at: Vec<[f64; 3]>,
     pub quadric: Vec<Quadric>,
     pub kind: Vec<CollapseVertexKind>,
-    /// By vertex: its number at the start; of one that stays where it is, that of the place.
+    /// By vertex: its original number; for a locked vertex, that of its position.
     pub source_vertex: Vec<u32>,
-    /// By name: that of the first fan at the same position of the mesh.
+    /// By original number: the first fan at the same position of the mesh.
     pub first_fan: Vec<u32>,
-    /// By half-edge: whether its edge is of a line that is kept. A border is one anyway.
+    /// By half-edge: whether its edge is on a feature line. A border always is one.
     pub is_line: Vec<bool>,
     pub monitor: Option<ErrorMonitor>,
     pub wedges: Option<Wedges>,
-    /// By vertex: whether it is where the mesh had it.
+    /// By vertex: whether it is at its original position.
     pub is_original: Vec<bool>,
-    /// By vertex: how far the lines that it stands for were from it and its edges, at most.
+    /// By vertex: upper bound of the distance of the feature lines that it represents from it and its edges.
     feature_deviation: Vec<f64>,
-    /// By face: what the change cost that made it what it is.
+    /// By face: the cost of the collapse that last changed it.
     pub face_cost: Vec<f32>,
-    /// By half-edge, for one of the two of an edge: what it costs, as it stands in the queue; NaN for the other.
+    /// By half-edge, for one of the two of an edge: its cost in the queue; NaN for the other.
     cost: Vec<f32>,
     queue: BucketQueue,
-    /// Vertices that were seen in this round.
+    /// Vertices that were visited in this round.
     visited: Vec<u32>,
     round: u32,
-    /// The faces around the edge in question, after: without the two that go.
+    /// The faces around the edge after the collapse, without the two that are removed.
     after: Vec<(u32, [[f64; 3]; 3])>,
-    /// The same and the two, before.
+    /// The faces around the edge before the collapse, with those two.
     before: Vec<u32>,
 }
 
-/// An edge that shrinks, and to where.
+/// An edge collapse and its new point.
 #[derive(Clone, Copy, Debug)]
 struct EdgeCollapse {
     h: u32,
@@ -72,7 +73,7 @@ struct EdgeCollapse {
     cost: f32,
 }
 
-/// Which end of an edge stays where it is.
+/// Which end of an edge is fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CollapseAnchor {
     None,
@@ -80,14 +81,16 @@ enum CollapseAnchor {
     End,
 }
 
-/// The least cosine between the normal of a face before and after. Chosen: without one thin parts fold.
+/// The least cosine between the normals of a face before and after. Chosen: without a limit thin parts fold.
 const LEAST_TURN: f64 = 0.25;
-/// What the square of an edge's length adds to its cost, as a share of its weight: decides where planes do not. Chosen.
+/// The contribution of the square of an edge's length to its cost, as a fraction of its weight: it decides
+/// where planes do not. Chosen.
 const SHORT: f64 = 1e-9;
 
-/// What a sum of squares with so much weight is divided by: its power of 3/8, between the sum, for which a large flat piece may be far off
-/// nowhere, and the mean, for which one far point among many near ones is cheap. Measured on eight shapes, with seven counts of triangles each: the
-/// largest distance is 5 % less than with the sum and no more than with any other power; for lengths it makes no difference.
+/// The divisor of a sum of squares with this weight: its power of 3/8. That is between the sum, for which a
+/// large flat piece has a small error nowhere, and the mean, for which one far point among many near ones is
+/// cheap. Measured on eight shapes, with seven counts of triangles each: the largest distance is 5 % less
+/// than with the sum and no more than with any other power; for lengths it makes no difference.
 #[inline]
 fn weight_divisor(weight: f32) -> f32 {
     let root = weight.sqrt().sqrt();
@@ -127,7 +130,7 @@ impl EdgeCollapser {
         engine
     }
 
-    /// The planes of all faces, and those along lines that are kept, upright on the faces beside them.
+    /// Adds the planes of all faces, and along feature lines those perpendicular to the faces beside them.
     fn add_planes(&mut self) {
         for face in 0..(self.surface.start.len() / 3) as u32 {
             if self.surface.corners(face)[0] != NONE {
@@ -136,7 +139,7 @@ impl EdgeCollapser {
         }
     }
 
-    /// The plane of a face, and of its edges that are lines.
+    /// Adds the planes of a face, and of its edges that are feature lines.
     fn add_planes_of(&mut self, face: u32) {
         let corners = self.surface.corners(face);
         let p = corners.map(|v| self.at[v as usize]);
@@ -162,13 +165,13 @@ impl EdgeCollapser {
         }
     }
 
-    /// Whether the edge of `h` is of a border or another line that is kept.
+    /// Whether the edge of `h` is on a border or another feature line.
     #[inline]
     fn is_kept_line(&self, h: u32) -> bool {
         self.surface.twin[h as usize] == NONE || self.is_line[h as usize]
     }
 
-    /// To where an edge would shrink, and what that costs; `None` where it may not.
+    /// The collapse of an edge, with its new point and cost; `None` where it is not allowed.
     #[inline]
     fn collapse_of(&self, h: u32) -> Option<EdgeCollapse> {
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
@@ -219,7 +222,7 @@ impl EdgeCollapser {
         }
     }
 
-    /// Asks about every edge.
+    /// Puts every edge into the queue.
     fn enqueue_all(&mut self) {
         self.queue = BucketQueue::new();
         for h in 0..self.surface.start.len() as u32 {
@@ -229,19 +232,20 @@ impl EdgeCollapser {
         }
     }
 
-    /// Shrinks edges until there are few enough faces or nothing more may be done. `false` where the job was cancelled.
+    /// Collapses edges until there are few enough faces or no collapse is allowed. Returns `false` where the
+    /// job was cancelled.
     pub fn run(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         self.enqueue_all();
         let mut steps = 0_u32;
         while self.surface.n_faces > until.faces {
             let Some((cost, h)) = self.queue.pop() else { break };
-            // What is no longer so was put in again.
+            // An outdated entry; the edge was queued again.
             if self.cost[h as usize].to_bits() != cost.to_bits() {
                 continue;
             }
             self.cost[h as usize] = f32::NAN;
             steps = steps.wrapping_add(1);
-            // Once a millisecond, about.
+            // About once a millisecond.
             if steps.is_multiple_of(1024) && job.is_cancelled() {
                 return false;
             }
@@ -256,14 +260,14 @@ impl EdgeCollapser {
         true
     }
 
-    /// The position of the mesh that a vertex stands for: one for all fans that are tied there.
+    /// The position of the mesh that a vertex represents: one for all fans that are tied there.
     #[inline]
     fn position_of(&self, v: u32) -> u32 {
         self.first_fan[self.source_vertex[v as usize] as usize]
     }
 
-    /// Whether the surface is still one without the edge: its ends have no neighbour in common but the apexes of its
-    /// faces, and none of those loses its last face.
+    /// The link condition: the ends of the edge have no common neighbour but the apexes of its faces, and no
+    /// apex loses its last face.
     fn satisfies_link_condition(&mut self, h: u32) -> bool {
         let s = &self.surface;
         let (a, b) = (s.start[h as usize], s.end(h));
@@ -274,7 +278,7 @@ impl EdgeCollapser {
         self.round += 1;
         let round = self.round;
         let mut n_common = 0;
-        // A vertex on a border has one neighbour more than faces: the start of the last half-edge that arrives.
+        // A vertex on a border has one neighbour more than faces: the start of the last incoming half-edge.
         let mut last = NONE;
         for g in self.surface.one_ring(a) {
             let end = self.position_of(self.surface.end(g));
@@ -303,8 +307,8 @@ impl EdgeCollapser {
             && self.keeps_locked_fans_apart(a, b)
     }
 
-    /// Whether no new edge runs where the mesh may have one already: between two vertices that are tied, or from one to a
-    /// neighbour of another fan of its position.
+    /// Whether no new edge may coincide with another edge of the mesh: between two locked vertices, or from
+    /// one to a neighbour of another fan of its position.
     fn keeps_locked_fans_apart(&self, a: u32, b: u32) -> bool {
         let tied = |v: u32| self.kind[v as usize] == CollapseVertexKind::Locked;
         if !tied(a) && !tied(b) {
@@ -320,10 +324,10 @@ impl EdgeCollapser {
         around(goes).filter(|v| *v != stays).all(|v| !tied(v) && !around(v).any(is_other_fan))
     }
 
-    /// Whether the apex of a face has enough others: three inside of the surface, two at a border.
+    /// Whether the apex of a face keeps enough neighbours: three inside the surface, two at a border.
     fn keeps_apex_valence(&self, side: u32) -> bool {
         let (next, previous) = (next_in_face(side), previous_in_face(side));
-        // Two lines would become one.
+        // Two feature lines would become one.
         if self.is_kept_line(next) && self.is_kept_line(previous) {
             return false;
         }
@@ -332,7 +336,7 @@ impl EdgeCollapser {
         self.surface.one_ring(apex).take(needed).count() == needed
     }
 
-    /// Collects the faces around the edge, and says whether none of them turns over.
+    /// Collects the faces around the edge and returns whether none of them flips.
     fn flips_no_face(&mut self, shrink: &EdgeCollapse) -> bool {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
@@ -357,7 +361,7 @@ impl EdgeCollapser {
                 let now = cross(difference(x, shrink.to), side);
                 let together = dot(before, now);
                 let (bb, nn) = (dot(before, before), dot(now, now));
-                // A face that has no area has no front to lose.
+                // A face without area has no front to lose.
                 if bb > 0.0 && (together <= 0.0 || together * together < LEAST_TURN * LEAST_TURN * bb * nn) {
                     return false;
                 }
@@ -371,8 +375,9 @@ impl EdgeCollapser {
         true
     }
 
-    /// How far the lines that an edge's ends stand for would be from the new point and its edges, at most: what they
-    /// were, and how far the ends are from the edges. Where the surface ends its own distance says that.
+    /// Upper bound of the distance of the feature lines that an edge's ends represent from the new point and
+    /// its edges: their earlier distance, and the distance of the ends from the new edges. Where the surface
+    /// ends, its own distance covers that.
     fn feature_deviation(&self, shrink: &EdgeCollapse) -> f64 {
         let h = shrink.h;
         let across = self.surface.twin[h as usize];
@@ -406,13 +411,13 @@ impl EdgeCollapser {
         most + (if step[0] > step[1] { step[0] } else { step[1] }).sqrt()
     }
 
-    /// The box around the faces that change, and what they become.
+    /// The box around the faces that change, before and after.
     fn changed_box(&self, shrink: &EdgeCollapse) -> Box3 {
         let corners = self.before.iter().flat_map(|face| self.surface.corners(*face));
         Box3::from_points(corners.map(|v| &self.at[v as usize]).chain([&shrink.to]))
     }
 
-    /// Whether the surface stays near to the original, as far as somebody watches.
+    /// Whether the surface stays within the tolerance of the original, as far as a monitor checks it.
     fn stays_within_tolerance(&mut self, shrink: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
         if self.monitor.is_some()
             && !until.tolerance.holds_in_box(|| self.changed_box(shrink), self.feature_deviation(shrink))
@@ -434,7 +439,7 @@ impl EdgeCollapser {
         )
     }
 
-    /// The rows of the corners around the edge, as they will be.
+    /// Updates the wedges of the corners around the edge.
     fn update_wedges(&mut self, shrink: &EdgeCollapse) {
         let Some(wedges) = &mut self.wedges else { return };
         let (h, across) = (shrink.h, self.surface.twin[shrink.h as usize]);
@@ -491,7 +496,7 @@ impl EdgeCollapser {
         }
         self.at[b as usize] = shrink.to;
         let across = self.surface.twin[h as usize];
-        // Each pair of edges that become one is a line if one of the two was.
+        // Each pair of edges that are merged is a feature line if one of the two was.
         for side in [h, across] {
             if side == NONE {
                 continue;
@@ -531,7 +536,7 @@ impl EdgeCollapser {
     }
 }
 
-/// The values where the new point is nearest to the faces before.
+/// The values at the point of the faces before the collapse that is closest to the new point.
 fn blend_nearest(
     wedges: &Wedges,
     surface: &HalfEdgeSurface,
@@ -549,9 +554,10 @@ fn blend_nearest(
     wedges.blend(&parts)
 }
 
-/// The weight of planes along lines, for the square of an edge's length. Chosen: above the weight of a face that has the edge.
+/// The weight of planes along feature lines, times the square of an edge's length. Chosen: above the weight
+/// of a face with that edge.
 const LINE_WEIGHT: f64 = 2.0;
-/// How far from the middle of an edge its point may lie, as a multiple of its length, squared.
+/// The largest distance of the new point from the middle of an edge, as a multiple of its length, squared.
 const FAR: f64 = 4.0;
 
 /// The unit normal and twice the area.

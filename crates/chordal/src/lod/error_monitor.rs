@@ -1,4 +1,4 @@
-//! `ErrorMonitor`: keeps an eye on how far a surface that shrinks is from the original.
+//! `ErrorMonitor`: checks during simplification how far the surface is from the original.
 use super::local_tolerance::LocalTolerance;
 use super::samples::SamplesByFace;
 use super::surface::{HalfEdgeSurface, NONE};
@@ -8,48 +8,49 @@ use crate::explicit::Mesh;
 use std::borrow::Cow;
 use std::rc::Rc;
 
-/// The original, points of it, and how closely each place is looked at.
+/// The original surface, sample points on it, and the check level of each sample.
 ///
-/// A quick look asks about points: those of the original that faces answer for, the new point, and the middles of its
-/// edges. A close look proves for each new face, and for each face of the original there, that all of it is near.
-/// Neither replaces the proof for the whole at the end.
+/// A quick check tests points: the samples of the original that the faces hold, the new point, and the
+/// middles of its edges. A thorough check proves for each new face, and for each face of the original there,
+/// that the whole face is near. Neither replaces the proof of the whole mesh at the end.
 #[derive(Clone)]
 pub(super) struct ErrorMonitor {
     pub samples: SamplesByFace,
-    /// The original, in the coordinates of the engine.
+    /// The original, in local coordinates.
     original: Rc<ProximityChecker<'static>>,
     /// The faces of the original around each of its vertices: `around[first[v]..first[v + 1]]`.
     faces_at_vertices: Rc<[u32]>,
     first: Rc<[u32]>,
     /// By face of the original: its vertices.
     corners: Rc<[[u32; 3]]>,
-    /// By sample: how closely changes of the faces that hold it are looked at.
+    /// By sample: how thoroughly changes of the faces that hold it are checked.
     pub check_levels: Vec<CheckLevel>,
-    /// Marks of faces of the original that were looked at in this round.
+    /// By face of the original: the last round in which it was visited.
     visited: Vec<u32>,
     round: u32,
 }
 
-/// How closely changes are looked at around a sample. Each time that the proof at the end found the surface too far there
-/// the next one is taken; the last one cannot fail, since there the surface stays what it was.
+/// How thoroughly changes around a sample are checked. The level is raised each time that the final proof
+/// finds a deviation that is too large there. The last level cannot fail, since the surface does not change
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CheckLevel {
-    /// With a quick look.
+    /// With a quick check.
     Sampled,
-    /// With a close look where the change costs so much or more.
+    /// With a thorough check where the cost of the change is at least this.
     ProvedFrom(f32),
-    /// With a close look.
+    /// With a thorough check.
     Proved,
     /// Nothing changes.
     Frozen,
 }
 
-/// What a change may cost without a close look, as a share of what that cost which went too far. Measured: the changes
-/// that led there cost as much up to a factor of two.
+/// The largest cost of a change without a thorough check, as a fraction of the cost of the change that
+/// deviated too much. Measured: the changes that led there cost as much up to a factor of two.
 const BEFORE: f32 = 0.25;
 
 impl CheckLevel {
-    /// What comes next after a change of that cost went too far.
+    /// The next level after a change of that cost deviated too much.
     pub fn escalate(self, cost: f32) -> Self {
         match self {
             Self::Sampled => Self::ProvedFrom(BEFORE * cost),
@@ -58,12 +59,12 @@ impl CheckLevel {
         }
     }
 
-    /// The last.
+    /// The last level.
     pub fn freeze(self, _: f32) -> Self {
         Self::Frozen
     }
 
-    /// The more careful of two.
+    /// The stricter of two levels.
     pub fn stricter(self, other: Self) -> Self {
         match (self, other) {
             (Self::ProvedFrom(a), Self::ProvedFrom(b)) => Self::ProvedFrom(if a < b { a } else { b }),
@@ -82,23 +83,24 @@ impl CheckLevel {
     }
 }
 
-/// Faces around an edge in question.
+/// The faces around an edge before and after its collapse.
 #[derive(Clone, Copy)]
 pub(super) struct CollapseChange<'a> {
-    /// Those that go or change.
+    /// The faces that are removed or changed.
     pub before: &'a [u32],
-    /// What they become: the new point first.
+    /// The changed faces: the new point first.
     pub after: &'a [(u32, [[f64; 3]; 3])],
-    /// Where the new point is, and where everything else is.
+    /// The new point, and the positions of all others.
     pub to: [f64; 3],
     pub surface: &'a HalfEdgeSurface,
     pub at: &'a [[f64; 3]],
-    /// What the change costs.
+    /// The cost of the change.
     pub cost: f32,
 }
 
 impl ErrorMonitor {
-    /// Watches a surface that is still the original, with points `more` beside its vertices, each on a face.
+    /// Monitors a surface that is still the original, with sample points `more` beside its vertices, each on
+    /// a face.
     pub fn new(
         surface: &HalfEdgeSurface,
         at: &[[f64; 3]],
@@ -146,8 +148,8 @@ impl ErrorMonitor {
         })
     }
 
-    /// Whether a change keeps the surface near enough to the original, as far as a look tells; what it finds out of
-    /// the samples is kept for [`SamplesByFace::commit`].
+    /// Whether a change keeps the surface close enough to the original, as far as a check tells. The new
+    /// assignment of the samples is kept for [`SamplesByFace::commit`].
     pub fn allows(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
         let care = self.check_level(change.before);
         if care == CheckLevel::Frozen {
@@ -165,15 +167,15 @@ impl ErrorMonitor {
         quick && (!is_close || self.proves(change, room))
     }
 
-    /// The most care that a sample of some faces asks for.
+    /// The strictest level of the samples of some faces.
     pub fn check_level(&self, faces: &[u32]) -> CheckLevel {
         let samples = faces.iter().flat_map(|face| self.samples.of_face(*face));
         samples.map(|s| self.check_levels[s as usize]).fold(CheckLevel::Sampled, CheckLevel::stricter)
     }
 
-    /// The close look.
+    /// The thorough check.
     fn proves(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
-        // 1. Points where it is often too far, which cost less than a proof.
+        // 1. Points that are often too far off, which are cheaper than a proof.
         let near = |q: [f64; 3]| room.holds(q, self.original.distance_sq(q));
         let more = [[0.25, 0.75, 0.0], [0.75, 0.25, 0.0], [0.375, 0.375, 0.25], [0.0, 0.5, 0.5]];
         let point = |t: &[[f64; 3]; 3], w: [f64; 3]| -> [f64; 3] {
@@ -200,7 +202,7 @@ impl ErrorMonitor {
                     continue;
                 }
                 let corners = self.corners[face];
-                // Whose corners are near one face is near it altogether.
+                // A face whose corners are near one face is near it as a whole.
                 let held = corners.map(|v| self.samples.holder_after(v));
                 if held[0] == held[1] && held[1] == held[2] {
                     continue;

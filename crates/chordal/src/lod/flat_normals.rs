@@ -1,15 +1,15 @@
-//! Flat shading: normals that are those of the faces, made again for the faces that are left.
+//! Flat shading: normals that equal those of the faces, recomputed for the remaining faces.
 use crate::explicit::{Attribute, Domain, Mesh, Semantic};
 use crate::math::{cross, difference, dot};
 
-/// How far a normal may be from that of its face and still be that: 5°. Chosen: of normals in eight bits a component
-/// and positions in f32.
+/// The largest angle between a normal and that of its face that counts as equal: 5°. Chosen: for normals in
+/// eight bits per component and positions in f32.
 const SAME_COSINE: f64 = 0.996_194_698_091_745_5;
-/// Twice the area of a face whose normal is known, as a share of the square of its longest side. Chosen: a needle in f32
-/// may be turned by its rounding.
+/// Faces below this have no reliable normal: twice the area of a face, as a fraction of its longest side
+/// squared. Chosen: rounding may rotate a needle in f32.
 const NEEDLE: f64 = 1e-3;
-/// A normal that is no farther from the one before stays that: 0.06°. Chosen: nobody sees that, and flat sides are tilted by up to 1e-4 where
-/// points moved in them.
+/// A normal that differs by no more than this keeps its old value: 0.06°. Chosen: not visible, and flat sides
+/// are tilted by up to 1e-4 where points moved in them.
 const ONE: f64 = 1e-3;
 
 /// Whether each face has one normal at all corners, its own.
@@ -23,14 +23,14 @@ fn is_flat_at(mesh: &Mesh, attribute: &Attribute, face: u32) -> bool {
     if n != m || n != o {
         return false;
     }
-    // Halved, so that no difference overflows, and brought to an extent of 1.
+    // Halved, so that no difference overflows, and scaled to an extent of 1.
     let corners = mesh.corners(face as usize).map(|p| p.map(|x| 0.5 * x));
     let sides = [difference(corners[1], corners[0]), difference(corners[2], corners[0])];
     let most = sides.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let [u, v] = sides.map(|side| side.map(|x| x / most));
     let own = cross(u, v);
     let longest = dot(u, u) + dot(v, v);
-    // A needle, or all corners at one point, where this is no number.
+    // A needle, or all corners at one point, where this is NaN.
     let is_wide = dot(own, own) > NEEDLE * NEEDLE * longest * longest;
     if !is_wide {
         return true;
@@ -38,7 +38,7 @@ fn is_flat_at(mesh: &Mesh, attribute: &Attribute, face: u32) -> bool {
     dot(own, n) >= SAME_COSINE * (dot(own, own) * dot(n, n)).sqrt() && dot(n, n) > 0.0
 }
 
-/// The normals that an attribute has at the corners of a face.
+/// The values of a normal attribute at the corners of a face.
 fn corner_normals(mesh: &Mesh, attribute: &Attribute, face: u32) -> [[f64; 3]; 3] {
     let at = |k: usize| match attribute.domain {
         Domain::Face => face as usize,
@@ -48,7 +48,7 @@ fn corner_normals(mesh: &Mesh, attribute: &Attribute, face: u32) -> [[f64; 3]; 3
     [0, 1, 2].map(|k| std::array::from_fn(|i| attribute.row(at(k))[i]))
 }
 
-/// The normal of a face by where its corners are now: the one that it had where that is the same.
+/// The normal of a face with these corners; the old one where it is the same.
 pub(super) fn updated_normal(
     corners: [[f64; 3]; 3],
     (mesh, attribute): (&Mesh, &Attribute),
@@ -58,7 +58,7 @@ pub(super) fn updated_normal(
     let own = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
     let size = dot(own, own).sqrt();
     let now = own.map(|x| x / size);
-    // Where it has no area this is no number.
+    // NaN where the face has no area.
     let turned = size > 0.0 && (0..3).any(|k| (now[k] - had[k]).abs() > ONE);
     if turned { now } else { had }
 }

@@ -1,16 +1,16 @@
-//! `LocalTolerance`: how far from the original a surface may be while it shrinks, everywhere alike or by place.
+//! `LocalTolerance`: the allowed distance from the original during simplification, uniform or by place.
 use super::reduction::ReductionFrame;
 use crate::budget::ErrorLimit;
 use crate::check::{RegionTolerance, ToleranceField};
 use crate::math::Box3;
 
-/// How far what shrinks may be from the original, in the coordinates of the engine.
+/// The allowed distance of the simplified surface from the original, in local coordinates.
 ///
-/// By place every point has a length of its own. That is for the way only; at the end the proof takes the least of all
-/// points of a piece.
+/// Where it varies, every point has a length of its own. That holds during simplification only; the final
+/// proof takes the least over all points of a piece.
 #[derive(Clone, Debug)]
 pub(super) struct LocalTolerance {
-    /// Everywhere at least this.
+    /// The least tolerance anywhere.
     least: f64,
     least_sq: f64,
     varying: Option<VaryingTolerance>,
@@ -20,19 +20,19 @@ pub(super) struct LocalTolerance {
 struct VaryingTolerance {
     limit: ErrorLimit,
     frame: ReductionFrame,
-    /// Of what is allowed so much is used on the way.
+    /// The fraction of the limit that is used during simplification.
     share: f64,
     /// By sample: the square of its length.
     samples: Vec<f64>,
 }
 
 impl LocalTolerance {
-    /// The same everywhere.
+    /// A uniform tolerance.
     pub fn uniform(length: f64) -> Self {
         Self { least: length, least_sq: length * length, varying: None }
     }
 
-    /// A share of what is allowed by place, for samples at some points.
+    /// A fraction of a limit that varies by place, for samples at some points.
     pub fn varying(
         allowed: &ErrorLimit,
         (frame, share): (ReductionFrame, f64),
@@ -53,7 +53,7 @@ impl LocalTolerance {
         self.varying.as_ref().map_or(self.least, |by_place| by_place.length(place))
     }
 
-    /// Whether a point may be so far from the original; its distance squared.
+    /// Whether a point may be this far from the original; takes the squared distance.
     #[inline]
     pub fn holds(&self, point: [f64; 3], distance_sq: f64) -> bool {
         distance_sq <= self.least_sq
@@ -63,27 +63,28 @@ impl LocalTolerance {
             })
     }
 
-    /// The same for a sample.
+    /// [`LocalTolerance::holds`] for a sample.
     #[inline]
     pub fn holds_sample(&self, sample: u32, distance_sq: f64) -> bool {
         distance_sq <= self.least_sq
             || self.varying.as_ref().is_some_and(|by_place| distance_sq <= by_place.samples[sample as usize])
     }
 
-    /// Whether all points of a box may be so far from the original; the box is made only where that is asked.
+    /// Whether all points of a box may be this far from the original; the box is computed only where it is
+    /// needed.
     #[inline]
     pub fn holds_in_box(&self, place: impl FnOnce() -> Box3, distance: f64) -> bool {
         distance <= self.least
             || self.varying.as_ref().is_some_and(|by_place| distance <= by_place.length(&place()))
     }
 
-    /// Whether nothing there may move, since the eye is too close.
+    /// Whether nothing may move in a box, since the eye is too close.
     pub fn is_too_close(&self, place: &Box3) -> bool {
         let by_place = self.varying.as_ref();
         by_place.is_some_and(|by_place| by_place.limit.at(&by_place.frame.world_box(place)).is_none())
     }
 
-    /// Whether every place is alike.
+    /// Whether the tolerance is uniform.
     pub fn is_constant(&self) -> bool {
         self.varying.is_none()
     }

@@ -1,4 +1,4 @@
-//! Fewer triangles: lossy, same kind, and the loss is bounded.
+//! Level of detail: meshes with fewer triangles and a bounded error.
 mod bucket_queue;
 mod chain;
 mod edge_collapse;

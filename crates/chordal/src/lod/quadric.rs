@@ -1,10 +1,10 @@
-//! `Quadric`: the weighted sum of the squared distances to many planes, as a function of the point.
+//! `Quadric`: the weighted sum of squared distances to a set of planes, as a function of the point.
 use crate::math::dot;
 
-/// `p·A·p + 2 b·p + c`: what a point costs that is off the planes that were added.
+/// `p·A·p + 2 b·p + c`: the cost of a point by its distances from the planes.
 ///
-/// Source: M. Garland, P. Heckbert, *Surface simplification using quadric error metrics*, 1997; weights by area and the
-/// planes along borders: M. Garland, *Quadric-based polygonal surface simplification*, 1999.
+/// Source: M. Garland, P. Heckbert, *Surface simplification using quadric error metrics*, 1997; weights by
+/// area and the planes along borders: M. Garland, *Quadric-based polygonal surface simplification*, 1999.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Quadric {
     /// xx, yy, zz, xy, xz, yz of the symmetric matrix.
@@ -13,14 +13,13 @@ pub(super) struct Quadric {
     c: f64,
 }
 
-/// What pulls the best point to the middle of an edge, as a share of the trace: where planes leave a direction open, the
-/// middle decides. Measured on a
-/// torus and on scanned shapes: a hundred times more or less makes no difference that can be told. Small, so that planes of little weight
-/// decide too.
+/// The weight that pulls the best point to the middle of an edge, as a fraction of the trace: where planes
+/// leave a direction open, the middle decides. Measured on a torus and on scanned shapes: a hundred times
+/// more or less makes no noticeable difference. Small, so that planes of little weight still decide.
 const PULL: f64 = 1e-6;
 
 impl Quadric {
-    /// That of one plane through `p` with a unit `normal`.
+    /// The quadric of one plane through `p` with a unit `normal`.
     #[inline]
     pub fn from_plane(normal: [f64; 3], p: [f64; 3], weight: f64) -> Self {
         let [x, y, z] = normal;
@@ -51,7 +50,7 @@ impl Quadric {
         sum
     }
 
-    /// The weights of all planes together.
+    /// The sum of the weights of all planes.
     #[inline]
     pub fn weight(&self) -> f64 {
         self.a[0] + self.a[1] + self.a[2]
@@ -76,8 +75,8 @@ impl Quadric {
         if value > 0.0 { value } else { 0.0 }
     }
 
-    /// The point near `middle` with the least value, and the value there. Where the planes leave it open it stays close
-    /// to `middle`.
+    /// The point near `middle` with the least value, and that value. Where the planes leave it open, it stays
+    /// close to `middle`.
     #[inline]
     pub fn minimizer(&self, middle: [f64; 3]) -> ([f64; 3], f64) {
         let [xx, yy, zz, xy, xz, yz] = self.a;
@@ -99,7 +98,7 @@ impl Quadric {
                 from[2] + (m02 * g[0] + m12 * g[1] + m22 * g[2]) * over,
             ]
         };
-        // Again from there, so that the pull leaves next to nothing of the way to where planes do meet.
+        // Repeated, so that the pull leaves almost nothing of the distance to where planes do meet.
         let p = step(step(step(middle)));
         if p.iter().any(|x| !x.is_finite()) {
             return (middle, self.at(middle));

@@ -1,4 +1,4 @@
-//! `MeshReduction`: a mesh on its way to fewer triangles, from the first look at it to each mesh that is taken out.
+//! `MeshReduction`: a mesh during simplification, from its preparation to each extracted mesh.
 use super::edge_collapse::{CollapseVertexKind, EdgeCollapser, StopCriterion};
 use super::error_monitor::{CheckLevel, ErrorMonitor};
 use super::flat_normals::{is_flat, updated_normal};
@@ -12,7 +12,7 @@ use crate::math::{Box3, difference, exponent, length, power_of_two};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// World → local: minus the middle of the mesh, times a power of two that brings the extent to 1 or less.
+/// World → local: minus the middle of the mesh, times a power of two that scales the extent to 1 or less.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReductionFrame {
     origin: [f64; 3],
@@ -36,25 +36,26 @@ impl ReductionFrame {
         std::array::from_fn(|k| p[k] / self.scale + self.origin[k])
     }
 
-    /// A box in the world, rounded.
+    /// A local box in world coordinates, rounded.
     pub fn world_box(&self, local: &Box3) -> Box3 {
         Box3 { min: self.to_world(local.min), max: self.to_world(local.max) }
     }
 
-    /// A length of the world in this frame.
+    /// A world length in this frame.
     pub fn local_length(&self, world: f64) -> f64 {
         world * self.scale
     }
 }
 
-/// What was found where the mesh is not a surface that shrinks.
+/// What could not be simplified, and what was left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReductionStats {
-    /// Vertices that stayed where they are, because edges with three faces, faces wound against each other or several fans meet there.
+    /// Fixed vertices, because edges with three faces, inconsistently wound faces or several fans meet there.
     pub locked_vertices: u64,
     /// Faces with two corners at one position, which are left out.
     pub collapsed_faces: u64,
-    /// Separate pieces that were so small or so close to others that the budget covers their absence.
+    /// Separate components that were removed, so small or so close to others that the budget covers their
+    /// absence.
     pub dropped_components: u64,
 }
 
@@ -64,7 +65,7 @@ pub(super) struct MeshReduction<'a> {
     frame: ReductionFrame,
     engine: EdgeCollapser,
     row: Vec<u32>,
-    /// Whether it is a part of a larger mesh: where it is tied, something else may hang on it.
+    /// Whether it is a part of a larger mesh: at its locked vertices other parts may be attached.
     is_region: bool,
     pub stats: ReductionStats,
 }
@@ -74,8 +75,8 @@ impl<'a> MeshReduction<'a> {
         Self::from_region(mesh, topology, &[])
     }
 
-    /// A part of a larger mesh, whose rows that `stays` says stay where they are, with all edges and values between
-    /// them. Rows of one position stay together; an empty list is a whole mesh.
+    /// A part of a larger mesh. The rows that `stays` marks are fixed, with all edges and values between
+    /// them. Rows of one position are marked alike; an empty list means a whole mesh.
     pub fn from_region(mesh: &'a Mesh, topology: Topology, stays: &[bool]) -> Self {
         let is_part = !stays.is_empty();
         let ids = topology.ids(mesh);
@@ -101,7 +102,7 @@ impl<'a> MeshReduction<'a> {
         Self { mesh, frame, engine, row, is_region: is_part, stats: kept }
     }
 
-    /// Faces that are there.
+    /// The number of remaining faces.
     pub fn n_faces(&self) -> usize {
         self.engine.surface.n_faces
     }
@@ -111,7 +112,7 @@ impl<'a> MeshReduction<'a> {
         self.n_faces() == 0
     }
 
-    /// Watches the distance from now on: before anything shrinks.
+    /// Starts to monitor the distance, before anything is collapsed.
     pub fn start_monitor(&mut self, job: &Job) -> Result<(), JobError> {
         let surface = &self.engine.surface;
         let edges = || {
@@ -119,7 +120,8 @@ impl<'a> MeshReduction<'a> {
                 .filter(|h| surface.start[*h as usize] != NONE && *h < surface.twin[*h as usize])
                 .map(|h| (h, [surface.start[h as usize], surface.end(h)].map(|v| self.engine.at[v as usize])))
         };
-        // Long edges get points of their own, as many as keep the gaps to about the mean edge.
+        // Long edges get sample points of their own, so many that gaps are at most about the mean edge
+        // length.
         let (sum, n) =
             edges().fold((0.0, 0.0), |(sum, n), (_, [p, q])| (sum + length(difference(q, p)), n + 1.0));
         let mut points = Vec::new();
@@ -135,15 +137,15 @@ impl<'a> MeshReduction<'a> {
         Ok(())
     }
 
-    /// Looks at all places alike again: for a larger length.
+    /// Resets all check levels, for a larger length.
     pub fn reset_check_levels(&mut self) {
         if let Some(watch) = &mut self.engine.monitor {
             watch.check_levels.fill(CheckLevel::Sampled);
         }
     }
 
-    /// Takes more care from now on where the mesh that was taken out of `tried`, an earlier attempt, was too far from
-    /// the original: `more` says how much, after a change of some cost.
+    /// Raises the check levels where the mesh of `tried`, an earlier attempt, was too far from the original.
+    /// `more` gives the next level after a change of a given cost.
     pub fn raise_check_levels(
         &mut self,
         tried: &Self,
@@ -181,7 +183,7 @@ impl<'a> MeshReduction<'a> {
         watch.check_levels = care;
     }
 
-    /// A share of what is allowed in the world.
+    /// A fraction of the world limit, in local coordinates.
     pub fn local_tolerance(&self, allowed: &ErrorLimit, share: f64) -> LocalTolerance {
         match (allowed.constant(), &self.engine.monitor) {
             (Some(length), _) => LocalTolerance::uniform(self.frame.local_length(share * length)),
@@ -190,7 +192,7 @@ impl<'a> MeshReduction<'a> {
         }
     }
 
-    /// Lets nothing change around faces whose place the eye is too close to: no proof would let it pass.
+    /// Freezes faces that are too close to the eye: no proof would accept a change there.
     pub fn freeze_too_close(&mut self, room: &LocalTolerance) {
         if room.is_constant() {
             return;
@@ -204,14 +206,14 @@ impl<'a> MeshReduction<'a> {
         }
     }
 
-    /// Shrinks until there are so many faces, or nothing more fits into the room.
+    /// Collapses edges until `faces` are left, or nothing more fits into the tolerance.
     pub fn run(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
         let until = StopCriterion { faces, tolerance: room };
         if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
-    /// Leaves out small pieces that are separate from all others and near enough to what is left: their absence is
-    /// no larger loss than that.
+    /// Removes small components that are separate from all others and close enough to the rest: their absence
+    /// is no larger error than that.
     pub fn drop_small_components(&mut self, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
         let faces = self.faces();
         let engine = &self.engine;
@@ -221,7 +223,7 @@ impl<'a> MeshReduction<'a> {
             sets.union(a, b);
             sets.union(b, c);
         }
-        // What is tied together in the mesh is one piece.
+        // Positions that are tied in the mesh belong to one component.
         for (v, place) in self.engine.first_fan.iter().enumerate() {
             sets.union(v as u32, *place);
         }
@@ -232,11 +234,11 @@ impl<'a> MeshReduction<'a> {
             let known = bounds.entry(sets.find(a)).or_insert(Box3::EMPTY);
             *known = known.union(corners);
         }
-        // No piece is within a length of another one unless it is that thin, and a thin one that is long is no dust.
+        // A component within a length of another one has to be that thin, and a long thin component is kept.
         let small = |b: &Box3| b.diagonal() <= SMALL * room.for_box(b);
         let mut dust: BTreeSet<u32> =
             bounds.iter().filter(|(_, b)| small(b)).map(|(root, _)| *root).collect();
-        // Nor is what goes on outside of this part.
+        // Components that continue outside this part are kept as well.
         let tied = |v: &u32| self.is_region && engine.kind[*v as usize] == CollapseVertexKind::Locked;
         for v in faces.iter().flat_map(|face| engine.surface.corners(*face)).filter(tied) {
             dust.remove(&sets.find(v));
@@ -259,7 +261,7 @@ impl<'a> MeshReduction<'a> {
                 .iter()
                 .flat_map(|watch| watch.samples.of_face(*face).map(|s| watch.samples.at[s as usize]));
             let mut points = samples.chain(corners.map(|v| engine.at[v as usize]));
-            // Where an earlier attempt was too far, nothing vanishes.
+            // Where an earlier attempt deviated too much, nothing is removed.
             let closely = engine
                 .monitor
                 .as_ref()
@@ -276,13 +278,13 @@ impl<'a> MeshReduction<'a> {
         Ok(())
     }
 
-    /// The faces that are there, in the order in which they are taken out.
+    /// The remaining faces, in their order in the extracted mesh.
     fn faces(&self) -> Vec<u32> {
         let surface = &self.engine.surface;
         (0..(surface.start.len() / 3) as u32).filter(|f| surface.corners(*f)[0] != NONE).collect()
     }
 
-    /// The mesh as it is now.
+    /// The current mesh.
     pub fn mesh(&self) -> Mesh {
         let surface = &self.engine.surface;
         let mut rows = ReducedRows::new(self);
@@ -324,7 +326,7 @@ impl<'a> MeshReduction<'a> {
         mesh
     }
 
-    /// By attribute: where its values come from.
+    /// The source of the values, by attribute.
     fn reduced_values(&self) -> Vec<ReducedValues> {
         let mut next = 0;
         let mut column = |attribute: &Attribute| {
@@ -352,7 +354,7 @@ impl<'a> MeshReduction<'a> {
     }
 }
 
-/// What cannot be: rows and values are counted by the same lists.
+/// Cannot happen: rows and values are counted by the same lists.
 fn empty_on_error(error: InvalidMesh) -> Mesh {
     debug_assert!(false, "{error}");
     Mesh::default()
@@ -361,9 +363,9 @@ fn empty_on_error(error: InvalidMesh) -> Mesh {
 /// Where the values of an attribute come from.
 #[derive(Clone, Copy, Debug)]
 enum ReducedValues {
-    /// The rows of the wedges, from that column on.
+    /// The rows of the wedges, from this column on.
     Wedges(usize),
-    /// The faces of the mesh.
+    /// The faces of the original mesh.
     Faces,
     /// The faces as they are now: normals of flat shading.
     FlatNormals,
@@ -378,10 +380,10 @@ fn clone_without_values(attribute: &Attribute) -> Attribute {
     }
 }
 
-/// How large a separate piece may be that is left out, as a multiple of what may be lost. Chosen: a ball of that size
-/// that touches what is left is twice as high as it may be.
+/// The largest size of a removed component, as a multiple of the tolerance. Chosen: a ball of that size that
+/// touches the rest is twice as high as allowed.
 const SMALL: f64 = 4.0;
-/// Points on a long edge, at most: a mesh of few large faces gets 7 to 49 on each.
+/// The largest number of sample points on a long edge: a mesh of few large faces gets 7 to 49 on each.
 const MOST_ON_EDGE: u32 = 7;
 
 fn vertex_kinds(surface: &HalfEdgeSurface, is_line: &[bool], is_tied: &[bool]) -> Vec<CollapseVertexKind> {
@@ -402,17 +404,17 @@ fn vertex_kinds(surface: &HalfEdgeSurface, is_line: &[bool], is_tied: &[bool]) -
     is_tied.iter().enumerate().map(of).collect()
 }
 
-/// The rows of the mesh that is taken out: one for each vertex, or for each row of values around it.
+/// The rows of the extracted mesh: one for each vertex, or for each wedge around it.
 struct ReducedRows<'a> {
     positions: Vec<[f64; 3]>,
     /// By row: the first of the same position.
     id: Vec<u32>,
     wedge: Vec<u32>,
-    /// By the key of a place, its first row; by row, the next of the same place.
+    /// By the key of a position, its first row; by row, the next of the same position.
     first: Vec<u32>,
     next: Vec<u32>,
     by_wedge: bool,
-    /// Normals of flat shading that vertices carry, and by row its normal.
+    /// Vertex normals of flat shading, and the normal of each row.
     flat: Option<&'a Attribute>,
     normal: Vec<[f64; 3]>,
 }
@@ -435,11 +437,11 @@ impl<'a> ReducedRows<'a> {
         }
     }
 
-    /// The row of a corner, which is made where there is none yet.
+    /// The row of a corner, which is added if it does not exist yet.
     fn row_of_corner(&mut self, reduction: &MeshReduction<'_>, corner: u32, normal: [f64; 3]) -> u32 {
         let engine = &reduction.engine;
         let v = engine.surface.start[corner as usize];
-        // Fans of one position are put together again: only what stays has more than one.
+        // Fans of one position are merged again: only fixed positions have more than one.
         let key = reduction.engine.first_fan[engine.source_vertex[v as usize] as usize] as usize;
         let wedge =
             engine.wedges.as_ref().filter(|_| self.by_wedge).map_or(0, |w| w.corner_row[corner as usize]);
@@ -464,7 +466,7 @@ impl<'a> ReducedRows<'a> {
 }
 
 impl MeshReduction<'_> {
-    /// Where a vertex is in the world: bit for bit where it was, unless it moved.
+    /// The world position of a vertex: bit for bit the original one, unless it moved.
     fn world_position(&self, v: u32) -> [f64; 3] {
         if self.engine.is_original[v as usize] {
             // One row for all fans of a position: zeros may differ in their signs.

@@ -1,4 +1,4 @@
-//! `RegionTree`: the triangles of a mesh cut into regions by position, and each region as a mesh.
+//! `RegionTree`: the triangles of a mesh divided into regions by position, and each region as a mesh.
 use crate::explicit::{Attribute, Domain, Mesh, Topology};
 use crate::math::Box3;
 use std::borrow::Cow;
@@ -6,25 +6,25 @@ use std::ops::Range;
 
 /// The regions of a mesh: the whole, its halves, their halves, until each has few triangles.
 ///
-/// A region is cut in the middle of its triangles, along the longest side of the box of their centres. No triangle is
-/// cut. The regions depend on the mesh alone.
+/// A region is split at the median of its triangles, along the longest side of the box of their centres. No
+/// triangle is cut. The regions depend on the mesh alone.
 pub(super) struct RegionTree<'a> {
     mesh: &'a Mesh,
     ids: Option<Cow<'a, [u32]>>,
-    /// The triangles, so that those of a region stand together.
+    /// The triangles, ordered so that those of a region are contiguous.
     order: Vec<u32>,
-    /// The whole, then region by region the two halves of those before.
+    /// The whole mesh, then region by region the two halves of those before.
     pub regions: Vec<MeshRegion>,
-    /// By position, the first and the last place in `order` of a triangle there.
+    /// By position, the first and the last index in `order` of a triangle there.
     face_span: Vec<[u32; 2]>,
 }
 
 /// A range of the triangles in the order of their regions.
 pub(super) struct MeshRegion {
     range: Range<usize>,
-    /// The region that it is half of.
+    /// The region of which it is a half.
     pub parent: usize,
-    /// The first of its halves, which the second follows.
+    /// The index of its first half; the second follows.
     pub halves: Option<usize>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> RegionTree<'a> {
                 let order = &mut order[range.clone()];
                 let axis = longest(&Box3::from_points(order.iter().map(|face| &centres[*face as usize])));
                 let along = |face: &u32| centres[*face as usize][axis];
-                // No two are alike, so that the halves do not depend on how they are found.
+                // No two keys are equal, so the halves do not depend on the selection algorithm.
                 order.select_nth_unstable_by(middle, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
                 regions[next].halves = Some(regions.len());
                 let middle = range.start + middle;
@@ -80,8 +80,8 @@ impl<'a> RegionTree<'a> {
         self.mesh.bounds().diagonal()
     }
 
-    /// A region as a mesh, its triangles in the order of the whole, with all attributes; and by row, whether another
-    /// region has a triangle at its position. Empty where none has.
+    /// A region as a mesh, its triangles in the order of the whole mesh, with all attributes; and by row,
+    /// whether another region has a triangle at its position. The list is empty where none has.
     pub fn mesh(&self, region: usize) -> (Mesh, Vec<bool>) {
         let range = &self.regions[region].range;
         let mut faces = self.order[range.clone()].to_vec();
@@ -100,7 +100,7 @@ impl<'a> RegionTree<'a> {
         (submesh(self.mesh, &faces, &rows), stays)
     }
 
-    /// Whether a region has a triangle with three corners.
+    /// Whether a region has a triangle with three different corners.
     pub fn has_surface(&self, region: usize) -> bool {
         self.order[self.regions[region].range.clone()].iter().any(|face| {
             let [a, b, c] = self.mesh.faces()[*face as usize].map(|row| self.id(row));
@@ -115,14 +115,14 @@ fn longest(bounds: &Box3) -> usize {
     (1..3).fold(0, |best, k| if side(k) > side(best) { k } else { best })
 }
 
-/// Some faces of a mesh and the rows that they use, both ascending, as a mesh.
+/// A mesh of some faces and the rows that they use, both ascending.
 fn submesh(mesh: &Mesh, faces: &[u32], rows: &[u32]) -> Mesh {
     let new = |row: u32| rows.binary_search(&row).unwrap_or(0) as u32;
     let positions = rows.iter().map(|row| mesh.positions()[*row as usize]).collect();
     let corners = faces.iter().map(|face| mesh.faces()[*face as usize].map(new)).collect();
     let mut part = Mesh::by_construction(positions, corners);
     if let Some(ids) = mesh.position_id() {
-        // A position is named by the first of its rows.
+        // A position is identified by the first of its rows.
         let mut named: Vec<[u32; 2]> = (0..).zip(rows).map(|(at, row)| [ids[*row as usize], at]).collect();
         named.sort_unstable();
         let mut of = vec![0; rows.len()];

@@ -1,29 +1,30 @@
-//! `SamplesByFace`: points of the original surface, each held by the face that answers for it.
+//! `SamplesByFace`: points of the original surface, each held by one face of the simplified surface.
 use super::local_tolerance::LocalTolerance;
 use super::surface::NONE;
 use crate::explicit::distance_sq_to_triangle;
 
-/// Points that have to stay within the tolerance of the surface, in lists by face.
+/// Points that must stay within the tolerance of the surface, in lists by face.
 ///
-/// They watch the way, and prove nothing: what is between them is proved at the end, by `check::deviation`.
+/// They only guide the simplification and prove nothing: `check::deviation` proves the points between them at
+/// the end.
 #[derive(Clone)]
 pub(super) struct SamplesByFace {
     pub at: Vec<[f64; 3]>,
     /// By sample: the next one of its face.
     next: Vec<u32>,
-    /// By face: the first.
+    /// By face: its first sample.
     first: Vec<u32>,
     /// By sample: the face that holds it.
     holder: Vec<u32>,
-    /// By sample: the round of questions in which it was asked last, and the face that would hold it then.
+    /// By sample: the round of its last query, and the face that would hold it then.
     last_query: Vec<(u32, u32)>,
     round: u32,
-    /// What an edge in question would change, until it is carried out: samples with their new faces.
+    /// The pending reassignments of a collapse, until it is carried out: samples with their new faces.
     reassignments: Vec<(u32, u32)>,
 }
 
 impl SamplesByFace {
-    /// Without any yet.
+    /// Without samples.
     pub fn new(n_faces: usize) -> Self {
         Self {
             at: Vec::new(),
@@ -54,7 +55,8 @@ impl SamplesByFace {
         })
     }
 
-    /// Whether all samples of `old` faces are near enough to the `new` triangles; remembers which is nearest.
+    /// Whether all samples of `old` faces are close enough to the `new` triangles; remembers the nearest
+    /// triangle of each.
     pub fn try_reassign(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], room: &LocalTolerance) -> bool {
         self.reassignments.clear();
         self.round += 1;
@@ -80,7 +82,7 @@ impl SamplesByFace {
         true
     }
 
-    /// Carries out what [`SamplesByFace::try_reassign`] found, for the same old faces.
+    /// Carries out the reassignments that [`SamplesByFace::try_reassign`] found, for the same old faces.
     pub fn commit(&mut self, old: &[u32]) {
         for face in old {
             self.first[*face as usize] = NONE;
@@ -92,7 +94,7 @@ impl SamplesByFace {
         }
     }
 
-    /// The samples that [`SamplesByFace::try_reassign`] looked at, with the faces that would hold them.
+    /// The samples that [`SamplesByFace::try_reassign`] visited, with the faces that would hold them.
     pub fn reassignments(&self) -> &[(u32, u32)] {
         &self.reassignments
     }
@@ -102,7 +104,7 @@ impl SamplesByFace {
         self.holder[sample as usize]
     }
 
-    /// The face that would hold a sample.
+    /// The face that would hold a sample after the pending collapse.
     pub fn holder_after(&self, sample: u32) -> u32 {
         let (round, face) = self.last_query[sample as usize];
         if round == self.round { face } else { self.holder[sample as usize] }

@@ -1,11 +1,11 @@
-//! `select`: which level is fine enough at a distance.
+//! `SwitchDistances`: which level of detail is fine enough at a distance.
 use crate::budget::{MinDistanceView, Pixels, View};
 use crate::math::Box3;
 
-/// Levels by their errors, the finest first, seen through one kind of lens with so many pixels to lose.
+/// Switching distances of levels by their errors, the finest first, for one projection and a limit in pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwitchDistances {
-    /// By level: the nearest distance at which it may be shown. The finest may be shown from its own on; nearer than that
+    /// By level: the nearest distance at which it may be shown. Nearer than the distance of the finest level,
     /// nothing is fine enough.
     nearest: Vec<f64>,
     errors: Vec<f64>,
@@ -13,25 +13,27 @@ pub struct SwitchDistances {
     pixels: Pixels,
 }
 
-/// How much farther than its own distance a coarser level takes over, and so how much nearer the finer one does again.
-/// Chosen: walking around at one distance does not make levels flip.
+/// A coarser level takes over at its own distance times this factor, a finer one at its distance. Chosen:
+/// moving around at one distance does not make levels flicker.
 pub const HYSTERESIS: f64 = 1.1;
 
-/// What is shown at a distance.
+/// The level to show at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelChoice {
     /// The level, 0 the finest.
     pub level: usize,
-    /// No point is farther off on the screen than this, wherever on it; `None` where the eye is too close for a bound.
+    /// Upper bound of the error on the screen, anywhere in the picture; `None` where the eye is too close for
+    /// a bound.
     pub pixels: Option<f64>,
-    /// Whether that is within what may be lost.
+    /// Whether that is within the limit.
     pub is_enough: bool,
 }
 
 impl SwitchDistances {
-    /// The distances for levels with these proved errors, ascending. Of `lens` the projection and the screen count.
+    /// The distances for levels with these proved errors, ascending. Of `lens` only the projection and the
+    /// screen are used.
     ///
-    /// Conservative: a level's distance is one from which its error is at most `pixels` everywhere on the screen,
+    /// Conservative: from a level's distance on, its error is at most `pixels` everywhere on the screen,
     /// corners included, by the full form of [`View::pixels_of`], for any direction of view.
     ///
     /// ```
@@ -57,8 +59,8 @@ impl SwitchDistances {
         self.nearest.get(level).copied()
     }
 
-    /// What to show at a distance from the box, when `before` was shown: a coarser level takes over [`HYSTERESIS`] times
-    /// farther out than it could, a finer one at once. Without levels, level 0.
+    /// The level to show at a distance from the box, when `before` was shown: a coarser level takes over
+    /// [`HYSTERESIS`] times farther out than its distance, a finer one at once. Without levels, level 0.
     #[must_use]
     pub fn at(&self, distance: f64, before: Option<usize>) -> LevelChoice {
         let coarsest =
@@ -77,21 +79,22 @@ impl SwitchDistances {
 }
 
 fn pixels_at(error: f64, lens: MinDistanceView, distance: f64) -> Option<f64> {
-    // Any place will do: only the distance counts.
+    // Any place will do: only the distance matters.
     let anywhere = Box3 { min: [0.0; 3], max: [0.0; 3] };
     View::MinDistance(MinDistanceView { distance, ..lens }).pixels_of(error, &anywhere)
 }
 
-/// How closely a distance is found. Chosen: nobody sees where exactly a level changes, as long as it is not too near.
+/// The relative precision of a distance. Chosen: where exactly a level changes is invisible, as long as it is
+/// not too near.
 const CLOSE: f64 = 1e-6;
 
-/// Up to a millionth the nearest distance from which an error is at most so many pixels.
+/// The nearest distance, up to a millionth, from which an error is at most `pixels`.
 fn switch_distance(error: f64, lens: MinDistanceView, pixels: Pixels) -> f64 {
     if error <= 0.0 {
         return 0.0;
     }
     let is_enough = |distance: f64| pixels_at(error, lens, distance).is_some_and(|px| px <= pixels.get());
-    // What is enough stays enough farther out: powers of two, then halves.
+    // A sufficient distance stays sufficient farther out: powers of two, then bisection.
     let Some(mut far) = (-60..=200).map(|k| error * libm::exp2(f64::from(k))).find(|d| is_enough(*d)) else {
         return f64::INFINITY;
     };

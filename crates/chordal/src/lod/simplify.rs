@@ -9,14 +9,15 @@ use crate::check::{Deviation, Goal, OneSidedDistance, ViolationReport, deviation
 use crate::explicit::{Mesh, Topology};
 use crate::math::Box3;
 
-/// A mesh with fewer triangles, and what is known of it beside the bound.
+/// A simplified mesh, with details beside the bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimplifiedMesh {
     /// The triangles.
     pub mesh: Mesh,
-    /// The worst pair of points: on one surface, and the nearest on the other. `None` where nothing was lost.
+    /// The worst pair of points: one on one surface, and the closest point on the other. `None` where nothing
+    /// was lost.
     pub worst: Option<OneSidedDistance>,
-    /// What could not shrink, and what went altogether.
+    /// What could not be collapsed, and what was left out.
     pub stats: ReductionStats,
 }
 
@@ -24,39 +25,44 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 
 /// The same surface with as few triangles as a budget allows.
 ///
-/// With a length or pixels the result is within that of `mesh`, in both directions, and has few triangles for it; with
-/// a count alone it has at most so many, each step being the one that costs least. With both it is within the length,
-/// and [`Failure::Unmet`] where it has more triangles than the count.
+/// With a length or pixels, the result is within that of `mesh`, in both directions, and has few triangles
+/// for it. With a triangle count alone, it has at most that many, each step being the one of least cost. With
+/// both, it is within the length, and [`Failure::Unmet`] where it has more triangles than the count.
 ///
-/// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved, rounding
-/// included, by [`check::deviation`](crate::check::deviation) on the triangles that are returned. Not covered: the
-/// angles of normals, and what values of attributes do between the points of a line.
+/// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
+/// rounding included, by [`check::deviation`](crate::check::deviation) on the triangles that are returned.
+/// Not covered: the angles of normals, and attribute values between the points of a feature line.
 ///
-/// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a camera each place
-/// has its own: far away, behind the eye and off the axis a pixel is more of a length. The proof goes piece by piece: of
-/// a piece of a face of either surface, with the box `B` around it, every point has a point of the other within a
-/// proved length `l`, so that on the screen the two are at most [`View::pixels_of`](crate::View::pixels_of)`(l, B)`
-/// apart, if either is there. `bound.pixels` is the largest such number over the pieces of all faces of both surfaces; the
-/// length of the bound is still the largest of all lengths. Faces that both surfaces have lose nothing. Where a
-/// face reaches the plane of the eye there is no bound for any length, and it stays as it is.
+/// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a
+/// camera each place has its own length: far away, behind the eye and off the axis, a pixel is a longer one.
+/// The proof goes piece by piece. For a piece of a face of either surface, with the box `B` around it, every
+/// point has a point of the other surface within a proved length `l`, so on the screen the two are at most
+/// [`View::pixels_of`](crate::View::pixels_of)`(l, B)` apart, if either is visible. `bound.pixels` is the
+/// largest such number over the pieces of all faces of both surfaces; the length of the bound is still the
+/// largest of all lengths. Faces that both surfaces share have no error. Where a face reaches the plane of
+/// the eye there is no bound for any length, and it stays as it is.
 ///
-/// *What is kept.* A closed manifold stays one: an edge shrinks only where the surface is one afterwards (link
-/// condition) and no face turns over. Borders, and lines at which texture coordinates, colours, materials or normals (by
-/// more than 30°) jump, stay lines, within the length where there is one; points move along them, with the values on
-/// either side. Normals of flat shading are made again from the new faces. Where the mesh is not a
-/// manifold or wound against itself it stays as it is, and [`ReductionStats`] says how many vertices that holds. A piece
-/// that is separate goes only where a length covers its absence, never for a count.
+/// *What is preserved.* A closed manifold stays one: an edge is collapsed only where the surface stays
+/// manifold (link condition) and no face flips. Borders, and lines at which texture coordinates, colours,
+/// materials or normals (by more than 30°) jump, stay lines, within the length where there is one; vertices
+/// move along them, with the values on either side. Normals of flat shading are recomputed from the new
+/// faces. Where the mesh is non-manifold or inconsistently wound it stays as it is, and [`ReductionStats`]
+/// says how many vertices that locks. A separate component is removed only where a length covers its absence,
+/// never for a count.
 ///
-/// *Inputs.* n × 3 positions, m × 3 indices; two rows are one position where `topology` says so. Attributes come along.
+/// *Inputs.* n × 3 positions, m × 3 indices; `topology` says which rows are one position. Attributes are
+/// carried along.
 ///
-/// *Cost.* A count: 0.5 µs a triangle on one core, and the bound 3 µs, up to 200 µs where flat faces lost nothing but roundings. A length: 12 to 60 µs a triangle on
-/// smooth shapes, up to 500 µs where faces bend at edges that have no line of their own or the length is close to the size of the
-/// triangles. 300 bytes a triangle, 900 with a length.
+/// *Cost.* A count: 0.5 µs a triangle on one core, and the bound 3 µs, up to 200 µs where flat faces lost
+/// nothing but roundings. A length: 12 to 60 µs a triangle on smooth shapes, up to 500 µs where faces bend at
+/// edges that are no feature lines or the length is close to the size of the triangles. 300 bytes a triangle,
+/// 900 with a length.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best when a count cannot be reached; [`RefusalCode::Budget`] without a limit or with an angle;
-/// [`RefusalCode::Empty`] without a triangle; [`RefusalCode::TooClose`] when all faces come so close to the eye that no pixel bound
-/// exists; the refusals of [`check::deviation`](crate::check::deviation).
+/// [`Failure::Unmet`] with the best result when a count cannot be reached; [`RefusalCode::Budget`] without a
+/// limit or with an angle; [`RefusalCode::Empty`] without a triangle; [`RefusalCode::TooClose`] when all
+/// faces come so close to the eye that no pixel bound exists; the refusals of
+/// [`check::deviation`](crate::check::deviation).
 ///
 /// ```
 /// use chordal::{Budget, Job, Mesh, Tolerance, explicit::Topology, lod::simplify};
@@ -72,10 +78,10 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Sources: M. Garland, P. Heckbert, *Surface simplification using quadric error metrics*, 1997; H. Hoppe, *New quadric
-/// metric for simplifying meshes with appearance attributes*, 1999, for the rows of values; T. Dey, H. Edelsbrunner, S.
-/// Guha, D. Nekhayev, *Topology preserving edge contraction*, 1999. Holding points of the original by faces: R. Klein,
-/// G. Liebich, W. Straßer, *Mesh reduction with error control*, 1996.
+/// Sources: M. Garland, P. Heckbert, *Surface simplification using quadric error metrics*, 1997; H. Hoppe,
+/// *New quadric metric for simplifying meshes with appearance attributes*, 1999, for the wedges; T. Dey, H.
+/// Edelsbrunner, S. Guha, D. Nekhayev, *Topology preserving edge contraction*, 1999. Assigning points of the
+/// original to faces: R. Klein, G. Liebich, W. Straßer, *Mesh reduction with error control*, 1996.
 pub fn simplify(
     mesh: &Mesh,
     budget: &Budget,
@@ -110,7 +116,8 @@ pub fn simplify(
         simplify_within(&SimplifyInput { mesh, topology, fixed_rows: &[], limit: allowed, job })?
     };
     if let Some(PixelBudget { view, .. }) = &budget.pixels {
-        // Each is proved: that of every piece in its place, and that of the longest way in all of it.
+        // Both are proved: the largest over the pieces, each in its place, and that of the largest distance
+        // anywhere in the bounding box.
         let of_length = made.bound.at_most().and_then(|most| view.pixels_of(most, &bounds));
         made.bound.pixels = match (made.bound.pixels, of_length) {
             (Some(a), Some(b)) => Some(if a < b { a } else { b }),
@@ -123,13 +130,13 @@ pub fn simplify(
     Ok(made)
 }
 
-/// Whether there is a face whose place may lose anything.
+/// Whether there is a face at whose place some length is allowed.
 fn has_bounded_face(allowed: &ErrorLimit, mesh: &Mesh) -> bool {
     let face = |face: usize| allowed.at(&Box3::from_points(&mesh.corners(face))).is_some();
     allowed.at(&mesh.bounds()).is_some() || (0..mesh.faces().len()).any(face)
 }
 
-/// As few triangles as a count says, each step the one that costs least.
+/// Simplifies to a triangle count, each step being the one of least cost.
 fn simplify_to_count(
     mesh: &Mesh,
     (most, topology): (u64, Topology),
@@ -145,27 +152,30 @@ fn simplify_to_count(
         job,
     )?;
     let (made, kept) = (reduction.mesh(), reduction.stats);
-    // The proof needs as much room again.
+    // Free the memory, since the proof needs as much again.
     drop(reduction);
     let found = deviation(mesh, &made, &Goal::default(), job)?;
     Ok(bounded(made, (&found, f64::INFINITY), kept))
 }
 
-/// A mesh, and the length within which it becomes one of fewer triangles.
+/// A mesh, and the length within which it is to be simplified.
 pub(super) struct SimplifyInput<'a> {
     pub mesh: &'a Mesh,
     pub topology: Topology,
-    /// By row, for a part of a larger mesh: whether it stays, since other parts have it too. Empty for a whole mesh.
+    /// By row, for a part of a larger mesh: whether it is fixed, since other parts share it. Empty for a
+    /// whole mesh.
     pub fixed_rows: &'a [bool],
     pub limit: ErrorLimit,
     pub job: &'a Job,
 }
 
-/// What is set aside for rounding and for what the last proof knows less well than the close looks before. Chosen.
+/// The fraction of the tolerance that collapses may use; the rest covers rounding and the slack of the final
+/// proof over the thorough checks. Chosen.
 const SHARE: f64 = 0.99;
-/// Attempts, each with more care where the one before was too far. Measured: up to 6 are needed.
+/// The largest number of attempts, each with stricter checks where the one before deviated too much.
+/// Measured: up to 6 are needed.
 const ATTEMPTS: u32 = 14;
-/// From this attempt on nothing changes any more where the one before was too far. Chosen.
+/// From this attempt on, nothing changes any more where the one before deviated too much. Chosen.
 const LAST_LOOK: u32 = 8;
 
 /// As few triangles as fit within a length.
@@ -175,12 +185,13 @@ pub(super) fn simplify_within(asked: &SimplifyInput<'_>) -> Result<Bounded<Simpl
     Ok(found.unwrap_or_else(|| progress.unchanged()))
 }
 
-/// A mesh on its way to ever fewer triangles, within ever larger lengths. Each is proved against the mesh itself.
+/// A mesh that is simplified step by step, within growing lengths. Each result is proved against the original
+/// mesh.
 pub(super) struct ProgressiveSimplifier<'a> {
     mesh: &'a Mesh,
-    /// As it was when it was last proved to be near.
+    /// The state of the last proof that succeeded.
     proved: MeshReduction<'a>,
-    /// Whether it ever was.
+    /// Whether any proof has succeeded.
     is_proved: bool,
 }
 
@@ -194,13 +205,13 @@ impl<'a> ProgressiveSimplifier<'a> {
         Ok(Self { mesh, proved, is_proved: false })
     }
 
-    /// The mesh as it was given.
+    /// The original mesh.
     pub fn unchanged(&self) -> Bounded<SimplifiedMesh> {
         unchanged(self.mesh, ReductionStats { collapsed_faces: 0, ..self.proved.stats })
     }
 
-    /// As few triangles as fit within what is allowed, nowhere less than before; `None` where none were found, or no
-    /// fewer than the last time.
+    /// As few triangles as fit within `allowed`, which is nowhere less than before; `None` where none were
+    /// found, or no fewer than the last time.
     pub fn simplify_within(
         &mut self,
         allowed: &ErrorLimit,
@@ -250,8 +261,8 @@ fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
     Bounded { shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats: kept }, bound }
 }
 
-/// The bound by [`deviation`], whose greater end another proof of the same distance may lower. Two proofs that contradict each other
-/// prove nothing of the kind, so that one below what is certainly lost is not taken.
+/// The bound by [`deviation`]. Another proof of the same distance, `at_most`, may lower its upper end. Two
+/// proofs that contradict each other prove nothing, so an upper end below the proved lower end is not taken.
 fn bounded(mesh: Mesh, (found, at_most): (&Deviation, f64), kept: ReductionStats) -> Bounded<SimplifiedMesh> {
     let worst = (found.bound.at_least() > 0.0).then(|| *found.worst());
     let least = found.bound.at_least();

@@ -1,4 +1,4 @@
-//! `HalfEdgeSurface`: triangles as fans around vertices, made for edges that shrink to points.
+//! `HalfEdgeSurface`: a half-edge mesh for edge collapses, with one triangle fan per vertex.
 use crate::explicit::{DisjointSets, Mesh, Twin, Twins, next_in_face, previous_in_face};
 
 /// No half-edge, no vertex.
@@ -6,31 +6,31 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// A surface in which the faces around every vertex are one fan, open or closed.
 ///
-/// Where the mesh is not like that, vertices are taken apart: one for each fan. Those stay where they are and stay there,
-/// so that the mesh is put together again as it was.
+/// Where the mesh is not like that, vertices are split: one for each fan. Those are locked in place, so that
+/// the original mesh can be restored there.
 #[derive(Clone)]
 pub(super) struct HalfEdgeSurface {
-    /// By half-edge: the vertex that it starts from; [`NONE`] for the three of a face that is gone.
+    /// By half-edge: its start vertex; [`NONE`] for the half-edges of a removed face.
     pub start: Vec<u32>,
-    /// By half-edge: the other one of its edge, [`NONE`] where the surface ends.
+    /// By half-edge: its twin, [`NONE`] at a border.
     pub twin: Vec<u32>,
-    /// By vertex: a half-edge that starts there, at a border the one whose own edge is the border; [`NONE`] for a vertex
-    /// that is gone.
+    /// By vertex: a half-edge that starts there, at a border the border half-edge; [`NONE`] for a removed
+    /// vertex.
     pub outgoing: Vec<u32>,
-    /// Faces that are there.
+    /// The number of remaining faces.
     pub n_faces: usize,
 }
 
-/// What a mesh became.
+/// A mesh after splitting it into manifold fans.
 pub(super) struct ManifoldSplit {
     pub surface: HalfEdgeSurface,
     /// By vertex: the first one at the same position of the mesh.
     pub first_fan: Vec<u32>,
-    /// By vertex: whether it has to stay, because the mesh is not a manifold there.
+    /// By vertex: whether it is locked, because the mesh is not a manifold there.
     pub is_locked: Vec<bool>,
     /// By vertex: the row of one of its corners.
     pub row: Vec<u32>,
-    /// Faces that have two corners at one position, and were left out.
+    /// Faces with two corners at one position, which were left out.
     pub n_collapsed: usize,
 }
 
@@ -51,7 +51,7 @@ impl HalfEdgeSurface {
                     collapsed += usize::from(h % 3 == 0);
                     continue;
                 }
-                // The two ends of an edge that is none of a manifold.
+                // The two ends of a non-manifold edge.
                 Twin::Flipped(_) | Twin::NonManifold => {
                     tied[id(rows[h as usize]) as usize] = true;
                     tied[id(rows[next_in_face(h) as usize]) as usize] = true;
@@ -59,7 +59,7 @@ impl HalfEdgeSurface {
             }
             start[h as usize] = h;
         }
-        // One vertex for each fan: corners joined across the half-edges that leave them.
+        // One vertex for each fan: corners joined across their outgoing half-edges.
         let mut fans = DisjointSets::new(n);
         for h in 0..n as u32 {
             if start[h as usize] != NONE && twin[h as usize] != NONE {
@@ -123,13 +123,13 @@ impl HalfEdgeSurface {
         [self.start[at], self.start[at + 1], self.start[at + 2]]
     }
 
-    /// Shrinks the edge of `h` to its end: the start, its face and the one across are gone. The caller made sure that
-    /// what is left is a surface again.
+    /// Collapses the edge of `h` to its end: its start, its face and the face across are removed. The caller
+    /// has checked that the result is a valid surface.
     pub fn collapse(&mut self, h: u32) {
         let (a, b) = (self.start[h as usize], self.end(h));
         let across = self.twin[h as usize];
         let left = self.twin[previous_in_face(h) as usize];
-        // The half-edge that b keeps: where the border leaves, or any. One in a face that goes has a neighbour which
+        // The half-edge that b keeps: the border half-edge, or any. If it is in a removed face, a neighbour
         // takes its place.
         let mut keep = match (self.is_border(a), self.is_border(b)) {
             (_, true) => self.outgoing[b as usize],
@@ -157,7 +157,7 @@ impl HalfEdgeSurface {
         self.outgoing[b as usize] = keep;
     }
 
-    /// Takes away a face of a piece that goes altogether.
+    /// Removes a face of a component that is removed completely.
     pub fn remove_face(&mut self, face: u32) {
         for h in 3 * face as usize..3 * face as usize + 3 {
             self.outgoing[self.start[h] as usize] = NONE;
@@ -169,7 +169,7 @@ impl HalfEdgeSurface {
         self.n_faces -= 1;
     }
 
-    /// Takes away the face of `side`, whose ends are one vertex now, and joins what was on its other two edges.
+    /// Removes the face of `side`, whose ends are one vertex now, and joins the twins of its other two edges.
     fn collapse_face(&mut self, side: u32) {
         let (next, previous) = (next_in_face(side), previous_in_face(side));
         let apex = self.start[previous as usize];
@@ -181,7 +181,8 @@ impl HalfEdgeSurface {
         if y != NONE {
             self.twin[y as usize] = x;
         }
-        // What starts at the apex inside of this face is its third edge; if that is its border, x is now.
+        // The outgoing half-edge of the apex inside this face is its third edge; if it was the outgoing one,
+        // x is now.
         if self.outgoing[apex as usize] == previous {
             self.outgoing[apex as usize] = x;
         }

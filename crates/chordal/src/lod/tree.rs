@@ -1,4 +1,4 @@
-//! `tree`: a large mesh as tiles that take each other's place, region by region, without a crack.
+//! `tree`: a large mesh as a hierarchy of tiles that replace each other, region by region, without cracks.
 use super::reduction::ReductionStats;
 use super::region_tree::RegionTree;
 use super::simplify::{SimplifiedMesh, SimplifyInput, simplify_within};
@@ -11,19 +11,19 @@ use std::collections::BTreeMap;
 pub struct LodTile {
     /// The triangles, with all attributes.
     pub mesh: Mesh,
-    /// How far they are from the true shape.
+    /// How far the triangles are from the true shape.
     pub bound: Bound,
-    /// What could not shrink there, and what went altogether.
+    /// What could not be collapsed, and what was left out.
     pub stats: ReductionStats,
-    /// How many tiles are above it.
+    /// The number of its ancestors.
     pub depth: u32,
-    /// The tiles that show the same region finer, by their places in [`LodTileTree::tiles`], which come after this one; none
-    /// for a leaf.
+    /// The tiles that show the same region finer, as indices into [`LodTileTree::tiles`]; they come after
+    /// this tile. Empty for a leaf.
     pub children: Vec<usize>,
 }
 
 impl LodTile {
-    /// The error that is proved.
+    /// The proved error.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.bound.at_most().unwrap_or(f64::INFINITY)
@@ -35,63 +35,65 @@ impl LodTile {
 pub struct LodTileTree {
     /// All tiles, by depth.
     pub tiles: Vec<LodTile>,
-    /// The tiles that together are the coarsest picture: the first one alone, unless the surface does not shrink into one.
+    /// The tiles that together are the coarsest version: the first one alone, unless the surface cannot be
+    /// reduced to one tile.
     pub roots: Vec<usize>,
 }
 
-/// Into which tiles to cut.
+/// How to split a mesh into tiles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TilingOptions {
-    /// What the tiles above the finest may lose beside what those lost.
+    /// The additional error of the tiles directly above the finest.
     pub step: Tolerance,
-    /// By how much those of each further step may lose more, > 1.
+    /// The ratio of the additional errors of successive steps, > 1.
     pub factor: f64,
-    /// Triangles a tile may have, ≥ 1.
+    /// The largest number of triangles of a tile, ≥ 1.
     pub most: usize,
-    /// One tile for all with at most so many triangles is the root.
+    /// A single tile for the whole mesh with at most this many triangles is the root.
     pub enough: usize,
 }
 
 impl TilingOptions {
-    /// Tiles of up to 65,536 triangles, losses from `step` on that double, until 64 triangles or fewer.
+    /// Tiles of up to 65,536 triangles, errors that start at `step` and double, until 64 triangles or fewer.
     #[must_use]
     pub fn from_step(step: Tolerance) -> Self {
         Self { step, factor: 2.0, most: 1 << 16, enough: 64 }
     }
 }
 
-/// One tile in place of one other that has more than this share of its triangles is left out.
+/// A coarser tile for one region with more than this fraction of the triangles that it replaces is left out.
 const WORTH_IT: f64 = 0.8;
-/// Steps at most: 2⁴⁸ between the finest and the coarsest loss.
+/// The largest number of steps: 2⁴⁸ between the finest and the coarsest error.
 const MOST_STEPS: u32 = 48;
 
-/// A mesh as a tree of tiles, each of which stands for the same part of the surface as its children together, with fewer
-/// triangles.
+/// A mesh as a tree of tiles, each of which covers the same part of the surface as its children together,
+/// with fewer triangles.
 ///
-/// The leaves are the triangles of `finest`, cut into regions by position; no triangle is cut. A tile above is made from
-/// the triangles of `finest` in its region by [`simplify`](super::simplify()), within a length that grows by
-/// `cuts.factor` from step to step. Two regions become one as soon as their triangles fit into one tile; a
-/// region that is alone gets coarser by itself. A tile that is proved to be the very same surface as its leaves takes
-/// their place.
+/// The leaves are the triangles of `finest`, divided into regions by position; no triangle is cut. A tile
+/// above is made from the triangles of `finest` in its region by [`simplify`](super::simplify()), within a
+/// length that grows by `cuts.factor` from step to step. Two regions are merged as soon as their triangles
+/// fit into one tile; a region without a partner gets coarser by itself. A tile that is proved to be the same
+/// surface as its leaves replaces them.
 ///
-/// *What may be shown together.* Any tiles of which each region has exactly one: a root, or in its place its children,
-/// and so on, whatever the neighbours do. Where a region meets another, positions, edges and values (but the normals of
-/// flat shading, which are those of the faces that are left) stay as they are in `finest`, and no tile gets an edge of its own between two such positions. Hence there are no cracks, and such a mixture
-/// of a closed manifold is one.
+/// *Which tiles may be shown together.* Any tiles that cover each region exactly once: a root, or in its
+/// place its children, and so on, whatever the neighbours do. Where a region meets another, positions, edges
+/// and values (except the normals of flat shading, which are those of the remaining faces) stay as they are
+/// in `finest`, and no tile gets an edge of its own between two such positions. Hence there are no cracks,
+/// and such a mixture of a closed manifold is a closed manifold.
 ///
-/// *What the bound covers.* The two-sided Hausdorff distance of all points, proved where that of `finest` is: to that
-/// the deviation of a tile from the triangles of `finest` in its own region is added. The regions
-/// part `finest` without rest. Hence every point of `finest` is near the tile that is shown for its region, and every
-/// point that is shown is near `finest`: any mixture is within the largest bound of its tiles. Errors fall strictly
-/// from a tile to its children.
+/// *What the bound covers.* The two-sided Hausdorff distance of all points, proved where that of `finest` is:
+/// the deviation of a tile from the triangles of `finest` in its own region is added to that. The regions
+/// partition `finest`. Hence every point of `finest` is near the tile that is shown for its region, and every
+/// point that is shown is near `finest`: any mixture is within the largest bound of its tiles. Errors
+/// decrease strictly from a tile to its children.
 ///
-/// *Cost.* One [`simplify`](super::simplify()) of the whole a step, parallel over regions: 14 steps for 10⁶
+/// *Cost.* One [`simplify`](super::simplify()) of the whole per step, parallel over regions: 14 steps for 10⁶
 /// triangles and 64 at the root.
 ///
 /// # Errors
-/// [`RefusalCode::Budget`] for a factor that is not larger than 1 and for tiles of no triangle; [`RefusalCode::Empty`] without a
-/// triangle; [`RefusalCode::Unsupported`] where `finest` has no bound from above; the refusals of
-/// [`check::deviation`](crate::check::deviation).
+/// [`RefusalCode::Budget`] for a factor that is not larger than 1 and for tiles of no triangle;
+/// [`RefusalCode::Empty`] without a triangle; [`RefusalCode::Unsupported`] where `finest` has no upper bound;
+/// the refusals of [`check::deviation`](crate::check::deviation).
 ///
 /// ```
 /// use chordal::{Bounded, Bound, Job, Mesh, Tolerance, budget::Reference, explicit::Topology, lod::{TilingOptions, tree}};
@@ -146,7 +148,7 @@ pub fn tree(
     })
 }
 
-/// What does not change while a tree grows.
+/// The data that stay constant while a tree is built.
 struct TileTreeInput<'a> {
     regions: RegionTree<'a>,
     bound: &'a Bound,
@@ -155,11 +157,11 @@ struct TileTreeInput<'a> {
     job: &'a Job,
 }
 
-/// Fewer triangles for a region, and how far they are from those of the finest mesh.
+/// Fewer triangles for a region, with their distance from those of the finest mesh.
 type SimplifiedRegion = Option<Bounded<SimplifiedMesh>>;
 
 impl TileTreeInput<'_> {
-    /// Regions made fewer within a length.
+    /// Simplifies regions within a length.
     fn simplify_regions(
         &self,
         regions: &[usize],
@@ -169,7 +171,7 @@ impl TileTreeInput<'_> {
     }
 
     fn simplify_region(&self, region: usize, length: Tolerance) -> Result<SimplifiedRegion, JobError> {
-        // Of triangles that have lost their area altogether nothing can be left out.
+        // A region whose triangles have no area at all cannot be simplified.
         if !self.regions.has_surface(region) {
             return Ok(None);
         }
@@ -185,12 +187,12 @@ impl TileTreeInput<'_> {
     }
 }
 
-/// A tree from its leaves upwards.
+/// Builds a tree from its leaves upwards.
 struct TileTreeBuilder<'a> {
     input: TileTreeInput<'a>,
-    /// All tiles, those that were left out again included; children before parents.
+    /// All tiles, including those that were left out again; children before parents.
     tiles: Vec<LodTile>,
-    /// By region that nothing above was made of so far: the coarsest tiles for it.
+    /// The coarsest tiles so far, by region that no larger region has replaced yet.
     coarsest: BTreeMap<usize, Vec<usize>>,
 }
 
@@ -221,7 +223,7 @@ impl<'a> TileTreeBuilder<'a> {
                 break;
             }
             self.step(length)?;
-            // Nothing is farther away than the extent.
+            // No error exceeds the extent.
             match Tolerance::new(length.get() * factor) {
                 Ok(longer) if length.get() < extent => length = longer,
                 _ => break,
@@ -230,13 +232,13 @@ impl<'a> TileTreeBuilder<'a> {
         Ok(())
     }
 
-    /// The triangles that show a region of [`Self::coarsest`].
+    /// The number of triangles that show a region of [`Self::coarsest`].
     fn count(&self, region: usize) -> usize {
         let tiles = self.coarsest.get(&region).into_iter().flatten();
         tiles.map(|tile| self.tiles[*tile].mesh.faces().len()).sum()
     }
 
-    /// Puts a tile above what there is, wherever a length brings fewer triangles.
+    /// Adds a tile above the current ones wherever a length gives fewer triangles.
     fn step(&mut self, length: Tolerance) -> Result<(), JobError> {
         let most = self.input.cuts.most;
         // Two halves that are likely to fit into one tile, since each step leaves about half.
@@ -263,7 +265,7 @@ impl<'a> TileTreeBuilder<'a> {
             let below = below.collect();
             self.coarsest.insert(*parent, below);
             tried.retain(|region| *region != first && *region != first + 1);
-            // Otherwise the region is one from now on, and longer lengths will tell.
+            // Otherwise the region is merged from now on, and longer lengths will simplify it.
             if is_fewer && let Some(fewer) = fewer {
                 self.add_tile(*parent, fewer);
             }
@@ -277,7 +279,8 @@ impl<'a> TileTreeBuilder<'a> {
         Ok(())
     }
 
-    /// A tile above those that show a region. Its error is larger than theirs, or those that it beats go.
+    /// Adds a tile above those that show a region. Its error is larger than theirs; tiles whose error is not
+    /// smaller are removed.
     fn add_tile(&mut self, region: usize, fewer: Bounded<SimplifiedMesh>) {
         let bound = self.input.bound.then(&fewer.bound);
         let Some(error) = bound.at_most() else { return };

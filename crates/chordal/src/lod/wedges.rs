@@ -1,16 +1,16 @@
-//! `Wedges`: the values at the corners of triangles, shared as long as no line parts them.
+//! `Wedges`: the attribute values at the corners of triangles, shared where no feature line separates them.
 use super::flat_normals::is_flat;
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
 use crate::math::dot;
 
-/// One row of values for all corners around a vertex between two lines.
+/// One row of values for all corners around a vertex between two feature lines.
 ///
-/// Lines are edges at which values jump: texture seams, creases of normals, borders of materials. Where nothing jumps
-/// the corners around a vertex share their row.
+/// Feature lines are edges at which values jump: texture seams, normal creases, material borders. Where
+/// nothing jumps, the corners around a vertex share their row.
 #[derive(Clone)]
 pub(super) struct Wedges {
-    /// By half-edge: the row of the corner that it starts from.
+    /// By half-edge: the row of the corner at its start.
     pub corner_row: Vec<u32>,
     values: Vec<f64>,
     width: usize,
@@ -25,20 +25,20 @@ struct WedgeColumns {
     blending: WedgeBlending,
 }
 
-/// How values come together.
+/// How values are blended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum WedgeBlending {
     /// By weights.
     Weighted,
-    /// By weights, and then the first three numbers are a direction of length 1.
+    /// By weights; the first three numbers are then normalized to a unit direction.
     Direction,
-    /// Those of the heaviest: numbers that name something.
+    /// The values of the largest weight: for numbers that identify something.
     Heaviest,
 }
 
-/// Normals that are farther apart than 30° make a crease, as they do where a mesh has none of its own.
+/// Normals farther apart than 30° make a crease, as where a mesh has no normals of its own.
 const CREASE_COSINE: f64 = 0.866_025_403_784_438_6;
-/// Colours that are no farther apart are one: two steps of eight bits.
+/// Colours no farther apart than this are equal: two steps of eight bits.
 const COLOR_STEP: f64 = 2.0 / 255.0;
 
 fn blending(semantic: &Semantic) -> WedgeBlending {
@@ -49,14 +49,16 @@ fn blending(semantic: &Semantic) -> WedgeBlending {
     }
 }
 
-/// The attributes that corners carry along: those of vertices and corners. Normals of flat shading are made again.
+/// Whether corners carry an attribute: those of vertices and corners. Normals of flat shading are recomputed
+/// instead.
 pub(super) fn is_carried(mesh: &Mesh, attribute: &Attribute) -> bool {
     attribute.domain != Domain::Face && !is_flat(mesh, attribute)
 }
 
 impl Wedges {
-    /// The values of a mesh, and for each half-edge whether its edge is a line; `None` where there are no values and
-    /// only attributes of faces make lines. Rows of the mesh that `stays` says keep their values: a neighbour has them too.
+    /// The values of a mesh, and for each half-edge whether its edge is a feature line; `None` where there
+    /// are no values and only attributes of faces make lines. Rows that `stays` marks keep their values,
+    /// since a neighbouring region shares them.
     pub fn from_mesh(
         mesh: &Mesh,
         surface: &HalfEdgeSurface,
@@ -125,7 +127,7 @@ impl Wedges {
         &self.values[wedge as usize * self.width..][..self.width]
     }
 
-    /// Whether two rows are so far apart that the edge between them is a line.
+    /// Whether two rows differ so much that the edge between them is a feature line.
     fn jumps(&self, a: u32, b: u32) -> bool {
         if a == b {
             return false;
@@ -141,14 +143,14 @@ impl Wedges {
                     let turned = dot(p, q) < CREASE_COSINE * (dot(p, p) * dot(q, q)).sqrt();
                     turned || (span.width == 4 && a[3] != b[3])
                 }
-                // Texture coordinates are two wide, colours three or four.
+                // Texture coordinates have two components, colours three or four.
                 _ if span.width == 2 => a != b,
                 _ => (0..span.width).any(|k| (a[k] - b[k]).abs() > COLOR_STEP),
             }
         })
     }
 
-    /// Rows that no line parts become one: their first, with the sum of directions.
+    /// Merges rows that no line separates into their first, with the sum of directions.
     fn join(&mut self, mut sets: DisjointSets) {
         for wedge in 0..(self.values.len() / self.width) as u32 {
             let root = sets.find(wedge);
@@ -174,7 +176,7 @@ impl Wedges {
         }
     }
 
-    /// Directions of length 1 again; what has none stays as it is.
+    /// Normalizes directions to length 1; a zero direction stays as it is.
     fn normalize_directions(&mut self, wedge: u32) {
         let row = &mut self.values[wedge as usize * self.width..][..self.width];
         for span in
@@ -188,7 +190,7 @@ impl Wedges {
         }
     }
 
-    /// What rows become together, by weights.
+    /// The blend of rows by weights.
     pub fn blend(&self, parts: &[(u32, f64)]) -> Vec<f64> {
         let mut out = vec![0.0; self.width];
         let heaviest = parts.iter().fold(None, |best: Option<&(u32, f64)>, part| {
@@ -212,8 +214,8 @@ impl Wedges {
         self.normalize_directions(wedge);
     }
 
-    /// Gives the corners at one end of an edge that shrinks the rows of the other end: those left of the edge the row of
-    /// the corner `left`, those right of it that of `right`. Lines part left from right.
+    /// Gives the corners at one end of a collapsed edge the rows of the other end: those left of the edge the
+    /// row of the corner `left`, those right of it that of `right`. Feature lines separate left from right.
     pub fn transfer(&mut self, surface: &HalfEdgeSurface, is_line: &[bool], end: &WedgeTransfer) {
         let WedgeTransfer { h, at_start, left, right } = *end;
         let across = surface.twin[h as usize];
@@ -235,7 +237,8 @@ impl Wedges {
         let mut g = first;
         loop {
             self.corner_row[g as usize] = row;
-            // Around the vertex: counter-clockwise across the edge that arrives, clockwise across the one that leaves.
+            // Around the vertex: counter-clockwise across the incoming edge, clockwise across the outgoing
+            // one.
             let edge = if ccw { previous_in_face(g) } else { g };
             let t = surface.twin[edge as usize];
             if t == NONE || is_line[edge as usize] {
@@ -253,13 +256,14 @@ impl Wedges {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WedgeTransfer {
     pub h: u32,
-    /// Whether it is the start of the half-edge whose corners change.
+    /// Whether the corners at the start of the half-edge change, or those at its end.
     pub at_start: bool,
     pub left: u32,
     pub right: u32,
 }
 
-/// Lines between faces with different attributes of their own. Normals of faces say nothing that the faces do not.
+/// Feature lines between faces with different attributes of their own. Face normals are ignored, since they
+/// follow from the faces.
 fn lines_of_faces(mesh: &Mesh, surface: &HalfEdgeSurface) -> Vec<bool> {
     let mut is_line = vec![false; surface.start.len()];
     let of_faces =

@@ -1,16 +1,18 @@
-//! Triangles for one hole, such that no edge of the mesh gets a third face.
+//! Triangulates one hole so that no edge of the mesh gets a third face.
 use crate::check::has_zero_area;
 use crate::explicit::{face_normal, triangulate};
 use crate::math::{Orientation, cross, difference, dot, length, orient3d};
 
-/// Up to this many corners the triangulation of least area is found: n³/6 steps, 0.2 ms at 64, measured.
+/// The largest number of corners for which the triangulation of least area is computed: n³/6 steps, 0.2 ms at
+/// 64, measured.
 const MOST_EXACT: usize = 64;
 
-/// Triangles over the corners of a loop, by their numbers, all with area; `None` where every way that was tried uses a
-/// chord that is not free, or has a triangle without area. `is_free` says of two corners that are no neighbours whether an edge may join them.
+/// Triangles over the corners of a loop, by index, all with area; `None` where every triangulation that was
+/// tried uses a chord that is not free, or has a triangle without area. `is_free` says whether an edge may
+/// join two corners that are not neighbours.
 ///
-/// A flat loop is cut as a polygon. Any other gets the triangulation of least area if it has few corners, and is cut as
-/// a polygon otherwise.
+/// A flat loop is triangulated as a polygon. Any other loop gets the triangulation of least area if it has
+/// few corners, and is triangulated as a polygon otherwise.
 ///
 /// Source: G. Barequet and M. Sharir, *Filling gaps in the boundary of a polyhedron*, 1995.
 pub(super) fn cap(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Option<Vec<[usize; 3]>> {
@@ -47,17 +49,17 @@ fn is_flat(points: &[[f64; 3]]) -> bool {
     rest.iter().all(|p| orient3d(*a, *b, *c, *p) == Orientation::Flat)
 }
 
-/// What a triangulation costs: triangles without area, then how often it folds back on itself, then its area.
+/// The cost of a triangulation: triangles without area, then folded triangles, then its area.
 type TriangulationCost = (u32, u32, f64);
 
 fn plus(a: TriangulationCost, b: TriangulationCost) -> TriangulationCost {
     (a.0 + b.0, a.1 + b.1, a.2 + b.2)
 }
 
-/// The best triangulation of all, from the best ones of the parts that each chord cuts off.
+/// The best triangulation, by dynamic programming over the parts that chords cut off.
 fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Option<Vec<[usize; 3]>> {
     let n = points.len();
-    // A triangle folds where it faces against the loop as a whole.
+    // A triangle is folded where it faces against the loop as a whole.
     let up = loop_normal(points);
     let cost = |t: [usize; 3]| -> TriangulationCost {
         let [a, b, c] = t.map(|i| points[i]);
@@ -65,7 +67,8 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
         let flat = has_zero_area([a, b, c]);
         (u32::from(flat), u32::from(folds), length(cross(difference(b, a), difference(c, a))))
     };
-    // The best of the part from corner i to corner j, which ends with the chord between them, and its third corner.
+    // The best cost of the part from corner i to corner j, which ends with the chord between them, and its
+    // third corner.
     let mut best: Vec<Option<(TriangulationCost, usize)>> = vec![None; n * n];
     for i in 0..n - 1 {
         best[i * n + i + 1] = Some(((0, 0, 0.0), i));
@@ -98,7 +101,7 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
     Some(triangles)
 }
 
-/// A direction in which the loop is seen counter-clockwise.
+/// A direction from which the loop is counter-clockwise.
 pub(super) fn loop_normal(points: &[[f64; 3]]) -> [f64; 3] {
     points.windows(2).skip(1).fold([0.0; 3], |sum, pair| {
         let term = cross(difference(pair[0], points[0]), difference(pair[1], points[0]));

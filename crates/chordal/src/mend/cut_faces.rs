@@ -1,4 +1,5 @@
-//! Vertices into the edges of faces: the face is cut, and its neighbours are left to themselves.
+//! `FaceCutter`: inserts vertices into the edges of faces: the face is cut, and its neighbours are left
+//! unchanged.
 use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
 use crate::Mesh;
 use crate::check::has_zero_area;
@@ -13,11 +14,12 @@ pub(super) struct VertexInsertion {
     pub row: u32,
 }
 
-/// Which insertions a face can take, and the faces that it becomes.
+/// Decides which insertions a face can take, and builds the faces that it becomes.
 pub(super) struct FaceCutter<'a> {
     mesh: &'a Mesh,
     id: &'a dyn Fn(u32) -> u32,
-    /// How many faces each edge between two positions has, of which an end is to be inserted somewhere.
+    /// The number of faces at each edge between two positions, for edges with an end that is inserted
+    /// somewhere.
     edges: BTreeMap<[u32; 2], u32>,
     has_vertex_streams: bool,
     /// Rows that were made for a vertex between two others.
@@ -25,7 +27,7 @@ pub(super) struct FaceCutter<'a> {
 }
 
 impl<'a> FaceCutter<'a> {
-    /// For these insertions, into a mesh where the face `is_left_out` does not count.
+    /// For these insertions, into a mesh where faces for which `is_left_out` is true do not count.
     pub fn new(
         mesh: &'a Mesh,
         id: &'a dyn Fn(u32) -> u32,
@@ -46,11 +48,11 @@ impl<'a> FaceCutter<'a> {
         Self { mesh, id, edges, has_vertex_streams, made: BTreeMap::new() }
     }
 
-    /// Cuts one face, whose insertions these are, all different. False, and the face as it is, where an edge would get a
-    /// third face by that, or have two equal ends, or a face with area would give one without.
+    /// Cuts one face at these insertions, which are all different. Returns false and keeps the face where an
+    /// edge would get a third face, or have two equal ends, or a face with area would give one without.
     pub fn cut(&mut self, face: u32, insertions: &[VertexInsertion], draft: &mut MendBuilder) -> bool {
         let corners = self.mesh.faces()[face as usize];
-        // 1. The vertices along each side, from its start to its end, with their places on it.
+        // 1. The vertices along each side, from its start to its end, with their parameters on it.
         let mut sides: [Vec<(f64, u32)>; 3] = Default::default();
         for insertion in insertions {
             let k = insertion.half_edge as usize % 3;
@@ -58,7 +60,7 @@ impl<'a> FaceCutter<'a> {
             sides[k].push((self.parameter_on_edge(insertion.row, ends), insertion.row));
         }
         sides.iter_mut().for_each(|side| side.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
-        // 2. The polygon: corners and what lies between them, as old rows.
+        // 2. The polygon: corners and the vertices between them, as old rows.
         let mut around: Vec<CutCorner> = Vec::new();
         for k in 0..3 {
             around.push(CutCorner { row: corners[k], side: k, t: 0.0 });
@@ -92,7 +94,7 @@ impl<'a> FaceCutter<'a> {
         true
     }
 
-    /// Where on the way between two rows a vertex stands, from 0 to 1.
+    /// The parameter of a vertex between two rows, from 0 to 1.
     fn parameter_on_edge(&self, row: u32, ends: [u32; 2]) -> f64 {
         let at = |row: u32| DVec3::from(self.mesh.positions()[row as usize]);
         let [a, b] = ends.map(at);
@@ -104,14 +106,14 @@ impl<'a> FaceCutter<'a> {
         if t > f64::MIN_POSITIVE { if t < 1.0 { t } else { 1.0 } } else { f64::MIN_POSITIVE }
     }
 
-    /// Whether no edge gets a third face. Counts the edges of the new faces where it does.
+    /// Whether no edge gets a third face. If so, counts the edges of the new faces.
     fn keeps_manifold(&mut self, around: &[CutCorner], triangles: &[[usize; 3]]) -> bool {
         let ids: Vec<u32> = around.iter().map(|stop| (self.id)(stop.row)).collect();
         if (0..ids.len()).any(|i| ids[..i].contains(&ids[i])) {
             return false;
         }
         let n = around.len();
-        // The sides that were there count already; an edge inside belongs to two of the new faces.
+        // Existing sides are already counted; an edge inside belongs to two of the new faces.
         let was_there = |i: usize, j: usize| around[i].t == 0.0 && around[j].t == 0.0;
         let mut added: BTreeMap<[u32; 2], u32> = BTreeMap::new();
         for triangle in triangles {
@@ -132,7 +134,8 @@ impl<'a> FaceCutter<'a> {
         true
     }
 
-    /// The row of a stop: its own where rows carry nothing, else one with what the side has there.
+    /// The row of a polygon corner: its own where rows carry no attributes, else a new one with the
+    /// attributes of the side at that point.
     fn corner_row(&mut self, stop: &CutCorner, corners: [u32; 3], draft: &mut MendBuilder) -> u32 {
         if stop.t == 0.0 || !self.has_vertex_streams {
             return stop.row;
@@ -144,7 +147,7 @@ impl<'a> FaceCutter<'a> {
     }
 }
 
-/// A corner of the polygon: an old row, on which side, and where there; 0 at the side's start.
+/// A corner of the polygon: an old row, its side, and its parameter on the side; 0 at the side's start.
 struct CutCorner {
     row: u32,
     side: usize,
@@ -155,11 +158,11 @@ fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// A triangle with that many vertices inside each side as triangles of which none lies along a side, by the numbers of
-/// the corners on the way around.
+/// Triangulates a triangle with these numbers of vertices inside its sides, so that no triangle lies along a
+/// side; by the indices of the corners in boundary order.
 fn triangulate(inside: [usize; 3]) -> Vec<[usize; 3]> {
     let n = 3 + inside.iter().sum::<usize>();
-    // The first side that has some, and the corners of the polygon from there on: a … b … c … .
+    // The first side with inner vertices, and the corners of the polygon from there on: a … b … c … .
     let Some(first) = (0..3).find(|&k| inside[k] > 0) else { return vec![[0, 1, 2]] };
     let start = first + inside[..first].iter().sum::<usize>();
     let on = |k: usize| inside[(first + k) % 3];
@@ -169,7 +172,7 @@ fn triangulate(inside: [usize; 3]) -> Vec<[usize; 3]> {
     let mut made = Vec::with_capacity(n - 2);
     // 1. Between the vertices inside the first side, to the corner across.
     made.extend((1..on(0)).map(|i| [at(i), at(i + 1), at(c)]));
-    // 2. The last of them to what lies on the second side, the first of them to what lies on the third.
+    // 2. The last of them to the vertices on the second side, the first of them to those on the third.
     made.extend((b..c).map(|i| [at(on(0)), at(i), at(i + 1)]));
     made.extend((c..n).map(|i| [at(1), at(i), at(i + 1)]));
     made

@@ -1,4 +1,4 @@
-//! Drops faces without area, so that what was closed stays closed.
+//! `drop_degenerate`: drops faces without area, so that closed surfaces stay closed.
 use super::cut_faces::{FaceCutter, VertexInsertion};
 use super::mend_builder::{MendBuilder, MendFace};
 use super::mended_mesh::{MendedMesh, check_limits};
@@ -11,23 +11,24 @@ use crate::math::{add_up, mul_up};
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How often faces are looked at again: a row of faces without area, each on the longest edge of the next, gives way
-/// from its end.
+/// The largest number of passes over the faces: a row of faces without area, each on the longest edge of the
+/// next, is removed from its end.
 const ROUNDS: usize = 64;
 
 /// Drops every face whose corners lie exactly on one line.
 ///
-/// - A face with two corners at one position just goes; its neighbours are each other's already.
-/// - Of any other face the middle corner lies inside its longest edge. It becomes a corner of the faces across that edge,
-///   which are cut there: so the face goes, and no crack opens. Where an edge would get a third face by that, or the
-///   middle corner has the coordinates of an end without being the same position (weld first), the face stays and is
-///   reported.
+/// - A face with two corners at one position is simply dropped; its neighbours already share an edge.
+/// - Of any other face the middle corner lies inside its longest edge. It becomes a corner of the faces
+///   across that edge, which are cut there: so the face is dropped, and no crack opens. Where an edge would
+///   get a third face by that, or the middle corner has the coordinates of an end without being the same
+///   position (weld first), the face stays and is reported.
 ///
 /// Attributes of new corners are as for [`resolve_t_junctions`](super::resolve_t_junctions). The changes are
 /// `dropped_faces` and `left_faces`.
 ///
-/// **Bound.** 0 as long as each segment that such a face covered is still covered by the edges of others. Of a segment
-/// that nothing else covers, how far it is from what is left; where nothing is left there is no bound.
+/// **Bound.** 0 as long as each segment that such a face covered is still covered by the edges of others. For
+/// a segment that nothing else covers, its distance from the remaining surface; where nothing remains there
+/// is no bound.
 ///
 /// O(n log n).
 ///
@@ -66,14 +67,14 @@ pub fn drop_degenerate(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Men
     for face in (0..made.faces().len() as u32).filter(|&face| has_zero_area(made.corners(face as usize))) {
         left.add(|| Witness::face(&made, face));
     }
-    // No round makes more faces without area than it drops.
+    // No pass makes more faces without area than it drops.
     dropped.count = dropped.count.saturating_sub(left.count);
     let bound = coverage_bound(mesh, &made, job)?;
     let changes = [("dropped_faces", dropped), ("left_faces", left)];
     Ok(MendedMesh { bound, ..MendedMesh::exact(made, changes) })
 }
 
-/// The mesh with the faces dropped that can be at once; `None` when none can.
+/// One pass: the mesh without the faces that can be dropped at once; `None` when none can.
 fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> {
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
@@ -83,7 +84,7 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
     let longest: Vec<Option<u32>> = (0..n_faces)
         .map(|face| if is_flat[face as usize] { longest_edge(mesh, face) } else { None })
         .collect();
-    // 1. What goes, and what is inserted for it across its longest edge.
+    // 1. The dropped faces, and what is inserted for each across its longest edge.
     let mut insertions: Vec<VertexInsertion> = Vec::new();
     let mut goes = vec![false; mesh.faces().len()];
     for face in (0..n_faces).filter(|&face| is_flat[face as usize]) {
@@ -92,7 +93,7 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
         match twins.get(h) {
             Twin::Boundary => goes[face as usize] = true,
             Twin::Pair(t) | Twin::Flipped(t) => {
-                // Two faces on each other's longest edge: the first gives way to the second.
+                // Two faces on each other's longest edge: the first is dropped before the second.
                 let is_mutual = longest[t as usize / 3] == Some(t) && face < t / 3;
                 if !is_flat[t as usize / 3] || is_mutual {
                     goes[face as usize] = true;
@@ -103,7 +104,7 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
         }
     }
     insertions.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
-    // 2. The faces across are cut; where one cannot be, those that asked for it stay.
+    // 2. The faces across are cut; where one cannot be cut, the faces that need it stay.
     let mut draft = MendBuilder::without_faces(mesh);
     let mut cutter = FaceCutter::new(mesh, &id, &insertions, |face| goes[face as usize]);
     let mut cut: BTreeMap<u32, Vec<MendFace>> = BTreeMap::new();
@@ -133,13 +134,13 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
     draft.finish().map(Some)
 }
 
-/// The half-edge across from the corner in the middle of a face without area; `None` where that corner is at an end.
+/// The half-edge opposite the middle corner of a face without area; `None` where that corner is at an end.
 fn longest_edge(mesh: &Mesh, face: u32) -> Option<u32> {
     longest_side(mesh.corners(face as usize)).map(|side| 3 * face + side as u32)
 }
 
-/// The side across from the corner in the middle of three on one line, from corner k to corner k + 1; `None` where that
-/// corner is at an end.
+/// The side opposite the middle one of three collinear corners, from corner k to corner k + 1; `None` where
+/// that corner is at an end.
 fn longest_side(corners: [[f64; 3]; 3]) -> Option<usize> {
     // On one line, the order of coordinates is the order along it, or its reverse.
     let order = |p: [f64; 3], q: [f64; 3]| p.partial_cmp(&q).unwrap_or(Ordering::Equal);
@@ -150,20 +151,21 @@ fn longest_side(corners: [[f64; 3]; 3]) -> Option<usize> {
     (0..3).find(is_middle).map(|middle| (middle + 1) % 3)
 }
 
-/// The row across the face from a half-edge.
+/// The row opposite a half-edge in its face.
 fn opposite_row(mesh: &Mesh, half_edge: u32) -> u32 {
     let h = previous_in_face(half_edge);
     mesh.faces()[h as usize / 3][h as usize % 3]
 }
 
-/// A point by which equal coordinates are found.
+/// The bits of a point, for finding equal coordinates.
 type PointBits = [u64; 3];
 
 fn point_bits(p: [f64; 3]) -> PointBits {
     p.map(|x| (x + 0.0).to_bits())
 }
 
-/// How far what the flat faces of `mesh` covered is from what is left. Faces that were cut cover what they did.
+/// The distance from what the flat faces of `mesh` covered to the remaining surface. Faces that were cut
+/// still cover the same points.
 fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError> {
     let flat = || {
         let corners = (0..mesh.faces().len()).map(|face| mesh.corners(face));
@@ -184,8 +186,9 @@ fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError
     let is_covered = |corners: [[f64; 3]; 3]| {
         let [a, b, c] = corners.map(point_bits);
         let sides = [[a, b], [b, c], [c, a]].map(|edge| edges.contains(&edge));
-        // The longest side covers all of it, and so do the two others. Rounded lengths cannot tell which it is. Where no
-        // corner is between the others, some are equal, and a side between two that are not is as long as any.
+        // The longest side covers all of it, and so do the two others. Rounded lengths cannot tell which it
+        // is. Where no corner is between the others, some are equal, and a side between two different ones is
+        // as long as any.
         let has_length = |k: &usize| corners[*k] != corners[(*k + 1) % 3];
         let longest = longest_side(corners).or_else(|| (0..3).find(has_length)).unwrap_or(0);
         sides[longest] || (sides[(longest + 1) % 3] && sides[(longest + 2) % 3])
@@ -199,7 +202,7 @@ fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError
     for corners in bare {
         let far = corners.map(|p| tree.closest_distance_up(p).unwrap_or(f64::INFINITY));
         let lengths = [0, 1, 2].map(|k| mul_up(0.5, distance_up(corners[k], corners[(k + 1) % 3])));
-        // No point of a segment is further from one of its ends than half of its length.
+        // No point of a segment is farther from one of its ends than half its length.
         let reach = add_up(largest(far), largest(lengths));
         most = if reach > most { reach } else { most };
     }

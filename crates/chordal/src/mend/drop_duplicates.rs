@@ -1,4 +1,4 @@
-//! Drops faces that have the three positions of an earlier one.
+//! `drop_duplicates`: drops faces that have the three positions of an earlier one.
 use super::mend_builder::{MendBuilder, MendFace};
 use super::mended_mesh::{MendedMesh, check_limits};
 use crate::Mesh;
@@ -9,15 +9,15 @@ use crate::explicit::Topology;
 /// Which repeated faces are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Duplicates {
-    /// Those that are wound like an earlier face of the same positions that is kept.
+    /// Faces with the same winding as an earlier kept face of the same positions.
     SameWay,
-    /// Those that are wound the other way too: of all faces on three positions the first stays.
+    /// Faces of either winding: of all faces on three positions the first is kept.
     EitherWay,
 }
 
-/// Drops every face that has the three positions of an earlier one, as `which` says; its attributes go with it. Faces
-/// with two corners at one position are left to [`drop_degenerate`](super::drop_degenerate). The surface stays: bound
-/// 0. The change is `dropped_faces`.
+/// Drops every face that has the three positions of an earlier one, as `which` says, with its attributes.
+/// Faces with two corners at one position are left to [`drop_degenerate`](super::drop_degenerate). The
+/// surface does not change: bound 0. The change is `dropped_faces`.
 ///
 /// O(n log n) at worst; about 0.2 s for 1,000,000 triangles.
 ///

@@ -1,12 +1,12 @@
-//! Drops vertices that no face names.
+//! `drop_unused`: drops vertices that no face uses.
 use super::mend_builder::MendBuilder;
 use super::mended_mesh::{MendedMesh, check_limits};
 use crate::Mesh;
 use crate::budget::{Job, JobError};
 use crate::check::{Finding, Witness};
 
-/// Drops every row of the positions that no face names, and numbers the others anew in their order. The surface stays:
-/// bound 0. The change is `dropped_vertices`.
+/// Drops every row of the positions that no face uses, and renumbers the others in their order. The surface
+/// does not change: bound 0. The change is `dropped_vertices`.
 ///
 /// # Errors
 /// [`JobError`] by a cancel or the memory limit.
@@ -32,7 +32,7 @@ pub fn drop_unused(mesh: &Mesh, job: &Job) -> Result<MendedMesh, JobError> {
     Ok(MendedMesh::exact(with_rows(mesh, &used)?, [("dropped_vertices", dropped)]))
 }
 
-/// The mesh with those rows only, which are all that its faces name.
+/// The mesh with only the rows in `keep`, which include all that its faces use.
 fn with_rows(mesh: &Mesh, keep: &[bool]) -> Result<Mesh, JobError> {
     let mut draft = MendBuilder::without_faces(mesh);
     let mut number = Vec::with_capacity(keep.len());

@@ -1,4 +1,4 @@
-//! Fills what boundary loops leave open.
+//! `fill_holes`: fills the holes inside boundary loops.
 use super::cap::{cap, loop_normal};
 use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
 use super::mended_mesh::{MendedMesh, check_limits};
@@ -12,31 +12,34 @@ use std::collections::BTreeSet;
 /// Which holes are filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HoleSelection {
-    /// All. Of an open sheet the rim is a hole as well, unless the sheet is flat.
+    /// All holes. The outer boundary of an open sheet is a hole as well, unless the sheet is flat.
     All,
-    /// Those with at most so many edges.
+    /// Holes with at most this many edges.
     UpTo(usize),
 }
 
-/// Fills the holes: each boundary loop whose faces agree on their winding gets faces of the same winding.
+/// Fills the holes: each boundary loop of consistently wound faces gets faces of the same winding.
 ///
-/// A flat loop is triangulated as a polygon; any other with the least area if it has up to 64 edges, and as a polygon
-/// otherwise. Where that would give an edge of the mesh a third face, or a face no area, the loop gets a vertex in its
-/// middle and a fan around it. A loop that passes a position twice is filled in parts that do not. New faces have the attributes of the
-/// face at the first edge of their loop, their corners those of the vertices there; no row is changed.
+/// A flat loop is triangulated as a polygon; any other with the least area if it has up to 64 edges, and as a
+/// polygon otherwise. Where that would give an edge of the mesh a third face, or a face no area, the loop
+/// gets a vertex in its middle and a fan around it. A loop that passes a position twice is split there and
+/// filled in parts. New faces have the attributes of the face at the first edge of their loop, their corners
+/// those of the vertices there; no row is changed.
 ///
-/// Left as they are: loops with more edges than `holes` says; the rim of a flat sheet, exactly flat, since what fills it
-/// would lie on the sheet, and so that of a single triangle; loops on one line; strings of boundary edges that end at an edge with three faces or more, or meet faces that are wound against each other
+/// Not filled: loops with more edges than `holes` says; the outer boundary of a flat sheet, exactly flat,
+/// since the new faces would lie on the sheet, and so that of a single triangle; loops on one line; chains of
+/// boundary edges that end at an edge with three faces or more, or meet faces of inconsistent winding
 /// ([`split_non_manifold`](super::split_non_manifold), [`orient`](super::orient) come first).
 ///
-/// **Bound.** One-sided, from the input to the result: 0, since all that was there still is. What fills a hole is as far
-/// from the input as the hole is wide, and that is no error: there was nothing. Where no hole was filled the bound is 0
-/// both ways. The changes are `filled_holes`, `added_faces`, `added_vertices`, `left_holes`; a witness is the first edge
-/// of a loop. What is left is counted as [`check::validity`](crate::check::validity) counts loops and chains: one that
-/// passes a position twice, or is wound against itself, is one.
+/// **Bound.** One-sided, from the input to the result: 0, since the whole input surface is kept. The new
+/// faces are as far from the input as the hole is wide. That is no error, since there was no surface. Where
+/// no hole was filled the bound is 0 in both directions. The changes are `filled_holes`, `added_faces`,
+/// `added_vertices`, `left_holes`; a witness is the first edge of a loop. Remaining holes are counted as
+/// [`check::validity`](crate::check::validity) counts loops and chains: one that passes a position twice, or
+/// is wound against itself, is one.
 ///
-/// A face that fills a hole may cross the surface, where a loop winds around it:
-/// [`check::self_intersections`](crate::check::self_intersections) tells.
+/// A new face may cross the surface, where a loop winds around it:
+/// [`check::self_intersections`](crate::check::self_intersections) finds that.
 ///
 /// Linear in the mesh; n³ for a loop of n ≤ 64 edges, n log n for a longer one.
 ///
@@ -107,9 +110,9 @@ pub fn fill_holes(
     Ok(mended)
 }
 
-/// Which pieces of a mesh are flat: those that hang together by edges, and lie in one plane exactly.
+/// The flat components of a mesh: faces connected by edges that lie exactly in one plane.
 struct FlatComponents {
-    /// The first face of each face's piece, or another one that stands for it.
+    /// A representative face of each face's component.
     root: Vec<u32>,
     is_flat: Vec<bool>,
 }
@@ -138,8 +141,9 @@ impl FlatComponents {
         Self { root, is_flat }
     }
 
-    /// Whether the loop is the outer rim of a flat piece: it runs around it the same way as the faces do, and a hole in
-    /// it the other way. What fills a rim lies on the faces.
+    /// Whether the loop is the outer boundary of a flat component: it runs in the same direction as the
+    /// faces, while a hole in it runs in the opposite one. Faces that filled an outer boundary would lie on
+    /// the component.
     fn has_as_outer_boundary(&self, hole: &[u32], mesh: &Mesh) -> bool {
         let face = hole[0] / 3;
         if !self.is_flat[self.root[face as usize] as usize] {
@@ -168,8 +172,8 @@ impl MeshBoundary<'_> {
         (self.id)(self.row(h))
     }
 
-    /// The boundary half-edge that goes on where this one ends, around the fan there; `None` where the fan does not end
-    /// at the boundary, or its faces do not agree.
+    /// The boundary half-edge that follows this one, around the fan at its end; `None` where the fan does not
+    /// end at the boundary, or its faces are not consistently wound.
     fn next_boundary(&self, h: u32) -> Option<u32> {
         let mut next = next_in_face(h);
         loop {
@@ -181,7 +185,8 @@ impl MeshBoundary<'_> {
         }
     }
 
-    /// Loops of boundary half-edges that pass no position twice, and one half-edge of whatever is no loop.
+    /// Loops of boundary half-edges that pass no position twice, and one half-edge of every chain that is not
+    /// a loop.
     fn loops(&self) -> (Vec<Vec<u32>>, Vec<u32>) {
         let (mut loops, mut broken) = (Vec::new(), Vec::new());
         let mut seen = vec![false; self.twins.len()];
@@ -207,7 +212,7 @@ impl MeshBoundary<'_> {
         (loops, broken)
     }
 
-    /// The strings that hold one of these half-edges at least, each once.
+    /// The chains that contain at least one of these half-edges, each once.
     fn chains_of(&self, some: &[u32]) -> Finding {
         let mut found = Finding::default();
         let mut seen = vec![false; if some.is_empty() { 0 } else { self.twins.len() }];
@@ -220,7 +225,7 @@ impl MeshBoundary<'_> {
         found
     }
 
-    /// Cuts a loop where it comes back to a position. `place` is all `u32::MAX`, before and after.
+    /// Splits a loop where it returns to a position. `place` is all `u32::MAX`, before and after.
     fn split_at_repeats(&self, string: &[u32], place: &mut [u32], loops: &mut Vec<Vec<u32>>) {
         let mut open: Vec<u32> = Vec::new();
         for &h in string {
@@ -254,12 +259,12 @@ impl MeshBoundary<'_> {
         edges
     }
 
-    /// Adds the faces of one hole and remembers their edges; false where it cannot be filled.
+    /// Adds the faces of one hole and records their edges; false where it cannot be filled.
     fn fill(&self, hole: &[u32], edges: &mut BTreeSet<[u32; 2]>, draft: &mut MendBuilder) -> bool {
         if hole.len() < 3 {
             return false;
         }
-        // Backwards: what fills the hole runs against the edges of the faces around it.
+        // In reverse: the new faces run against the edges of the faces around the hole.
         let around: Vec<u32> = hole.iter().rev().copied().collect();
         let ids: Vec<u32> = around.iter().map(|&h| self.origin(h)).collect();
         let points: Vec<[f64; 3]> =

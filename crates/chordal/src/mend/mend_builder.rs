@@ -1,10 +1,11 @@
-//! `MendBuilder`: the rows and faces of a mesh to be, each with the place in the old one that its attributes come from.
+//! `MendBuilder`: the rows and faces of a new mesh, each with the element of the old mesh that its attributes
+//! come from.
 use super::mended_mesh::refusal;
 use crate::Mesh;
 use crate::budget::{JobError, RefusalCode};
 use crate::explicit::{Attribute, Domain, Semantic};
 
-/// The attributes of one old row, or of a place between two.
+/// The source of attributes: one old row, or a point between two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AttributeSource {
     from: u32,
@@ -18,46 +19,46 @@ impl AttributeSource {
         Self { from: row, to: row, t: 0.0 }
     }
 
-    /// The place `t` of the way from one to the other.
+    /// The point at the parameter `t` between two rows.
     pub fn between([from, to]: [u32; 2], t: f64) -> Self {
         Self { from, to, t }
     }
 }
 
-/// A row to be.
+/// A new row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MendRow {
     pub at: [f64; 3],
-    /// Rows of one label are one position.
+    /// Rows with one label are one position.
     pub label: u32,
     pub source: AttributeSource,
 }
 
-/// A face to be.
+/// A new face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MendFace {
     pub rows: [u32; 3],
-    /// The old face that it has the attributes of.
+    /// The old face whose attributes it has.
     pub source: u32,
-    /// The same for its corners, in the numbering of half-edges.
+    /// The sources of its corners' attributes, as half-edge numbers.
     pub corners: [AttributeSource; 3],
 }
 
 impl MendFace {
-    /// An old face as it is.
+    /// An unchanged old face.
     pub fn from_mesh(mesh: &Mesh, face: u32) -> Self {
         let corners = [0, 1, 2].map(|k| AttributeSource::from_row(3 * face + k));
         Self { rows: mesh.faces()[face as usize], source: face, corners }
     }
 
-    /// The other way round; the first corner stays the first.
+    /// The face with reversed winding; the first corner stays the first.
     pub fn flipped(self) -> Self {
         let ([a, b, c], [p, q, r]) = (self.rows, self.corners);
         Self { rows: [a, c, b], corners: [p, r, q], ..self }
     }
 }
 
-/// A mesh to be.
+/// A new mesh under construction.
 pub(super) struct MendBuilder<'a> {
     mesh: &'a Mesh,
     pub rows: Vec<MendRow>,
@@ -76,13 +77,13 @@ impl<'a> MendBuilder<'a> {
         Self { mesh, rows, faces: Vec::with_capacity(mesh.faces().len()) }
     }
 
-    /// All old faces as they are.
+    /// Adds all old faces unchanged.
     pub fn add_all_faces(&mut self) {
         let mesh = self.mesh;
         self.faces.extend((0..mesh.faces().len() as u32).map(|face| MendFace::from_mesh(mesh, face)));
     }
 
-    /// One more row, of the label `label`.
+    /// Adds a row and returns its index.
     pub fn add_row(&mut self, row: MendRow) -> u32 {
         // More rows than u32 can number are refused at the end, by their count.
         let number = u32::try_from(self.rows.len()).unwrap_or(u32::MAX);
@@ -90,7 +91,8 @@ impl<'a> MendBuilder<'a> {
         number
     }
 
-    /// The mesh. Rows of one label get the coordinates of the first of them, which differ at most in the sign of zero.
+    /// The mesh. Rows with one label get the coordinates of the first of them; those differ at most in the
+    /// sign of zero.
     pub fn finish(self) -> Result<Mesh, JobError> {
         let Self { mesh, rows, faces } = self;
         let most = rows.iter().map(|row| row.label as usize + 1).max().unwrap_or(0);
@@ -142,7 +144,7 @@ fn interpolate(attribute: &Attribute, sources: impl Iterator<Item = AttributeSou
     values
 }
 
-/// Takes the first three numbers to length 1; leaves them where they have no direction.
+/// Scales the first three numbers to length 1; leaves them unchanged where they have no direction.
 fn normalize(row: &mut [f64]) {
     let length = row.iter().take(3).map(|x| x * x).sum::<f64>().sqrt();
     if length > 0.0 && length.is_finite() {

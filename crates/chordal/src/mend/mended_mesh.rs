@@ -1,30 +1,31 @@
-//! `MendedMesh`: what a cure leaves behind: the mesh, what was changed, and how far the surface moved.
+//! `MendedMesh`: the result of a repair: the mesh, what was changed, and how far the surface moved.
 use crate::Mesh;
 use crate::budget::{Bound, Job, JobError, Reference, Refusal, RefusalCode};
 use crate::check::Finding;
 
-/// The result of a cure.
+/// The result of a repair.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MendedMesh {
-    /// The mesh afterwards.
+    /// The repaired mesh.
     pub mesh: Mesh,
-    /// What was changed, and what was met and left; one entry for each kind that was met at all.
+    /// What was changed, and what was found but left; one entry for each kind that was found at all.
     pub changes: Vec<MendChange>,
     /// How far the surface moved: all faces, those without area included, against those of the input.
     pub bound: Bound,
 }
 
-/// One kind of change, how often it was made, and where first. Rows in the witnesses are those of the input.
+/// One kind of change, with its count and first witnesses. Rows in the witnesses are those of the input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MendChange {
-    /// Stable, for programs: `turned_faces`, `filled_holes`, … What was met and not mended starts with `left_`.
+    /// Stable, for programs: `turned_faces`, `filled_holes`, … A kind that was found and not repaired starts
+    /// with `left_`.
     pub what: &'static str,
-    /// How often, and the first places.
+    /// The count, and the first witnesses.
     pub finding: Finding,
 }
 
 impl MendedMesh {
-    /// The mesh as it was.
+    /// The unchanged mesh.
     pub(super) fn unchanged(mesh: &Mesh) -> Self {
         Self::exact(mesh.clone(), [])
     }
@@ -34,7 +35,7 @@ impl MendedMesh {
         Self { mesh, changes: nonempty_changes(changes), bound: Bound::exact(Reference::InputTriangles) }
     }
 
-    /// A surface whose points moved by no more than `at_most`, seen from either side.
+    /// A surface whose points moved by at most `at_most`, in both directions.
     pub(super) fn moved<const N: usize>(
         mesh: Mesh,
         changes: [(&'static str, Finding); N],
@@ -50,7 +51,7 @@ impl MendedMesh {
         Ok(Self { mesh, changes: nonempty_changes(changes), bound })
     }
 
-    /// How often something of that kind was changed or met.
+    /// How often changes of that kind were made or found.
     #[must_use]
     pub fn count(&self, what: &str) -> u64 {
         self.changes.iter().find(|change| change.what == what).map_or(0, |change| change.finding.count)
@@ -68,12 +69,13 @@ fn nonempty_changes<const N: usize>(changes: [(&'static str, Finding); N]) -> Ve
     met.map(|(what, found)| MendChange { what, finding: found }).collect()
 }
 
-/// Whether a cure may start: not after a cancel, and not where it would hold more than the job allows.
+/// Checks whether a repair may start: the job is not cancelled, and its memory limit is sufficient.
 pub(super) fn check_limits(mesh: &Mesh, job: &Job) -> Result<(), JobError> {
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    // Counted: a face and its sources 64 bytes, in and out 24, twins and sets 48; a row and its source 48, in and out 56.
+    // Counted: a face and its sources 64 bytes, in and out 24, twins and sets 48; a row and its source 48, in
+    // and out 56.
     let attributes: usize = mesh.attributes().iter().map(|attribute| attribute.values.len()).sum();
     let bytes = 136 * mesh.faces().len() + 104 * mesh.positions().len() + 16 * attributes;
     if bytes as u64 > job.memory_limit {

@@ -1,7 +1,7 @@
-//! Cures: each mends what one finding of [`check::validity`](crate::check::validity) names, says what it changed, and
-//! bounds how far the surface moved. Nothing is changed that the name does not say.
+//! Mesh repair: each function repairs one finding of [`check::validity`](crate::check::validity), reports
+//! what it changed, and bounds how far the surface moved. It changes nothing else.
 //!
-//! All attributes survive; all cures are deterministic, and doing one twice changes nothing more.
+//! All attributes are kept; all repairs are deterministic, and repeating one changes nothing more.
 //!
 //! ```
 //! use chordal::{Job, Mesh, check, explicit::Topology, mend};

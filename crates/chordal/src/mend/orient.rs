@@ -1,4 +1,4 @@
-//! Turns faces so that neighbours agree on which side is out, and closed pieces have their outside out.
+//! `orient`: turns faces so that neighbours are wound consistently and closed components face outwards.
 use super::mend_builder::{MendBuilder, MendFace};
 use super::mended_mesh::{MendedMesh, check_limits, refusal};
 use crate::Mesh;
@@ -6,18 +6,21 @@ use crate::budget::{Job, JobError, RefusalCode};
 use crate::check::{Facing, Finding, MeshConnectivity, Witness};
 use crate::explicit::{DisjointSets, Topology, Twin, Twins};
 
-/// Turns faces, piece by piece: a *piece* hangs together by edges with exactly two faces.
+/// Turns faces, component by component. Here a *component* is connected by edges with exactly two faces.
 ///
-/// - In each piece neighbours are made to agree. The side that most of its faces show already stays in front, with equal
-///   numbers that of its first face.
-/// - Then what [`check::components`](crate::check::components) calls inside out is turned: closed pieces face outwards,
-///   cavities, which lie within an odd number of others, inwards. What is undecided there stays as it is.
-/// - A piece that cannot be made to agree, as a Möbius strip, is left as it was and reported.
+/// - In each component neighbours are made consistent. The orientation of the majority of its faces is kept;
+///   with equal numbers, that of its first face.
+/// - Then components that [`check::components`](crate::check::components) finds inside out are turned: closed
+///   components face outwards, cavities, which lie within an odd number of others, inwards. What is undecided
+///   there stays as it is.
+/// - A non-orientable component, such as a Möbius strip, stays as it is and is reported.
 ///
-/// The surface stays: bound 0. The changes are `turned_faces`, and `left_unorientable` with the first face of such a
-/// piece. Attributes stay with their corners; normals are not turned, since they say what the file wants to be seen.
+/// The surface does not change: bound 0. The changes are `turned_faces`, and `left_unorientable` with the
+/// first face of such a component. Attributes stay with their corners; normals are not turned, since they say
+/// how the file is to be shaded.
 ///
-/// Linear; with several closed components that enclose each other, a tree of boxes and some microseconds each.
+/// Linear; with several closed components that enclose each other, a bounding volume hierarchy and some
+/// microseconds each.
 ///
 /// # Errors
 /// [`JobError`] by a cancel or the memory limit.
@@ -61,7 +64,7 @@ pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, 
     Ok(MendedMesh::exact(draft.finish()?, changes))
 }
 
-/// Faces that hang together by edges with two faces.
+/// Faces connected by edges with two faces.
 struct OrientableComponent {
     /// Ascending.
     faces: Vec<u32>,
@@ -75,7 +78,7 @@ struct FaceFlips {
 }
 
 impl FaceFlips {
-    /// Finds the pieces, and makes the faces of each agree.
+    /// Finds the components and makes the faces of each consistent.
     fn make_consistent(&mut self, twins: &Twins) {
         let mut seen = vec![false; self.flipped.len()];
         for start in 0..self.flipped.len() as u32 {
@@ -94,7 +97,7 @@ impl FaceFlips {
         }
     }
 
-    /// The piece of a face, with the faces turned that do not agree with it.
+    /// The component of a face, with the inconsistent faces turned.
     fn collect_component(&mut self, start: u32, twins: &Twins, seen: &mut [bool]) -> OrientableComponent {
         let mut piece = OrientableComponent { faces: vec![start], is_orientable: true };
         seen[start as usize] = true;
@@ -120,7 +123,7 @@ impl FaceFlips {
         piece
     }
 
-    /// Turns the components that the judge calls inside out, once all neighbours agree.
+    /// Turns the components that are found inside out, once all neighbours are consistent.
     fn face_outwards(
         &mut self,
         mesh: &Mesh,
@@ -134,7 +137,7 @@ impl FaceFlips {
         if let Some(ids) = mesh.position_id() {
             agreed = agreed.and_then(|agreed| agreed.with_position_id(ids.to_vec()));
         }
-        // The same rows and as many faces as those of a mesh that is one.
+        // The rows of a valid mesh, and as many faces.
         let agreed = agreed.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))?;
         let seen = MeshConnectivity::new(&agreed, topology).components_under(job)?;
         let wrong = seen.into_iter().filter(|c| c.facing == Facing::InsideOut);
@@ -142,7 +145,8 @@ impl FaceFlips {
         if wrong.is_empty() {
             return Ok(());
         }
-        // A component may hold several pieces, which meet at edges with more than two faces.
+        // A component of [`MeshConnectivity`] may contain several of these, which meet at edges with more
+        // than two faces.
         let mut sets = DisjointSets::new(self.flipped.len());
         for h in 0..twins.len() as u32 {
             if let Twin::Pair(t) | Twin::Flipped(t) = twins.get(h) {
@@ -153,7 +157,7 @@ impl FaceFlips {
             .non_manifold_edges()
             .for_each(|edge| edge.windows(2).for_each(|h| sets.union(h[0] / 3, h[1] / 3)));
         for (face, turned) in (0..).zip(&mut self.flipped) {
-            // Components come in the order of their first faces.
+            // Components are listed in the order of their first faces.
             *turned ^= wrong.binary_search(&sets.find(face)).is_ok();
         }
         Ok(())

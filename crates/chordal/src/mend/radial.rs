@@ -1,24 +1,25 @@
-//! The faces around one edge in the order of their angles, exactly, and which two of them are sides of one solid.
+//! Sorts the faces around one edge by their angles, exactly, and pairs those that bound one solid.
 use crate::check::is_collinear;
 use crate::math::{Orientation, orient2d, orient3d};
 use std::cmp::Ordering;
 
-/// A face along an edge from `a` to `b`.
+/// A face at an edge from `a` to `b`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RadialFace {
     pub half_edge: u32,
     /// Its third corner.
     pub apex: [f64; 3],
-    /// Whether it runs through the edge from `a` to `b`: then its back is on the side of smaller angles.
+    /// Whether it uses the edge from `a` to `b`: then its back is on the side of smaller angles.
     pub is_up: bool,
 }
 
-/// Pairs of half-edges whose faces have a wedge of inside between them, with no other face in it that could be paired.
-/// So of two solids that touch along the edge, each gets its own two faces.
+/// Pairs of half-edges whose faces enclose a wedge of the inside that contains no other face to pair. So
+/// where two solids touch along the edge, each gets its own two faces.
 pub(super) fn pair_faces(edge: [[f64; 3]; 2], leaves: &mut [RadialFace]) -> Vec<[u32; 2]> {
     sort_by_angle(edge, leaves);
     let mut made = Vec::new();
-    // Going round by growing angle, inside starts at a face that runs down and ends at one that runs up, as brackets do.
+    // By growing angle, the inside starts at a face that uses the edge downwards and ends at one that uses it
+    // upwards, like brackets.
     let mut open: Vec<u32> = Vec::new();
     let mut late: Vec<u32> = Vec::new();
     for leaf in leaves.iter() {
@@ -31,12 +32,13 @@ pub(super) fn pair_faces(edge: [[f64; 3]; 2], leaves: &mut [RadialFace]) -> Vec<
             }
         }
     }
-    // What is open at the end closes with those that came before anything was open: the order is a circle.
+    // Brackets that are open at the end are closed by those before the first opening: the order is circular.
     made.extend(open.into_iter().rev().zip(late).map(|(start, end)| [start, end]));
     made
 }
 
-/// Sorts by the angle around the edge, starting at the first leaf that has one; leaves at one angle stay as they are.
+/// Sorts by the angle around the edge, starting at the first face that has one; faces at equal angles keep
+/// their order.
 fn sort_by_angle([a, b]: [[f64; 3]; 2], leaves: &mut [RadialFace]) {
     let Some(first) = leaves.iter().map(|leaf| leaf.apex).find(|&apex| !is_collinear(a, b, apex)) else {
         return;

@@ -1,4 +1,4 @@
-//! Makes vertices in the middle of an edge corners of the face there.
+//! `resolve_t_junctions`: makes vertices in the middle of an edge corners of the face there.
 use super::cut_faces::{FaceCutter, VertexInsertion};
 use super::mend_builder::{MendBuilder, MendFace};
 use super::mended_mesh::{MendedMesh, check_limits};
@@ -8,15 +8,18 @@ use crate::check::{Finding, MeshConnectivity, MeshLocation, Witness, has_zero_ar
 use crate::explicit::{Topology, next_in_face};
 use crate::math::{add_up, mul_up};
 
-/// Cuts every face with a boundary vertex in the middle of one of its boundary edges so that the vertex becomes a corner
-/// of it: what [`check::t_junctions`](crate::check::t_junctions) finds, exactly or within a tolerance.
+/// Cuts every face with a boundary vertex in the middle of one of its boundary edges so that the vertex
+/// becomes a corner of it: the T-junctions that [`check::t_junctions`](crate::check::t_junctions) finds,
+/// exactly or within a tolerance.
 ///
-/// Where vertices carry attributes, the new corner gets a row of its own with what the edge has there, tied to the
-/// vertex by position; normals and tangents are made unit again, numbers of groups are those of the nearer end.
+/// Where vertices carry attributes, the new corner gets a row of its own with the interpolated attributes of
+/// the edge, tied to the vertex by position; normals and tangents are normalized again, group numbers are
+/// those of the nearer end.
 ///
-/// **Bound.** 0 when exact. Else the largest distance of such a vertex from its edge, rounded up: the edge is bent to it,
-/// and all points of the face follow in proportion. The changes are `resolved_t_junctions`, each vertex and edge, and
-/// `left_t_junctions`, where an edge would have got a third face, or the face has no area.
+/// **Bound.** 0 when exact. Else the largest distance of such a vertex from its edge, rounded up: the edge is
+/// bent to it, and all points of the face follow in proportion. The changes are `resolved_t_junctions`, each
+/// vertex and edge, and `left_t_junctions`, where an edge would have got a third face, or the face has no
+/// area.
 ///
 /// O(n log n) for n boundary edges that do not all pass through one small place.
 ///
@@ -91,8 +94,8 @@ fn witness(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -
     Witness { place, at: mesh.positions()[row as usize] }
 }
 
-/// How far a vertex is from its edge, from above: the distance to a point that is on the edge but for rounding, and
-/// what the rounding may be.
+/// An upper bound of the distance of a vertex from its edge: the distance to a point that is on the edge up
+/// to rounding, plus that rounding.
 fn distance_up(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -> f64 {
     let [a, b] = ends(mesh, half_edge).map(|row| mesh.positions()[row as usize]);
     let p = mesh.positions()[row as usize];
@@ -104,7 +107,8 @@ fn distance_up(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertio
     let t = if t > 1.0 { 1.0 } else { t };
     let foot: [f64; 3] = std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k]);
     let reach = [a, b].as_flattened().iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-    // For any t in [0, 1] the point is on the edge; each coordinate has four roundings of half a step of `reach`, and the
-    // three together are at most √3 of that: below 4 whole steps. The smallest number covers underflow.
+    // For any t in [0, 1] the point is on the edge; each coordinate has four roundings of half a step of
+    // `reach`, and the three together are at most √3 of that: below 4 whole steps. The smallest number covers
+    // underflow.
     add_up(super::weld::distance_up(p, foot), add_up(mul_up(4.0 * f64::EPSILON, reach), f64::MIN_POSITIVE))
 }

@@ -1,4 +1,5 @@
-//! Takes a surface apart where more of it meets than can: at edges with three faces or more, at positions with several fans.
+//! `split_non_manifold`: splits a surface at edges with three faces or more and at positions with several
+//! fans.
 use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
 use super::mended_mesh::{MendedMesh, check_limits};
 use super::radial::{RadialFace, pair_faces};
@@ -8,19 +9,19 @@ use crate::check::{Finding, Witness};
 use crate::explicit::{DisjointSets, Topology, Twin, Twins, next_in_face, previous_in_face};
 use std::collections::BTreeMap;
 
-/// Takes the surface apart where it is not manifold: afterwards no edge has more than two faces, and the faces at each
-/// position are one fan.
+/// Splits the surface where it is not manifold: afterwards no edge has more than two faces, and the faces at
+/// each position are one fan.
 ///
-/// - Of the faces along an edge with three or more, those two stay together that have inside between them and nothing
-///   else, by their exact angles around the edge: two cubes that touch along an edge become two cubes. A face without
+/// - Of the faces along an edge with three or more, two stay together if only the inside is between them, by
+///   their exact angles around the edge: two cubes that touch along an edge become two cubes. A face without
 ///   such a partner gets a boundary there.
 /// - Each further fan at a position gets a position of its own, with rows of its own for the attributes.
 ///
-/// Nothing moves, so the copies lie on each other: bound 0. What keeps them apart is [`Mesh::position_id`] or their
-/// rows, so a count by [`Topology::Positions`] ties them again; look at the result with [`Topology::Indices`]. The
+/// Nothing moves, so the copies coincide: bound 0. They are kept apart by [`Mesh::position_id`] or their
+/// rows, so [`Topology::Positions`] ties them again; examine the result with [`Topology::Indices`]. The
 /// changes are `split_edges` and `split_vertices`, each new position once.
 ///
-/// Linear, but for a sort of the faces along each such edge.
+/// Linear, except for a sort of the faces along each such edge.
 ///
 /// # Errors
 /// [`JobError`] by a cancel or the memory limit.
@@ -89,7 +90,7 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
     if split_vertices.is_none() && split_edges.is_none() {
         return Ok(MendedMesh::unchanged(mesh));
     }
-    // 3. A face with two corners at one position belongs to no fan, and stays at the first.
+    // 3. A face with two corners at one position is in no fan, and stays at the first.
     for face in draft.faces.iter_mut().filter(|face| twins.get(3 * face.source) == Twin::Collapsed) {
         for row in &mut face.rows {
             let (label, source) = (id(*row), *row);
@@ -106,7 +107,7 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
     Ok(MendedMesh::exact(draft.finish()?, changes))
 }
 
-/// What is needed to see which corners hang together.
+/// The data that determine which corners belong together.
 struct CornerFans<'a> {
     mesh: &'a Mesh,
     twins: &'a Twins,
@@ -115,7 +116,7 @@ struct CornerFans<'a> {
 }
 
 impl CornerFans<'_> {
-    /// For every corner, by the number of its half-edge, the first corner of its fan.
+    /// For every corner, by half-edge number, the first corner of its fan.
     fn fans(&self, job: &Job) -> Result<Vec<u32>, JobError> {
         let crowded: Vec<&[u32]> = self.twins.non_manifold_edges().collect();
         let mut partners: Vec<Vec<[u32; 2]>> = crowded.iter().map(|edge| self.radial_pairs(edge)).collect();
@@ -131,8 +132,8 @@ impl CornerFans<'_> {
                 }
             }
             partners.iter().flatten().for_each(|&[h, t]| self.join(&mut sets, h, t));
-            // A surface that runs through both ends of an edge twice keeps its faces together there. Cut all of them
-            // apart along that edge: then each end has one fan for two of them at most.
+            // A surface that passes through both ends of an edge twice keeps its faces together there.
+            // Separate all of them along that edge: then at most two of them share a fan at each end.
             let mut is_done = true;
             for (edge, partners) in crowded.iter().zip(&mut partners) {
                 if !partners.is_empty() && self.is_still_non_manifold(edge, &mut sets) {
@@ -157,7 +158,7 @@ impl CornerFans<'_> {
         }
     }
 
-    /// The half-edges of a crowded edge that stay together.
+    /// The half-edges of a non-manifold edge that stay together.
     fn radial_pairs(&self, edge: &[u32]) -> Vec<[u32; 2]> {
         let [a, b] = [edge[0], next_in_face(edge[0])];
         let at = |h: u32| self.mesh.corners(h as usize / 3)[h as usize % 3];

@@ -1,4 +1,4 @@
-//! Makes vertices at one place one position.
+//! `weld`: makes vertices at equal or close coordinates one position.
 use super::mended_mesh::{MendedMesh, check_limits, refusal};
 use crate::Mesh;
 use crate::budget::{Job, JobError, RefusalCode, Tolerance};
@@ -6,30 +6,32 @@ use crate::check::{Finding, PointTree, Witness};
 use crate::explicit::{Attribute, Domain, position_id_by_bits};
 use crate::math::Box3;
 
-/// Which vertices are at one place.
+/// Which vertices are welded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weld {
-    /// Those with the same coordinates, `−0.0` and `0.0` taken as equal.
+    /// Vertices with the same coordinates, where `−0.0` equals `0.0`.
     Exact,
-    /// Those that a vertex no further away than this is moved to.
+    /// Vertices no farther than this from the vertex that they are moved to.
     Within(Tolerance),
 }
 
-/// Makes vertices at one place one position: one row where their vertex attributes agree bit for bit as well, and else
-/// rows tied by [`Mesh::position_id`], so that a seam in the attributes stays one.
+/// Makes vertices at equal or close coordinates one position: one row where their vertex attributes agree bit
+/// for bit as well, and else rows tied by [`Mesh::position_id`], so that a seam in the attributes is kept.
 ///
-/// **Within a tolerance**, some positions are *centres* and stay; every other is moved to its nearest centre. Positions
-/// are asked in the order of their coordinates (x, then y, then z), and one becomes a centre where no centre lies within
-/// the tolerance. So the result does not depend on the order of the rows, nothing moves further than the tolerance, and
-/// afterwards no two positions are within it.
+/// **Within a tolerance**, some positions are *centres* and stay; every other is moved to its nearest centre.
+/// Positions are processed in the order of their coordinates (x, then y, then z), and one becomes a centre
+/// where no centre lies within the tolerance. So the result does not depend on the order of the rows, nothing
+/// moves farther than the tolerance, and afterwards no two positions are within it.
 ///
-/// Faces stay, also those that collapse to a segment or a point; [`drop_degenerate`](super::drop_degenerate) drops them.
+/// Faces are kept, also those that collapse to a segment or a point;
+/// [`drop_degenerate`](super::drop_degenerate) drops them.
 ///
-/// **Bound.** 0 when exact; else the longest move, rounded up: what happens to the corners happens to each point
-/// between them in proportion. The changes are `welded_vertices`, rows that share the position of an earlier one and did
-/// not before; `merged_rows`, those that became one with an earlier one; and `collapsed_faces`.
+/// **Bound.** 0 when exact; else the longest move, rounded up: points between corners move in proportion to
+/// the corners. The changes are `welded_vertices`, rows that share the position of an earlier one and did not
+/// before; `merged_rows`, those that became one with an earlier one; and `collapsed_faces`.
 ///
-/// Linear when exact: 3,000,000 rows of 1,000,000 triangles in about 0.1 s on one core. O(n log n) within a tolerance.
+/// Linear when exact: 3,000,000 rows of 1,000,000 triangles in about 0.1 s on one core. O(n log n) within a
+/// tolerance.
 ///
 /// # Errors
 /// [`JobError`] by a cancel or the memory limit.
@@ -52,7 +54,8 @@ pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
         Weld::Exact => (exact, LongestMove { most: 0.0, at: None }),
         Weld::Within(tolerance) => nearest_centres(mesh.positions(), exact, tolerance, job)?,
     };
-    // A centre may come after the rows that are moved to it; from here the first row stands for a position.
+    // A centre may come after the rows that are moved to it; from here on the first row represents a
+    // position.
     let firsts = match how {
         Weld::Exact => None,
         Weld::Within(_) => Some(first_rows(&ids)),
@@ -81,7 +84,7 @@ pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
     Ok(mended)
 }
 
-/// The longest move, rounded up, and from where.
+/// The longest move, rounded up, and its start.
 struct LongestMove {
     most: f64,
     at: Option<[f64; 3]>,
@@ -97,7 +100,7 @@ fn nearest_centres(
     let firsts: Vec<u32> = (0..).zip(&exact).filter(|(row, id)| row == *id).map(|(row, _)| row).collect();
     let points: Vec<[f64; 3]> = firsts.iter().map(|&row| positions[row as usize].map(|x| x + 0.0)).collect();
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
-    // All different, and −0 is 0 by now: so there is one order.
+    // All keys are different, and −0 is 0 by now, so the order is unique.
     order.sort_unstable_by(|&a, &b| {
         let [a, b] = [a, b].map(|i| points[i as usize]);
         a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
@@ -141,7 +144,7 @@ pub(super) fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
     Box3::from_points([&a, &b]).diagonal()
 }
 
-/// Faces with two corners at one position that had three.
+/// Faces with two corners at one position that had three positions before.
 fn collapsed_faces(mesh: &Mesh, ids: &[u32]) -> Finding {
     let is_proper = |[a, b, c]: [u32; 3]| a != b && b != c && c != a;
     let mut found = Finding::default();
@@ -171,8 +174,8 @@ fn first_with_attributes(mesh: &Mesh, first_of: &[u32]) -> Option<Vec<u32>> {
     (!streams.is_empty()).then(|| same_rows(first_of, &streams))
 }
 
-/// The mesh with one row for each position and look, in the order of the first of each. A row's coordinates are those
-/// of its row in `ids`.
+/// The mesh with one row for each distinct pair of position and attributes, in the order of first occurrence.
+/// A row's coordinates are those of its row in `ids`.
 fn rebuild(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> Result<Mesh, JobError> {
     // 1. Numbers for the rows that stay.
     let mut number = Vec::with_capacity(ids.len());
@@ -187,7 +190,7 @@ fn rebuild(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> 
         }
         number.push(kept.len() as u32);
         if has_looks {
-            // The first row of a position is the first of its look too, and has its number by now.
+            // The first row of a position is also the first with its attributes, and has its number by now.
             position_id.push(number[first_of[row] as usize]);
         }
         kept.push(row as u32);
@@ -206,7 +209,7 @@ fn rebuild(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> 
         };
         made = made.and_then(|made| made.with_attribute(Attribute { values, ..attribute.clone() }));
     }
-    // Fewer rows than before, of valid ones.
+    // Fewer rows than before, all of them valid.
     made.map_err(|error| refusal(RefusalCode::TooMuchMemory, error.to_string()))
 }
 

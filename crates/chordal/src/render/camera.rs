@@ -1,19 +1,19 @@
-//! `RayGenerator`: from a place in the picture to a ray; and the camera that frames a mesh.
+//! `RayGenerator`: from a position in the picture to a ray; and the camera that frames a mesh.
 use super::options::UpAxis;
 use crate::budget::{Camera, Projection, Screen};
 use crate::explicit::{Mesh, Ray};
 use glam::DVec3;
 
-/// Vertical field of view of the automatic viewpoint: a short telephoto, which keeps proportions.
+/// The vertical field of view of the automatic viewpoint: a short telephoto, which keeps proportions.
 const FOV_Y_DEG: f64 = 30.0;
 /// Its direction: this far to the right of the front and above it.
 const AZIMUTH_DEG: f64 = 30.0;
 const ELEVATION_DEG: f64 = 22.0;
-/// The share of the picture's height and width that the mesh fills.
+/// The fraction of the picture's height and width that the mesh fills.
 const FILL: f64 = 0.84;
 
-/// The camera of the automatic viewpoint: three-quarters from the front, all positions that faces use just
-/// inside the picture, with a margin.
+/// The camera of the automatic viewpoint: three-quarters from the front, with all positions that faces use
+/// inside the picture, and a margin.
 ///
 /// ```
 /// use chordal::{Mesh, budget::Screen, render::{UpAxis, frame}};
@@ -27,7 +27,7 @@ pub fn frame(mesh: &Mesh, up: UpAxis, screen: Screen) -> Camera {
     frame_points(used, up, screen)
 }
 
-/// The same for any points.
+/// [`frame`] for any points.
 pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     used: impl Fn() -> I,
     up: UpAxis,
@@ -45,9 +45,9 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     let tan_y = libm::tan(FOV_Y_DEG.to_radians() / 2.0) * FILL;
     let tan_x = tan_y * f64::from(screen.width_px) / f64::from(screen.height_px.max(1));
     let centre = used().next().unwrap_or(DVec3::ZERO);
-    // A point p at depth d lies inside when |p·right| ≤ tan·d: with the eye's coordinates, four half-planes,
-    // each pushed out by one point. Where opposite ones meet is the nearest eye for that axis; the farther
-    // one serves both.
+    // A point p at depth d is inside when |p·right| ≤ tan·d. In the eye's coordinates these are four
+    // half-planes, each pushed out by one point. Opposite ones meet at the nearest eye for that axis; the
+    // farther one serves both.
     let farthest = |slope: &dyn Fn(DVec3) -> f64| {
         used().map(|p| slope(p - centre)).fold(f64::NEG_INFINITY, |a, b| if b > a { b } else { a })
     };
@@ -64,7 +64,7 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     let (eye, distance) = if offset.is_finite() && size > 0.0 {
         (centre + offset, size)
     } else {
-        // No faces, or all in one point: from one unit away.
+        // No faces, or all in one point: the eye is one unit away.
         (centre + towards_eye, 1.0)
     };
     Camera {
@@ -77,14 +77,14 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     }
 }
 
-/// A camera, ready for rays. Columns run along `x`, rows along `y` from the top; the middle of the first
+/// A camera prepared for rays. Columns run along `x`, rows along `y` from the top; the middle of the first
 /// pixel is (0.5, 0.5).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayGenerator {
-    /// The origin of the ray of place (0, 0), and how much it moves a pixel.
+    /// The ray origin for position (0, 0), and its change per pixel.
     origin: DVec3,
     origin_by: [DVec3; 2],
-    /// The same for the direction, whose part along the line of sight is 1: `t` is depth.
+    /// The same for the direction. Its component along the line of sight is 1, so `t` is depth.
     direction: DVec3,
     direction_by: [DVec3; 2],
     near: f64,
@@ -114,18 +114,19 @@ impl RayGenerator {
         })
     }
 
-    /// The ray through a place in the picture.
+    /// The ray through a position in the picture.
     pub fn ray(&self, [x, y]: [f64; 2]) -> Ray {
         let origin = self.origin + self.origin_by[0] * x + self.origin_by[1] * y;
         let direction = self.direction + self.direction_by[0] * x + self.direction_by[1] * y;
         Ray { origin: origin.into(), direction: direction.into(), t_min: self.near, t_max: f64::INFINITY }
     }
 
-    /// How a ray through a point sees the lines of a triangle's edges: for the edge opposite each corner, the
-    /// distance in the picture in pixels, and the picture height of the triangle above that edge in pixels.
+    /// The distances in the picture from where a ray meets a triangle to the triangle's edges. For the edge
+    /// opposite each corner: the distance in pixels, and the height of the triangle above that edge in
+    /// pixels.
     ///
-    /// The triple product of a ray with two points vanishes where the ray meets the line through them; it is
-    /// linear in the place, so its value over the length of its gradient is the distance in the picture,
+    /// The triple product of a ray with two points vanishes where the ray meets the line through them. It is
+    /// linear in the position, so its value over the length of its gradient is the distance in the picture,
     /// perspective included. The three products are in proportion to the barycentric weights, so their sum
     /// over the gradient is the height.
     pub fn edge_distances(&self, ray: &Ray, corners: [[f64; 3]; 3]) -> [[f64; 2]; 3] {

@@ -1,7 +1,7 @@
-//! From light to bytes: sRGB.
+//! Linear light to bytes and back: sRGB.
 use glam::DVec3;
 
-/// The light of an sRGB colour, channels 0 to 255.
+/// The linear light of an sRGB colour with channels 0 to 255.
 ///
 /// Source: IEC 61966-2-1.
 pub(super) fn srgb_to_linear(srgb: [u8; 3]) -> DVec3 {
@@ -11,13 +11,13 @@ pub(super) fn srgb_to_linear(srgb: [u8; 3]) -> DVec3 {
     }))
 }
 
-/// The sRGB byte of a channel of light.
+/// The sRGB byte of a channel of linear light.
 pub(super) fn linear_to_srgb(light: f64) -> u8 {
     // 0.003_130_8 is where the two pieces of IEC 61966-2-1 meet.
     to_byte(if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 })
 }
 
-/// 0 … 1 as 0 … 255, the nearest; clamped.
+/// Maps 0 … 1 to 0 … 255, rounded and clamped.
 pub(super) fn to_byte(x: f64) -> u8 {
     (x * 255.0 + 0.5) as u8
 }

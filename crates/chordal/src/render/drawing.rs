@@ -1,5 +1,4 @@
-//! A field in the plane as a drawing: tiles that are all one side by ranges, and pixels only along the
-//! outline.
+//! Drawings of planar fields: tiles that are all on one side by intervals, and pixels only along the outline.
 use super::camera::RayGenerator;
 use super::color::srgb_to_linear;
 use super::field::{FieldPicture, FieldRenderError, ImageTile, assemble, each_tile, refusal};
@@ -16,12 +15,12 @@ const INK: [u8; 3] = [38, 48, 62];
 /// Pixels along the side of the first tiles, and of the last ones, which are evaluated pixel by pixel.
 const FIRST: u32 = 128;
 const LAST: u32 = 8;
-/// Points along the side of a pixel on the outline, for each ray along it that a picture in space would have.
+/// Sample points along the side of a pixel on the outline, per ray along it in a picture in space.
 const PARTS: u32 = 2;
-/// The share of the picture that the field's box takes, as for drawings.
+/// The fraction of the picture that the field's box takes, as for drawings.
 const FRAMED: f64 = 0.92;
 
-/// The drawing of a field without z.
+/// Draws a field that does not depend on z.
 ///
 /// Source: M. Keeter, *Massively parallel rendering of complex closed-form implicit surfaces*, 2020.
 pub(super) fn draw(
@@ -50,10 +49,10 @@ pub(super) fn draw(
     Ok(FieldPicture { picture: assemble(camera.screen, &tiles, &bytes), camera, counts })
 }
 
-/// Parallel rays along −z onto the whole box.
+/// An orthographic camera along −z onto the whole box.
 fn top_view_camera(place: &Box3, screen: Screen) -> Result<Camera, FieldRenderError> {
     let finite = (0..2).all(|k| place.min[k].is_finite() && place.max[k].is_finite());
-    // Drawings by rule are commonly made for this square where they do not say.
+    // Drawings of formulas are commonly made for this square where they give none.
     let (min, max) = if finite { (place.min, place.max) } else { ([-1.0; 3], [1.0; 3]) };
     let framed = if finite { FRAMED } else { 1.0 };
     let size = |k: usize| max[k] - min[k];
@@ -80,11 +79,11 @@ struct DrawingRenderer<'a> {
     screen: Screen,
 }
 
-/// What a tile is, before it is drawn.
+/// The coverage of a tile, before it is drawn.
 struct TileCoverage<'a> {
-    /// How much of each pixel is inside, row by row of the first tile.
+    /// The fraction of each pixel that is inside, row by row of the first tile.
     cover: &'a mut [f64],
-    /// The gradient's direction where the inside is coloured by it.
+    /// The gradient's direction, where the inside is coloured by it.
     slopes: &'a mut [[f64; 2]],
     first: ImageTile,
     counts: BeamCounts,
@@ -139,11 +138,11 @@ impl DrawingRenderer<'_> {
         Ok(())
     }
 
-    /// The last tiles: pixels that are all one side by their range, and signs at several points of the
+    /// The last tiles: pixels that are on one side by their interval, and signs at several points of the
     /// others.
     ///
-    /// A ramp from value and gradient would be cheaper, but where two parts of a drawing touch the value is 0
-    /// inside of it, and such a ramp shows seams.
+    /// A ramp from value and gradient would be cheaper. But where two parts of a drawing touch, the value is
+    /// 0 inside of it, and such a ramp shows seams.
     fn pixels(&self, tape: &Tape, tile: ImageTile, inked: &mut TileCoverage) -> Result<(), LeafError> {
         let pixels: Vec<[u32; 2]> = tile.pixels().collect();
         let boxes: Vec<Box3> =
@@ -181,7 +180,7 @@ impl DrawingRenderer<'_> {
         Ok(())
     }
 
-    /// The place in the plane that a place in the picture shows.
+    /// The point in the plane that a position in the picture shows.
     fn place(&self, at: [f64; 2]) -> [f64; 3] {
         let p = self.eye.ray(at).origin;
         [p[0], p[1], 0.0]
@@ -204,7 +203,7 @@ impl DrawingRenderer<'_> {
     }
 }
 
-/// Whether all is inside, or nothing is; `None` where the range does not say.
+/// Whether all is inside, or nothing is; `None` where the interval does not decide.
 fn certain_side(range: &Interval) -> Option<bool> {
     if range.is_empty() || range.lo() >= 0.0 {
         return Some(false);

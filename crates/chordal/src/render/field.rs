@@ -1,5 +1,4 @@
-//! A picture straight from a field: rays meet the surface where the field changes its sign, and no triangle
-//! is made.
+//! Pictures straight from a field: rays meet the surface where the field changes its sign, without triangles.
 use super::Picture;
 use super::camera::{RayGenerator, frame_points};
 use super::drawing::draw;
@@ -18,31 +17,30 @@ use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Pixels along a tile's side, whose rays go together: enough for long batches, few enough for caches and
-/// threads; and more for leaves that want larger batches.
+/// threads; more for leaves that prefer larger batches.
 const TILE: u32 = 16;
 const LEAF_TILE: u32 = 64;
-/// The radius of rays to the lights at their start as a share of the size, and its growth: far below the
-/// lamp's.
+/// The radius of shadow rays at their start as a fraction of the size, and its growth: far below the lamp's.
 const SHADOW_CONE: [f64; 2] = [2e-3, 1e-2]; // measured: a tenth of it takes five times as long, and looks the same
-/// By how much such rays start off the surface, as a share of the size: far above the rounding of hits (2⁻⁴²)
-/// and far below a pixel.
+/// By how much shadow rays start off the surface, as a fraction of the size: far above the rounding of hits
+/// (2⁻⁴²) and far below a pixel.
 const LIFT: f64 = 1e-6; // derived: see above
 
-/// A picture of a field, from where it was taken, and what became of its rays.
+/// A picture of a field, with its camera and the counts of its rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldPicture {
     /// The picture.
     pub picture: Picture,
-    /// From where.
+    /// Its camera.
     pub camera: Camera,
-    /// The rays from the eye; pixels, for a field in the plane.
+    /// The counts of the camera rays; of the pixels, for a planar field.
     pub counts: BeamCounts,
 }
 
 /// Why there is no picture of a field.
 #[derive(Clone, Debug)]
 pub enum FieldRenderError {
-    /// It was refused or cancelled.
+    /// The rendering was refused or cancelled.
     Stopped(JobError),
     /// A leaf failed.
     Leaf(LeafError),
@@ -89,14 +87,13 @@ pub(super) fn refusal(message: String) -> FieldRenderError {
 /// Renders a field.
 ///
 /// The light is that of [`super::render`]. The surface is where the sign of the field changes, found on each
-/// ray to 2⁻⁴² of the size, and its normal is the gradient. A field that does not depend on z is drawn as a
-/// drawing in the plane: dark inside, seen from straight above unless a camera is given. Of what
-/// [`RenderStyle`] offers, edges of triangles and lanes launched for them are refused, and flat is what
-/// shaded is.
+/// ray to 2⁻⁴² of the size, and its normal is the gradient. A field that does not depend on z is drawn in the
+/// plane: dark inside, seen from straight above unless a camera is given. Of the styles in [`RenderStyle`],
+/// triangle edges and lane counts are refused, and flat is the same as shaded.
 ///
 /// The bytes are the same on any number of threads and every target.
 ///
-/// Cost: cells around the surface once; then as for a mesh, with some 5 values of the field a ray.
+/// Cost: the octree around the surface once; then as for a mesh, with some 5 values of the field per ray.
 ///
 /// # Errors
 /// [`FieldRenderError`]: as for [`super::render`]; when the field has no finite box; for edges and lanes; and
@@ -152,13 +149,13 @@ pub fn render_field(
     Ok(FieldPicture { picture, camera, counts })
 }
 
-/// The camera of the automatic viewpoint for the cells of a field: as [`super::frame`] for a mesh.
+/// The camera of the automatic viewpoint for the cells of a field, like [`super::frame`] for a mesh.
 #[must_use]
 pub fn frame_field(cells: &FieldOctree, up: UpAxis, screen: Screen) -> Camera {
     frame_points(|| cells.corners().map(DVec3::from), up, screen)
 }
 
-/// Half a pixel, for rays whose direction is 1 long along the line of sight.
+/// The cone of half a pixel, for rays whose direction is 1 long along the line of sight.
 fn pixel_cone(camera: &Camera) -> [f64; 2] {
     let height = f64::from(camera.screen.height_px);
     match camera.projection {
@@ -178,7 +175,7 @@ struct FieldRenderer<'a> {
     screen: Screen,
 }
 
-/// A part of the picture: its first column and row, and how many there are.
+/// A part of the picture: its first column and row, and its size.
 #[derive(Clone, Copy)]
 pub(super) struct ImageTile {
     pub at: [u32; 2],
@@ -201,7 +198,7 @@ impl ImageTile {
     }
 }
 
-/// Puts the bytes of tiles where they belong.
+/// Copies the bytes of tiles into the picture.
 pub(super) fn assemble(screen: Screen, tiles: &[ImageTile], bytes: &[Vec<u8>]) -> Picture {
     let Screen { width_px: width, height_px: height } = screen;
     let mut rgba = vec![0; 4 * width as usize * height as usize];
@@ -215,7 +212,7 @@ pub(super) fn assemble(screen: Screen, tiles: &[ImageTile], bytes: &[Vec<u8>]) -
     Picture { width, height, rgba }
 }
 
-/// Does `work` for each tile, with progress; what it returns is the tile's bytes and counts.
+/// Calls `work` for each tile, with progress reports; it returns the tile's bytes and counts.
 pub(super) fn each_tile(
     tiles: &[ImageTile],
     job: &Job,
@@ -244,13 +241,13 @@ pub(super) fn each_tile(
     Ok((bytes, counts))
 }
 
-/// Collects the rays to the lights.
+/// Collects shadow rays.
 struct ShadowRayCollector {
     beams: Vec<Beam>,
     size: f64,
 }
 
-/// Tells what became of them, in the order in which they were asked for.
+/// Gives the results of shadow rays, in the order in which they were collected.
 struct ShadowRayResults {
     answers: std::vec::IntoIter<bool>,
     size: f64,
@@ -372,7 +369,7 @@ impl FieldRenderer<'_> {
         let spot = |(beam, record): (&Beam, &BeamRecord)| {
             let met = record.hit?;
             let direction = DVec3::from(beam.direction);
-            // Where there is no gradient the surface faces the eye.
+            // Without a gradient the surface faces the eye.
             let outward = normals.next().flatten().map(DVec3::from);
             let away = if met.entering { 1.0 } else { -1.0 };
             let facing = outward.map_or(-direction.normalize(), |n| n * away);

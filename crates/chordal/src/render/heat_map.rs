@@ -1,20 +1,20 @@
-//! `ReferenceSurface`: another surface, and how far from it each place is, as a colour.
+//! `ReferenceSurface`: another surface, and the distance of points from it as a colour.
 use super::color::srgb_to_linear;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh};
 use glam::DVec3;
 
-/// Another surface that the distance of each place is shown from.
+/// Another surface, from which the distance of each point is shown.
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceSurface<'a> {
     /// The other surface.
     pub mesh: &'a Mesh,
-    /// The distance that has the last colour; what is farther has it too.
+    /// The distance with the last colour; points farther away have it too.
     pub most: f64,
 }
 
-/// Colours from no distance to the most, in sRGB, each darker than the one before: grey paper also tells them
-/// apart.
+/// Colours from distance 0 to the largest, in sRGB. Each is darker than the one before, so they differ in
+/// greyscale too.
 const COLORS: [[u8; 3]; 5] = [[240, 242, 243], [250, 213, 92], [237, 122, 46], [176, 42, 74], [62, 14, 92]];
 
 /// The tree over the other surface, and the scale.
@@ -30,17 +30,17 @@ impl HeatMap {
         Ok(Self { bvh, most: against.most, ramp: ColorRamp::new() })
     }
 
-    /// The colour of a place.
+    /// The colour of a point.
     pub fn at(&self, place: [f64; 3]) -> DVec3 {
         let off = self.bvh.closest_point(place).map_or(f64::INFINITY, |closest| closest.distance_sq.sqrt());
         let share = off / self.most;
-        // 0/0 is no distance on a scale without extent.
+        // 0/0 counts as distance 0 on a scale without extent.
         let share = if share < 1.0 || off == 0.0 { if share > 0.0 { share } else { 0.0 } } else { 1.0 };
         self.ramp.at(share)
     }
 }
 
-/// The colours as light.
+/// The colours in linear light.
 pub(super) struct ColorRamp([DVec3; COLORS.len()]);
 
 impl ColorRamp {
@@ -48,7 +48,7 @@ impl ColorRamp {
         Self(COLORS.map(srgb_to_linear))
     }
 
-    /// The colour at a share of the way from the first to the last, 0 to 1.
+    /// The colour at a fraction of the way from the first to the last, 0 to 1.
     pub fn at(&self, share: f64) -> DVec3 {
         let step = share * (COLORS.len() - 1) as f64;
         let below = (step as usize).min(COLORS.len() - 2);

@@ -1,4 +1,4 @@
-//! `StudioLights`: the lights around a mesh, and what they make of its surface.
+//! `StudioLights`: the lights around a mesh, and the shading of its surface.
 use super::color::srgb_to_linear;
 use super::options::UpAxis;
 use super::render_mesh::ShadingPoint;
@@ -7,33 +7,33 @@ use crate::budget::Camera;
 use crate::math::Box3;
 use glam::DVec3;
 
-/// Radius of the lamp over its distance: soft shadows, as from a large window.
+/// The radius of the lamp over its distance: soft shadows, as from a large window.
 const LAMP_RADIUS: f64 = 0.16;
-/// Light of the lamp, of the sky straight above, at the horizon and from the ground.
+/// The light of the lamp, of the sky straight above, at the horizon and from the ground.
 const LAMP_LIGHT: f64 = 0.78;
 const SKY_LIGHT: [f64; 3] = [0.56, 0.40, 0.26];
-/// Light that comes from where the sky is hidden: the surface itself is lit.
+/// The light from directions in which the sky is hidden: what hides it is lit too.
 const HIDDEN_LIGHT: f64 = 0.07;
-/// Reflectance of a glazed surface seen from the front: that of glass.
+/// The reflectance of a glazed surface seen from the front: that of glass.
 const GLAZE: f64 = 0.04;
-/// The same at a grazing angle: a little rough, so not all of it.
+/// The same at a grazing angle: below 1, since the glaze is not quite smooth.
 const GLAZE_GRAZING: f64 = 0.6;
-/// Light of the lamp as a mirror shows it, and the cosine around which its mirror image fades out.
+/// The light of the lamp in a mirror, and the cosines between which its mirror image fades out.
 const GLINT_LIGHT: f64 = 3.2;
 const GLINT_COS: [f64; 2] = [0.965, 0.992];
 
-/// The colour of fronts, backs, fronts under lines, and lines, in sRGB.
+/// The colours of front and back faces, and of both under lines, in sRGB.
 const FRONT: [u8; 3] = [219, 134, 84];
 const BACK: [u8; 3] = [84, 126, 168];
 const PAPER: [u8; 3] = [226, 229, 233];
 const PAPER_BACK: [u8; 3] = [170, 192, 214];
 
-/// What the surface is made of.
+/// The material of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Material {
     /// Coloured and glazed.
     Clay,
-    /// Light and dull, to draw lines on.
+    /// Light and dull, as a base for lines.
     Paper,
 }
 
@@ -42,9 +42,9 @@ pub(super) struct StudioLights {
     up: DVec3,
     lamp: DVec3,
     lamp_axes: [DVec3; 2],
-    /// Height of the ground along `up`.
+    /// The height of the ground along `up`.
     ground: f64,
-    /// Around what the ground's shadow lies, and how far from it the shadow fades out.
+    /// The middle of the ground's shadow, and how far from it the shadow fades out.
     middle: DVec3,
     reach: f64,
     front: DVec3,
@@ -52,7 +52,7 @@ pub(super) struct StudioLights {
     material: Material,
 }
 
-/// `t` as it runs smoothly from 0 at `low` to 1 at `high`.
+/// A smooth step: 0 up to `low`, 1 from `high` on.
 fn smoothstep([low, high]: [f64; 2], t: f64) -> f64 {
     let x = (t - low) / (high - low);
     let x = if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
@@ -60,7 +60,7 @@ fn smoothstep([low, high]: [f64; 2], t: f64) -> f64 {
 }
 
 impl StudioLights {
-    /// The studio as the camera's light stands: `axes` are its right, up and forward.
+    /// The lights, placed relative to the camera's right, up and forward axes.
     pub fn new(bounds: &Box3, camera: &Camera, up: UpAxis, material: Material) -> Self {
         let top = DVec3::from(up.direction());
         let [right, above, forward] =
@@ -105,7 +105,7 @@ impl StudioLights {
         }
     }
 
-    /// The light on a surface with a normal to shade by and one of its own.
+    /// The light on a surface, given the normal to shade by and the triangle's own.
     fn irradiance(
         &self,
         shadows: &mut impl OcclusionTest,
@@ -120,7 +120,7 @@ impl StudioLights {
         for direction in directions {
             let light = self.sky_radiance(direction) * share;
             found.open_sky += light;
-            // Below the triangle's own plane there is no sky.
+            // There is no sky below the triangle's own plane.
             let hidden = direction.dot(flat) <= 0.0 || shadows.is_occluded(origin, direction);
             found.sky += if hidden { HIDDEN_LIGHT * share } else { light };
         }
@@ -139,7 +139,7 @@ impl StudioLights {
         found
     }
 
-    /// The light that a spot sends along a ray.
+    /// The light that a point sends along a ray.
     pub fn shade(
         &self,
         shadows: &mut impl OcclusionTest,
@@ -156,13 +156,12 @@ impl StudioLights {
         let toward = direction.normalize();
         let cos = -toward.dot(spot.normal);
         let mirrored = toward + spot.normal * (2.0 * cos);
-        // Near outlines a smooth normal mirrors into the triangle; the curved surface that it stands for does
-        // not.
+        // Near silhouettes a smooth normal mirrors into the triangle; the curved surface that it stands for
+        // does not.
         let into = mirrored.dot(spot.flat);
         let mirrored = if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored };
         let seen = if shadows.is_occluded(spot.origin, mirrored) {
-            // The shape itself, in about the same light; as dark as where no light comes it would look like a
-            // slit.
+            // The shape itself, in about the same light; without light it would look like a slit.
             diffuse
         } else {
             DVec3::splat(
@@ -175,12 +174,12 @@ impl StudioLights {
         diffuse * (1.0 - share) + seen * share
     }
 
-    /// The light that a spot of the studio's own colour sends, as one of another colour would send it.
+    /// Converts the light of a point with the studio's own colour to that of another colour.
     pub fn recolor(&self, lit: DVec3, spot: &ShadingPoint, color: DVec3) -> DVec3 {
         lit / if spot.front { self.front } else { self.back } * color
     }
 
-    /// Where a ray meets the ground from above: the share of light that the mesh leaves there.
+    /// Where a ray meets the ground from above: the fraction of light that the mesh leaves there.
     pub fn ground(
         &self,
         shadows: &mut impl OcclusionTest,
@@ -203,24 +202,24 @@ impl StudioLights {
     }
 }
 
-/// What stands in the light. The rays that are asked for never depend on the answers, so they may be
-/// collected first and answered together: shading once with answers made up gives all the rays, and once more
-/// with the answers the light.
+/// Tests whether the light is hidden. The rays never depend on the answers, so they may be collected first
+/// and traced together: shading once with made-up answers gives all the rays, and once more with the true
+/// answers gives the light.
 pub(super) trait OcclusionTest {
-    /// Whether something stands between a place and the light in a direction.
+    /// Whether something lies between a point and the light in a direction.
     fn is_occluded(&mut self, origin: DVec3, direction: DVec3) -> bool;
     /// By how much rays start off the ground.
     fn ray_offset(&self) -> f64;
 }
 
-/// Which of a pixel's rays asks.
+/// One of a pixel's rays.
 #[derive(Clone, Copy)]
 pub(super) struct PixelRay<'a> {
     pub pattern: PixelPattern<'a>,
     pub ray: usize,
 }
 
-/// Light from the sky and from the lamp, and the same where nothing stands in between.
+/// Light from the sky and from the lamp, and the same without occlusion.
 struct Irradiance {
     sky: f64,
     lamp: f64,

@@ -1,4 +1,4 @@
-//! Pictures of shapes, ray-traced and the same on every machine.
+//! Pictures of shapes: ray-traced, and the same on every machine.
 mod camera;
 mod color;
 mod drawing;

@@ -1,15 +1,15 @@
-//! The normals by which a mesh is shaded.
+//! `ShadingNormals`: the normals by which a mesh is shaded.
 use crate::explicit::{Attribute, Domain, Mesh, Semantic, face_normal};
 use glam::DVec3;
 
-/// Across edges sharper than this (its cosine), a mesh without normals of its own is not smooth: cos 30°.
+/// Edges sharper than this (its cosine) are creases in a mesh without normals of its own: cos 30°.
 const CREASE_COS: f64 = 0.866_025_403_784_438_6;
 
-/// Where the normals at a face's corners come from.
+/// The source of the normals at a face's corners.
 pub(super) enum ShadingNormals<'a> {
     /// The mesh's own.
     Given(&'a Attribute),
-    /// One a corner, smooth across edges that are not sharp.
+    /// One per corner, smooth across edges that are not sharp.
     Smooth(Vec<[f32; 3]>),
     /// The face's own.
     Flat,
@@ -41,8 +41,8 @@ impl<'a> ShadingNormals<'a> {
     }
 }
 
-/// For each corner, the sum of the normals, weighted by angle, of those faces around its position that are
-/// within the crease angle of its own.
+/// For each corner, the angle-weighted sum of the normals of those faces around its position that are within
+/// the crease angle of its own.
 fn smooth(mesh: &Mesh) -> Vec<[f32; 3]> {
     let n_faces = mesh.faces().len();
     let normals: Vec<DVec3> =
@@ -88,8 +88,8 @@ fn smooth(mesh: &Mesh) -> Vec<[f32; 3]> {
     rows
 }
 
-/// Faces around a position up to which each is compared with each, which costs their square. In larger fans
-/// (the poles of spheres) each is compared with the mean.
+/// Up to this many faces around a position, each is compared with each, which costs their square. In larger
+/// fans (the poles of spheres) each is compared with the mean.
 const MOST_COMPARED: usize = 256;
 
 fn corner_angles(corners: [[f64; 3]; 3]) -> [f64; 3] {

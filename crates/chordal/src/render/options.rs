@@ -4,34 +4,32 @@ use crate::budget::{Camera, Screen};
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RenderStyle {
-    /// Light on the surface, smooth by the mesh's own normals; without any, smooth across edges of less than
-    /// 30°.
+    /// The lit surface, smooth by the mesh's own normals; without any, smooth across edges of less than 30°.
     #[default]
     Shaded,
-    /// Light on the triangles as they are.
+    /// The lit triangles as they are.
     Flat,
     /// The triangles' edges over a light surface, hidden lines removed.
     Wire,
-    /// The direction of the normal as a colour: −1 … 1 of x, y, z as 0 … 255 of red, green, blue, not
-    /// gamma-corrected.
+    /// The normal as a colour: −1 … 1 of x, y, z as 0 … 255 of red, green, blue, not gamma-corrected.
     Normals,
-    /// Stripes of a room as the surface mirrors them: they jump at edges, bend where only tangent planes
-    /// agree, and run on smoothly where curvatures agree. By the mesh's own normals, as
-    /// [`RenderStyle::Shaded`].
+    /// The reflection of striped walls in the surface. The stripes jump at edges, bend where only tangent
+    /// planes agree, and run on smoothly where curvatures agree. Normals are as in [`RenderStyle::Shaded`].
     Zebra,
-    /// How many lanes a graphics processor launches for each pixel: see [`super::render_overshade`].
+    /// The number of lanes that a graphics processor launches for each pixel: see
+    /// [`super::render_overshade`].
     Overshade,
 }
 
-/// Which sides of triangles are left out of a picture, as graphics processors do.
+/// Which sides of triangles are culled, as graphics processors do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CullMode {
-    /// None: both sides are shown, in different colours.
+    /// No culling: both sides are shown, in different colours.
     #[default]
     None,
-    /// Back faces: what is seen from inside is a hole. A triangle wound the wrong way opens one.
+    /// Culls back faces: what is seen from inside is a hole. A triangle wound the wrong way opens one.
     Back,
-    /// Front faces: the inside of what is turned away is shown.
+    /// Culls front faces: the inside of what is turned away is shown.
     Front,
 }
 
@@ -65,13 +63,13 @@ impl UpAxis {
     }
 }
 
-/// From where.
+/// A viewpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Viewpoint {
     /// From the front, a little from the right and from above, so that the mesh fills the picture: see
     /// [`super::frame`].
     Automatic(Screen),
-    /// As told.
+    /// From this camera.
     Camera(Camera),
 }
 
@@ -81,13 +79,13 @@ pub enum Background {
     /// A light backdrop, and a ground under the mesh that takes its shadow.
     #[default]
     Studio,
-    /// Nothing; where the mesh would cast a shadow on the ground, black of that strength.
+    /// Nothing; where the mesh would cast a shadow on the ground, black of that opacity.
     Shadow,
     /// Nothing at all.
     Transparent,
 }
 
-/// How a picture is made.
+/// The options of a picture.
 ///
 /// ```
 /// use chordal::render::{RenderOptions, RenderStyle};
@@ -98,15 +96,15 @@ pub enum Background {
 pub struct RenderOptions {
     /// What is shown.
     pub show: RenderStyle,
-    /// What is left out. What is left out still casts shadows.
+    /// What is culled. Culled faces still cast shadows.
     pub cull: CullMode,
-    /// From where.
+    /// The viewpoint.
     pub viewpoint: Viewpoint,
-    /// Which way is up: for the light, the ground and the automatic viewpoint.
+    /// The axis that points up: for the light, the ground and the automatic viewpoint.
     pub up: UpAxis,
     /// What is behind the mesh.
     pub background: Background,
-    /// `samples²` rays a pixel, 1 to 16.
+    /// `samples²` rays per pixel; 1 to 16.
     pub samples: u32,
 }
 

@@ -1,4 +1,4 @@
-//! The picture of what a graphics processor shades: how many lanes are launched for each pixel.
+//! Pictures of what a graphics processor shades: how many lanes are launched for each pixel.
 use super::color::linear_to_srgb;
 use super::frame;
 use super::heat_map::ColorRamp;
@@ -9,13 +9,13 @@ use crate::budget::{Camera, Job, JobError};
 use crate::check::{Overshade, overshade};
 use crate::explicit::{HitSides, Mesh};
 
-/// Lanes a pixel at which the last colour is reached.
+/// The lanes per pixel at which the last colour is reached.
 pub const DARKEST_LANES: u32 = 16;
 
-/// The figures of a mesh at the camera of the options, and a picture of them: light where one lane is
-/// launched for a pixel, over yellow for two, orange for four and red for eight to dark violet for 16 and
-/// more. All lanes count, those of hidden triangles too; `options.cull` says which sides are left out. Pixels
-/// without a lane show the background. One sample a pixel: what else the options say is left out.
+/// The shading counts of a mesh at the camera of the options, and a picture of them: light for one lane per
+/// pixel, over yellow for two, orange for four and red for eight, to dark violet for 16 and more. All lanes
+/// count, those of hidden triangles too; `options.cull` says which sides are left out. Pixels without a lane
+/// show the background. One sample per pixel; other options are ignored.
 ///
 /// # Errors
 /// As for [`overshade`].
@@ -52,7 +52,7 @@ fn picture(found: &Overshade, camera: &Camera, background: Background) -> Pictur
     let columns = found.quad_columns as usize;
     let ramp = ColorRamp::new();
     let doublings = f64::from(DARKEST_LANES.ilog2());
-    // The scale doubles; between two doublings it is straight.
+    // The scale doubles; between two doublings it is linear.
     let colors: Vec<[u8; 4]> = (0..=DARKEST_LANES)
         .map(|lanes| {
             let whole = lanes.max(1).ilog2();

@@ -1,4 +1,4 @@
-//! `Picture`: what was rendered.
+//! `Picture`: a rendered image.
 
 /// An image of 8-bit sRGB colours with straight (not premultiplied) alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -7,7 +7,7 @@ pub struct Picture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Four bytes a pixel, row by row from the top left: red, green, blue, alpha.
+    /// Four bytes per pixel, row by row from the top left: red, green, blue, alpha.
     pub rgba: Vec<u8>,
 }
 
@@ -23,7 +23,7 @@ impl Picture {
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2], self.rgba[at + 3]]
     }
 
-    /// Whether no pixel lets anything through.
+    /// Whether every pixel is fully opaque.
     #[must_use]
     pub fn is_opaque(&self) -> bool {
         self.rgba.chunks_exact(4).all(|pixel| pixel[3] == 255)

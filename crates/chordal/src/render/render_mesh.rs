@@ -1,4 +1,4 @@
-//! `RenderMesh`: the mesh as rays see it.
+//! `RenderMesh`: a mesh prepared for rays.
 use super::light::OcclusionTest;
 use super::normals::ShadingNormals;
 use super::options::{CullMode, RenderOptions, RenderStyle};
@@ -6,7 +6,7 @@ use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Hit, HitSides, Mesh, Ray, face_normal};
 use glam::DVec3;
 
-/// A mesh, its tree, and how its normals run.
+/// A mesh, its tree, and its shading normals.
 pub(super) struct RenderMesh<'a> {
     mesh: &'a Mesh,
     bvh: Bvh,
@@ -17,21 +17,21 @@ pub(super) struct RenderMesh<'a> {
     ray_offset: f64,
 }
 
-/// A place on the surface as a ray sees it.
+/// A point on the surface as a ray sees it.
 pub(super) struct ShadingPoint {
     pub face: usize,
-    /// Where rays to the lights start.
+    /// The origin of shadow rays.
     pub origin: DVec3,
     /// The unit normal of the triangle, towards the viewer.
     pub flat: DVec3,
-    /// The unit normal to shade by, on the same side.
+    /// The unit shading normal, on the same side.
     pub normal: DVec3,
-    /// Whether its front is seen.
+    /// Whether the front side is seen.
     pub front: bool,
 }
 
 impl ShadingPoint {
-    /// The normal, −1 … 1 as 0 … 1.
+    /// The normal as a colour, −1 … 1 as 0 … 1.
     pub fn normal_as_color(&self) -> DVec3 {
         self.normal * 0.5 + DVec3::splat(0.5)
     }
@@ -46,7 +46,7 @@ impl<'a> RenderMesh<'a> {
                 ShadingNormals::from_mesh(mesh)
             }
         };
-        // Rays leave a surface this far out: above the rounding of hits, below what a picture of 10^5 pixels
+        // Rays start this far off a surface: above the rounding of hits, below what a picture of 10^5 pixels
         // shows.
         let lift = 1e-6 * bvh.bounds().diagonal();
         let sides = match options.cull {
@@ -80,7 +80,7 @@ impl<'a> RenderMesh<'a> {
             let sum = normals[0] * w[0] + normals[1] * w[1] + normals[2] * w[2];
             let side = if sum.dot(flat) < 0.0 { -1.0 } else { 1.0 };
             let normal = (sum * side).normalize_or_zero();
-            // Normals of length 0, or not finite, leave the triangle's own.
+            // With normals of length 0, or not finite, the triangle's own stays.
             if normal.is_finite() && normal != DVec3::ZERO {
                 spot.normal = facing_normal(normal, flat, DVec3::from(ray.direction));
                 spot.origin =
@@ -90,8 +90,8 @@ impl<'a> RenderMesh<'a> {
         Some((hit, spot))
     }
 
-    /// The place moved outward on to the smooth surface that the normals mean, so that the facets behind them
-    /// cast no shadows on themselves.
+    /// The point moved outward onto the smooth surface that the normals describe, so that its facets cast no
+    /// shadows on themselves (shadow terminator).
     ///
     /// Source: J. Hanika, *Hacking the shadow terminator*, Ray Tracing Gems II, 2021.
     fn smooth_origin(&self, at: DVec3, corners: [DVec3; 3], normals: [DVec3; 3], w: [f64; 3]) -> DVec3 {
@@ -117,8 +117,7 @@ impl OcclusionTest for &RenderMesh<'_> {
     }
 }
 
-/// The normal, turned towards the viewer where it points away although the triangle is seen: to just across
-/// the ray.
+/// The normal. Where it points away although the triangle is seen, it is turned until it is across the ray.
 pub(super) fn facing_normal(normal: DVec3, flat: DVec3, direction: DVec3) -> DVec3 {
     let away = normal.dot(direction);
     if away <= 0.0 {

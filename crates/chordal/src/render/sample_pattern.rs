@@ -1,24 +1,24 @@
 //! The fixed points at which a pixel, the sky and the lamp are sampled: the same for every picture.
 use glam::DVec3;
 
-/// The golden ratio less 1: multiples of it, modulo 1, are spread most evenly.
+/// The golden ratio minus 1: its multiples modulo 1 are spread most evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// The inverse of the real root of x³ = x + 1 and its square: the same in the plane (M. Roberts, *The
 /// unreasonable effectiveness of quasirandom sequences*, 2018).
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-/// Directions by which pixels turn the points on the hemisphere and the lamp, so that neighbours do not
-/// repeat the same pattern. More are not seen.
+/// Rotations of the points on the hemisphere and the lamp, so that neighbouring pixels do not repeat a
+/// pattern. More are not seen.
 const TURNS: usize = 64;
-/// Points on the sky and on the lamp for all rays of a pixel together, at least. Seen side by side: with 16,
-/// shadows show a weave.
+/// The fewest points on the sky and on the lamp for all rays of a pixel together. Compared side by side: with
+/// 16, shadows show a weave.
 const SKY: usize = 32;
 const LAMP: usize = 32;
 
-/// Points for `n` rays a pixel.
+/// Sample points for `n` rays per pixel.
 #[derive(Clone, Debug)]
 pub(super) struct SamplePattern {
-    /// Offsets from the corner of the pixel; a density of tents two pixels wide makes the plain mean of the
-    /// rays a filtered picture.
+    /// Offsets from the corner of the pixel. Their density is a tent two pixels wide, so the plain mean of
+    /// the rays is a filtered picture.
     pub pixel_offsets: Vec<[f64; 2]>,
     sky: Vec<[f64; 3]>,
     lamp: Vec<[f64; 2]>,
@@ -29,7 +29,7 @@ fn fraction(x: f64) -> f64 {
     x - x.floor()
 }
 
-/// From 0 … 1 to the density of a tent over −1 … 1.
+/// Maps 0 … 1 to the density of a tent over −1 … 1.
 fn tent(u: f64) -> f64 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
@@ -38,7 +38,7 @@ impl SamplePattern {
     /// The pattern for `side²` rays.
     pub fn new(side: u32) -> Self {
         let n = (side * side) as usize;
-        // Each ray has the same number of them.
+        // Each ray gets the same number of them.
         let [sky, lamp] = [SKY, LAMP].map(|least| n * least.div_ceil(n));
         let even = |n: usize, i: usize| (i as f64 + 0.5) / n as f64;
         let circle = |u: f64| [libm::cos(std::f64::consts::TAU * u), libm::sin(std::f64::consts::TAU * u)];
@@ -59,14 +59,14 @@ impl SamplePattern {
         }
     }
 
-    /// What the rays of one pixel use.
+    /// The pattern for the rays of one pixel.
     pub fn for_pixel(&self, x: u32, y: u32) -> PixelPattern<'_> {
         let turn = fraction(f64::from(x) * PLASTIC[0] + f64::from(y) * PLASTIC[1]);
         PixelPattern { pattern: self, turn: self.turns[(turn * TURNS as f64) as usize % TURNS] }
     }
 }
 
-/// The pattern, turned for one pixel.
+/// The pattern, rotated for one pixel.
 #[derive(Clone, Copy)]
 pub(super) struct PixelPattern<'a> {
     pattern: &'a SamplePattern,
@@ -96,7 +96,7 @@ impl PixelPattern<'_> {
     }
 }
 
-/// Two unit vectors across a unit vector and each other.
+/// Two unit vectors perpendicular to `n` and each other.
 ///
 /// Source: T. Duff et al., *Building an orthonormal basis, revisited*, 2017.
 pub(super) fn tangents(n: DVec3) -> [DVec3; 2] {

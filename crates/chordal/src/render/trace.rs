@@ -1,4 +1,4 @@
-//! From options to pixels: rows in parallel, each pixel by its own fixed rays.
+//! The renderer of meshes: rows in parallel, each pixel by its own fixed rays.
 use super::camera::RayGenerator;
 use super::color::{linear_to_srgb, srgb_to_linear, to_byte};
 use super::heat_map::{HeatMap, ReferenceSurface};
@@ -13,30 +13,30 @@ use crate::explicit::{Mesh, Ray};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Lines are this wide, in pixels, and this dark, in sRGB.
+/// The width of lines in pixels, and their colour in sRGB.
 const LINE_PX: f64 = 1.3;
 const LINE: [u8; 3] = [38, 48, 62];
-/// From full to no strength of a line's side: with less than a pixel, lines are as smooth as outlines.
+/// The width over which a line's side fades out: less than a pixel, so that lines are as smooth as outlines.
 const LINE_SOFT_PX: f64 = 0.5;
 /// Colours of the backdrop at the top and the bottom of the picture, in sRGB.
 const BACKDROP: [[u8; 3]; 2] = [[247, 249, 251], [219, 225, 232]];
-/// The most rays a pixel, as the side of their square.
+/// The most samples along a pixel's side.
 const MOST_SAMPLES: u32 = 16;
 
 /// Renders a mesh.
 ///
-/// Each pixel is the mean over `samples²` rays at fixed places under a tent filter two pixels wide, in light
-/// and not in sRGB values. Shaded surfaces are lit by a lamp over the viewer's left shoulder with soft
-/// shadows, a sky that is hidden by what stands around (ambient occlusion), and the ground; fronts and backs
-/// differ in colour. All points that decide on it are fixed, so the picture is the same, byte for byte, on
-/// any number of threads and every target.
+/// Each pixel is the mean over `samples²` rays at fixed positions under a tent filter two pixels wide, in
+/// linear light and not in sRGB values. Shaded surfaces are lit by a lamp over the viewer's left shoulder
+/// with soft shadows, a sky with ambient occlusion, and the ground; fronts and backs differ in colour. All
+/// sample points are fixed, so the picture is the same, byte for byte, on any number of threads and every
+/// target.
 ///
-/// Cost: the tree over the mesh, then for a pixel that shows the mesh or its shadow `2·samples²` rays and 64
-/// to 96 more.
+/// Cost: the tree over the mesh; then, for a pixel that shows the mesh or its shadow, `2·samples²` rays and
+/// 64 to 96 more.
 ///
 /// # Errors
-/// [`JobError::Refused`] for a camera that is none, 0 or more than 16 samples, or a picture or tree beyond
-/// the job's memory limit; [`JobError::Cancelled`] when the job was.
+/// [`JobError::Refused`] for an invalid camera, 0 or more than 16 samples, or a picture or tree beyond the
+/// job's memory limit; [`JobError::Cancelled`] when the job was.
 ///
 /// ```
 /// use chordal::{Job, Mesh, render::{Background, RenderOptions, RenderStyle, render}};
@@ -54,10 +54,10 @@ pub fn render(mesh: &Mesh, options: &RenderOptions, job: &Job) -> Result<Picture
     render_mesh(mesh, options, None, job)
 }
 
-/// The same of a mesh whose colour is its distance from another surface: light where there is none, over
-/// yellow and red to dark violet at `against.most` and beyond. The distance is that of the very place that is
-/// seen, not one between those of vertices. [`RenderStyle::Flat`] and [`RenderStyle::Shaded`] light it as
-/// they do; what else `options.show` says is left out.
+/// Renders a mesh coloured by its distance from another surface: light where there is none, over yellow and
+/// red to dark violet at `against.most` and beyond. The distance is that of the very point that is seen, not
+/// interpolated between vertices. [`RenderStyle::Flat`] is lit as such; every other style is lit as
+/// [`RenderStyle::Shaded`].
 ///
 /// # Errors
 /// As for [`render`].
@@ -123,7 +123,7 @@ fn render_mesh(
     Ok(Picture { width, height, rgba: rows.concat() })
 }
 
-/// The eye of a picture, when there can be one.
+/// The ray generator, if camera and options are valid.
 pub(super) fn ray_generator(
     camera: &Camera,
     options: &RenderOptions,
@@ -138,7 +138,7 @@ pub(super) fn ray_generator(
         return Err(refused(RefusalCode::Unsupported, message));
     }
     let Screen { width_px: width, height_px: height } = camera.screen;
-    // Each row once by itself and once in the picture.
+    // Each row is stored once by itself and once in the picture.
     let bytes = (8 * u64::from(width)).saturating_mul(u64::from(height));
     if bytes > job.memory_limit {
         let message =
@@ -148,7 +148,7 @@ pub(super) fn ray_generator(
     Ok(eye)
 }
 
-/// What is behind the shape in row `y`, from the top of the picture to its bottom.
+/// The backdrop in row `y`, counted from the top of the picture.
 pub(super) fn backdrop(y: u32, height: u32) -> DVec3 {
     let [top, bottom] = BACKDROP.map(srgb_to_linear);
     top.lerp(bottom, (f64::from(y) + 0.5) / f64::from(height))
@@ -164,7 +164,7 @@ struct MeshRenderer<'a> {
     line_light: DVec3,
 }
 
-/// Colour times alpha, and alpha.
+/// Premultiplied: colour times alpha, and alpha.
 #[derive(Clone, Copy)]
 pub(super) struct PremultipliedColor {
     pub color: DVec3,
@@ -174,8 +174,7 @@ pub(super) struct PremultipliedColor {
 impl PremultipliedColor {
     pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0 };
 
-    /// One more of a pixel's. Clamped one by one: a glint brighter than white would eat the smoothness of its
-    /// outline.
+    /// Adds a sample, clamped: a glint brighter than white would spoil the smoothness of its outline.
     pub fn add(&mut self, sample: Self) {
         self.color += sample.color.clamp(DVec3::ZERO, DVec3::ONE);
         self.alpha += sample.alpha;
@@ -192,7 +191,7 @@ impl PremultipliedColor {
     }
 }
 
-/// A ray of the picture, which of its pixel's it is, and the backdrop there.
+/// A ray of the picture, its index in its pixel, and the backdrop there.
 #[derive(Clone, Copy)]
 pub(super) struct CameraRay<'a> {
     pub ray: Ray,
@@ -200,7 +199,7 @@ pub(super) struct CameraRay<'a> {
     pub backdrop: DVec3,
 }
 
-/// What a ray sees that meets nothing.
+/// The colour of a ray that meets nothing.
 pub(super) fn shade_background(
     studio: &StudioLights,
     options: &RenderOptions,
@@ -266,9 +265,9 @@ impl MeshRenderer<'_> {
         let nearest = edges.iter().fold(f64::INFINITY, |least, e| if e[0] < least { e[0] } else { least });
         let side = (0.5 * (LINE_PX + LINE_SOFT_PX) - nearest) / LINE_SOFT_PX;
         let side = if side > 0.0 { if side < 1.0 { side } else { 1.0 } } else { 0.0 };
-        // The radius of the circle inside the triangle is the inverse sum of the inverse heights. Triangles
-        // that are narrower than their lines would be all line: these fade, so that fine meshes turn grey and
-        // not black.
+        // The radius of the inscribed circle is the inverse sum of the inverse heights. Triangles that are
+        // narrower than their lines would be all line: these fade, so that fine meshes turn grey and not
+        // black.
         let radius = 1.0 / edges.iter().map(|e| 1.0 / e[1]).sum::<f64>();
         let room = radius / LINE_PX;
         side * if room < 1.0 { 0.3 + 0.7 * room } else { 1.0 }

@@ -1,4 +1,4 @@
-//! Zebra stripes: what a mirror of the surface's shape shows of a room with striped walls.
+//! Zebra stripes: the reflection of striped walls in the surface.
 use super::color::srgb_to_linear;
 use glam::DVec3;
 
@@ -7,16 +7,16 @@ const STRIPES: f64 = 16.0;
 /// Light and dark stripes, in sRGB.
 const COLORS: [[u8; 3]; 2] = [[250, 250, 246], [26, 32, 44]];
 
-/// The colour of the stripe that is seen in a place with that unit normal, looking along a unit direction.
+/// The colour of the stripe seen at a point with this unit normal, looking along a unit direction.
 ///
-/// Stripes are as smooth as normals: across an edge they jump, where only tangent planes agree they bend,
+/// Stripes are as smooth as normals: across an edge they jump, where only tangent planes agree they bend, and
 /// where curvatures agree they run on smoothly.
 pub(super) fn zebra_color(normal: DVec3, direction: DVec3, up: DVec3) -> DVec3 {
     let facing = direction.dot(normal);
     let mirrored = direction - 2.0 * facing * normal;
     let height = STRIPES * 0.5 * (1.0 + mirrored.dot(up));
     let color = srgb_to_linear(COLORS[usize::from(height.floor() as i64 % 2 != 0)]);
-    // Darker towards the outline, so that the shape is seen as well.
+    // Darker towards the silhouette, so that the shape is seen as well.
     color * (0.6 + 0.4 * facing.abs())
 }
 

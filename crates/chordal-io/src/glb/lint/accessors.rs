@@ -1,4 +1,4 @@
-//! Accessors: what they say of themselves, and whether they fit their views.
+//! Rules for accessors: their fields, and whether they fit their views.
 use super::buffers::{BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
 use super::{ANY, GltfLint, IntegerRule};
@@ -9,11 +9,11 @@ use crate::glb::model::{GltfAccessor, GltfBufferView, GltfModel, GltfSparse, ite
 /// The codes of component types.
 const COMPONENTS: &[u64] = &[5120, 5121, 5122, 5123, 5125, 5126];
 
-/// A run of rows that has to lie inside a view.
+/// A run of rows that must lie inside a view.
 struct ViewRange {
     view: usize,
     offset: u64,
-    /// Bytes a component, to which offsets are aligned.
+    /// Bytes per component; offsets are multiples of it.
     align: u64,
     length: u64,
 }
@@ -67,7 +67,7 @@ impl<'a> GltfLint<'a> {
         GltfAccessor { view, offset, count, component, kind, normalized, min, max, sparse }
     }
 
-    /// The least or greatest values: single-precision numbers, or integers that the type can hold.
+    /// The minimum or maximum values: single-precision numbers, or integers within the range of the type.
     #[allow(clippy::cast_possible_truncation)]
     fn bounds(
         &mut self,
@@ -219,7 +219,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Whether a run is aligned and lies inside its view.
+    /// Checks that a run is aligned and lies inside its view.
     fn fits(&mut self, model: &GltfModel<'_>, run: &ViewRange) {
         let Some(GltfBufferView { offset: start, length, .. }) = item(&model.views, Some(run.view)) else {
             return;

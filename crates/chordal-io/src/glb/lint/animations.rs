@@ -1,4 +1,4 @@
-//! Animations.
+//! Rules for animations.
 use super::GltfLint;
 use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
@@ -228,7 +228,7 @@ fn n_targets(model: &GltfModel<'_>, node: &GltfNode<'_>) -> Option<usize> {
     Some(item(&model.meshes, node.mesh)?.primitives.first()?.targets.as_ref()?.len())
 }
 
-/// Whether values of this format may move a property.
+/// Whether values of this format may animate a property.
 fn moves(path: &str, format: AccessorFormat) -> bool {
     let kind = match path {
         "rotation" => AccessorType::Vec4,
@@ -243,7 +243,7 @@ fn moves(path: &str, format: AccessorFormat) -> bool {
         }
 }
 
-/// Whether a text is empty or a sequence of steps in which `~` is escaped.
+/// Whether a text is a JSON pointer: empty, or a sequence of steps in which `~` is escaped.
 fn is_pointer(text: &str) -> bool {
     let mut tildes = text.split('~').skip(1);
     (text.is_empty() || text.starts_with('/')) && tildes.all(|after| after.starts_with(['0', '1']))

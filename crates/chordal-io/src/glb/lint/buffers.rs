@@ -1,11 +1,11 @@
-//! Buffers and their views.
+//! Rules for buffers and their views.
 use super::extensions::ExtensionHost;
 use super::{GltfLint, IntegerRule, uri};
 use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfBuffer, GltfBufferView, GltfModel, item};
 use std::borrow::Cow;
 
-/// What a view is used for; a view has one use only.
+/// The use of a view; a view has only one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BufferViewUse {
     Vertices,
@@ -15,7 +15,7 @@ pub(super) enum BufferViewUse {
     Other,
 }
 
-/// What an accessor is used for; an accessor has one use only.
+/// The use of an accessor; an accessor has only one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AccessorUse {
     Attribute,
@@ -25,7 +25,7 @@ pub(super) enum AccessorUse {
     InverseBindMatrices,
 }
 
-/// What the values of an accessor have to be, because of a use.
+/// What the values of an accessor must be, because of a use.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum AccessorConstraint {
     UnitVectors,
@@ -34,7 +34,7 @@ pub(super) enum AccessorConstraint {
     /// Below the number of vertices.
     IndicesBelow(u64),
     Times,
-    /// Unit quaternions; every third of them only when the splines are cubic.
+    /// Unit quaternions; only every third row if the splines are cubic.
     Quaternions {
         cubic: bool,
     },
@@ -47,7 +47,7 @@ pub(super) struct UseTable {
     accessors: Vec<Option<AccessorUse>>,
     /// For a view without stride the vertex attribute that reads it.
     sole_reader: Vec<Option<usize>>,
-    /// Demands on accessors, each with its pointer.
+    /// Constraints on accessors, each with its pointer.
     pub demands: Vec<(usize, AccessorConstraint, String)>,
 }
 
@@ -65,7 +65,7 @@ impl UseTable {
         }
     }
 
-    /// Notes a demand on an accessor, once.
+    /// Adds a constraint on an accessor.
     pub fn demand(&mut self, accessor: usize, demand: AccessorConstraint, pointer: String) {
         self.demands.push((accessor, demand, pointer));
     }
@@ -97,7 +97,7 @@ impl<'a> GltfLint<'a> {
         }
         self.name(map);
         self.extensions(map, ExtensionHost::Other);
-        // A uri of another type than string still means that the BIN chunk is not meant.
+        // A uri that is not a string still means that the buffer is not the BIN chunk.
         let uri = uri.or_else(|| map.get("uri").map(|_| ""));
         GltfBuffer { byte_length, uri, data }
     }
@@ -115,7 +115,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Whether the bytes of buffers are as many as said.
+    /// Checks that buffers have as many bytes as they declare.
     pub(super) fn check_buffers(&mut self, model: &GltfModel<'_>) {
         for (i, buffer) in model.buffers.iter().enumerate() {
             let Some(GltfBuffer { byte_length: Some(length), data: Some(data), .. }) = buffer else {
@@ -195,7 +195,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Notes that a view is used, and complains when it was used for something else.
+    /// Records the use of a view, and reports a view with another use before.
     pub(super) fn use_view(
         &mut self,
         uses: &mut UseTable,
@@ -212,7 +212,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Notes that an accessor is used, and complains when it was used for something else.
+    /// Records the use of an accessor, and reports an accessor with another use before.
     pub(super) fn use_accessor(
         &mut self,
         uses: &mut UseTable,
@@ -229,7 +229,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Two accessors may read vertices from one view only when it says how far apart they are.
+    /// Checks that two accessors read vertices from one view only if it has a stride.
     pub(super) fn read_vertices(
         &mut self,
         uses: &mut UseTable,

@@ -1,4 +1,4 @@
-//! Cameras and texture samplers: objects that no other rule needs.
+//! Rules for cameras and texture samplers, which no other rule needs.
 use super::extensions::ExtensionHost;
 use super::{GltfLint, IntegerRule, NumberRule};
 use crate::glb::json::JsonValue;
@@ -55,7 +55,7 @@ impl<'a> GltfLint<'a> {
     }
 
     pub(super) fn sampler(&mut self, sampler: &'a JsonValue) {
-        // Values outside the lists are no errors for the validator, wrong types are.
+        // For the validator, values outside the lists are no errors; wrong types are.
         const NAMED: IntegerRule = IntegerRule { min: 0, max: None, list: &[0], required: false };
         for key in ["magFilter", "minFilter", "wrapS", "wrapT"] {
             self.integer(sampler, key, NAMED);

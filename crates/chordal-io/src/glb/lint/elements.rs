@@ -1,4 +1,4 @@
-//! What accessors hold: bounds, unit vectors, indices, times.
+//! Rules for the data of accessors: bounds, unit vectors, indices, times.
 use super::GltfLint;
 use super::buffers::{AccessorConstraint, UseTable};
 use super::nodes::{is_unit, to_single};
@@ -7,15 +7,15 @@ use crate::glb::format::ComponentType;
 use crate::glb::model::{GltfAccessor, GltfModel, GltfPrimitive, item};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far from one the length of a vector may be: the validator's figure, for vectors of bytes.
+/// How far the length of a vector may be from one: the validator's constant, for vectors of bytes.
 const UNIT_VECTOR: f64 = 0.00674;
 /// The same for quaternions.
 const UNIT_QUATERNION: f64 = 0.00769;
-/// How far from one the sum of weights may be, for each of them: the validator's figure.
+/// How far the sum of weights may be from one, per weight: the validator's constant.
 const WEIGHT_STEP: f64 = 2e-7;
 
 impl<'a> GltfLint<'a> {
-    /// Decodes each accessor once and holds it against what was said of it.
+    /// Decodes each accessor once and checks it against its declared bounds and its constraints.
     pub(super) fn check_elements(&mut self, model: &GltfModel<'a>, uses: &UseTable) {
         let mut demands: Vec<&(usize, AccessorConstraint, String)> = uses.demands.iter().collect();
         demands.sort_by_key(|(accessor, ..)| *accessor);
@@ -23,7 +23,7 @@ impl<'a> GltfLint<'a> {
             let Some(accessor) = accessor else { continue };
             let first = demands.partition_point(|(a, ..)| *a < i);
             let own = &demands[first..demands.partition_point(|(a, ..)| *a <= i)];
-            // Rows without data are zeros; the validator does not look at them.
+            // Rows without data are zeros; the validator does not check them.
             if accessor.view.is_none() && accessor.sparse.is_none() {
                 continue;
             }
@@ -100,7 +100,7 @@ impl<'a> GltfLint<'a> {
         rows: &AccessorRows<'_>,
     ) {
         let mut seen: Vec<&AccessorConstraint> = Vec::new();
-        // Of many limits on indices the lowest decides.
+        // Of several limits on indices the lowest applies.
         let lowest = demands
             .iter()
             .filter_map(|(_, demand, pointer)| match demand {
@@ -148,7 +148,7 @@ impl<'a> GltfLint<'a> {
                 }
             }
             AccessorConstraint::Quaternions { cubic } => {
-                // Of a cubic spline only the second of three rows is a value.
+                // In a cubic spline only the second of three rows is a value.
                 if (!cubic || i % 3 == 1) && !is_unit(row, UNIT_QUATERNION) {
                     let code = "ACCESSOR_ANIMATION_SAMPLER_OUTPUT_NON_NORMALIZED_QUATERNION";
                     self.issue_at(code, pointer, || format!("row {i} is no unit quaternion"));
@@ -199,7 +199,7 @@ impl<'a> GltfLint<'a> {
         });
     }
 
-    /// Joints and weights of skinned meshes.
+    /// Checks the joints and weights of skinned meshes.
     pub(super) fn check_influences(&mut self, model: &GltfModel<'a>) {
         let mut n_joints = vec![None::<u64>; model.meshes.len()];
         let mut seen = BTreeSet::new();
@@ -215,7 +215,7 @@ impl<'a> GltfLint<'a> {
         for (m, mesh) in model.meshes.iter().enumerate() {
             let (Some(mesh), Some(limit)) = (mesh, n_joints[m].filter(|n| *n > 0)) else { continue };
             for (p, primitive) in mesh.primitives.iter().enumerate() {
-                // Many primitives may share their vertices.
+                // Primitives may share their vertices; those are checked once.
                 let is_influence = |name: &str| name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
                 let key: Vec<_> =
                     primitive.attributes.iter().filter(|(name, _)| is_influence(name)).collect();
@@ -294,7 +294,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Notes an issue with a set of joints or weights.
+    /// Reports an issue with a set of joints or weights.
     fn issue_at_set(&mut self, code: &'static str, (family, set): (&str, usize), what: String) {
         self.issue(code, Some(format!("{family}_{set}").as_str().into()), || what);
     }

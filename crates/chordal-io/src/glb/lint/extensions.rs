@@ -1,9 +1,9 @@
-//! Extensions that the validator knows, and where they may stand.
+//! Extensions that the validator knows, and where they are allowed.
 use super::{GltfLint, IntegerRule, NumberRule, PointerToken};
 use crate::glb::json::JsonValue;
 use std::collections::BTreeSet;
 
-/// An object that may carry extensions.
+/// An object that may have extensions.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum ExtensionHost {
     Root,
@@ -17,7 +17,7 @@ pub(super) enum ExtensionHost {
     Other,
 }
 
-/// The extensions that the validator knows, and their places.
+/// The extensions that the validator knows, and the objects that may have them.
 const KNOWN: [(&str, &[ExtensionHost]); 18] = [
     ("EXT_texture_webp", &[ExtensionHost::Texture]),
     ("KHR_animation_pointer", &[ExtensionHost::ChannelTarget]),
@@ -39,11 +39,11 @@ const KNOWN: [(&str, &[ExtensionHost]); 18] = [
     ("KHR_texture_transform", &[ExtensionHost::TextureInfo]),
 ];
 
-/// The only known extension that changes what a file without it means, so that it cannot be optional.
+/// The only known extension without which a file has another meaning, so that it cannot be optional.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 impl<'a> GltfLint<'a> {
-    /// Notes the extensions that a document names.
+    /// Records the extensions that a document declares.
     pub(super) fn declare(&mut self, used: &[&'a str], required: &[&'a str]) {
         self.declared = used.iter().copied().collect();
         let needed: BTreeSet<&str> = required.iter().copied().collect();
@@ -66,12 +66,12 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Whether a document names an extension.
+    /// Whether a document declares an extension.
     pub(super) fn declares(&self, name: &str) -> bool {
         self.declared.contains(name)
     }
 
-    /// The extensions of an object that are known and may stand there. Extras may be anything.
+    /// The extensions of an object that are known and allowed there. Extras may be anything.
     pub(super) fn extensions(
         &mut self,
         map: &'a JsonValue,
@@ -109,7 +109,7 @@ impl<'a> GltfLint<'a> {
         out
     }
 
-    /// Looks into extensions, each with its own pointer.
+    /// Visits extensions, each with its own pointer.
     pub(super) fn each_extension(
         &mut self,
         found: Vec<(&'static str, &'a JsonValue)>,
@@ -125,7 +125,7 @@ impl<'a> GltfLint<'a> {
         });
     }
 
-    /// Lights and variants, which stand at the root.
+    /// Checks lights and variants, which belong to the root.
     pub(super) fn root_extensions(&mut self, root: &'a JsonValue) {
         let found = self.extensions(root, ExtensionHost::Root);
         self.each_extension(found, |lint, name, value| match name {
@@ -163,7 +163,7 @@ impl<'a> GltfLint<'a> {
 
     fn spot(&mut self, spot: &'a JsonValue) {
         use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-        // The inner angle stays below the right angle by the step that separates two numbers there.
+        // The inner angle stays below the right angle by one floating-point step.
         let inner = NumberRule { min: 0.0, max: FRAC_PI_2.next_down(), ..NumberRule::ANY };
         let inner = self.number(spot, "innerConeAngle", inner).or(0.0);
         let outer =
@@ -179,7 +179,7 @@ impl<'a> GltfLint<'a> {
         self.extensions(spot, ExtensionHost::Other);
     }
 
-    /// An index into a list of a root extension.
+    /// Resolves an index into a list of a root extension.
     pub(super) fn extension_reference(
         &mut self,
         path: [&'a str; 2],
@@ -199,7 +199,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// The numbers and colours of a material extension. Textures are looked at by the caller.
+    /// Checks the numbers and colours of a material extension. The caller checks its textures.
     pub(super) fn material_extension(&mut self, name: &str, map: &'a JsonValue) {
         let above_1 = NumberRule { min: 1.0, ..NumberRule::ANY };
         let reals: &[(&str, NumberRule)] = match name {
@@ -242,7 +242,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Another coordinate set by `KHR_texture_transform`.
+    /// The texture coordinate set that `KHR_texture_transform` chooses instead.
     pub(super) fn texture_transform(&mut self, map: &'a JsonValue) -> Option<u64> {
         self.any_numbers::<2>(map, "offset");
         self.number(map, "rotation", NumberRule::ANY);
@@ -251,7 +251,7 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// The textures of a material extension.
+/// The texture fields of a material extension.
 pub(super) fn textures_of(name: &str) -> &'static [&'static str] {
     match name {
         "KHR_materials_anisotropy" => &["anisotropyTexture"],

@@ -1,22 +1,22 @@
-//! Images: only their first bytes are looked at.
+//! Rules for images, of which only the first bytes are checked.
 use super::buffers::{BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
 use super::{GltfLint, uri};
 use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfBufferView, GltfImage, GltfModel, item};
 
-/// Why the first bytes of an image are not right.
+/// Why the first bytes of an image are invalid.
 enum ImageError {
     /// The bytes end too early.
     End,
     /// No known type of image.
     Unknown,
-    /// Bytes that such an image cannot have.
+    /// Bytes that are invalid for the type of the image.
     Invalid(&'static str),
 }
 
 impl<'a> GltfImage<'a> {
-    /// The type that the file says, or else the one that the bytes have.
+    /// The type that the file declares, or else the one that the bytes have.
     pub(super) fn mime(&self) -> Option<&'a str> {
         self.mime.or(self.found)
     }
@@ -70,7 +70,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Looks at the first bytes of images. Those in other files are not opened.
+    /// Checks the first bytes of images. Images in other files are not opened.
     pub(super) fn check_images(&mut self, model: &mut GltfModel<'a>) {
         let webp = self.declares("EXT_texture_webp");
         for i in 0..model.images.len() {
@@ -94,7 +94,7 @@ impl<'a> GltfLint<'a> {
                 }
                 Err(ImageError::End) => lint.issue_here("IMAGE_UNEXPECTED_EOS", "the image ends too early"),
                 Err(ImageError::Invalid(what)) => lint.issue_here("IMAGE_DATA_INVALID", what),
-                // The validator warns of these only.
+                // For these the validator only warns.
                 Err(ImageError::Unknown) => {}
             });
             if let Some(image) = &mut model.images[i] {
@@ -111,7 +111,7 @@ fn view_bytes<'m>(model: &'m GltfModel<'_>, view: Option<usize>) -> Option<&'m [
     data.get(start..)?.get(..usize::try_from((*length)?).ok()?)
 }
 
-/// The type by the first bytes.
+/// Detects the type by the first bytes.
 fn type_of(bytes: &[u8]) -> Option<&'static str> {
     match bytes.get(..14)? {
         [0xFF, 0xD8, 0xFF, ..] => Some("image/jpeg"),
@@ -133,7 +133,7 @@ fn sniff_image(bytes: &[u8]) -> Result<&'static str, ImageError> {
     Ok(mime)
 }
 
-/// Follows the segments to the one that holds the size.
+/// Follows the segments to the one with the size.
 fn jpeg(bytes: &[u8]) -> Result<(), ImageError> {
     let mut rest = bytes;
     loop {
@@ -158,12 +158,12 @@ fn jpeg(bytes: &[u8]) -> Result<(), ImageError> {
     }
 }
 
-/// Markers without a segment, and the byte that may fill the space before a marker.
+/// Whether a marker has no segment, or the byte fills the space before a marker.
 fn is_padding(byte: u8) -> bool {
     matches!(byte, 0x01 | 0xD0..=0xD7 | 0xD8..=0xD9 | 0xFF)
 }
 
-/// Follows the chunks to the picture.
+/// Follows the chunks to the image data.
 fn png(bytes: &[u8]) -> Result<(), ImageError> {
     let mut rest = bytes.get(8..).ok_or(ImageError::End)?;
     let mut has_header = false;

@@ -1,4 +1,4 @@
-//! Materials and textures.
+//! Rules for materials and textures.
 use super::extensions::{ExtensionHost, textures_of};
 use super::{GltfLint, IntegerRule, NumberRule, PointerToken};
 use crate::glb::json::JsonValue;
@@ -37,7 +37,7 @@ impl<'a> GltfLint<'a> {
         material
     }
 
-    /// A reference to a texture; whether there is one.
+    /// Parses a reference to a texture. Returns whether there is one.
     fn texture_info(&mut self, map: &'a JsonValue, key: &'a str, material: &mut GltfMaterial) -> bool {
         let Some(info) = self.object(map, key, false) else { return false };
         self.within(key, |lint| {
@@ -75,7 +75,7 @@ impl<'a> GltfLint<'a> {
         GltfTexture { source, webp }
     }
 
-    /// Whether the images of textures have types that every viewer reads.
+    /// Checks that the images of textures have types that every viewer reads.
     pub(super) fn link_textures(&mut self, model: &GltfModel<'a>) {
         for (i, texture) in model.textures.iter().enumerate() {
             let Some(texture) = texture else { continue };

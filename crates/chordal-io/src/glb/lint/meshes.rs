@@ -1,4 +1,4 @@
-//! Meshes and their primitives.
+//! Rules for meshes and their primitives.
 use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
 use super::{ANY, GltfLint, IntegerRule, PointerToken};
@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 const FLOAT3: AccessorFormat = AccessorFormat::plain(Vec3, F32);
 
-/// Formats of the indices of a primitive.
+/// The allowed formats of indices.
 const INDICES: [AccessorFormat; 3] = [
     AccessorFormat::plain(Scalar, U8),
     AccessorFormat::plain(Scalar, U16),
@@ -90,7 +90,7 @@ impl<'a> GltfLint<'a> {
         out
     }
 
-    /// Checks names, and returns the numbers of joint sets and of texture coordinate sets.
+    /// Checks names. Returns the numbers of joint sets and of texture coordinate sets.
     fn attribute_names(&mut self, attributes: &GltfAttributes<'a>) -> [u64; 2] {
         const FAMILIES: [&str; 4] = ["COLOR", "JOINTS", "TEXCOORD", "WEIGHTS"];
         let mut sets: [SetIndices; 4] = Default::default();
@@ -392,14 +392,14 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// Whose formats are asked for.
+/// What an attribute belongs to, which decides the allowed formats.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum AttributeOwner {
     Base,
     Target,
 }
 
-/// The formats of an attribute; `None` when it may be anything.
+/// The allowed formats of an attribute; `None` if any is.
 fn formats(family: &str, allowed: AttributeOwner, quantized: bool) -> Option<Vec<AccessorFormat>> {
     let both = |kind, components: &[ComponentType], out: &mut Vec<AccessorFormat>| {
         for component in components {
@@ -461,7 +461,7 @@ fn formats(family: &str, allowed: AttributeOwner, quantized: bool) -> Option<Vec
     Some(out)
 }
 
-/// A set's number, without leading zeros.
+/// Parses the number of a set, without leading zeros.
 fn set_number(text: &str) -> Option<u64> {
     let plain = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     if plain && (text == "0" || !text.starts_with('0')) { text.parse().ok() } else { None }

@@ -1,7 +1,7 @@
-//! `GltfLint`: what the Khronos validator calls an error, found here with the same code and JSON pointer.
+//! `GltfLint`: finds what the Khronos validator calls an error, with the same code and JSON pointer.
 //!
 //! The rules are those of gltf-validator 2.0.0-dev.3.10, one file for each kind of object. Parsing fills the
-//! [`GltfModel`](super::model::GltfModel), with `None` where a field errs, then links and data are looked at.
+//! [`GltfModel`](super::model::GltfModel), with `None` for invalid fields; then links and data are checked.
 use super::json::JsonValue;
 use crate::{FileLocation, Warning};
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,31 +42,31 @@ impl From<usize> for PointerToken<'_> {
     }
 }
 
-/// The issues of a file, counted by their code, and the place that is looked at.
+/// The issues of a file, counted by their code, and the current JSON pointer.
 pub(super) struct GltfLint<'a> {
     path: Vec<PointerToken<'a>>,
-    /// Each code once, in the order of their first place.
+    /// Each code once, in the order of first occurrence.
     pub issues: Vec<Warning>,
     declared: BTreeSet<&'a str>,
-    /// The lists of the document, for references.
+    /// The lists of the document, to resolve references.
     lists: BTreeMap<&'a str, &'a [JsonValue]>,
     /// The extensions of the document itself.
     root_extensions: Option<&'a JsonValue>,
-    /// Bytes of data that may still be looked at: many objects may name the same ones.
+    /// Bytes of data that may still be checked: many objects may refer to the same ones.
     work: u64,
 }
 
-/// A whole number.
+/// The rule for an integer field.
 #[derive(Clone, Copy, Default)]
 struct IntegerRule {
     min: u64,
     max: Option<u64>,
-    /// The only values that are not just warned about; all when empty.
+    /// The allowed values; all when empty. Others are only warned about.
     list: &'static [u64],
     required: bool,
 }
 
-/// A real number: `min ≤ x ≤ max`, `above < x`, or `x` is the exception.
+/// The rule for a number field: `min ≤ x ≤ max`, `above < x`, or `x` is the exception.
 #[derive(Clone, Copy)]
 struct NumberRule {
     min: f64,
@@ -93,11 +93,11 @@ impl NumberRule {
     }
 }
 
-/// A field that may be left out.
+/// An optional field.
 #[derive(Clone, Copy, PartialEq)]
 enum JsonMember<T> {
     Absent,
-    /// There, and not what it has to be.
+    /// Present, but invalid.
     Bad,
     Is(T),
 }
@@ -117,7 +117,7 @@ impl<T> JsonMember<T> {
 }
 
 impl<'a> GltfLint<'a> {
-    /// For a document, of whose data so many bytes may be looked at.
+    /// Starts on a document; at most `work` bytes of its data are checked.
     pub fn new(root: &'a JsonValue, work: u64) -> Self {
         let lists = root.entries().iter().filter_map(|(key, value)| Some((&**key, value.items()?))).collect();
         Self {
@@ -130,7 +130,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Counts bytes that are about to be looked at; false when there are more than may be.
+    /// Counts bytes that are about to be checked. Returns false when they exceed the limit.
     fn charge(&mut self, bytes: u64) -> bool {
         let left = self.work.checked_sub(bytes);
         self.work = left.unwrap_or(0);
@@ -143,7 +143,7 @@ impl<'a> GltfLint<'a> {
         left.is_some()
     }
 
-    /// Notes an issue at the place that is looked at, or below it.
+    /// Reports an issue at the current pointer, or one step below it.
     fn issue(
         &mut self,
         code: &'static str,
@@ -156,7 +156,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Notes an issue at a pointer that was kept.
+    /// Reports an issue at a stored pointer.
     fn issue_at(&mut self, code: &'static str, pointer: &str, message: impl FnOnce() -> String) {
         if !self.count_repeat(code) {
             let place = FileLocation::Pointer(pointer.to_owned());
@@ -164,7 +164,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Counts an issue of a kind that was there before.
+    /// Counts an issue whose code was reported before. Returns whether it was.
     fn count_repeat(&mut self, code: &'static str) -> bool {
         let known = self.issues.iter_mut().find(|issue| issue.code == code);
         known.map(|issue| issue.count += 1).is_some()
@@ -178,7 +178,7 @@ impl<'a> GltfLint<'a> {
         self.issue(code, None, || message.to_owned());
     }
 
-    /// Looks one step down.
+    /// Visits one step below the current pointer.
     fn within<R>(&mut self, step: impl Into<PointerToken<'a>>, look: impl FnOnce(&mut Self) -> R) -> R {
         self.path.push(step.into());
         let result = look(self);
@@ -198,7 +198,7 @@ impl<'a> GltfLint<'a> {
         if out.is_empty() { "/".to_owned() } else { out }
     }
 
-    /// Whether a list of the document has an object there.
+    /// Whether a list of the document has an object at an index.
     fn exists(&self, list: &str, index: usize) -> bool {
         matches!(self.lists.get(list).and_then(|items| items.get(index)), Some(JsonValue::Object(_)))
     }
@@ -210,7 +210,7 @@ impl<'a> GltfLint<'a> {
         Some(index)
     }
 
-    /// Notes a reference to something that is not there.
+    /// Reports a reference that does not resolve.
     fn resolved(&mut self, list: &str, index: usize, below: PointerToken<'a>) -> bool {
         let found = self.exists(list, index);
         if !found {
@@ -271,7 +271,7 @@ impl<'a> GltfLint<'a> {
         };
         let found = u64::try_from(i).ok();
         if !rule.list.is_empty() {
-            // The validator only warns of values outside a list, and goes on without them.
+            // The validator only warns of values outside a list, and continues without them.
             return found.filter(|x| rule.list.contains(x)).map_or(JsonMember::Bad, JsonMember::Is);
         }
         match found.filter(|x| *x >= rule.min && rule.max.is_none_or(|max| *x <= max)) {
@@ -330,7 +330,7 @@ impl<'a> GltfLint<'a> {
         self.text(map, "name", false).unwrap_or_default()
     }
 
-    /// An object; absent, or no object, is `None`.
+    /// An object; `None` when it is absent or no object.
     fn object(&mut self, map: &'a JsonValue, key: &'a str, required: bool) -> Option<&'a JsonValue> {
         let Some(value) = self.value(map, key, "object") else {
             if required {
@@ -345,7 +345,7 @@ impl<'a> GltfLint<'a> {
         Some(value)
     }
 
-    /// A list that is there, is a list and is not empty.
+    /// A list that is present, an array, and not empty.
     fn list(&mut self, map: &'a JsonValue, key: &'a str) -> Option<&'a [JsonValue]> {
         let value = self.value(map, key, "array")?;
         match value.items() {
@@ -361,7 +361,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// A list of objects that has to be there.
+    /// A required list of objects.
     fn objects(&mut self, map: &'a JsonValue, key: &'a str) -> Option<&'a [JsonValue]> {
         if matches!(map.get(key), None | Some(JsonValue::Null)) {
             self.value(map, key, "array");
@@ -376,7 +376,7 @@ impl<'a> GltfLint<'a> {
         (wrong == 0).then_some(items)
     }
 
-    /// A list of different indices; an item that is none is `None`.
+    /// A list of distinct indices, with `None` for invalid items.
     fn indices(&mut self, map: &'a JsonValue, key: &'a str, required: bool) -> Option<Vec<Option<usize>>> {
         if required && matches!(map.get(key), None | Some(JsonValue::Null)) {
             self.missing(key);
@@ -401,7 +401,7 @@ impl<'a> GltfLint<'a> {
         })
     }
 
-    /// A list of numbers within a range, of a length if that is not 0.
+    /// A list of numbers within a range; of the given length unless that is 0.
     fn numbers(
         &mut self,
         map: &'a JsonValue,
@@ -436,12 +436,12 @@ impl<'a> GltfLint<'a> {
         all_good.then_some(out)
     }
 
-    /// A list of numbers of any size.
+    /// A list of `N` numbers without range.
     fn any_numbers<const N: usize>(&mut self, map: &'a JsonValue, key: &'a str) -> Option<[f64; N]> {
         self.numbers(map, key, N, ANY)?.try_into().ok()
     }
 
-    /// A list of different strings.
+    /// A list of distinct strings.
     fn texts(&mut self, map: &'a JsonValue, key: &'a str) -> Vec<&'a str> {
         let Some(items) = self.list(map, key) else { return Vec::new() };
         self.within(key, |lint| {
@@ -464,5 +464,5 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// Any number.
+/// The range of all numbers.
 const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -1,11 +1,11 @@
-//! Nodes and scenes.
+//! Rules for nodes and scenes.
 use super::extensions::ExtensionHost;
 use super::{ANY, GltfLint};
 use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfModel, GltfNode, GltfScene, item};
 use crate::glb::transform::{is_identity, is_trs};
 
-/// How far from one the length of a quaternion may be: the validator's figure, for quaternions of bytes.
+/// How far the length of a quaternion may be from one: the validator's constant, for quaternions of bytes.
 const UNIT_QUATERNION: f64 = 0.00769;
 
 impl<'a> GltfLint<'a> {
@@ -114,7 +114,7 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// The number that single precision makes of it.
+/// Rounds to single precision.
 #[allow(clippy::cast_possible_truncation)]
 pub(super) fn to_single(x: f64) -> f64 {
     f64::from(x as f32)
@@ -123,14 +123,14 @@ pub(super) fn to_single(x: f64) -> f64 {
 /// Whether a vector is of unit length to a tolerance.
 pub(super) fn is_unit(vector: &[f64], tolerance: f64) -> bool {
     let off = (vector.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs();
-    // The validator has another complaint about NaN.
+    // The validator has another issue for NaN.
     off.is_nan() || off <= tolerance
 }
 
-/// The nodes that are their own ancestors. Each has one parent at most, so that walking up meets each loop
+/// The nodes that are their own ancestors. Each node has at most one parent, so walking up finds each cycle
 /// once.
 fn nodes_on_cycles(parent: &[Option<usize>]) -> Vec<usize> {
-    // The walk that came by first; 0 for none.
+    // The walk that visited the node first; 0 for none.
     let mut walk = vec![0; parent.len()];
     let mut out = Vec::new();
     for start in 0..parent.len() {
@@ -142,7 +142,7 @@ fn nodes_on_cycles(parent: &[Option<usize>]) -> Vec<usize> {
                 None => break,
             }
         }
-        // The walk met itself: `at` is on a loop that nobody saw before.
+        // The walk met itself: `at` is on a new cycle.
         if walk[at] == start + 1 && parent[at].is_some() {
             let mut member = at;
             loop {

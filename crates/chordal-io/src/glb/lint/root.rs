@@ -1,10 +1,10 @@
-//! The document: its lists, in the order in which the validator looks at them.
+//! The entry points: parses the lists of a document in the validator's order, then checks links and data.
 use super::GltfLint;
 use super::extensions::ExtensionHost;
 use crate::glb::json::JsonValue;
 use crate::glb::model::GltfModel;
 
-/// Parses a document; `bin` is the BIN chunk. `None` when it is no glTF 2.x that could be looked into.
+/// Parses a document; `bin` is the BIN chunk. `None` when it is no glTF 2.x whose content can be checked.
 pub(in crate::glb) fn parse<'a>(
     lint: &mut GltfLint<'a>,
     root: &'a JsonValue,
@@ -41,7 +41,7 @@ pub(in crate::glb) fn parse<'a>(
     Some(model)
 }
 
-/// Checks how the objects refer to one another, and what their data say.
+/// Checks the references between objects, and their data.
 pub(in crate::glb) fn link<'a>(lint: &mut GltfLint<'a>, model: &mut GltfModel<'a>) {
     let mut uses = super::buffers::UseTable::from_model(model);
     lint.link_views(model);
@@ -59,7 +59,7 @@ pub(in crate::glb) fn link<'a>(lint: &mut GltfLint<'a>, model: &mut GltfModel<'a
 }
 
 impl<'a> GltfLint<'a> {
-    /// Looks at each object of a root list.
+    /// Visits each object of a root list.
     fn each_object<T>(
         &mut self,
         root: &'a JsonValue,
@@ -82,7 +82,7 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// The version, which has to be 2.x and not below the least one that the file asks for.
+/// Checks the version, which must be 2.x and not below the file's own minimum version.
 fn asset_version<'a>(lint: &mut GltfLint<'a>, asset: &'a JsonValue) -> Option<()> {
     lint.text(asset, "copyright", false);
     lint.text(asset, "generator", false);

@@ -1,4 +1,4 @@
-//! Skins.
+//! Rules for skins.
 use super::GltfLint;
 use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
@@ -7,18 +7,19 @@ use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfModel, GltfSkin, item};
 use std::collections::BTreeSet;
 
-/// The forest of nodes, numbered so that ancestors are told in one comparison.
+/// The forest of nodes, numbered so that one comparison decides ancestry.
 struct NodeForest {
     parent: Vec<Option<usize>>,
     root: Vec<usize>,
     /// The numbers of a node's first and last descendant, itself included.
     span: Vec<(usize, usize)>,
-    /// For each k the ancestor 2ᵏ levels up, or the root: long ways up are short, however deep the tree.
+    /// For each k the ancestor 2ᵏ levels up, or the root: long walks up take few steps, however deep the
+    /// tree.
     up: Vec<Vec<usize>>,
 }
 
 impl NodeForest {
-    /// `None` when nodes form loops.
+    /// Builds the forest; `None` when nodes form cycles.
     fn from_model(model: &GltfModel<'_>) -> Option<Self> {
         let n = model.nodes.len();
         let mut parent = vec![None; n];
@@ -73,7 +74,7 @@ impl NodeForest {
         if self.is_ancestor(a, b) {
             return Some(a);
         }
-        // The highest ancestor that is not common has the common one as its parent.
+        // The highest ancestor that is not common has the lowest common one as its parent.
         let mut below = a;
         for step in self.up.iter().rev() {
             if !self.is_ancestor(step[below], b) {
@@ -112,7 +113,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// The common root of the joints.
+    /// Returns the common root of the joints.
     fn link_joints(&mut self, skin: &GltfSkin, forest: Option<&NodeForest>) -> Option<usize> {
         let mut common = None;
         let mut n_found = 0;
@@ -121,8 +122,8 @@ impl<'a> GltfLint<'a> {
             let found = self.within("joints", |lint| lint.resolved("nodes", joint, k.into()));
             let (Some(forest), true) = (forest, found) else { continue };
             n_found += 1;
-            // A joint of another tree takes the common root away, and the next one begins anew. That is how
-            // the validator has it, so that the last joints decide.
+            // A joint of another tree resets the common root, and the next joint starts again. The validator
+            // does it this way, so the last joints decide.
             common = match common {
                 None => Some(joint),
                 Some(above) => forest.lowest_common_ancestor(above, joint),
@@ -170,7 +171,7 @@ impl<'a> GltfLint<'a> {
         });
     }
 
-    /// Whether the joints of a node's skin are in each scene that shows the node.
+    /// Checks that the joints of a node's skin are in each scene that shows the node.
     fn scenes_of_skins(&mut self, model: &GltfModel<'a>, forest: &NodeForest, common: &[Option<usize>]) {
         let mut shown = vec![BTreeSet::new(); model.nodes.len()];
         for (s, scene) in model.scenes.iter().enumerate() {
@@ -180,7 +181,7 @@ impl<'a> GltfLint<'a> {
                 }
             }
         }
-        // Pairs of roots that were compared, so that many nodes cost no more than one.
+        // Caches compared pairs of roots, so that many nodes cost no more than one.
         let mut known = std::collections::BTreeMap::new();
         for (i, node) in model.nodes.iter().enumerate() {
             let skin = node.as_ref().and_then(|node| node.skin);
@@ -201,7 +202,7 @@ mod tests {
 
     #[test]
     fn common_ancestors_are_those_that_walking_up_finds() {
-        // Two trees: parents by a rule that makes long and bushy branches.
+        // Two trees, with parents by a rule that makes long and bushy branches.
         let n = 300;
         let parent = |i: usize| match i {
             0 | 150 => None,

@@ -1,13 +1,13 @@
-//! URIs: data that stand in the file itself, and names of other files, which are never opened.
+//! URIs: data in the file itself, and names of other files, which are never opened.
 
-/// A data URI taken apart.
+/// A decoded data URI.
 pub(super) struct DataUri {
     /// The media type, in lower case.
     pub mime: String,
     pub bytes: Vec<u8>,
 }
 
-/// The bytes of a data URI; `None` when the text is something else, or an error when it is a broken data URI.
+/// Decodes a data URI. `None` when the text is something else, an error when it is a broken data URI.
 ///
 /// The text is in memory already, and the bytes take less than it does.
 pub(super) fn data_uri(text: &str) -> Option<Result<DataUri, &'static str>> {
@@ -60,7 +60,7 @@ fn percent_decoded(text: &str) -> Result<Vec<u8>, &'static str> {
     Ok(out)
 }
 
-/// Both alphabets; padding may be left out as a whole, and nothing else.
+/// Decodes both alphabets. Padding may be left out as a whole, and nothing else.
 fn base64(text: &[u8]) -> Result<Vec<u8>, &'static str> {
     let padding = text.iter().rev().take(2).take_while(|b| **b == b'=').count();
     let remainder = text.len() % 4;
@@ -88,8 +88,8 @@ fn base64(text: &[u8]) -> Result<Vec<u8>, &'static str> {
     Ok(out)
 }
 
-/// Whether a text cannot be a URI, in the eyes of the validator's parser: it begins with the colon of an
-/// empty scheme, its host is a broken IPv6 address, or its port is no number.
+/// Whether the validator's parser rejects a text as a URI: it begins with the colon of an empty scheme, its
+/// host is a broken IPv6 address, or its port is no number.
 pub(super) fn is_invalid(text: &str) -> bool {
     if text.starts_with(':') {
         return true;

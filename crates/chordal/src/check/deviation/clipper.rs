@@ -1,37 +1,39 @@
-//! `ConvexClipper`: what of a piece lies over a face, cut out in rounded numbers so that nothing is lost.
+//! `ConvexClipper`: clips a piece to a face, conservatively in rounded arithmetic.
 use super::distance::distance_up;
 use super::projection::SubtriangleProjection;
 use super::subtriangle::{MeshSubtriangle, larger};
 
-/// Cuts out of a piece what lies over a face, outwards.
+/// Clips a piece to the image of a face, rounded outwards.
 ///
-/// Corners of the polygon are kept with their images. Let `E` be the largest difference along an axis between images of
-/// corners of piece and face, and `R` the largest coordinate of the piece in space. Beside the polygon of rounded
-/// corners stands an exact one: it starts as the piece itself, and where a side from `p` to `q` is cut at the computed
-/// number `0 ≤ t ≤ 1`, its corner is exactly `p + t(q − p)`, in space and in the plane. Rounding adds, along each axis
-/// and for each cut, three times `ε/2` of numbers up to `E`: 1.5 εE in the plane, where a corner of the piece is
-/// zero; in space, with `L` the piece's largest difference along an axis, `εL + ½εR`.
+/// Corners of the polygon are kept with their images. Let `E` be the largest difference along an axis between
+/// images of corners of piece and face, and `R` the largest coordinate of the piece in space. The polygon of
+/// rounded corners is accompanied by an exact one: it starts as the piece itself, and where a side from `p`
+/// to `q` is cut at the computed number `0 ≤ t ≤ 1`, its corner is exactly `p + t(q − p)`, in space and in
+/// the plane. Rounding adds, along each axis and for each cut, three times `ε/2` of numbers up to `E`: 1.5 εE
+/// in the plane, where a corner of the piece is zero; in space, with `L` the piece's largest difference along
+/// an axis, `εL + ½εR`.
 ///
-/// One cut keeps what is left of a line along `e = b − a`, where `s(p) = e × (p − a) ≥ 0`. The computed `s` of a rounded
-/// corner is off from that of the exact one by less than `4ε|e|E` (`|e|` the longer component; two products of three
-/// roundings each and a difference) and, after two cuts, by `2|e| · 3εE` for the place, together `10 ε|e|E`. Below
-/// `−m` with `m = 16 ε|e|E` a corner of the exact polygon is therefore right of the line. Where a side runs from a corner
-/// above `−m` to one below, `t` is where the computed `s` would be `−m`; its own three roundings move `s` by less than
-/// `1.5ε · 2.1|e|E`, so that the new corner of the exact polygon is not left of the line. Hence the exact polygon,
-/// whose corners stay on the sides of the convex one before, keeps all that is left of the line; and each of its
-/// points is as close to the span of the computed corners as those are to its own: `√3(εL + ½εR)` a cut.
+/// One cut keeps the part left of a line along `e = b − a`, where `s(p) = e × (p − a) ≥ 0`. The computed `s`
+/// of a rounded corner differs from that of the exact one by less than `4ε|e|E` (`|e|` the longer component;
+/// two products of three roundings each and a difference) and, after two cuts, by `2|e| · 3εE` for the
+/// position, together `10 ε|e|E`. Below `−m` with `m = 16 ε|e|E` a corner of the exact polygon is therefore
+/// right of the line. Where a side runs from a corner above `−m` to one below, `t` is where the computed `s`
+/// would be `−m`; its own three roundings move `s` by less than `1.5ε · 2.1|e|E`, so that the new corner of
+/// the exact polygon is not left of the line. Hence the exact polygon, whose corners stay on the sides of the
+/// previous convex one, keeps everything left of the line; and each of its points is as close to the span of
+/// the computed corners as those are to its own: `√3(εL + ½εR)` a cut.
 pub(super) struct ConvexClipper<'a> {
     view: &'a SubtriangleProjection,
-    /// `√3(εL + ½εR)`, from above.
+    /// `√3(εL + ½εR)`, rounded up.
     moved: f64,
 }
 
-/// The most corners that three cuts leave, also where rounding makes a line meet the polygon more than twice: a
+/// The most corners after three cuts, even where rounding makes a line meet the polygon more than twice: a
 /// triangle gets 4 at most, those 6, and those 9.
 const MOST: usize = 9;
 
 impl<'a> ConvexClipper<'a> {
-    /// A cutter for a piece and its view.
+    /// A clipper for a piece and its projection.
     pub fn new(view: &'a SubtriangleProjection, piece: &MeshSubtriangle) -> Self {
         let corners = piece.corners.map(|corner| corner.at);
         let reach = corners.as_flattened().iter().fold(0.0, |most, x| larger(most, x.abs()));
@@ -43,8 +45,8 @@ impl<'a> ConvexClipper<'a> {
         Self { view, moved: f64::EPSILON * (1.8 * wide + 0.9 * reach) } // √3 and √3/2, rounded up
     }
 
-    /// How far any point of the piece over the face is from it, from above, and the corner of that part that is
-    /// farthest. `flat` is the face's image, counter-clockwise.
+    /// An upper bound on the distance from the part of the piece over the face to the face, and the farthest
+    /// corner of that part. `flat` is the face's image, counter-clockwise.
     pub fn farthest(
         &self,
         piece: &MeshSubtriangle,
@@ -84,7 +86,7 @@ impl<'a> ConvexClipper<'a> {
     }
 }
 
-/// Takes away what is right of a line; true where that made new corners.
+/// Removes the part right of a line; returns whether that made new corners.
 fn cut(part: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
     let e = [b[0] - a[0], b[1] - a[1]];
     // Products that underflow lose less than the smallest normal number.
@@ -118,7 +120,7 @@ fn between<const D: usize>(p: [f64; D], q: [f64; D], t: f64) -> [f64; D] {
     std::array::from_fn(|k| p[k] + t * (q[k] - p[k]))
 }
 
-/// A convex polygon in space, and its image.
+/// A convex polygon in space with its image.
 #[derive(Clone, Copy)]
 struct ClippedPolygon {
     at: [[f64; 3]; MOST],

@@ -1,24 +1,27 @@
-//! Covers: faces of the other surface that together lie under a whole piece, and how far the piece is from them.
+//! Covers: faces of the other surface that together lie under a whole piece, and how far the piece is from
+//! them.
 //!
-//! Every vertex has an image in a plane: its two coordinates along axes across the piece's normal, rounded, the same
-//! number wherever the vertex is met. Faces and piece have as images the triangles between the images of their corners,
-//! and all decisions below are exact for those. Let `S` be faces whose images are all turned the same way or have no
-//! area, such that a side of one of them whose image meets the inside of the piece's has exactly one neighbour across,
-//! wound alike, and that neighbour is in `S` too. Going along a path inside the piece's image, the number of images of
-//! `S` above a point changes only where the image of a side is crossed. Each such side belongs to two faces of `S`
-//! that run along it in opposite ways; so whatever one of them adds there the other takes away, and faces whose image
-//! has no area add and take away nothing in all. Hence the number is the same at almost every point of the piece's
-//! image, and where one face of `S` overlaps its inside, it is 1 or more: together they cover all of it.
+//! Every vertex has an image in a plane: its two coordinates along axes perpendicular to the piece's normal,
+//! rounded, the same number wherever the vertex occurs. Faces and piece have as images the triangles between
+//! the images of their corners, and all decisions below are exact for those. Let `S` be faces whose images
+//! all have the same orientation or no area, such that a side of one of them whose image meets the inside of
+//! the piece's has exactly one neighbour across, wound alike, and that neighbour is in `S` too. Along a path
+//! inside the piece's image, the number of images of `S` above a point changes only where the image of a side
+//! is crossed. Each such side belongs to two faces of `S` that run along it in opposite directions; so
+//! whatever one of them adds there the other subtracts, and faces whose image has no area add and subtract
+//! nothing in all. Hence the number is the same at almost every point of the piece's image, and where one
+//! face of `S` overlaps its inside, it is 1 or more: together they cover all of it.
 //!
-//! A side without such a neighbour is let pass where it stays within some depth of the border of the piece's image. Then
-//! the same holds for the piece made smaller by the greatest such depth, if one face covers the centre of the inscribed
-//! circle. The smaller triangle is the piece drawn together about that centre by the share depth/radius, so that no
-//! point of the piece is farther from it than that share of the way to the centre. This takes care of surfaces that end
-//! at the same line, where rounding puts one end inside the other.
+//! A side without such a neighbour is accepted where it stays within some depth of the border of the piece's
+//! image. Then the same holds for the piece shrunk by the greatest such depth, if one face covers the centre
+//! of the inscribed circle. The smaller triangle is the piece scaled about that centre by 1 − depth/radius,
+//! so that no point of the piece is farther from it than the share depth/radius of its distance to the
+//! centre. This handles surfaces that end at the same line, where rounding puts one end inside the other.
 //!
-//! So every point of the piece is in the part over some face: the points whose image is in that face's image, a convex
-//! polygon on the piece. Its distance to the face is at most that of its farthest corner. How far image and truth are
-//! apart does not matter to the proof, only to how sharp it is. The polygon is cut in rounded numbers, outwards: see [`ConvexClipper`].
+//! So every point of the piece is in the part over some face: the points whose image is in that face's image,
+//! a convex polygon on the piece. Its distance to the face is at most that of its farthest corner. The
+//! difference between image and truth does not matter to the proof, only to its sharpness. The polygon is
+//! clipped in rounded numbers, outwards: see [`ConvexClipper`].
 use super::clipper::ConvexClipper;
 use super::distance_surface::DistanceSurface;
 use super::projection::SubtriangleProjection;
@@ -26,18 +29,18 @@ use super::subtriangle::{MeshSubtriangle, larger};
 use crate::explicit::{Twin, Twins};
 use crate::math::{Orientation, orient2d};
 
-/// What became of the search for a cover.
+/// The result of the search for a cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cover {
     /// No point of the piece is farther than this from the faces under it.
     Within(f64),
-    /// There is a face under the piece to which this point of it is too far.
+    /// This point of the piece is too far from a face under it.
     TooFar([f64; 3]),
     /// The surface ends, folds or branches under the piece, or too many faces are there.
     None,
 }
 
-/// Which faces were met for which piece, kept from piece to piece.
+/// Faces visited for the current piece; the table is reused from piece to piece.
 #[derive(Default)]
 pub(super) struct CoverScratch {
     met: Vec<u32>,
@@ -46,8 +49,8 @@ pub(super) struct CoverScratch {
 }
 
 impl CoverScratch {
-    /// Forgets what was met. The table is made when it is first needed, of pages that the system hands out as they are
-    /// touched.
+    /// Starts a new round without visited faces. The table is allocated when first needed; the system commits
+    /// its pages as they are touched.
     fn start(&mut self, other: &DistanceSurface) {
         if self.met.is_empty() {
             self.met = vec![0; other.mesh().faces().len()];
@@ -65,7 +68,7 @@ impl CoverScratch {
     }
 }
 
-/// The most faces under one piece and the distance that is good enough.
+/// The most faces under one piece and the distance that suffices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoverLimits {
     pub tolerance: f64,
@@ -74,7 +77,7 @@ pub(super) struct CoverLimits {
     pub reach: f64,
 }
 
-/// Looks for a cover of `piece` by faces of `other` around the faces nearest to its corners.
+/// Searches for a cover of `piece` by faces of `other` around the faces nearest to its corners.
 pub(super) fn cover(
     piece: &MeshSubtriangle,
     other: &DistanceSurface,
@@ -95,7 +98,7 @@ pub(super) fn cover(
         }
     }
     let Some((first, front)) = first else { return Cover::None };
-    // 2. All faces that are reached from it across edges inside the piece.
+    // 2. All faces reached from it across edges inside the piece.
     scratch.start(other);
     scratch.meet(first);
     let cutter = ConvexClipper::new(&view, piece);
@@ -121,7 +124,7 @@ pub(super) fn cover(
                 None => trim = larger(trim, view.depth(side)),
             }
         }
-        // 3. How far the part of the piece over this face is from it.
+        // 3. The distance of the piece's part over this face.
         if turn != Orientation::Flat {
             let corners = mesh.corners(face as usize);
             let flat = if turn == Orientation::Front { flat } else { [flat[0], flat[2], flat[1]] };
@@ -136,7 +139,8 @@ pub(super) fn cover(
     if trim == 0.0 {
         return Cover::Within(most);
     }
-    // 4. The surface ends a little inside: what is deeper is covered if the middle is, and the rest is near that.
+    // 4. The surface ends a little inside: the deeper part is covered if the centre is, and the rest is near
+    //    that.
     match view.trimmed(trim, piece, scratch.faces.iter().map(|face| seen(*face))) {
         Some(rest) => Cover::Within((most + rest).next_up()),
         None => Cover::None,

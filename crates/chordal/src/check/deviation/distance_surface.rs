@@ -1,10 +1,11 @@
-//! `DistanceSurface`: one of two surfaces, with all that is asked of it.
+//! `DistanceSurface`: one of two surfaces, with its distance queries.
 use super::subtriangle::DistanceSample;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh, Topology, Twins};
 use std::borrow::Cow;
 
-/// A surface in the common frame, its tree, and who is whose neighbour by bit-identical positions.
+/// A surface in the common frame, its bounding volume hierarchy, and its adjacency by bit-identical
+/// positions.
 pub(super) struct DistanceSurface<'a> {
     mesh: Cow<'a, Mesh>,
     bvh: Bvh,
@@ -26,24 +27,24 @@ impl<'a> DistanceSurface<'a> {
         &self.twins
     }
 
-    /// The distance of a point to this surface, from above, and the face that it is measured to.
+    /// An upper bound on the distance of a point to this surface, and the face that it is measured to.
     pub fn sample(&self, at: [f64; 3]) -> DistanceSample {
         match self.bvh.closest_point(at) {
             Some(closest) => {
                 let up = super::distance::distance_up(at, &self.mesh.corners(closest.face as usize));
                 DistanceSample { at, up, face: closest.face }
             }
-            // A surface without faces, or a point that is none: nothing is known.
+            // Nothing is known for a surface without faces or a point that is not finite.
             None => DistanceSample { at, up: f64::INFINITY, face: 0 },
         }
     }
 
-    /// The square of the distance of a point to this surface, up to rounding.
+    /// The squared distance of a point to this surface, up to rounding.
     pub fn distance_sq(&self, at: [f64; 3]) -> f64 {
         self.bvh.closest_point(at).map_or(f64::INFINITY, |closest| closest.distance_sq)
     }
 
-    /// The distance of a point to this surface, from below.
+    /// A lower bound on the distance of a point to this surface.
     pub fn distance_down(&self, at: [f64; 3]) -> f64 {
         self.bvh.closest_distance_down(at).unwrap_or(0.0)
     }

@@ -1,24 +1,25 @@
-//! `DeviationFrame`: coordinates in which two meshes lie around zero with an extent near 1, and what bringing them there costs.
+//! `DeviationFrame`: coordinates in which two meshes lie around zero with an extent near 1, and the rounding
+//! of the transform.
 use super::subtriangle::smaller;
 use crate::explicit::Mesh;
 use crate::math::{Box3, DoubleDouble, add_down, add_up, div_down, div_up, mul_up, sqrt_up, sub_down};
 use std::borrow::Cow;
 
-/// World → local: minus the origin, times a power of two.
+/// World → local: subtract the origin, multiply by a power of two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DeviationFrame {
     origin: [f64; 3],
     scale: f64,
 }
 
-/// Exponents of extents between which squares and products of four lengths stay far inside the range of f64.
+/// Exponents of extents for which squares and products of four lengths stay far inside the range of f64.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -100..=100;
 
-/// Coordinates this many times larger than the extent lose digits by their place alone.
+/// Coordinates this many times larger than the extent lose digits by their position alone.
 const FAR: f64 = 4.0;
 
 impl DeviationFrame {
-    /// A frame for what lies in `bounds`, which is not empty: the world's own wherever that will do.
+    /// A frame for shapes in `bounds`, which is not empty: the world's own where that suffices.
     pub fn around(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
@@ -30,7 +31,7 @@ impl DeviationFrame {
         let scale = if EXPONENTS.contains(&exponent) || half == 0.0 {
             1.0
         } else {
-            // Both a scale and its inverse are normal numbers.
+            // A scale and its inverse are both normal numbers.
             f64::from_bits(((1023 - exponent.clamp(-1000, 1000)) as u64) << 52)
         };
         Self { origin, scale }
@@ -40,7 +41,7 @@ impl DeviationFrame {
         self.origin == [0.0; 3] && self.scale == 1.0
     }
 
-    /// The mesh in this frame, and how far rounding moved a vertex at most, in this frame; `None`
+    /// The mesh in this frame, and the largest displacement of a vertex by rounding, in this frame; `None`
     /// where a coordinate overflows.
     pub fn local<'a>(&self, mesh: &'a Mesh) -> Option<(Cow<'a, Mesh>, f64)> {
         if self.is_world() {
@@ -60,33 +61,34 @@ impl DeviationFrame {
             positions.push(scaled);
         }
         let moved = if moved == 0.0 { 0.0 } else { mul_up(sqrt_up(moved), self.scale) };
-        // What falls below the normal numbers is moved by half of the smallest number along each axis at most.
+        // Underflow moves a coordinate by at most half of the smallest number.
         let moved = if underflowed { add_up(moved, f64::MIN_POSITIVE) } else { moved };
-        // Positions that were equal are equal, so that only an overflow can be refused.
+        // Equal positions stay equal, so only an overflow can be refused.
         Some((Cow::Owned(mesh.with_positions(positions).ok()?), moved))
     }
 
-    /// A length of this frame in the world, from below: exact but for what underflows.
+    /// A length of this frame in world space, rounded down: exact except for underflow.
     pub fn length_down(&self, local: f64) -> f64 {
         let world = local / self.scale;
-        // Back is exact: a number that is rounded here is below the normal ones, and its image is not.
+        // The inverse is exact: a number that is rounded here is below the normal ones, and its image is not.
         if world * self.scale > local { world.next_down() } else { world }
     }
 
-    /// The same from above. No distance between two surfaces is larger than their common extent, which is a number; so
-    /// what overflows by its last digits is cut there.
+    /// The same rounded up. No distance between two surfaces is larger than their common extent, which is
+    /// finite; so an overflow by the last digits is capped.
     pub fn length_up(&self, local: f64) -> f64 {
         let world = local / self.scale;
         let world = if world * self.scale < local { world.next_up() } else { world };
         smaller(world, f64::MAX)
     }
 
-    /// A length of the world in this frame.
+    /// A world-space length in this frame.
     pub fn local_length(&self, world: f64) -> f64 {
         world * self.scale
     }
 
-    /// A box of the world around all that is within `off` of the box of some points of this frame, from outside.
+    /// A world-space box around all points within `off` of the bounding box of some points of this frame,
+    /// rounded outwards.
     pub fn world_box(&self, points: &[[f64; 3]], off: f64) -> Box3 {
         let local = Box3::from_points(points);
         if self.is_world() && off == 0.0 {
@@ -97,13 +99,13 @@ impl DeviationFrame {
         Box3 { min: std::array::from_fn(low), max: std::array::from_fn(high) }
     }
 
-    /// A point of this frame in the world, rounded.
+    /// A point of this frame in world space, rounded.
     pub fn world(&self, local: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| local[k] / self.scale + self.origin[k])
     }
 }
 
-/// The exponent `e` with `2^e ≤ |x| < 2^(e+1)`; −1023 for 0 and what is below the normal numbers.
+/// The exponent `e` with `2^e ≤ |x| < 2^(e+1)`; −1023 for 0 and subnormal numbers.
 fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52 & 0x7ff) as i32 - 1023
 }

@@ -1,7 +1,8 @@
-//! The search: rounds over all open pieces of both surfaces, each against the lower end known when it began.
+//! The branch-and-bound search: rounds over all open pieces of both surfaces, each against the lower bound at
+//! its start.
 //!
-//! Within a round nothing is shared, so that threads cannot change the result; between rounds the lower end rises to
-//! the farthest point that any piece has seen.
+//! Tasks of a round share nothing, so threads cannot change the result. Between rounds the lower bound rises
+//! to the farthest point that any piece has found.
 use super::cover::{Cover, CoverLimits, CoverScratch, cover};
 use super::distance_surface::DistanceSurface;
 use super::shared::VertexDistances;
@@ -12,68 +13,68 @@ use std::collections::VecDeque;
 
 /// Pieces in one task.
 const CHUNK: usize = 512;
-/// Halvings of one piece in the first round; twice as many in each round that follows, up to [`MOST_CUTS`].
+/// Bisections of one piece in the first round; twice as many in each following round, up to [`MOST_CUTS`].
 const FIRST_CUTS: u32 = 4;
 const MOST_CUTS: u32 = 256;
-/// Halvings in all, as a multiple of the faces of both surfaces and at least so many times [`FEW_FACES`]: beyond, what
-/// is known has to do.
+/// The most bisections in all, as a multiple of the faces of both surfaces and at least so many times
+/// [`FEW_FACES`]; after that the search stops.
 const CUTS_A_FACE: u64 = 64;
 const FEW_FACES: u64 = 1 << 14;
 
-/// What is asked of the search.
+/// The goal of the search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HausdorffGoal {
-    /// The upper end may exceed the lower one by this share of it …
+    /// The upper bound may exceed the lower one by this share of it …
     pub relative: f64,
     /// … or by this length.
     pub absolute: f64,
-    /// Closer together than this rounding decides.
+    /// Closer together than this, rounding decides.
     pub floor: f64,
-    /// Instead of both, only on which side of this the distance is.
+    /// If given, only decides on which side of this limit the distance is.
     pub max: Option<LimitInterval>,
 }
 
-/// A limit in a frame that rounds: what stands between its ends is not decided.
+/// A limit in a rounded frame: distances between its two ends are undecided.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimitInterval {
-    /// What is at most this is within the limit.
+    /// Distances up to this are within the limit.
     within: f64,
-    /// What is more than this is beyond it.
+    /// Distances above this are beyond it.
     beyond: f64,
 }
 
 impl LimitInterval {
-    /// A limit of surfaces that both together stand at most `moved` from where they belong.
+    /// A limit for surfaces that rounding displaced by at most `moved` together.
     pub fn around(limit: f64, moved: f64) -> Self {
         if moved == 0.0 {
             return Self { within: limit, beyond: limit };
         }
-        // Twice, for the roundings on the way back.
+        // Twice, to cover the roundings of the way back.
         Self { within: sub_down(limit, 2.0 * moved), beyond: add_up(limit, 2.0 * moved) }
     }
 
-    /// What is at most this is within the limit, rounding included.
+    /// Distances up to this are within the limit, rounding included.
     pub fn within(&self) -> f64 {
         self.within
     }
 }
 
 impl HausdorffGoal {
-    /// The distance that is good enough for every point when some point has `least`.
+    /// The distance that suffices for every point when some point has `least`.
     fn sufficient_distance(&self, least: f64) -> f64 {
         match self.max {
-            // Nearer to the limit than rounding allows, nothing is asked for.
+            // Closer to the limit than rounding allows, nothing is required.
             Some(limit) => larger(limit.within, least + self.floor),
             None => larger(least * (1.0 + self.relative), least + larger(self.absolute, self.floor)),
         }
     }
 }
 
-/// The farthest point that was seen of one surface from the other.
+/// The farthest point found of one surface from the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FarthestSample {
     pub at: [f64; 3],
-    /// Its distance is at least this.
+    /// A lower bound on its distance.
     pub at_least: f64,
 }
 
@@ -82,12 +83,12 @@ pub(super) struct OneSidedSearch<'a> {
     own: &'a DistanceSurface<'a>,
     other: &'a DistanceSurface<'a>,
     pub farthest: FarthestSample,
-    /// No point that is not in an open piece is farther than this.
+    /// An upper bound on the distance of all points outside of open pieces.
     pub settled: f64,
     open: Vec<MeshSubtriangle>,
 }
 
-/// What one task of a round found.
+/// The result of one task of a round.
 struct HausdorffBatchResult {
     settled: f64,
     open: Vec<MeshSubtriangle>,
@@ -96,14 +97,14 @@ struct HausdorffBatchResult {
 }
 
 impl HausdorffBatchResult {
-    /// Takes note of a point that stands for one at most `off` away; its distance from above.
+    /// Records a sample that represents a surface point at most `off` away; returns its upper bound.
     fn see(&mut self, corner: DistanceSample, off: f64) -> f64 {
         self.seen = farther_of(self.seen, Some((corner, off)));
         corner.up
     }
 }
 
-/// The conditions of one round.
+/// The limits of one round.
 #[derive(Clone, Copy)]
 struct HausdorffRound {
     terms: CoverLimits,
@@ -130,7 +131,7 @@ impl<'a> OneSidedSearch<'a> {
         this
     }
 
-    /// Takes note of a point that stands for one of the surface that is at most `off` away.
+    /// Raises the lower bound by a sample that represents a surface point at most `off` away.
     fn see(&mut self, corner: DistanceSample, off: f64) {
         if corner.up <= self.farthest.at_least {
             return;
@@ -142,12 +143,12 @@ impl<'a> OneSidedSearch<'a> {
         }
     }
 
-    /// No point of the surface is farther than this from the other.
+    /// An upper bound on the distance from the surface to the other.
     pub fn at_most(&self) -> f64 {
         self.open.iter().fold(self.settled, |most, piece| larger(most, piece.known))
     }
 
-    /// Puts together what the tasks of a round found, in their order; the halvings that they took.
+    /// Merges the results of the tasks of a round in their order; returns the number of bisections.
     fn merge_batches(&mut self, found: Vec<HausdorffBatchResult>) -> u64 {
         let mut cuts = 0;
         let mut seen: Option<(DistanceSample, f64)> = None;
@@ -181,7 +182,7 @@ fn farther_of(
     }
 }
 
-/// Runs both directions until both meet what is wanted; false where they do not, or the job was cancelled.
+/// Runs both directions until both meet the goal; false where they do not, or the job was cancelled.
 pub(super) fn search(
     directions: &mut [OneSidedSearch; 2],
     vertices: &[VertexDistances; 2],
@@ -195,14 +196,14 @@ pub(super) fn search(
     let mut first = true;
     loop {
         let n_open: u64 = directions.iter().map(|direction| direction.open.len() as u64).sum();
-        // What is left of the halvings is shared by all.
+        // The remaining bisections are divided among all pieces.
         let share = most_cuts.saturating_sub(cuts) / (n_open + 1) + 1;
         let share = if share < u64::from(a_piece) { share as u32 } else { a_piece };
         let cuts_before = cuts;
         let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
         let enough = reachable_bound(asked.goal, directions, least);
         if asked.goal.max.is_some_and(|limit| least > limit.beyond) {
-            // It is known on which side of the limit the distance is; what is open stays open.
+            // The side of the limit is known; open pieces stay open.
             for k in 0..2 {
                 if first {
                     directions[k].open = all_subtriangles(directions[k].own, &vertices[k]);
@@ -233,7 +234,7 @@ pub(super) fn search(
         let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
         let wanted = asked.goal.sufficient_distance(least);
         let enough = reachable_bound(asked.goal, directions, least);
-        // What was too much against the old lower end may be good enough against the new one.
+        // A bound too large for the old lower bound may suffice for the new one.
         for direction in directions.iter_mut() {
             let open = std::mem::take(&mut direction.open);
             let (done, open): (Vec<_>, Vec<_>) = open.into_iter().partition(|piece| piece.known <= enough);
@@ -251,15 +252,15 @@ pub(super) fn search(
     }
 }
 
-/// The distance that is good enough when some point has `least`, or that of what is too small to be halved.
+/// The distance that suffices when some point has `least`, or that of pieces too small to be bisected.
 fn reachable_bound(wanted: HausdorffGoal, directions: &[OneSidedSearch; 2], least: f64) -> f64 {
     larger(wanted.sufficient_distance(least), larger(directions[0].settled, directions[1].settled))
 }
 
-/// Faces of each direction that are tried before all, to raise the lower end.
+/// Faces of each direction that are sampled first, to raise the lower bound.
 const PILOT: usize = 1 << 10;
 
-/// Tries some faces only to see points that are far: most of what comes later is then settled at once.
+/// Samples some faces to find far points: later most pieces are then settled at once.
 fn probe_some_faces(
     directions: &mut [OneSidedSearch; 2],
     vertices: &[VertexDistances; 2],
@@ -284,7 +285,7 @@ fn probe_some_faces(
     }
 }
 
-/// What holds for the whole search.
+/// The parameters of the whole search.
 pub(super) struct HausdorffQuery {
     pub goal: HausdorffGoal,
     /// The largest coordinate of both surfaces.
@@ -292,7 +293,7 @@ pub(super) struct HausdorffQuery {
 }
 
 impl HausdorffQuery {
-    /// Faces that a search for a cover may look at: many where there are few pieces to cover.
+    /// The most faces a search for a cover may visit: many where there are few pieces to cover.
     fn most_faces(&self, direction: &OneSidedSearch, first: bool) -> usize {
         let (own, other) = (direction.own.mesh().faces().len(), direction.other.mesh().faces().len());
         let pieces = if first { own } else { direction.open.len() };
@@ -300,9 +301,9 @@ impl HausdorffQuery {
     }
 }
 
-/// Faces that any search for a cover may look at.
+/// The most faces that any search for a cover may visit.
 const LEAST_COVER: usize = 1 << 12;
-/// On top of those, so many times all faces, shared among the pieces.
+/// Beyond that, so many times all faces, divided among the pieces.
 const COVERS: usize = 16;
 
 fn all_subtriangles(own: &DistanceSurface, vertices: &VertexDistances) -> Vec<MeshSubtriangle> {
@@ -347,7 +348,7 @@ fn run_batch(
 ) -> HausdorffBatchResult {
     let mut found = HausdorffBatchResult { settled: 0.0, open: Vec::new(), seen: None, cuts: 0 };
     let mut scratch = CoverScratch::default();
-    // The first come first: what is left when no more cuts are allowed is of about one size.
+    // First in, first out: when the bisections run out, the remaining pieces are of similar size.
     let mut waiting = VecDeque::new();
     for piece in pieces {
         if job.is_cancelled() {
@@ -358,13 +359,14 @@ fn run_batch(
         while let Some(mut piece) = waiting.pop_front() {
             let enough = round.terms.tolerance;
             piece.known = piece.bound_by_corners(other, enough);
-            // A point that is too far by itself raises the lower end, against which the piece is then tried again.
+            // A point that is too far raises the lower bound, against which the piece is then tried again.
             let mut cut = cuts < round.cuts;
             if piece.known > enough {
                 match cover(&piece, other, round.terms, &mut scratch) {
                     Cover::Within(most) => piece.known = smaller(piece.known, most),
                     Cover::TooFar(at) => {
-                        // Cut three times: each moves it by 4.5 ε of the largest coordinate at most; see `Cutter`.
+                        // Clipped three times: each moves it by at most 4.5 ε of the largest coordinate; see
+                        // `ConvexClipper`.
                         let off = piece.off + f64::EPSILON * 16.0 * round.terms.reach; // rounded up
                         cut &= found.see(other.sample(at), off) <= enough;
                     }
@@ -388,7 +390,7 @@ fn run_batch(
                         found.open.extend(halves);
                     }
                 }
-                // Too small to be halved: nothing better will be known of it.
+                // Too small to be bisected: its bound is final.
                 None => found.settled = larger(found.settled, piece.known),
             }
         }

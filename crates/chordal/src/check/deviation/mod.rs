@@ -1,4 +1,4 @@
-//! `deviation`: how far two surfaces of triangles are apart, certified from both sides.
+//! `deviation`: the Hausdorff distance between two triangle meshes, certified from both sides.
 mod clipper;
 mod cover;
 pub(super) mod distance;
@@ -22,14 +22,15 @@ pub(crate) use violations::{
     ProximityChecker, RegionTolerance, ToleranceField, ViolationReport, tolerance_violations,
 };
 
-/// How close together the two ends of a deviation are to come.
+/// How close the two bounds of a deviation should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// The upper end is at most this share above the lower one; ≥ 0. 0.1 unless said.
+    /// The upper bound exceeds the lower one by at most this share; ≥ 0. Default 0.1.
     pub relative: f64,
-    /// It is also good enough where it is no more than this above.
+    /// An upper bound that exceeds the lower one by at most this length is accepted as well.
     pub absolute: Option<Tolerance>,
-    /// Only whether the deviation is at most this is asked, and the other two are not: stop as soon as that is known.
+    /// Only decide whether the deviation is at most this, ignoring the other two, and stop as soon as that is
+    /// known.
     pub max: Option<Tolerance>,
 }
 
@@ -39,20 +40,21 @@ impl Default for Goal {
     }
 }
 
-/// How far the points of one surface are from another, at most: the one-sided Hausdorff distance, enclosed.
+/// The largest distance from the points of one surface to another: the one-sided Hausdorff distance,
+/// enclosed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OneSidedDistance {
-    /// Some point is at least this far.
+    /// Lower bound: some point is at least this far.
     pub at_least: f64,
-    /// No point is farther than this.
+    /// Upper bound: no point is farther than this.
     pub at_most: f64,
-    /// The farthest point that was found, rounded.
+    /// The farthest point found, rounded.
     pub from: [f64; 3],
-    /// The nearest point of the other surface to it, rounded.
+    /// Its nearest point on the other surface, rounded.
     pub to: [f64; 3],
 }
 
-/// How far two surfaces are apart.
+/// The deviation between two surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
     /// The Hausdorff distance, proved, with the worst point on either surface.
@@ -61,7 +63,7 @@ pub struct Deviation {
     pub forward: OneSidedDistance,
     /// From the points of the second surface to the first.
     pub backward: OneSidedDistance,
-    /// Whether the goal was reached. Where it was not, the ends hold all the same.
+    /// Whether the goal was reached. Where it was not, the bounds hold nevertheless.
     pub reached: bool,
 }
 
@@ -73,22 +75,25 @@ impl Deviation {
     }
 }
 
-/// What rounding leaves between the two ends of surfaces that are the same, as a share of the diagonal.
-const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers cut in rounded numbers reach 6 to 20
+/// The gap that rounding leaves between the two bounds of identical surfaces, relative to the diagonal.
+const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers clipped in rounded numbers reach 6 to 20
 
-/// The Hausdorff distance between two meshes, enclosed: the largest distance from any point of either surface to the
-/// nearest point of the other, over all points and not only the vertices.
+/// Encloses the Hausdorff distance between two meshes: the largest distance from any point of either surface
+/// to the nearest point of the other, over all points and not only the vertices.
 ///
-/// *What it covers.* Both ends are proved, rounding included, for the exact triangles of both meshes, whatever their
-/// topology: open, folded, without area, not manifold. Vertices that no face uses are no part of a surface. Attributes
-/// are not compared. With [`Goal::max`] the ends may be far apart, but they say on which side of it the distance is.
+/// *What it covers.* Both bounds are proved, rounding included, for the exact triangles of both meshes,
+/// whatever their topology: open, folded, without area, non-manifold. Vertices that no face uses are not part
+/// of a surface. Attributes are not compared. With [`Goal::max`] the bounds may be far apart, but they show
+/// on which side of it the distance is.
 ///
-/// *Cost.* About 3 µs a vertex and direction on one core where the two are close together compared to their triangles;
-/// more where they are far apart and bend. Memory: 300 bytes a triangle. The result does not depend on the threads.
+/// *Cost.* About 3 µs a vertex and direction on one core where the two are close together compared to their
+/// triangles; more where they are far apart and curved. Memory: 300 bytes a triangle. The result does not
+/// depend on the number of threads.
 ///
 /// # Errors
-/// [`JobError::Refused`] with [`RefusalCode::Empty`] when a mesh has no face, [`RefusalCode::NotFinite`] when an extent overflows, the
-/// refusals of [`Bvh::build`], and where subnormals are flushed; [`JobError::Cancelled`].
+/// [`JobError::Refused`] with [`RefusalCode::Empty`] when a mesh has no face, [`RefusalCode::NotFinite`] when
+/// an extent overflows, the refusals of [`Bvh::build`], and where subnormals are flushed;
+/// [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::{Job, Mesh, check::{Goal, deviation}};
@@ -101,9 +106,9 @@ const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers cut in rounded numbe
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Sources: R. Straub, *Exact computation of the Hausdorff distance between triangular meshes*, 2007, and L. Kang, G.
-/// Bai, *Fast and accurate Hausdorff distance computation between triangle meshes*, 2018, for bounds by branching;
-/// covers by projection are of our own, derived in `check/deviation/cover.rs`.
+/// Sources: R. Straub, *Exact computation of the Hausdorff distance between triangular meshes*, 2007, and L.
+/// Kang, G. Bai, *Fast and accurate Hausdorff distance computation between triangle meshes*, 2018, for branch
+/// and bound; covers by projection are our own, derived in `check/deviation/cover.rs`.
 pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
     job.run(|| {
         let pair = SurfacePair::from_meshes([a, b], job)?;
@@ -125,7 +130,7 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
             one_sided(&both[k], other, frame, moved)
         });
         let bound = two_sided(&forward, &backward);
-        // Rounding may leave open what was decided in the frame.
+        // Rounding may undo a decision made in the frame.
         let decided = goal.max.is_none_or(|max| {
             bound.at_least() > max.get() || bound.at_most().is_some_and(|most| most <= max.get())
         });
@@ -133,15 +138,15 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
     })
 }
 
-/// Two surfaces in one frame, ready to be held against each other.
+/// Two surfaces in one frame, ready for comparison.
 struct SurfacePair<'a> {
     frame: DeviationFrame,
     common: SharedPositionIds,
     sides: [DistanceSurface<'a>; 2],
-    /// How far both surfaces together stand from where they belong, at most, in the frame. Faces that both have stand where they
-    /// belong to each other.
+    /// An upper bound on the displacement of both surfaces together by the frame's rounding, in the frame.
+    /// Faces that both have are displaced alike.
     moved: f64,
-    /// The largest coordinate of either in the world.
+    /// The largest coordinate of either in world space.
     reach: f64,
 }
 
@@ -165,7 +170,7 @@ impl<'a> SurfacePair<'a> {
             return overflows();
         }
         let frame = DeviationFrame::around(&bounds);
-        // Of the meshes as they are: what a frame rounds to the same number need not be the same.
+        // From the original meshes: positions that the frame rounds to the same number need not be equal.
         let common = SharedPositionIds::from_meshes(meshes);
         let (Some((local_a, a_moved)), Some((local_b, b_moved))) = (frame.local(a), frame.local(b)) else {
             return overflows();
@@ -177,22 +182,23 @@ impl<'a> SurfacePair<'a> {
         Ok(Self { frame, common, sides, moved, reach })
     }
 
-    /// A length of the world as a limit in the frame.
+    /// A world-space length as a limit in the frame.
     fn limit(&self, length: f64) -> LimitInterval {
         LimitInterval::around(self.frame.local_length(length), self.moved)
     }
 
-    /// The vertices of a side, each with its distance to the other.
+    /// The vertices of a side with their distances to the other.
     fn vertex_distances(&self, which: usize, job: &Job) -> VertexDistances {
         let [a, b] = &self.sides;
         VertexDistances::measure(&self.common, [a, b], which, job)
     }
 }
 
-/// The distance of every vertex of `mesh` to the surface of `against`, rounded up by a few units in the last place: what
-/// a picture of colours at vertices needs. Between vertices a surface may be farther; [`deviation`] says how far.
+/// The distance of every vertex of `mesh` to the surface of `against`, rounded up by a few units in the last
+/// place, as for colouring vertices by error. Between vertices the distance may be larger; [`deviation`]
+/// bounds it.
 ///
-/// Cost: 2 to 4 µs a vertex on one core, and the tree over `against`.
+/// Cost: 2 to 4 µs a vertex on one core, and the bounding volume hierarchy over `against`.
 ///
 /// # Errors
 /// As for [`deviation`].
@@ -222,12 +228,12 @@ pub(super) fn refused<T>(code: RefusalCode, message: impl Into<String>) -> Resul
     Err(JobError::Refused(Refusal { code, message: message.into() }))
 }
 
-/// The box of the vertices that faces use.
+/// The bounding box of the vertices that faces use.
 fn used_bounds(mesh: &Mesh) -> Box3 {
     Box3::from_points(mesh.faces().as_flattened().iter().map(|&row| &mesh.positions()[row as usize]))
 }
 
-/// What a direction found, in the world. Both surfaces together stand at most `moved` from where they belong.
+/// The result of a direction in world space. Rounding displaced both surfaces together by at most `moved`.
 fn one_sided(
     direction: &OneSidedSearch,
     other: &DistanceSurface,

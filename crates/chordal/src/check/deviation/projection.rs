@@ -1,8 +1,8 @@
-//! `SubtriangleProjection`: a piece as it is seen along its normal, and the images of points beside it.
+//! `SubtriangleProjection`: the projection of a piece and of points beside it along the piece's normal.
 use super::subtriangle::{MeshSubtriangle, larger};
 use crate::math::{Orientation, cross, difference, dot, length, orient2d};
 
-/// The images of points, and that of the piece, counter-clockwise.
+/// Projects points; `piece` is the piece's image, counter-clockwise.
 pub(super) struct SubtriangleProjection {
     origin: [f64; 3],
     axes: [[f64; 3]; 2],
@@ -33,8 +33,9 @@ impl SubtriangleProjection {
         [dot(self.axes[0], from), dot(self.axes[1], from)]
     }
 
-    /// Whether a segment may meet the inside of the piece: not when one side of the piece has it all beyond, or the
-    /// line through it has the whole piece on one side. One of these holds wherever it does not meet it.
+    /// Whether a segment may meet the inside of the piece. It does not if one side of the piece has the
+    /// segment beyond it, or the segment's line has the whole piece on one side; one of these holds whenever
+    /// they do not meet.
     pub fn crosses(&self, [p, q]: [[f64; 2]; 2]) -> bool {
         let t = &self.piece;
         let outside = |point: [f64; 2], k: usize| orient2d(t[k], t[(k + 1) % 3], point) != Orientation::Front;
@@ -45,27 +46,29 @@ impl SubtriangleProjection {
         sides.contains(&Orientation::Front) && sides.contains(&Orientation::Back)
     }
 
-    /// How deep inside the piece a segment gets, from above: the least over the sides of the piece of how far its ends
-    /// are beyond that side. Two products and differences, off by less than 4 ε of what the largest of them may be.
+    /// An upper bound on how deep a segment reaches into the piece: the least over the sides of the piece of
+    /// how far its ends are inside of that side. Two products and differences, off by less than 4 ε of the
+    /// largest possible value.
     pub fn depth(&self, segment: [[f64; 2]; 2]) -> f64 {
         let t = &self.piece;
         (0..3).fold(f64::INFINITY, |least, k| {
             let (a, e) = (t[k], difference(t[(k + 1) % 3], t[k]));
-            // Rounded up, as said.
+            // Rounded up, as above.
             let beyond = |p: [f64; 2]| {
                 let [x, y] = difference(p, a);
                 (e[0] * y - e[1] * x) + 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs())
             };
             let ends = larger(beyond(segment[0]), beyond(segment[1]));
-            // The length of the side, from below.
-            let depth = ends / (length(e) * (1.0 - 4.0 * f64::EPSILON)) * (1.0 + f64::EPSILON); // roundings: 4 and 2
+            // The length of the side, rounded down.
+            // Roundings: 4 and 2.
+            let depth = ends / (length(e) * (1.0 - 4.0 * f64::EPSILON)) * (1.0 + f64::EPSILON);
             let depth = if depth > f64::MIN_POSITIVE { depth } else { f64::MIN_POSITIVE };
             if depth < least { depth } else { least }
         })
     }
 
-    /// How far any point of the piece is from what is deeper than `trim`, from above, where one of the images `flat`
-    /// covers the centre; `None` where none does, or nothing is that deep for certain.
+    /// An upper bound on the distance of any point of the piece from the part deeper than `trim`, where one
+    /// of the images `flat` covers the centre; `None` where none does, or nothing is certainly that deep.
     pub fn trimmed(
         &self,
         trim: f64,
@@ -77,8 +80,8 @@ impl SubtriangleProjection {
         let around = sides[0] + sides[1] + sides[2];
         let centre: [f64; 2] =
             std::array::from_fn(|k| (sides[0] * t[0][k] + sides[1] * t[1][k] + sides[2] * t[2][k]) / around);
-        // The radius from below: the centre's own distance to each side is at least this, whatever it was rounded to,
-        // and the true centre's is at least as large as the least of any point.
+        // The radius from below: the centre's own distance to each side is at least this, whatever it was
+        // rounded to, and the true centre's is at least as large as the least of any point.
         let radius = (0..3).fold(f64::INFINITY, |least, k| {
             let (a, e) = (t[k], difference(t[(k + 1) % 3], t[k]));
             let [x, y] = difference(centre, a);
@@ -87,7 +90,7 @@ impl SubtriangleProjection {
             let deep = s / (length(e) * (1.0 + 4.0 * f64::EPSILON)) * (1.0 - f64::EPSILON);
             if deep < least { deep } else { least }
         });
-        // The centre itself must be inside of what is left.
+        // The centre itself must be inside of the shrunk piece.
         if radius.is_nan() || radius <= trim {
             return None;
         }
@@ -100,7 +103,7 @@ impl SubtriangleProjection {
         covered.then(|| trim / radius * longest * (1.0 + 4.0 * f64::EPSILON)) // three roundings
     }
 
-    /// Whether the inside of a triangle meets the inside of the piece.
+    /// Whether the insides of a triangle and of the piece intersect.
     pub fn overlaps(&self, face: [[f64; 2]; 3]) -> bool {
         let apart = |a: &[[f64; 2]; 3], b: &[[f64; 2]; 3], front: Orientation| {
             (0..3).any(|k| b.iter().all(|p| orient2d(a[k], a[(k + 1) % 3], *p) != front))
@@ -110,7 +113,7 @@ impl SubtriangleProjection {
     }
 }
 
-/// A vector of length 1, about; `None` for one that has no direction.
+/// A vector scaled to a length of about 1; `None` for one without direction.
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let length = length(v);
     (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))

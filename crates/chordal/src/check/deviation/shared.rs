@@ -1,15 +1,15 @@
-//! What two surfaces have in common bit by bit: vertices and whole faces, whose distance is 0 without a question.
+//! Vertices and whole faces that two surfaces share bit by bit, whose distance is 0 without a query.
 use super::distance_surface::DistanceSurface;
 use super::subtriangle::DistanceSample;
 use crate::budget::{Job, par_map};
 use crate::explicit::{Mesh, position_id_by_bits};
 
-/// Points asked in one task.
+/// Points queried in one task.
 pub(super) const CHUNK: usize = 1 << 12;
-/// No face has it.
+/// No face uses the position.
 const NONE: u32 = u32::MAX;
 
-/// One number for each position of two meshes, equal where the coordinates are.
+/// An id for each position of two meshes, equal for equal coordinates.
 pub(super) struct SharedPositionIds {
     ids: [Vec<u32>; 2],
     n: usize,
@@ -23,7 +23,7 @@ impl SharedPositionIds {
         Self { ids: [ids, second], n: all.len() }
     }
 
-    /// A face of each position on side `which`, the first; [`NONE`] where no face has it.
+    /// The first face at each position on side `which`; [`NONE`] where there is none.
     fn first_faces(&self, mesh: &Mesh, which: usize) -> Vec<u32> {
         let mut first = vec![NONE; self.n];
         for (face, rows) in mesh.faces().iter().enumerate() {
@@ -53,17 +53,17 @@ impl SharedPositionIds {
     }
 }
 
-/// The vertices of one side, each with its distance to the other, and the faces that have to be looked at.
+/// The vertices of one side with their distances to the other, and the faces to be checked.
 pub(super) struct VertexDistances {
-    /// By the number of the position; what no face uses is not asked about.
+    /// By position id; positions that no face uses are not queried.
     corners: Vec<DistanceSample>,
     ids: Vec<u32>,
-    /// Faces that the other side does not have as well.
+    /// Faces that the other side does not share.
     pub faces: Vec<u32>,
 }
 
 impl VertexDistances {
-    /// Asks `other` about every vertex of side `which` that a face uses.
+    /// Queries `other` for every vertex of side `which` that a face uses.
     pub fn measure(
         common: &SharedPositionIds,
         sides: [&DistanceSurface; 2],
@@ -111,7 +111,7 @@ impl VertexDistances {
         self.corners[self.ids[row as usize] as usize]
     }
 
-    /// The vertex that is farthest from the other side, as far as can be seen.
+    /// The vertex with the largest upper bound on its distance from the other side.
     pub fn farthest(&self) -> Option<DistanceSample> {
         let asked = self.corners.iter().filter(|corner| corner.face != NONE);
         asked.copied().reduce(|far, corner| if corner.up > far.up { corner } else { far })

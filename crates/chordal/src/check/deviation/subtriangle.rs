@@ -1,36 +1,36 @@
-//! `MeshSubtriangle`: a part of one triangle with what is known of the distance of its corners, and the bounds that follow.
+//! `MeshSubtriangle`: a part of a triangle with distance samples at its corners, and the bounds that follow.
 use super::distance::{apart_up, distance_up, length_up};
 use super::distance_surface::DistanceSurface;
 use crate::math::DoubleDouble;
 
-/// A point of one surface with a face of the other that is near it.
+/// A point of one surface with a nearby face of the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceSample {
     pub at: [f64; 3],
-    /// No more than this far from the other surface.
+    /// An upper bound on the distance to the other surface.
     pub up: f64,
-    /// The face of the other surface that is nearest, up to rounding.
+    /// The nearest face of the other surface, up to rounding.
     pub face: u32,
 }
 
-/// A triangle whose points all belong to one triangle of a surface, but for `off`.
+/// A triangle whose points all belong to one triangle of a surface, up to `off`.
 #[derive(Clone, Debug)]
 pub(super) struct MeshSubtriangle {
     pub corners: [DistanceSample; 3],
-    /// How far a point of the piece may be from the point of the surface that it stands for.
+    /// An upper bound on the distance of a point of the piece from the surface point that it represents.
     pub off: f64,
-    /// An upper bound on the distance of all of it that is known already.
+    /// A known upper bound on the distance of the whole piece.
     pub known: f64,
 }
 
-/// `1/√3` from above: no point of a triangle is farther than this share of its longest side from all three corners.
-/// Around a corner's point of view: the farthest point from all corners is the circumcentre where that lies inside,
-/// whose radius is then at most `longest/√3`; else a point on the longest side, at most half of it away from one of
-/// two corners.
+/// `1/√3` rounded up: no point of a triangle is farther than this share of its longest side from all three
+/// corners. The farthest point from all corners is the circumcentre where that lies inside, whose radius is
+/// then at most `longest/√3`; else a point on the longest side, at most half of it away from one of two
+/// corners.
 const COVERING: f64 = 0.577_350_269_189_626; // rounded up
 
 impl MeshSubtriangle {
-    /// The longest side, from above, and its number: from corner k to corner k + 1.
+    /// The longest side, rounded up, and its number: from corner k to corner k + 1.
     pub fn longest(&self) -> (f64, usize) {
         let [a, b, c] = self.corners.map(|c| c.at);
         let sides = [apart_up(a, b), apart_up(b, c), apart_up(c, a)];
@@ -38,11 +38,11 @@ impl MeshSubtriangle {
         (sides[longest], longest)
     }
 
-    /// An upper bound on how far any point of the piece is from the other surface, from its corners alone; stops
-    /// looking for a better one at `enough`.
+    /// An upper bound on the distance of the piece from the other surface, from its corners alone; stops
+    /// improving it at `enough`.
     ///
-    /// To one triangle, distance is a convex function, so that no point is farther than the farthest corner is; and
-    /// no point is farther than its nearest corner plus the way there.
+    /// The distance to one triangle is a convex function, so no point is farther than the farthest corner.
+    /// And no point is farther than its nearest corner plus the distance to that corner.
     pub fn bound_by_corners(&self, other: &DistanceSurface, enough: f64) -> f64 {
         let up = self.corners.map(|c| c.up);
         let farthest = larger(larger(up[0], up[1]), up[2]);
@@ -71,13 +71,13 @@ impl MeshSubtriangle {
         smaller(best, self.with_slack(reached))
     }
 
-    /// A bound for the piece made one for the part of the surface that it stands for.
+    /// Turns a bound for the piece into one for the part of the surface that it represents.
     pub fn with_slack(&self, bound: f64) -> f64 {
         if self.off == 0.0 { bound } else { (bound + self.off).next_up() }
     }
 
-    /// The two halves, cut through the middle of the longest side, whose distance `ask` tells; none where the side
-    /// cannot be halved any more.
+    /// The two halves, split at the midpoint of the longest side, which `ask` samples; `None` where the side
+    /// is too short to be split.
     pub fn halves(&self, ask: impl FnOnce([f64; 3]) -> DistanceSample) -> Option<[Self; 2]> {
         let (_, k) = self.longest();
         let [from, to, apex] = [k, (k + 1) % 3, (k + 2) % 3].map(|i| self.corners[i]);
@@ -85,8 +85,8 @@ impl MeshSubtriangle {
         if middle == from.at || middle == to.at {
             return None;
         }
-        // Halves are exact; what their sum lost to rounding is known exactly too. The middle stands for that of two
-        // points that are each off by no more than `off`.
+        // Halving is exact, and the rounding error of the sum is known exactly. The midpoint represents that
+        // of two points that are each off by no more than `off`.
         let lost: [f64; 3] =
             std::array::from_fn(|k| DoubleDouble::two_sum(0.5 * from.at[k], 0.5 * to.at[k]).lo);
         let off = if lost == [0.0; 3] { self.off } else { (self.off + length_up(lost)).next_up() };

@@ -1,4 +1,4 @@
-//! `places_beyond`: where two surfaces are farther apart than a length, face by face.
+//! `tolerance_violations`: where two surfaces are farther apart than a tolerance, face by face.
 use super::SurfacePair;
 use super::cover::{Cover, CoverLimits, CoverScratch, cover};
 use super::distance_surface::DistanceSurface;
@@ -10,40 +10,42 @@ use crate::math::add_up;
 use std::borrow::Cow;
 use std::cell::RefCell;
 
-/// A point of a face that is farther from the other surface than was asked, or may be.
+/// A point of a face that is farther from the other surface than allowed, or may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToleranceViolation {
     /// The face of its own mesh.
     pub face: u32,
     /// The point, rounded.
     pub at: [f64; 3],
-    /// How far it is, rounded up.
+    /// Its distance, rounded up.
     pub distance: f64,
 }
 
 /// Faces in one task.
 const CHUNK: usize = 512;
-/// Halvings of one face before it counts as too far where that is not known.
+/// Bisections of one face before it counts as too far while undecided.
 const MOST_CUTS: u32 = 64;
-/// The same where no point was seen that is too far: large faces along edges of the other surface need more than a hundred.
+/// The same while no point was found too far: large faces along edges of the other surface need more than a
+/// hundred.
 const MOST_CUTS_UNSEEN: u32 = 1 << 12; // chosen
-/// Faces of the other surface under one piece.
+/// The most faces of the other surface under one piece.
 const MOST_FACES: usize = 1 << 14;
 
-/// What a look at every face of two surfaces found.
+/// The result of checking every face of two surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ViolationReport {
-    /// Faces of the first surface, and of the second, with a point that is too far, in the order of the faces.
+    /// Faces of the first surface, and of the second, with a point that is too far, in the order of the
+    /// faces.
     pub violations: [Vec<ToleranceViolation>; 2],
     /// Where there are none: no point of either surface is farther than this from the other, proved.
     pub at_most: f64,
-    /// Where there are none and an eye sees them: nor than so many pixels on the screen, proved; infinite where no
-    /// number is.
+    /// Where there are none and a camera is given: the same in pixels on the screen, proved; infinite where
+    /// there is no such number.
     pub pixels: f64,
 }
 
 impl ViolationReport {
-    /// Nothing is apart.
+    /// No violation.
     const NONE: Self = Self { violations: [Vec::new(), Vec::new()], at_most: 0.0, pixels: 0.0 };
 
     /// Whether no face is too far.
@@ -52,32 +54,32 @@ impl ViolationReport {
     }
 }
 
-/// How near is near enough, by place.
+/// A tolerance that depends on the position.
 pub(crate) trait ToleranceField {
-    /// For all points at most `off` from a triangle.
+    /// The tolerance for all points at most `off` from a triangle.
     fn over_triangle(&self, triangle: [[f64; 3]; 3], off: f64) -> RegionTolerance;
 
-    /// For one point.
+    /// The tolerance for one point.
     fn at(&self, point: [f64; 3]) -> f64 {
         self.over_triangle([point; 3], 0.0).tolerance
     }
 
-    /// How many pixels a distance is on the screen there, where there is one; rounded up.
+    /// The size of a distance there in pixels on the screen, if there is one; rounded up.
     fn pixels_of(&self, _here: &RegionTolerance, _distance: f64) -> f64 {
         0.0
     }
 }
 
-/// How near is near enough at one place.
+/// The tolerance in one region.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RegionTolerance {
-    /// What is at most this far.
+    /// The largest distance allowed.
     pub tolerance: f64,
-    /// The place as it is seen, where there is an eye.
+    /// The pixel scale of the region, where there is a camera.
     pub sight: Option<PixelScale>,
 }
 
-/// The same everywhere.
+/// A constant tolerance.
 impl ToleranceField for f64 {
     fn over_triangle(&self, _: [[f64; 3]; 3], _: f64) -> RegionTolerance {
         RegionTolerance { tolerance: *self, sight: None }
@@ -88,15 +90,15 @@ impl ToleranceField for f64 {
     }
 }
 
-/// What is allowed in the world, for two surfaces in their common frame.
+/// A world-space tolerance, for two surfaces in their common frame.
 struct WorldTolerance<'a> {
     allowed: &'a ErrorLimit,
     pair: &'a SurfacePair<'a>,
 }
 
 impl ToleranceField for WorldTolerance<'_> {
-    /// Points of the world are where the frame has them but for what it moved. Where the eye is too close for any length
-    /// only what has not moved at all is near enough.
+    /// World-space points are where the frame has them, up to its rounding. Where the eye is too close for
+    /// any length, only points that have not moved at all are within tolerance.
     fn over_triangle(&self, triangle: [[f64; 3]; 3], off: f64) -> RegionTolerance {
         let SurfacePair { frame, moved, .. } = self.pair;
         let off = if off == 0.0 || *moved == 0.0 { off + *moved } else { add_up(off, *moved) };
@@ -112,14 +114,15 @@ impl ToleranceField for WorldTolerance<'_> {
     }
 }
 
-/// For each face of `a` that has a point farther from `b` than is allowed the farthest such point that was seen, and
-/// the same from `b` to `a`, each in the order of the faces. Where both lists are empty every point is as near as is
-/// allowed at its own place, proved as by [`super::deviation`]; a face that could not be decided is in its list.
+/// Finds, for each face of `a` that has a point farther from `b` than allowed, the farthest such point found,
+/// and the same from `b` to `a`, each in the order of the faces. Where both lists are empty every point is
+/// within the tolerance at its own position, proved as by [`super::deviation`]; a face that could not be
+/// decided is in its list.
 ///
-/// What is allowed by place is asked for every piece of a face that is looked at, around all of it: a face that is near
-/// the eye and reaches far away is cut until its pieces are either near enough where they are, or found too far.
+/// A local tolerance is evaluated around every piece of a face: a face that is near the eye and reaches far
+/// away is split until its pieces are either within their tolerance or found too far.
 ///
-/// Cost: less than [`super::deviation`], since nothing is sought that is nearer.
+/// Cost: less than [`super::deviation`], since smaller distances are not resolved.
 ///
 /// # Errors
 /// As for [`super::deviation`].
@@ -155,7 +158,7 @@ fn find_violations(
         });
         let most = found.iter().fold(0.0, |most, found| larger(most, found.at_most));
         pixels = found.iter().fold(pixels, |most, found| larger(most, found.pixels));
-        // Faces that both surfaces have were not asked, and nothing of them was rounded.
+        // Faces that both surfaces share were not queried, and nothing of them was rounded.
         let rounded = !vertices.faces.is_empty() && *moved > 0.0;
         at_most = larger(at_most, if rounded { add_up(most, *moved) } else { most });
         found.into_iter().flat_map(|found| found.violations).flatten().collect()
@@ -163,7 +166,7 @@ fn find_violations(
     ViolationReport { violations: beyond, at_most: frame.length_up(at_most), pixels }
 }
 
-/// Some faces of one surface against the other.
+/// Compares faces of one surface with the other.
 struct FaceComparison<'a> {
     pair: &'a SurfacePair<'a>,
     own: &'a DistanceSurface<'a>,
@@ -172,7 +175,7 @@ struct FaceComparison<'a> {
 }
 
 impl FaceComparison<'_> {
-    /// What is too far, as side `which`; distances at most are of the frame.
+    /// The violations of side `which`; upper bounds are in the frame.
     fn find_in_faces(&self, faces: &[u32], which: usize, near: &impl ToleranceField) -> ViolationReport {
         let frame = &self.pair.frame;
         let terms = CoverLimits { tolerance: 0.0, most_faces: MOST_FACES, reach: self.pair.reach };
@@ -196,10 +199,10 @@ impl FaceComparison<'_> {
     }
 }
 
-/// Faces of the other surface under one piece where a quick answer is worth more.
+/// The most faces of the other surface under one piece where a quick answer is preferred.
 const FEW_FACES: usize = 512;
 
-/// Which point beyond the length is wanted.
+/// Which violation is wanted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ViolationSearch {
     /// The first.
@@ -209,18 +212,18 @@ enum ViolationSearch {
 
 /// What is known of a piece.
 enum SubtriangleVerdict {
-    /// No point is farther than this, which is near enough, nor so many pixels away.
+    /// No point is farther than this, which is within tolerance, nor so many pixels away.
     Within { up: f64, pixels: f64 },
-    /// A point that is too far, or may be, and how far that may be.
+    /// A point that is too far, or may be, and an upper bound on its distance.
     TooFar([f64; 3], f64),
 }
 
-/// The point that is too far and farthest.
+/// The farthest point that violates the tolerance.
 #[derive(Default)]
 struct WorstViolation(Option<([f64; 3], f64)>);
 
 impl WorstViolation {
-    /// Takes note of a point of a place `here`, where that is too far.
+    /// Records a point of the region `here` if it violates the tolerance.
     fn consider(&mut self, (at, up): ([f64; 3], f64), here: &RegionTolerance, near: &impl ToleranceField) {
         if up > here.tolerance && up > near.at(at) {
             self.take(at, up);
@@ -234,7 +237,7 @@ impl WorstViolation {
     }
 }
 
-/// Whether all of a piece is proved to be near enough.
+/// Whether all of a piece is proved to be within tolerance.
 fn classify(
     piece: MeshSubtriangle,
     other: &DistanceSurface,
@@ -265,7 +268,7 @@ fn classify(
                 pixels = larger(pixels, near.pixels_of(&here, up));
                 continue;
             }
-            // What a border of the other surface leaves open adds to it: halves are nearer.
+            // A border of the other surface that leaves a gap adds to the bound: halves are closer.
             Cover::Within(_) => {}
             Cover::TooFar(at) => {
                 let corner = other.sample(at);
@@ -273,7 +276,7 @@ fn classify(
             }
             Cover::None => {}
         }
-        // As long as nothing was seen that is too far, it may well be near.
+        // As long as no point was found too far, the piece may well be within tolerance.
         let most_cuts =
             if find == ViolationSearch::Farthest && worst.0.is_none() { MOST_CUTS_UNSEEN } else { MOST_CUTS };
         let halves = if cuts < most_cuts { piece.halves(|at| other.sample(at)) } else { None };
@@ -287,7 +290,7 @@ fn classify(
                     (half, here)
                 }));
             }
-            // Too small, or too many: undecided, so it counts.
+            // Too small, or too many bisections: undecided, so it counts as a violation.
             None => {
                 let far = piece
                     .corners
@@ -302,7 +305,7 @@ fn classify(
     })
 }
 
-/// A surface against which others are held, many times: one piece of them after the other.
+/// A surface against which pieces of others are checked, one after the other.
 pub(crate) struct ProximityChecker<'a> {
     side: DistanceSurface<'a>,
     scratch: RefCell<CoverScratch>,
@@ -310,7 +313,7 @@ pub(crate) struct ProximityChecker<'a> {
 }
 
 impl<'a> ProximityChecker<'a> {
-    /// A judge by a surface.
+    /// A checker for a surface.
     ///
     /// # Errors
     /// As for [`crate::explicit::Bvh::build`].
@@ -319,18 +322,19 @@ impl<'a> ProximityChecker<'a> {
         Ok(Self { side: DistanceSurface::new(mesh, job)?, scratch: RefCell::default(), reach })
     }
 
-    /// A judge by a surface of a few faces, which nothing can stop.
+    /// A checker for a surface of a few faces, which cannot be cancelled.
     pub fn from_small_mesh(mesh: Mesh) -> Option<Self> {
         let job = Job::default().with_threads(1);
         Self::new(Cow::Owned(mesh), &job).ok()
     }
 
-    /// The square of the distance of a point to the surface, up to rounding.
+    /// The squared distance of a point to the surface, up to rounding.
     pub fn distance_sq(&self, at: [f64; 3]) -> f64 {
         self.side.distance_sq(at)
     }
 
-    /// Whether all points of a triangle are near enough to the surface, proved; `false` where it is not known.
+    /// Whether all points of a triangle are within tolerance of the surface, proved; `false` where that is
+    /// not known.
     pub fn is_within(&self, triangle: [[f64; 3]; 3], near: &impl ToleranceField) -> bool {
         let corners = triangle.map(|at| self.side.sample(at));
         let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| larger(most, x.abs()));

@@ -1,8 +1,8 @@
-//! The search from the points of a field's surface to a mesh: which boxes are cut next, and when it ends.
+//! The search from the points of a field's surface to a mesh: which boxes are split next, and when it ends.
 //!
-//! Every box has an upper end at once, its middle's distance and half its diagonal. As in the other direction, boxes that seem to be
-//! the farthest come first, those in which the field surely changes its sign raise the lower end, and when the work allowed is
-//! used up the answer is the largest upper end of what is left.
+//! Every box has an upper bound at once: its centre's distance plus half its diagonal. As in the other
+//! direction, the boxes that seem farthest come first, and those with a certain sign change raise the lower
+//! bound. When the allowed work is used up, the answer is the largest upper bound of the remaining boxes.
 use super::forward::ForwardDistance;
 use super::from_field::{self, BoxVerdict, TargetMesh, may_cross};
 use super::{FieldDeviationSearch, LEAF_CHUNK, cube, larger, leaf_failure, smaller, sub_boxes};
@@ -11,34 +11,34 @@ use crate::implicit::{LeafError, Tape};
 use crate::math::{Box3, Interval};
 use std::sync::Arc;
 
-/// What is known of all points of the field's surface.
+/// The bounds for all points of the field's surface.
 pub(super) struct BackwardDistance {
-    /// Some point is this far.
+    /// A lower bound: some point is this far.
     pub least: f64,
     pub most: f64,
     pub at: [f64; 3],
 }
 
-/// Boxes looked at in all, as a multiple of the faces and at least so many.
+/// The most boxes in all: a multiple of the faces plus a constant.
 const BOXES_A_FACE: usize = 16;
 const FEW_BOXES: usize = 1 << 21;
-/// Boxes in which a change of sign is looked for in a round.
+/// Boxes in which a sign change is searched in a round.
 const TRIED: usize = 256;
-/// Rounds at most: a box of the last one is 2⁻⁴⁸ of the first.
+/// The most rounds: a box of the last one is 2⁻⁴⁸ of the first.
 const ROUNDS: usize = 24;
-/// A box whose diagonal is this share of its distance says nearly as much as its parts would.
+/// A box whose diagonal is below this share of its distance is about as informative as its parts.
 const SMALL: f64 = 0.01;
-/// With a limit, likewise of what is near enough.
+/// With a limit, the same share of the sufficient distance.
 const SMALL_FOR_LIMIT: f64 = 0.02;
-/// A round takes what is above this share of the way from what is near enough to the farthest.
+/// A round processes the boxes above this fraction between the sufficient distance and the largest bound.
 const UPPER_PART: f64 = 0.5;
 
-/// A box that the surface may run through.
+/// A box that the surface may pass through.
 #[derive(Clone)]
 struct OpenBox {
     tape: Arc<Tape>,
     bounds: Box3,
-    /// No point of the surface in it is farther.
+    /// An upper bound on the distance of the surface in it.
     most: f64,
     cuts: usize,
 }
@@ -63,8 +63,8 @@ impl FieldDeviationSearch<'_> {
             let least = larger(out.least, forward.least);
             target.tolerance = self.sufficient_distance(least);
             if relative && forward.most > self.aim(least, super::FORWARD_SHARE) {
-                // What the other direction leaves open is not closed here; and what the mesh strays, by which columns are
-                // measured, is no less for the surface.
+                // The other direction's remaining gap cannot be closed here. And the residual of the mesh, by
+                // which columns are measured, is no less for the surface.
                 let room = 1.0 + (1.0 - super::FORWARD_SHARE) * larger(self.goal.relative, 0.0);
                 target.tolerance = larger(target.tolerance, room * forward.most);
             }
@@ -82,7 +82,7 @@ impl FieldDeviationSearch<'_> {
             if now.is_empty() {
                 return Ok(out);
             }
-            // No more at once than there is work left for.
+            // No more at once than the remaining work allows.
             later.extend(now.split_off(now.len().min(left / 64 + 1)));
             let tasks = self.tasks(now)?;
             let results = par_map(self.job, &tasks, |_, task| task.run(target));
@@ -98,10 +98,10 @@ impl FieldDeviationSearch<'_> {
         }
     }
 
-    /// How far some point of the field's surface is from the mesh, from below: among the boxes that seem to be the farthest,
-    /// the distance of one where the field surely changes its sign.
+    /// A lower bound on the distance from some point of the field's surface to the mesh: among the boxes that
+    /// seem farthest, the distance of one with a certain sign change.
     fn farthest(&self, open: &[OpenBox], least: f64, target: &TargetMesh) -> Result<f64, JobError> {
-        // About what it will be; the sure number is looked up for a few.
+        // An estimate; the certified number is computed for a few.
         let about = |b: &OpenBox| b.most - b.bounds.diagonal();
         let mut far: Vec<(f64, usize)> = open
             .iter()
@@ -130,7 +130,7 @@ impl FieldDeviationSearch<'_> {
         Ok(sure.fold(0.0, larger))
     }
 
-    /// The boxes of a round, with shorter tapes where that pays.
+    /// The batches of a round, with pruned tapes where that pays.
     fn tasks(&self, open: Vec<OpenBox>) -> Result<Vec<BoxBatch>, JobError> {
         if self.tape.has_leaves() {
             let tape = Arc::new(self.tape.clone());
@@ -139,7 +139,8 @@ impl FieldDeviationSearch<'_> {
                 .map(|boxes| BoxBatch { tape: Arc::clone(&tape), boxes: boxes.to_vec() })
                 .collect());
         }
-        // Neighbours in the list are neighbours in space: a tape for a few of them is nearly as short as one for each.
+        // Neighbours in the list are neighbours in space: a tape for a few of them is nearly as short as one
+        // for each.
         let groups: Vec<&[OpenBox]> =
             open.chunk_by(|a, b| Arc::ptr_eq(&a.tape, &b.tape)).flat_map(|run| run.chunks(8)).collect();
         let tasks = par_map(self.job, &groups, |_, group| -> Result<BoxBatch, LeafError> {
@@ -161,7 +162,7 @@ impl BackwardDistance {
     }
 }
 
-/// Boxes to be cut into 64 and looked at with one tape.
+/// Boxes to be split into 64 and classified with one tape.
 struct BoxBatch {
     tape: Arc<Tape>,
     boxes: Vec<OpenBox>,
@@ -169,7 +170,7 @@ struct BoxBatch {
 
 #[derive(Default)]
 struct BoxBatchResult {
-    /// The farthest of what is done with.
+    /// The farthest of the settled boxes.
     settled: Option<(f64, Box3)>,
     open: Vec<OpenBox>,
     looked_at: usize,
@@ -187,7 +188,7 @@ impl BoxBatch {
             let whole = &self.boxes[k / 64];
             let most = match found {
                 BoxVerdict::Nothing => continue,
-                // It holds for a part what holds for the whole.
+                // A bound for the whole holds for its parts.
                 BoxVerdict::Near(far) | BoxVerdict::Open(far) => smaller(far, whole.most),
             };
             if most > target.tolerance {
@@ -201,7 +202,7 @@ impl BoxBatch {
     }
 }
 
-/// Above which bound from above a box is cut now.
+/// The upper bound above which boxes are split in this round.
 fn round_threshold(open: &[OpenBox], enough: f64) -> f64 {
     let most = open.iter().map(|b| b.most).filter(|most| *most < f64::INFINITY).fold(enough, larger);
     enough + UPPER_PART * (most - enough)

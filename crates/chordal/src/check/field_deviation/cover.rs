@@ -1,43 +1,49 @@
-//! `FieldCover`: cells over a field's domain which show that no part of its surface is hidden from a mesh.
+//! `FieldCover`: cells over a field's domain which show that a mesh misses no part of its surface.
 //!
-//! **Lemma (cover).** Let closed cells cover a cube about the field's bounds, so that those which meet the cube's boundary do not meet the
-//! bounds. Let each be
+//! **Lemma (cover).** Let closed cells cover a cube about the field's bounds, so that those which meet the
+//! cube's boundary do not meet the bounds. Let each be
 //! - *decided*: F < 0 on all of it but for cracks, or F ≥ 0 on all of it,
-//! - *growing*: with a direction n and a rate g > 0 so that n·γ ≥ g for every generalized gradient γ, in a box that holds the cell in its
-//!   interior, of every literal that can have the value of F there; the literals are Lipschitz in that box, or
-//! - *terminal*: known to be seen in another way ([`super::walls`], [`super::prover`]).
+//! - *growing*: with a direction n and a rate g > 0 so that n·γ ≥ g for every generalized gradient γ, in a
+//!   box that holds the cell in its interior, of every literal that can have the value of F there; the
+//!   literals are Lipschitz in that box, or
+//! - *terminal*: handled in another way ([`super::walls`], [`super::prover`]).
 //!
-//! Then each component of A* (the interior of the closure of {F < 0}) meets a decided inner or a terminal cell, and each component of B*
-//! (the interior of {F ≥ 0}) a decided outer or a terminal one.
+//! Then each component of A* (the interior of the closure of {F < 0}) meets a decided inner or a terminal
+//! cell, and each component of B* (the interior of {F ≥ 0}) a decided outer or a terminal one.
 //!
-//! *Proof.* Let x(0) lie in A* and, as A is dense there, in A. While x(t) lies in growing cells only, let x' be in −conv{n_C : C holds x}.
-//! This set is convex and upper semicontinuous in x, as cells are closed and locally finite, so there is a solution (Filippov), until a cell of another kind is
-//! met. Along it F changes at a rate in {γ·x' : γ in ∂F(x)} almost everywhere (Clarke's chain rule), and ∂F(x) lies in the hull of the
-//! gradients of the literals that have the value F(x) at x. For each C that holds x these are among the literals of C, as a literal
-//! is left out only where it never has the value, and x is in the interior of C's box. So F falls at the least rate of all cells
-//! at least, and it is bounded below, so in finite time another cell is met. The way there is connected and lies in A. A decided cell there
-//! is an inner one since F < 0. Upwards from B* likewise: F > 0 on the way, but for its start. Outside of the cube there is nothing of A by the word of the bounds, and what is
-//! of B* there is joined to the cells on the cube's boundary, which are decided by the same word. ∎
+//! *Proof.* Let x(0) lie in A* and, as A is dense there, in A. While x(t) lies in growing cells only, let x'
+//! be in −conv{n_C : C holds x}. This set is convex and upper semicontinuous in x, as cells are closed and
+//! locally finite, so there is a solution (Filippov), until a cell of another kind is met. Along it F changes
+//! at a rate in {γ·x' : γ in ∂F(x)} almost everywhere (Clarke's chain rule), and ∂F(x) lies in the hull of
+//! the gradients of the literals that have the value F(x) at x. For each C that holds x these are among the
+//! literals of C, as a literal is left out only where it never has the value, and x is in the interior of C's
+//! box. So F falls at least at the least rate of all cells, and it is bounded below, so in finite time
+//! another cell is met. The path to it is connected and lies in A. A decided cell there is an inner one since
+//! F < 0. Upwards from B* likewise: F > 0 on the path, except at its start. Outside of the cube the bounds
+//! guarantee that there is nothing of A, and the part of B* there is joined to the cells on the cube's
+//! boundary, which are decided by the same guarantee. ∎
 //!
-//! *Parts.* Let a primitive p stand in the tree together with its complement, and let {p = 0} have no interior in
-//! the box. The parts {p ≤ 0} and {p ≥ 0} of a cell are closed, and may stand in the lemma in place of the cell,
-//! each with a direction for flows inward and one for flows outward. On a flow inward F < 0, so where p ≤ 0 its
-//! complement is never the value and counts as positive without end; on a flow outward F > 0, and p counts as
-//! negative without end; likewise where p ≥ 0. At points of {p = 0} neither has the value, and what has it is
-//! among the literals of both parts. (A start of F = 0 is taken off {p = 0}, next to it in B*.) With several such
-//! primitives all cases of signs are gone through.
+//! *Parts.* Let a primitive p occur in the tree together with its complement, and let {p = 0} have no
+//! interior in the box. The parts {p ≤ 0} and {p ≥ 0} of a cell are closed, and may replace the cell in the
+//! lemma, each with a direction for flows inward and one for flows outward. On a flow inward F < 0, so where
+//! p ≤ 0 its complement is never the value and counts as +∞; on a flow outward F > 0, and p counts as −∞;
+//! likewise where p ≥ 0. At points of {p = 0} neither has the value, and the literal that has it is among the
+//! literals of both parts. (A start of F = 0 is moved off {p = 0}, next to it in B*.) With several such
+//! primitives all cases of signs are enumerated.
 //!
-//! A decided cell lies in the closure of A*, or of B*, with its interior in it, and so does the interior of two such cells of one side that share a part of a
-//! side. So decided cells are joined across sides, and one point of each set is enough.
+//! A decided cell lies in the closure of A*, or of B*, with its interior in it, and so does the interior of
+//! two such cells of one side that share a part of a side. So decided cells are joined across sides, and one
+//! point of each set suffices.
 //!
-//! *By value, not by sign*: with the literals that may vanish in place of those that may have the value there are fewer cells, but the flow may run
-//! in circles, and then nothing is shown.
+//! *By value, not by sign*: with the literals that may vanish in place of those that may have the value there
+//! are fewer cells, but the flow may run in circles, and then nothing is shown.
 //!
-//! Cells share their sides bit for bit. Ranges are taken over boxes that are a little larger, so that cells lie in their interiors. The
-//! cover depends on the field alone. Cells that are none of these at a floor are *open*: [`FieldCover::refine`] divides them further.
+//! Cells share their sides bit for bit. Ranges are taken over boxes that are a little larger, so that cells
+//! lie in their interiors. The cover depends on the field alone. Cells that are none of these at the size
+//! limit are *open*: [`FieldCover::refine`] divides them further.
 //!
-//! Sources: F. Clarke, *Optimization and nonsmooth analysis*, 1983, 2.3 and 2.6; A. Filippov, *Differential equations with discontinuous
-//! righthand sides*, 1988.
+//! Sources: F. Clarke, *Optimization and nonsmooth analysis*, 1983, 2.3 and 2.6; A. Filippov, *Differential
+//! equations with discontinuous righthand sides*, 1988.
 use super::growth::direction;
 use super::local_trees::{LiteralSides, LocalTree, LocalTrees, MOST_CASES, by_value, has_thin_zeros};
 use super::regions::SignRegions;
@@ -51,11 +57,11 @@ pub(super) enum CellState {
     Decided(Membership),
     /// The field grows along a direction.
     Grows,
-    /// A terminal cell, seen through walls.
+    /// A terminal cell, handled by its walls.
     Walls,
     /// None of these.
     Open,
-    /// Divided; its children follow each other from here.
+    /// Divided; its children are consecutive from this index.
     Divided(u32),
 }
 
@@ -66,11 +72,11 @@ pub(super) struct CoverCell {
     corner: [u32; 3],
     level: u32,
     pub state: CellState,
-    /// The tree that has the value of the whole in it.
+    /// The tree that gives the field's value in it.
     pub tree: u32,
 }
 
-/// A point of a set that the mesh has to wind around in the right way.
+/// A point of a set that the mesh has to wind around correctly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WindingProbe {
     pub at: [f64; 3],
@@ -86,46 +92,46 @@ pub(super) struct FieldCover {
     pub cells: Vec<CoverCell>,
     trees: LocalTrees,
     pub open: Vec<u32>,
-    /// Points of the parts of cells that are seen through walls.
+    /// Points of the parts of cells handled by walls.
     wall_points: Vec<WindingProbe>,
-    /// What it may take in memory.
+    /// The memory limit.
     most_bytes: u64,
 }
 
-/// Halvings at most: corners are whole numbers of u32, and a cell of this level is 2⁻³⁰ of the cube.
+/// The most halvings: corners are integers of u32, and a cell of this level is 2⁻³⁰ of the cube.
 const DEEPEST: u32 = 30;
-/// The cube's side as a multiple of the longest side of the bounds, and where its middle is off theirs: cells of level 2 on the rim do
-/// not meet the bounds, and planes of symmetry do not run along sides of cells. Chosen.
+/// The cube's side as a multiple of the longest side of the bounds, and the offset of its centre: boundary
+/// cells of level 2 do not meet the bounds, and planes of symmetry do not run along sides of cells. Chosen.
 const ROOM: f64 = 2.25;
 const OFF_CENTRE: [f64; 3] = [0.0137, 0.0071, -0.0113];
-/// The first level whose cells are looked at: those on the rim do not meet the bounds.
+/// The first level whose cells are classified: its boundary cells do not meet the bounds.
 const FIRST: u32 = 2;
-/// Boxes that are looked at are larger than cells by this share of the largest coordinate.
+/// Boxes over which ranges are taken exceed cells by this share of the largest coordinate.
 const PAD: f64 = 8.0 * f64::EPSILON;
-/// The share of the job's memory that cells and their trees may take: beside them are the mesh, its copies and
-/// what was asked for.
+/// The share of the job's memory for cells and their trees: the mesh, its copies and the queries need the
+/// rest.
 const MEMORY_SHARE: u64 = 8;
-/// Cells at most: numbers are of u32, and some seconds. Chosen.
+/// The most cells: indices are u32, and it takes some seconds. Chosen.
 const MOST_CELLS: usize = 1 << 22;
-/// Ranges of primitives that are asked for at once: some tens of megabytes.
+/// Ranges of primitives in one query: some tens of megabytes.
 const ASKED_AT_ONCE: usize = 1 << 17;
 
-/// With more primitives in a cell walls are not all that is in the way. Chosen: twice as many as meet in common
+/// Walls are searched only in cells with at most so many primitives. Chosen: twice as many as meet in common
 /// corners, with as many copies of them.
 const FEW: usize = 24;
-/// Cells in which walls are looked for at once: some tens of megabytes.
+/// Cells in which walls are searched at once: some tens of megabytes.
 const WALLS_AT_ONCE: usize = 1 << 11;
 
-/// What is known of a cell that is looked at.
+/// The ranges of a cell's primitives.
 struct CellRanges {
     bounds: Box3,
     slopes: Vec<DualRange>,
 }
 
-/// A tree that has the value in a cell, with what is known of its primitives there.
+/// A tree that gives the value in a cell, with the slopes of its primitives there.
 struct CellGrowth<'a, S> {
     local: &'a LocalTree,
-    /// Of a primitive.
+    /// The slope of a primitive.
     slope: S,
 }
 
@@ -140,7 +146,7 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         gradients.is_some_and(|gradients| direction(&gradients).is_some())
     }
 
-    /// Whether there are directions for the parts of the cell: for all signs of the primitives that stand as
+    /// Whether there are directions for all parts of the cell: for all signs of the primitives that occur as
     /// themselves and as their complements.
     fn has_directions_by_part(&self) -> bool {
         let is_open = |p: &u32| (self.slope)(*p).value[0] < 0.0 && (self.slope)(*p).value[1] > 0.0;
@@ -159,7 +165,7 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
     }
 
     /// Whether there is a direction for a flow inward, through negative values, or outward, through positive
-    /// ones, where some primitives have given signs; or nothing to flow.
+    /// ones, where some primitives have given signs; or no flow is possible.
     fn flows(&self, flow: Membership, is_positive: impl Fn(u32) -> Option<bool>) -> bool {
         let inward = flow == Membership::Inside;
         let (range, tree) = by_value(&self.local.tree, |p, falls| {
@@ -167,7 +173,7 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
             let [low, high] = if falls { [-high, -low] } else { [low, high] };
             match is_positive(p).map(|is_positive| is_positive != falls) {
                 None => [low, high],
-                // With the other sign it never is the value.
+                // With the other sign it is never the value.
                 Some(true) if inward => [f64::INFINITY; 2],
                 Some(false) if !inward => [f64::NEG_INFINITY; 2],
                 Some(true) => [0.0, high],
@@ -180,13 +186,13 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
 }
 
 impl FieldCover {
-    /// A cover of which nothing is looked at yet.
+    /// A cover whose cells are not classified yet.
     pub fn new(evaluator: &PrimitiveEvaluator, bounds: &Box3, memory_limit: u64) -> Self {
         let longest =
             (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a: f64, b| if b > a { b } else { a });
         let reach =
             bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| if b.abs() > a { b.abs() } else { a });
-        // A box that is nearly a point gets a cube that is larger than the padding of its cells.
+        // A nearly degenerate box gets a cube that is larger than the padding of its cells.
         let least = reach * f64::EPSILON * f64::from(1 << 20);
         let longest = if longest > least { longest } else { least };
         let longest =
@@ -227,8 +233,8 @@ impl FieldCover {
         }
     }
 
-    /// Divides open cells, and what is still open of them, until none is left or there are too many. `is_worth` says which ones, by box
-    /// and size.
+    /// Divides open cells, and those that stay open, until none is left or there are too many. `is_worth`
+    /// selects them by box and size.
     pub fn refine(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
@@ -264,7 +270,7 @@ impl FieldCover {
         }
     }
 
-    /// Whether so many more cells may be made.
+    /// Whether so many more cells are allowed.
     fn has_room(&self, n_more: usize) -> bool {
         let n_cells = self.cells.len() + n_more;
         n_cells < MOST_CELLS
@@ -281,7 +287,7 @@ impl FieldCover {
         cells.iter().take_while(fits).count().max(1)
     }
 
-    /// The children of a cell.
+    /// Divides a cell and returns its children.
     fn divide(&mut self, cell: u32) -> std::ops::Range<u32> {
         let CoverCell { corner, level, tree, .. } = self.cells[cell as usize];
         let first = self.cells.len() as u32;
@@ -295,7 +301,7 @@ impl FieldCover {
         first..first + 8
     }
 
-    /// Looks at cells. What stays open is added to the list.
+    /// Classifies cells. Cells that stay open are added to the list.
     fn classify_cells(&mut self, evaluator: &mut PrimitiveEvaluator, cells: &[u32]) -> Result<(), LeafError> {
         let mut asked = Vec::with_capacity(cells.len());
         for cell in cells {
@@ -339,7 +345,7 @@ impl FieldCover {
         Ok(())
     }
 
-    /// Looks for walls in cells that were just left open.
+    /// Searches walls in the cells that were just left open.
     fn resolve_walls(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
@@ -383,7 +389,7 @@ impl FieldCover {
         side != Membership::Unknown
     }
 
-    /// Ranges of values by the mean value theorem about the middles of cells.
+    /// Tightens ranges by the mean value theorem about the centres of cells.
     fn sharpen(
         &self,
         evaluator: &mut PrimitiveEvaluator,
@@ -417,8 +423,8 @@ impl FieldCover {
         Ok(())
     }
 
-    /// Leaves out the literals that never have the value, and looks for a direction in which all others grow, or for
-    /// one in each part of the cell.
+    /// Drops the literals that never have the value, and searches a direction in which all others grow, or
+    /// one for each part of the cell.
     fn find_growth(&mut self, cell: u32, ranges: &CellRanges) {
         let before = self.cells[cell as usize].tree;
         let values: Vec<[f64; 2]> = ranges.slopes.iter().map(|slope| slope.value).collect();
@@ -432,7 +438,7 @@ impl FieldCover {
         }
     }
 
-    /// Which leaf holds a cell of a level, if it is of that level or larger.
+    /// The leaf that contains a cell of a level, if it is of that level or larger.
     fn leaf(&self, corner: [u32; 3], level: u32) -> Option<u32> {
         let mut cell = 0_u32;
         loop {
@@ -447,15 +453,15 @@ impl FieldCover {
         }
     }
 
-    /// The points that a mesh has to wind around in the right way: one of each set of decided cells of one side that are joined across sides,
-    /// and those of the parts of cells with walls.
+    /// The points that a mesh has to wind around correctly: one of each set of decided cells of one side that
+    /// are joined across sides, and those of the parts of cells with walls.
     pub fn winding_probes(&self) -> Vec<WindingProbe> {
         let mut points = self.component_probes();
         points.extend(&self.wall_points);
         points
     }
 
-    /// The middle of the largest cell of each set.
+    /// The centre of the largest cell of each set.
     fn component_probes(&self) -> Vec<WindingProbe> {
         let n = self.cells.len();
         let mut sets: Vec<u32> = (0..n as u32).collect();

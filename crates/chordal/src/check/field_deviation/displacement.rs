@@ -1,13 +1,13 @@
-//! How far the vertices of a mesh are to be displaced so that it lies on one side of a field's surface: a
-//! guess from samples.
+//! Heuristic displacements that move the vertices of a mesh to one side of a field's surface, from samples.
 //!
-//! On a face each primitive that decides is taken as a distance, value by gradient, at some points. The CSG
-//! tree says at each point which of them have to be on a side so that the whole is: of an intersection that
-//! is to be outside the one that is nearest to it, of a union all. A primitive that has to be raised is asked
-//! to be above 0 at the three corners, by what it lacks there and by how much its samples lie below the plane
-//! through the corners. Displacements are linear over a face, so then it is above 0 at all samples.
+//! On a face each deciding primitive is taken as a distance, value by gradient, at some points. The CSG tree
+//! determines at each point which of them have to be on a side so that the whole is: of an intersection that
+//! has to be outside the one that is nearest to it, of a union all. A primitive that has to be raised must be
+//! above 0 at the three corners, by its deficit there and by how far its samples lie below the plane through
+//! the corners. Displacements are linear over a face, so then it is above 0 at all samples.
 //!
-//! Nothing here is proved, nor has to be: whatever the displacements are, signs on the displaced faces are.
+//! Nothing here is proved, nor has to be: the signs on the displaced faces are proved, whatever the
+//! displacements are.
 use super::local_trees::{LocalTree, LocalTrees, MOST_CASES};
 use super::regions::SignRegions;
 use crate::explicit::Mesh;
@@ -15,28 +15,28 @@ use crate::implicit::{CsgNode, Dual, LeafError, PrimitiveEvaluator};
 use crate::math::{Box3, cross, difference, dot, length};
 use std::ops::Range;
 
-/// About how far the corners of a face are displaced.
+/// Estimates of how far the corners of a face are displaced.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DisplacementReach {
-    /// As far as samples ask for; the face is on the primitives that are as near throughout.
+    /// As far as samples require; the face is on a primitive that is at most this far throughout.
     pub at_first: f64,
     /// In this attempt.
     pub now: f64,
 }
 
-/// What a face asks of its corners: `direction · displacement ≥ lack + share · margin` at each.
+/// A constraint of a face on its corners: `direction · displacement ≥ deficit + share · margin` at each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FaceConstraint {
     pub directions: [[f64; 3]; 3],
     pub deficits: [f64; 3],
-    /// 1 where the primitive is near, 0 where it is as far as a displacement is long.
+    /// 1 where the primitive is near, 0 where it is as far as the displacement's reach.
     pub shares: [f64; 3],
-    /// Whether the face is on the primitive; else it is only near it.
+    /// Whether the face lies on the primitive; otherwise it is only near it.
     pub is_on: bool,
 }
 
 impl FaceConstraint {
-    /// What is asked of one corner.
+    /// The constraint on one corner.
     pub fn of_corner(&self, corner: usize) -> HalfSpace {
         HalfSpace {
             direction: self.directions[corner],
@@ -46,11 +46,11 @@ impl FaceConstraint {
     }
 }
 
-/// The demands of all faces for one side.
+/// The constraints of all faces for one side.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaceConstraints {
     all: Vec<FaceConstraint>,
-    /// Where those of a face begin; one more than there are faces.
+    /// Where the constraints of each face begin; one more entry than faces.
     starts: Vec<u32>,
 }
 
@@ -60,8 +60,8 @@ impl FaceConstraints {
     }
 }
 
-/// Barycentric coordinates of the samples: the corners; beside them, for gradients, since primitives may have
-/// a kink at a vertex; beside the middles of the sides; and the middle.
+/// Barycentric coordinates of the samples: the corners; points beside them, for gradients, since primitives
+/// may have a kink at a vertex; points beside the midpoints of the sides; and the centroid.
 const BESIDE: f64 = 1.0 / 16.0;
 const SAMPLES: [[f64; 3]; 10] = [
     [1.0, 0.0, 0.0],
@@ -76,27 +76,27 @@ const SAMPLES: [[f64; 3]; 10] = [
     [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
 ];
 
-/// Faces that are sampled at once: some megabytes for each primitive that decides about them.
+/// Faces sampled at once: some megabytes for each deciding primitive.
 const FACES_AT_ONCE: usize = 1 << 12;
 
-/// The faces of a mesh in parts, in order.
+/// The faces of a mesh in batches, in order.
 fn parts(mesh: &Mesh) -> impl Iterator<Item = Range<usize>> {
     let n = mesh.faces().len();
     (0..n).step_by(FACES_AT_ONCE).map(move |first| first..(first + FACES_AT_ONCE).min(n))
 }
 
-/// Primitives at the samples of some faces.
+/// The primitives at the samples of some faces.
 struct FaceSamples {
     first: usize,
-    /// By face, the number of its tree; none for faces that the sign of no primitive decides.
+    /// By face, the index of its tree; `None` for faces whose side is already decided.
     trees: Vec<Option<u32>>,
     slopes: Vec<Dual<f64>>,
-    /// Where those of a face begin.
+    /// Where the slopes of each face begin.
     starts: Vec<usize>,
 }
 
 impl FaceSamples {
-    /// Of some faces, each with the primitives that decide within a distance of it.
+    /// Samples some faces, each with the primitives that decide within a distance of it.
     fn from_faces(
         regions: &mut SignRegions,
         evaluator: &mut PrimitiveEvaluator,
@@ -122,7 +122,7 @@ impl FaceSamples {
         Ok(Self { first, trees, slopes, starts })
     }
 
-    /// The faces, each with what is known of it.
+    /// The faces with their samples.
     fn faces<'s>(&'s self, trees: &'s LocalTrees) -> impl Iterator<Item = (usize, Option<SampledFace<'s>>)> {
         self.trees.iter().zip(&self.starts).enumerate().map(move |(place, (tree, start))| {
             let sampled = |tree: &u32| {
@@ -141,7 +141,7 @@ struct SampledFace<'s> {
     slopes: &'s [Dual<f64>],
 }
 
-/// By face, about how far it is from the surface.
+/// By face, its approximate distance from the surface.
 pub(super) fn deviations(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -163,17 +163,17 @@ pub(super) fn deviations(
     Ok(found)
 }
 
-/// Which ways a mesh is taken to be displaced: a primitive that is raised across all of them is avoided.
+/// The assumed displacement directions of a mesh: raising a primitive across all of them is avoided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DisplacementNormals {
-    /// By the normals about a face's corners.
+    /// The vertex normals of a face's corners.
     Vertex,
-    /// Also by its own, which is another where these turn back about a narrow notch.
+    /// Also the face's own normal, which differs where the vertex normals turn back about a narrow notch.
     VertexAndFace,
 }
 
-/// The demands of the faces of a mesh, by face with its reach: to be outside, and to be inside. Primitives that
-/// are farther than twice as far are taken to stay on their side.
+/// The constraints of the faces of a mesh to be outside, and to be inside, with the reach of each face.
+/// Primitives farther than twice the reach are assumed to stay on their side.
 pub(super) fn face_constraints(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -219,39 +219,38 @@ fn distance(slope: &Dual<f64>) -> f64 {
 struct RaisedLiteral {
     place: u32,
     falls: bool,
-    /// At which samples, by bit.
+    /// A bit mask of the samples.
     samples: u16,
 }
 
-/// What a node has at the samples, and what has to be raised for it.
+/// A node's values at the samples, and the literals that have to be raised for it.
 struct NodeSamples {
     values: [f64; SAMPLES.len()],
     literals: Vec<RaisedLiteral>,
-    /// Whether some of them is raised across the way that the mesh is displaced anyway.
+    /// Whether some of them are raised across the direction of displacement.
     is_across: bool,
 }
 
-/// Primitives whose gradients have a smaller cosine with the normal of the mesh are raised across it.
+/// A primitive is raised across the normal of the mesh if its gradient has a smaller cosine with it.
 const ACROSS: f64 = 0.3;
-/// By this share of a band a primitive that is raised across is taken to lack more than it does: what is
-/// asked of one face may be the opposite of what is asked of the next, as on both sides of a face that two
-/// solids share. Chosen.
+/// A primitive that is raised across is penalised by this share of a band: the constraint of one face may be
+/// opposite to that of the next, as on both sides of a face that two solids share. Chosen.
 const DETOUR: f64 = 0.25;
 
 impl NodeSamples {
-    /// The least value but for the corners, where several primitives may be equal of which most have nothing
-    /// to do with the face.
+    /// The least value, without the corners, where several primitives may be equal and most are unrelated to
+    /// the face.
     fn least(&self) -> f64 {
         self.values[3..].iter().fold(f64::INFINITY, |a, b| if *b < a { *b } else { a })
     }
 
-    /// Of what is on the side that is asked for everywhere, or nowhere.
+    /// A node that is on the required side everywhere, or nowhere.
     fn constant(is_there: bool) -> Self {
         let value = if is_there { f64::INFINITY } else { f64::NEG_INFINITY };
         Self { values: [value; SAMPLES.len()], literals: Vec::new(), is_across: false }
     }
 
-    /// Both.
+    /// Both operands are required.
     fn and(mut self, other: Self) -> Self {
         self.values.iter_mut().zip(other.values).for_each(|(a, b)| *a = if b < *a { b } else { *a });
         self.literals.extend(other.literals);
@@ -259,8 +258,8 @@ impl NodeSamples {
         self
     }
 
-    /// Of several the one that lacks the least; where that lacks more than can be raised, the largest one at
-    /// each sample.
+    /// Of several operands the one with the least deficit; where that is more than can be raised, the largest
+    /// one at each sample.
     fn any_of(mut operands: Vec<Self>, band: f64) -> Self {
         let rank = |one: &Self| if one.is_across { one.least() - DETOUR * band } else { one.least() };
         let best = (0..operands.len())
@@ -291,18 +290,18 @@ struct FaceDistances<'a> {
     local: &'a LocalTree,
     slopes: &'a [Dual<f64>],
     distances: &'a [f64],
-    /// The ways that the mesh is displaced here; of any length.
+    /// The directions in which the mesh is displaced here; of any length.
     outward: [[f64; 3]; 2],
     band: f64,
 }
 
 impl FaceDistances<'_> {
-    /// The literals that have to be on a side for the whole face. To be inside is for the complement to be
-    /// outside, so with `inward` all signs are turned, and so are unions and intersections. Of an
-    /// intersection that is to be outside it is the operand that lacks the least.
+    /// The literals that have to be on a side for the whole face. Being inside means that the complement is
+    /// outside, so `inward` flips all signs, and swaps unions and intersections. Of an intersection that has
+    /// to be outside it is the operand with the least deficit.
     ///
-    /// About a face that two solids share each of them would ask to stay on its own side of it. What is on the
-    /// side that is asked for in all cases of such a primitive need not ([`LocalTree`]).
+    /// At a face that two solids share each of them would require to stay on its own side of it. If the
+    /// required side is reached in all cases of such a primitive, it is unconstrained ([`LocalTree`]).
     fn raised_literals(&self, inward: bool) -> Vec<RaisedLiteral> {
         let shared: Vec<u32> = self.local.mixed().filter(|p| self.is_near(*p)).collect();
         let plain = self.of_tree(|p, falls| self.literal(p, falls), inward);
@@ -386,7 +385,7 @@ impl FaceDistances<'_> {
     }
 }
 
-/// By vertex the sum of the normals of the faces around it, each as long as twice its area.
+/// By vertex the sum of the normals of the faces around it, weighted by twice their area.
 fn normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     let mut normals = vec![[0.0; 3]; mesh.positions().len()];
     for (face, corners) in mesh.faces().iter().enumerate() {
@@ -399,7 +398,7 @@ fn normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     normals
 }
 
-/// Of a triangle, as long as twice its area.
+/// The normal of a triangle with twice its area as length.
 fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     cross(difference(*b, *a), difference(*c, *a))
 }
@@ -408,7 +407,7 @@ fn sum(vectors: [[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| vectors[0][k] + vectors[1][k] + vectors[2][k])
 }
 
-/// What a literal asks of the corners of a face; nothing where its gradient says nothing.
+/// The constraint of a literal on the corners of a face; `None` where its gradient is unusable.
 fn face_constraint(
     slopes: &[Dual<f64>],
     distances: &[f64],
@@ -419,7 +418,7 @@ fn face_constraint(
     let sign = if literal.falls { -1.0 } else { 1.0 };
     let far: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
     let beside: [[f64; 3]; 3] = std::array::from_fn(|k| slopes[first + 3 + k].gradient);
-    // A corner that is farther than it can be displaced does not help the others more than one at that distance.
+    // A corner farther than its possible displacement counts as one at that distance.
     let at_corners: [f64; 3] = std::array::from_fn(|k| {
         let far = sign * slopes[first + k].value / length(beside[k]);
         if far > reach.now { reach.now } else { far }
@@ -456,12 +455,12 @@ fn mixed(corners: &[[f64; 3]; 3], weights: &[f64; 3]) -> [f64; 3] {
 pub(super) struct HalfSpace {
     pub direction: [f64; 3],
     pub least: f64,
-    /// How much of a margin is added to `least`.
+    /// The factor of the margin that is added to `least`.
     pub share: f64,
 }
 
-/// What rounding leaves of a constraint that holds, as a share of the displacement: chosen, it only decides
-/// which guess is tried.
+/// The rounding of a satisfied constraint, relative to the displacement: chosen, it only decides which guess
+/// is tried.
 const ROUNDING: f64 = 1e-11;
 
 impl HalfSpace {
@@ -470,9 +469,10 @@ impl HalfSpace {
     }
 }
 
-/// The shortest displacement that meets all constraints, if any does.
+/// The shortest displacement that satisfies all constraints, if there is one.
 ///
-/// Source: R. Seidel, *Small-dimensional linear programming and convex hulls made easy*, 1991, here for the norm.
+/// Source: R. Seidel, *Small-dimensional linear programming and convex hulls made easy*, 1991, here for the
+/// norm.
 pub(super) fn shortest_displacement(constraints: &[HalfSpace]) -> Option<[f64; 3]> {
     let mut d = [0.0; 3];
     for (i, first) in constraints.iter().enumerate() {
@@ -489,12 +489,13 @@ pub(super) fn shortest_displacement(constraints: &[HalfSpace]) -> Option<[f64; 3
     Some(d)
 }
 
-/// The shortest displacement on the line where two constraints hold exactly, that meets some others.
+/// The shortest displacement on the line where two constraints hold with equality, that satisfies some
+/// others.
 fn on_line([a, b]: [&HalfSpace; 2], others: &[HalfSpace]) -> Option<[f64; 3]> {
     let cosine = dot(a.direction, b.direction);
     let det = 1.0 - cosine * cosine;
     let along = crate::math::cross(a.direction, b.direction);
-    // Parallel but for rounding: nothing is between, or one of both is not needed.
+    // Parallel up to rounding: there is no solution, or one of them is redundant.
     if det < ROUNDING {
         return None;
     }

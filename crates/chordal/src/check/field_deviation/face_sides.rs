@@ -1,23 +1,25 @@
-//! Whether whole triangles are on one side of a field's surface.
+//! Proves that whole triangles are on one side of a field's surface.
 //!
 //! **Signs on a piece.** Let f be a primitive that is Lipschitz in a box E with generalized gradients in the
 //! box G, let T be a triangle in E with corners vᵢ, and L the linear function with f's values there. For x =
 //! Σλᵢvᵢ in T `f(x) − L(x) = Σλᵢ(f(x) − f(vᵢ)) = Σλᵢ γᵢ·(x − vᵢ)` with γᵢ in G (Lebourg's mean value
-//! theorem), and since Σλᵢ(x − vᵢ) = 0 the middle of G may be taken off each γᵢ. With r the half widths of G,
+//! theorem), and since Σλᵢ(x − vᵢ) = 0 the middle of G may be subtracted from each γᵢ. With r the half widths
+//! of G,
 //! |f − L| is so at most `Σλᵢ Σₖ rₖ|x − vᵢ|ₖ`, and that is
-//! - at most ‖r‖·R, where R is the radius of any ball that holds T: `Σλᵢ|x − vᵢ|² = Σλᵢ|vᵢ − o|² − |x − o|² ≤
-//!   R²` for its centre o,
+//! - at most ‖r‖·R, where R is the radius of any ball that holds T:
+//!   `Σλᵢ|x − vᵢ|² = Σλᵢ|vᵢ − o|² − |x − o|² ≤ R²` for its centre o,
 //! - at most ½Σ rₖwₖ, where wₖ are the sides of the box around T: a mean absolute deviation is at most half
 //!   of the range.
 //!
-//! The values at the corners are ranges over points. Every piece is cut at rounded middles, so that a point
-//! of the triangle that is asked about may be off the nearest point of its piece, along each axis, by [`OFF`]
-//! of the largest coordinate of the triangle. E has that much room, and f is given `Σₖ |G|ₖ·off` more. So a sign that is
-//! proved holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its
+//! The values at the corners are ranges over points. Every piece is split at rounded midpoints, so a point of
+//! the original triangle may be off the nearest point of its piece, along each axis, by [`OFF`] of the
+//! largest coordinate of the triangle. E has that margin, and the bound on f is widened by `Σₖ |G|ₖ·off`. So
+//! a proved sign holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its
 //! interior, or strictly, for a function that is continuous there.
 //!
-//! The sides of the primitives give the side of the whole ([`LocalTree::membership`](super::local_trees::LocalTree::membership)); halves of a piece
-//! inherit what is decided.
+//! The sides of the primitives determine the side of the whole
+//! ([`LocalTree::membership`](super::local_trees::LocalTree::membership)); halves of a piece inherit decided
+//! sides.
 //!
 //! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
 use super::local_trees::LiteralSides;
@@ -26,41 +28,42 @@ use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{Box3, add_down, add_up, difference, dot, length, length_up, mul_up, sub_down, sub_up};
 use std::collections::HashMap;
 
-/// How far a point of a triangle may be off its piece, as a share of its largest coordinate: derived, each of
-/// up to [`MOST_CUTS`] middles is rounded by half of ε at most; taken three times, so that E holds the piece
-/// in its interior.
+/// How far a point of a triangle may be off its piece, relative to its largest coordinate: derived, each of
+/// up to [`MOST_CUTS`] midpoints is rounded by at most half of ε; taken three times, so that E holds the
+/// piece in its interior.
 const OFF: f64 = 32.0 * f64::EPSILON;
-/// So often a triangle is cut at most: OFF rests on it.
+/// The most bisections of a triangle: [`OFF`] relies on it.
 pub(super) const MOST_CUTS: u32 = 18;
 
-/// Triangles that are to be on one side.
+/// Triangles that have to be on one side.
 pub(super) struct SideQuery<'a> {
     pub positions: &'a [[f64; 3]],
     pub faces: &'a [[u32; 3]],
     pub side: Membership,
-    /// Cuts at most.
+    /// The most bisections.
     pub cuts: u32,
 }
 
-/// What was found out about a triangle.
+/// The verdict on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FaceSide {
-    /// All of it is on the side that was asked for.
+    /// All of it is on the required side.
     Proved,
     /// Not proved.
     Open,
-    /// A part of it is surely on the other side.
+    /// A part of it is certainly on the other side.
     Wrong,
 }
 
-/// Pieces at a time at most, for each face, and beside them: with more of them, the faces that have most are
-/// open. Measured on a twisted bolt, whose ranges are wide: with 16 a face the proof is lost, with 128 it is not.
+/// The most pieces at a time, for each face, and in addition: with more of them, the faces with the most
+/// pieces stay open. Measured on a twisted bolt, whose ranges are wide: with 16 a face the proof fails, with
+/// 128 it succeeds.
 const PIECES_A_FACE: usize = 128;
 const MOST_PIECES: usize = 1 << 14;
 
 struct SignTriangle {
     corners: [[f64; 3]; 3],
-    /// How far points of the triangle may be off it.
+    /// How far points of the original triangle may be off the piece.
     off: f64,
     face: u32,
     tree: u32,
@@ -68,31 +71,31 @@ struct SignTriangle {
     values: usize,
 }
 
-/// A piece that is to be cut.
+/// A piece to be split.
 struct TriangleSplit {
     piece: usize,
-    /// What is left of its tree.
+    /// The rest of its tree.
     tree: u32,
-    /// The side whose middle becomes a corner.
+    /// The side whose midpoint becomes a corner.
     side: usize,
 }
 
 type CornerValues = [[f64; 2]; 3];
 
-/// Triangles that were looked at before: from one mesh to the next most of them stay.
+/// Verdicts of earlier queries: most triangles stay the same from one mesh to the next.
 #[derive(Clone, Debug)]
 pub(super) struct FaceSideCache {
-    // Only looked up, never walked through.
+    // Only looked up, never iterated.
     known: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
-    /// Triangles that are remembered at most.
+    /// The most triangles kept.
     most: usize,
 }
 
-/// Triangles that are remembered at most, whatever the memory: some hundred megabytes.
+/// The most triangles kept, whatever the memory: some hundred megabytes.
 const MOST_KNOWN: usize = 1 << 20;
-/// Bytes that one takes, about: twice its entry, as tables grow by doubling.
+/// Bytes per entry, about: twice its size, as tables grow by doubling.
 const BYTES_KNOWN: u64 = 200;
-/// The share of the job's memory that they may take.
+/// The share of the job's memory for the entries.
 const KNOWN_SHARE: u64 = 16;
 
 impl FaceSideCache {
@@ -102,7 +105,7 @@ impl FaceSideCache {
         Self { known: HashMap::new(), most } // No order depends on it.
     }
 
-    /// A triangle by the bits of its corners, and by the side that is asked for.
+    /// The key of a triangle: the bits of its corners and the required side.
     fn key(question: &SideQuery, face: &[u32; 3]) -> [u64; 10] {
         let corners = face.map(|v| question.positions[v as usize]);
         let mut key = [0; 10];
@@ -113,14 +116,14 @@ impl FaceSideCache {
         key
     }
 
-    /// What is known with as many cuts.
+    /// The cached verdict, if it was found with at least as many bisections.
     fn get(&self, key: &[u64; 10], cuts: u32) -> Option<FaceSide> {
         let (side, with) = self.known.get(key)?;
         (*side != FaceSide::Open || *with >= cuts).then_some(*side)
     }
 }
 
-/// Looks at every triangle.
+/// Classifies every triangle.
 pub(super) fn classify_sides(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -212,7 +215,7 @@ fn classify_uncached(
     Ok(found)
 }
 
-/// Leaves faces open that have their share of the pieces or more.
+/// Gives up the faces that have an average number of pieces or more; they stay open.
 fn abandon_most_split(pieces: &[SignTriangle], split: &mut Vec<TriangleSplit>, found: &mut [FaceSide]) {
     let faces = split.chunk_by(|a, b| pieces[a.piece].face == pieces[b.piece].face);
     let share = split.len() / faces.clone().count();
@@ -222,7 +225,7 @@ fn abandon_most_split(pieces: &[SignTriangle], split: &mut Vec<TriangleSplit>, f
     split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
 }
 
-/// The triangles as pieces, and the values at their corners; those that are decided as a whole are not among them.
+/// The triangles as pieces, and the values at their corners; without those that are decided as a whole.
 fn initial_triangles(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -296,7 +299,7 @@ fn halves(
         let (old, new) = (regions.trees.get(piece.tree), regions.trees.get(*tree));
         let (at_middle, after) = rest.split_at(new.primitives.len());
         rest = after;
-        // The first half has the middle in the place of the side's second end, the other in that of the first.
+        // The first half replaces the side's second end by the midpoint, the other half the first end.
         for replaced in [(side + 1) % 3, *side] {
             let mut corners = piece.corners;
             corners[replaced] = middle;
@@ -311,8 +314,8 @@ fn halves(
     Ok((parts, part_values))
 }
 
-/// The side along which the primitives that leave a piece open change most, each beside its steepest change:
-/// along the axis of an extrusion they do not change.
+/// The side along which the primitives that leave a piece open change most, each relative to its steepest
+/// change: along the axis of an extrusion they do not change.
 fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[LiteralSides], slopes: &[DualRange]) -> usize {
     let along = |k: usize| {
         let d = difference(corners[(k + 1) % 3], corners[k]);
@@ -349,7 +352,7 @@ fn rounding_slack(corners: &[[f64; 3]; 3]) -> f64 {
     mul_up(OFF, most)
 }
 
-/// E.
+/// The box E.
 fn padded_bounds(corners: &[[f64; 3]; 3], off: f64) -> Box3 {
     let bare = Box3::from_points(corners);
     Box3 { min: bare.min.map(|x| sub_down(x, off)), max: bare.max.map(|x| add_up(x, off)) }
@@ -361,7 +364,7 @@ impl SignTriangle {
     }
 }
 
-/// What the bound on strays needs of a piece.
+/// The extents of a piece for the bound on |f − L|.
 struct SignTriangleExtent {
     /// R.
     radius: f64,
@@ -384,7 +387,7 @@ impl SignTriangleExtent {
         Self { radius, widths, off: piece.off }
     }
 
-    /// On which sides of a primitive and of its complement the piece is.
+    /// The sides of a primitive and of its complement on which the piece is.
     fn sides(&self, slope: &DualRange, at_corners: &CornerValues) -> LiteralSides {
         let by_range = LiteralSides::from_range(&slope.value);
         let Some(gradient) = slope.gradient.filter(|_| by_range.is_open()) else { return by_range };
@@ -408,7 +411,7 @@ impl SignTriangleExtent {
     }
 }
 
-/// About the centre of the smallest ball around a triangle.
+/// The approximate centre of the smallest ball around a triangle.
 fn centre(corners: &[[f64; 3]; 3]) -> [f64; 3] {
     let squares: [f64; 3] = std::array::from_fn(|k| {
         let d = difference(corners[(k + 1) % 3], corners[(k + 2) % 3]);

@@ -1,8 +1,10 @@
-//! The search from the points of a mesh to the surface of a field: which pieces are looked at next, and when it ends.
+//! The search from the points of a mesh to the surface of a field: which pieces are bounded next, and when it
+//! ends.
 //!
-//! What is near enough hangs on the farthest point that is known, so pieces that seem to be the farthest come first: a
-//! round takes those in the upper part of what is left, and asks of the farthest how far they surely are ([`super::probe`]).
-//! Every end is valid at any time; when the work allowed is used up, the answer is the largest upper end of what is left.
+//! The sufficient distance depends on the farthest known point, so the pieces that seem farthest come first:
+//! a round processes the upper part of the open pieces, and probes lower bounds for the farthest
+//! ([`super::probe`]). Every bound is valid at any time; when the allowed work is used up, the answer is the
+//! largest upper bound of the remaining pieces.
 use super::from_mesh::{self, FieldSubtriangle, MOST_CUTS, SubtriangleBounds};
 use super::probe::{DistanceProbe, probe_distances};
 use super::surface_ball::{SurfaceBall, SurfaceBalls, project_to_surface};
@@ -11,9 +13,9 @@ use crate::budget::{JobError, par_map};
 use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, length, sub_down};
 
-/// What is known of all points of the mesh.
+/// The bounds for all points of the mesh.
 pub(super) struct ForwardDistance {
-    /// Some point is this far.
+    /// A lower bound: some point is this far.
     pub least: f64,
     /// The largest |F| on each face.
     pub residuals: Vec<f64>,
@@ -22,30 +24,32 @@ pub(super) struct ForwardDistance {
     pub unresolved: u64,
 }
 
-/// Pieces looked at beyond the faces themselves, as a multiple of these, at least so many, and at most so many (which is what a
-/// gigabyte holds): then what is known has to do.
+/// The most pieces beyond the faces themselves: a multiple of the faces plus a constant, at most
+/// [`MOST_PIECES`], which is what a gigabyte holds. Then the search stops.
 const PIECES_A_FACE: usize = 24;
 const FEW_PIECES: usize = 1 << 17;
 const MOST_PIECES: usize = 1 << 22;
-/// Pieces cut so often and still without any point of the surface are given up: there is none to be found.
+/// Pieces split this often without any surface point nearby are given up: there is none to be found.
 const LOST: u32 = 6;
-/// So often a piece is cut for a bound that is closer than what was asked for, as long as half of the work is left for others.
+/// So often a piece is split for a bound tighter than required, as long as half of the work is left for
+/// others.
 const EAGER: u32 = 5;
-/// And the share of the limit that is such a bound: what is only just near enough leaves the other direction no room.
-/// Measured: with ⅓ a sphere's proof took twice as long, and columns were none the better.
+/// The share of the limit for that tighter bound: a bound just below the limit leaves no margin for the other
+/// direction. Measured: with ⅓ a sphere's proof took twice as long, and columns were none the better.
 const TIGHT: f64 = 0.7;
-/// On pieces that are done with the field is looked at more closely where it may be more than this share of what is near enough.
+/// On settled pieces the residual is tightened where it may exceed this share of the sufficient distance.
 const LOOSE: f64 = 0.6;
-/// Pieces whose middles are probed in a round, and those that one task takes.
+/// Pieces whose centroids are probed in a round, and in one task.
 const PROBED: usize = 32;
 const PROBED_AT_ONCE: usize = 4;
-/// A round takes what is above this share of the way from what is near enough to the farthest.
+/// A round processes the pieces above this fraction between the sufficient distance and the largest bound.
 const UPPER_PART: f64 = 0.5;
 
 type OpenSubtriangles = Vec<(FieldSubtriangle, SubtriangleBounds)>;
 
 impl FieldDeviationSearch<'_> {
-    /// `least` is how far some point of either side is known to be, and `share` of what the goal leaves may be taken.
+    /// `least` is a lower bound known for either direction, and `share` the part of the goal's gap that may
+    /// be used.
     pub fn forward(&self, least: f64, share: f64) -> Result<ForwardDistance, JobError> {
         let aim = |out: &ForwardDistance| self.aim(larger(least, out.least), share);
         let faces = self.mesh.faces();
@@ -77,7 +81,7 @@ impl FieldDeviationSearch<'_> {
             open.extend(batch.drain(..).zip(known));
             let enough = aim(&out);
             self.probe(&mut open, &mut out, enough)?;
-            // Some point is farther than is asked for: nothing else matters, and what is known so far has to do.
+            // Beyond the limit nothing else matters, and the bounds so far are final.
             let beyond = self.goal.max.is_some_and(|max| out.least > max.get());
             let enough = aim(&out);
             let tight = if relative { enough } else { larger(1.15 * out.least, TIGHT * enough) };
@@ -104,8 +108,8 @@ impl FieldDeviationSearch<'_> {
         }
     }
 
-    /// What the field is at the most on pieces that are done with: in the room around them, where the surface was looked for,
-    /// it may be much more, and the other direction measures its columns by it.
+    /// Tightens the field's largest value on settled pieces: in their search box it may be much larger, and
+    /// the other direction measures its columns by it.
     fn tighten(&self, done: &mut OpenSubtriangles, enough: f64) -> Result<(), JobError> {
         let chunk = if self.tape.has_leaves() { LEAF_CHUNK } else { CHUNK };
         let all: Vec<usize> = (0..done.len()).collect();
@@ -123,7 +127,7 @@ impl FieldDeviationSearch<'_> {
         Ok(())
     }
 
-    /// The largest |F| on each of some pieces without room around them, of which this much is known.
+    /// The largest |F| on each of some pieces without a margin, given known bounds.
     fn residuals_of(&self, some: &[(FieldSubtriangle, f64)], enough: f64) -> Result<Vec<f64>, LeafError> {
         let tape =
             self.local_tape(some.iter().fold(Box3::EMPTY, |all, (piece, _)| all.union(piece.search_box())))?;
@@ -153,7 +157,7 @@ impl FieldDeviationSearch<'_> {
         Ok(most)
     }
 
-    /// For pieces of which nothing is known from above: any point of the surface.
+    /// Assigns any surface point to pieces without an upper bound.
     fn assign_balls(
         &self,
         pieces: &[FieldSubtriangle],
@@ -174,7 +178,7 @@ impl FieldDeviationSearch<'_> {
         Ok(())
     }
 
-    /// Looks at the middles of the pieces that may be the farthest: what the slope says of them may be far from tight.
+    /// Probes the centroids of the pieces that may be farthest: bounds from the slope may be far from tight.
     fn probe(
         &self,
         open: &mut OpenSubtriangles,
@@ -246,7 +250,7 @@ impl FieldDeviationSearch<'_> {
         Ok(parts.map_err(leaf_failure)?.concat())
     }
 
-    /// Not with the short tape: what is looked at here lies outside of its box.
+    /// Uses the full tape: the points evaluated here lie outside of the pruned tape's box.
     fn refine_bounds(
         &self,
         pieces: &[FieldSubtriangle],
@@ -263,7 +267,7 @@ impl FieldDeviationSearch<'_> {
         let near: Vec<usize> =
             lost.iter().copied().filter(|k| pieces[*k].cuts() > 3 && pieces[*k].is_within(enough)).collect();
         refine_some(&near, pieces, known, |of, known| from_mesh::bound_by_samples(tape, of, known, enough))?;
-        // What is near beside its size is not settled by a point.
+        // A surface point does not settle pieces whose distance is small compared to their size.
         lost.retain(|k| known[*k].at_most > larger(enough, 0.5 * pieces[*k].extent()));
         refine_some(&lost, pieces, known, |of, known| {
             let points: Vec<[f64; 3]> = of.iter().map(|piece| piece.middle()).collect();
@@ -277,7 +281,7 @@ impl FieldDeviationSearch<'_> {
         })
     }
 
-    /// The tape for a box: shorter where that pays.
+    /// The tape for a box, pruned where that pays.
     fn local_tape(&self, bounds: Box3) -> Result<Tape, LeafError> {
         if self.tape.has_leaves() || self.tape.len() < 16 {
             return Ok(self.tape.clone());
@@ -295,7 +299,7 @@ impl ForwardDistance {
     }
 }
 
-/// Above which bound from above a piece is looked at now.
+/// The upper bound above which pieces are processed in this round.
 fn round_threshold(open: &OpenSubtriangles, enough: f64) -> f64 {
     let finite = open.iter().map(|(_, known)| known.at_most).filter(|most| *most < f64::INFINITY);
     let most = finite.fold(enough, larger);

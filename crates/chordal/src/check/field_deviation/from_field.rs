@@ -1,41 +1,43 @@
 //! From the surface of a field to a mesh.
 //!
-//! Boxes with a change of sign are looked at from large to small. Let B be one, n a direction along which the field grows, u and
-//! v across it, and c a point on the line along n through the middle of B, about where the surface meets it. Let E be a box around B
-//! and around the column N = {c + a·u + b·v + s·n: |a| ≤ A, |b| ≤ A', |s| ≤ H} over the shadow of B. In E the field shall be
-//! Lipschitz with gradients in G, and grow along n at a rate of g > 0.
+//! Boxes with a change of sign are examined from large to small. Let B be one, n a direction along which the
+//! field grows, u and v perpendicular to it, and c a point on the line along n through the middle of B, about
+//! where the surface meets it. Let E be a box around B and around the column N = {c + a·u + b·v + s·n: |a| ≤
+//! A, |b| ≤ A', |s| ≤ H} over the shadow of B. In E the field shall be Lipschitz with gradients in G, and
+//! grow along n at a rate of g > 0.
 //!
-//! Let δ be the largest |F| on the triangles that meet E. If F > δ on the top of N (s = H) and F < −δ on its bottom,
-//! the mesh meets neither; and if the mesh winds differently often around the middle of the top and that of the
-//! bottom, every line along n from bottom to top crosses the mesh: both ends of the line see what the middles see, as top and
-//! bottom are connected and free of the mesh. Now let p be a point of the surface in B, and t = δ/g. On its line, F is
-//! above δ from p + t·n upwards, and below −δ from p − t·n downwards, so the mesh is crossed between the two: it is
-//! within t of p.
+//! Let δ be the largest |F| on the triangles that meet E. If F > δ on the top of N (s = H) and F < −δ on its
+//! bottom, the mesh meets neither; and if the winding numbers of the mesh around the middle of the top and
+//! that of the bottom differ, every line along n from bottom to top crosses the mesh: both ends of the line
+//! have the winding numbers of the middles, as top and bottom are connected and free of the mesh. Now let p
+//! be a point of the surface in B, and t = δ/g. On its line, F is above δ from p + t·n upwards, and below −δ
+//! from p − t·n downwards, so the mesh is crossed between the two: it is within t of p.
 //!
-//! By the mean value theorem F at c + a·u + b·v + s·n is at least `F(c) + g·s − A·|G·u| − A'·|G·v|` for s ≥ 0, which says how
-//! high H must be; and |s| of any p of the surface in B is at most `(|F(c)| + A·|G·u| + A'·|G·v|)/g`. n, c and E are chosen by
-//! numbers that are rounded; what the argument needs of them is computed from what was chosen.
+//! By the mean value theorem F at c + a·u + b·v + s·n is at least `F(c) + g·s − A·|G·u| − A'·|G·v|` for s ≥
+//! 0, which determines how high H must be; and |s| of any p of the surface in B is at most
+//! `(|F(c)| + A·|G·u| + A'·|G·v|)/g`. n, c and E are chosen in rounded arithmetic; the quantities in the
+//! argument are computed from those choices.
 //!
-//! Where that fails (edges of opposite turn, places where the field stands still, meshes that are not closed) a box is
-//! settled by the distance of its middle to the mesh, plus its half diagonal; or it is cut.
+//! Where that fails (edges of opposite turn, stationary points of the field, meshes that are not closed) a
+//! box is settled by the distance of its middle to the mesh, plus its half diagonal; or it is split.
 use super::slope::{GrowthRate, dot, exactly, is_lipschitz, step};
 use super::{larger, sub_boxes};
 use crate::explicit::{Bvh, Enclosure};
 use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, Interval, add_up, div_up, mul_up, sub_down};
 
-/// The mesh as the search sees it.
+/// The mesh with what the search needs of it.
 pub(super) struct TargetMesh<'a> {
     pub bvh: &'a Bvh,
     pub enclosure: &'a Enclosure<'a>,
     /// The largest |F| on each face, ∞ where it is not known.
     pub residuals: &'a [f64],
-    /// What is near enough.
+    /// The sufficient distance.
     pub tolerance: f64,
 }
 
 impl TargetMesh<'_> {
-    /// The largest |F| on the faces that may meet a box; none where there is no face.
+    /// The largest |F| on the faces that may meet a box; `None` where there is no face.
     fn residual_in(&self, bounds: &Box3) -> Option<f64> {
         let mut most = None;
         self.bvh.faces_in_box(bounds, |face| {
@@ -48,45 +50,45 @@ impl TargetMesh<'_> {
     }
 }
 
-/// What was found out about a box.
+/// The verdict on a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BoxVerdict {
-    /// The surface does not come here.
+    /// The surface does not pass through it.
     Nothing,
     /// Every point of the surface in it is this close to the mesh, by a column.
     Near(f64),
-    /// Every point of it is, by the distance of its middle.
+    /// Every point of the surface in it is this close, by the distance of its centre.
     Open(f64),
 }
 
-/// A tape is right in this much of a box: E of a part (a quarter as large) reaches no farther than 3/8 + [`MOST_ROOM`]/8 of
-/// its side from its middle, exactly 15/16.
+/// The size of the domain in which a tape is valid, as a multiple of the box: E of a part (a quarter as
+/// large) reaches no farther than 3/8 + [`MOST_ROOM`]/8 of its side from its middle, exactly 15/16.
 const ROOM: f64 = 2.25;
-/// E is no larger than this much of B.
+/// The largest size of E as a multiple of B.
 const MOST_ROOM: f64 = 4.5;
-/// The height of a column beside what the mesh strays, as a share of half of the side of B. Measured: columns over
-/// smooth shapes take it when boxes are small enough for the rest.
+/// The height of a column in addition to the mesh's residual, as a share of half of the side of B. Measured:
+/// columns over smooth shapes need it when boxes are small enough for the rest.
 const BENT: f64 = 0.5;
-/// From so many times as far away as a corner of the box the surface seems not to come to it.
+/// The surface seems to miss the box if it is so many times as far from the centre as a corner.
 const SEEMS_OFF: f64 = 1.1;
-/// A column that comes this near to what is near enough is looked at more closely.
+/// A column within this factor of the sufficient distance is refined.
 const WORTH: f64 = 2.0;
-/// Room beside a column for the rounding of its sides, as a share: derived as some 20 steps, with a margin of
-/// 10⁵. It decides only how often columns fit.
+/// Margin beside a column for the rounding of its sides, as a share: derived as some 20 steps, with a margin
+/// of 10⁵. It decides only how often columns fit.
 const ASIDE: f64 = 1e-9;
-/// By how much the axes of a column may be off from being of length 1 and across each other, rounded as they are: derived
-/// as some 20 roundings of half a step each, with a thousandfold margin.
+/// The deviation of a column's axes from orthonormality, rounded as they are: derived as some 20 roundings of
+/// half a step each, with a thousandfold margin.
 const CROOKED: f64 = 1e-12;
 
-/// Which boxes the surface may come to.
+/// Which boxes the surface may pass through.
 pub(super) fn may_cross(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafError> {
     let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
     tape.over(boxes, &mut ranges)?;
-    // Where a part of the expression has no value the range says nothing, and no value counts as outside.
+    // Where a part of the expression is undefined the range proves nothing, and undefined counts as outside.
     Ok(ranges.iter().map(|range| !(range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0))).collect())
 }
 
-/// Looks at every box.
+/// Bounds every box.
 pub(super) fn bound_boxes(
     tape: &Tape,
     boxes: &[Box3],
@@ -106,14 +108,14 @@ pub(super) fn bound_boxes(
     Ok(found.into_iter().zip(boxes).map(far).collect())
 }
 
-/// Whether the field seems to have no zero in the box, by what it is at the middle.
+/// Whether the field seems to have no zero in the box, extrapolating from its centre.
 fn seems_off(bounds: &Box3, slope: &Dual<f64>) -> bool {
     let steep = crate::math::length(slope.gradient);
     slope.value.abs() > SEEMS_OFF * 0.5 * bounds.diagonal() * steep
 }
 
-/// Finds the boxes that the surface seems not to come to and, by the mean value theorem about their middles, does not: in small
-/// boxes that says more than the range of a long expression, whose parts vary one by one there.
+/// Finds the boxes that the surface seems to miss and, by the mean value theorem about their centres, does
+/// miss: in small boxes that is sharper than the range of a long expression, whose parts vary independently.
 fn by_slopes(
     tape: &Tape,
     boxes: &[Box3],
@@ -144,7 +146,7 @@ fn by_columns(
     (at, target): (&[Dual<f64>], &TargetMesh),
     found: &mut [Option<BoxVerdict>],
 ) -> Result<(), LeafError> {
-    // A column crosses the mesh, so where there is none about there is no column.
+    // A column crosses the mesh, so without faces nearby there is no column.
     let near: Vec<(usize, f64)> = boxes
         .iter()
         .enumerate()
@@ -178,11 +180,11 @@ fn by_columns(
     Ok(())
 }
 
-/// The gradient over the parts of E, where the one over all of it gives slightly too slow a growth: its range is a box, and so
-/// it is as wide as it is across where nothing much changes along n.
+/// Evaluates the gradient over the parts of E, where the one over all of E gives slightly too slow a growth:
+/// its range is a box, whose width along n includes the variation across n.
 fn sharpen(tape: &Tape, sights: &mut [(usize, Box<MonotoneColumn>)], enough: f64) -> Result<(), LeafError> {
     let some: Vec<usize> = (0..sights.len()).filter(|k| sights[*k].1.near > enough).collect();
-    // So many at once that there is no need for much memory.
+    // In batches that need little memory.
     for some in some.chunks(64) {
         let parts: Vec<Box3> = some.iter().flat_map(|k| sub_boxes(&sights[*k].1.column.about)).collect();
         let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
@@ -195,17 +197,18 @@ fn sharpen(tape: &Tape, sights: &mut [(usize, Box<MonotoneColumn>)], enough: f64
     Ok(())
 }
 
-/// How far a point of the box is from the mesh at most: its middle, and half its diagonal.
+/// An upper bound on the distance of points of the box from the mesh: that of its centre plus half its
+/// diagonal.
 pub(super) fn distance_of(bounds: &Box3, target: &TargetMesh) -> f64 {
     let middle = target.bvh.closest_distance_up(bounds.centre()).unwrap_or(f64::INFINITY);
-    // The middle is rounded: it is off by less than two steps of the largest coordinate in each direction.
+    // The centre is rounded: it is off by less than two steps of the largest coordinate along each axis.
     add_up(middle, add_up(mul_up(0.5, bounds.diagonal()), mul_up(4.0 * f64::EPSILON, reach(bounds))))
 }
 
-/// How far every point of the box is from the mesh at least.
+/// A lower bound on the distance of points of the box from the mesh.
 pub(super) fn at_least(bounds: &Box3, target: &TargetMesh) -> f64 {
     let middle = target.bvh.closest_distance_down(bounds.centre()).unwrap_or(0.0);
-    // The middle is rounded: it is off by less than two steps of the largest coordinate in each direction.
+    // The centre is rounded: it is off by less than two steps of the largest coordinate along each axis.
     sub_down(middle, add_up(mul_up(0.5, bounds.diagonal()), mul_up(4.0 * f64::EPSILON, reach(bounds))))
 }
 
@@ -213,7 +216,7 @@ fn reach(bounds: &Box3) -> f64 {
     bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most })
 }
 
-/// A box around which the tape of a box and its parts is right.
+/// The box in which the tape of a box and its parts is valid.
 pub(super) fn tape_domain(bounds: &Box3) -> Box3 {
     scaled_about_centre(bounds, ROOM)
 }
@@ -231,14 +234,14 @@ struct FieldColumn {
     axes: [[f64; 3]; 3],
     /// A and A'.
     halves: [f64; 2],
-    /// The sum of the sides of B and of the way to its middle.
+    /// The sum of the sides of B and of the distance to its middle.
     size: f64,
     /// E.
     about: Box3,
 }
 
 impl FieldColumn {
-    /// Chosen by what the field seems to be at the middle of B; none where nothing is to be expected of it.
+    /// Chooses a column from the field's slope at the middle of B; `None` where it is not promising.
     fn over(of: &Box3, slope: &Dual<f64>, strays: f64) -> Option<Self> {
         let c = of.centre();
         let steep = crate::math::length(slope.gradient);
@@ -255,14 +258,14 @@ impl FieldColumn {
         let size = add_up(add_up(add_up(half[0], half[1]), half[2]), shift.abs());
         let shadow = |d: [f64; 3]| {
             let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(d[k].abs(), half[k])));
-            // The way from the middle to the centre is along n but for rounding.
+            // The vector from the middle to the centre is along n up to rounding.
             let aside = dot(step(centre, c), exactly(d)).magnitude();
             add_up(add_up(sum, aside), mul_up(CROOKED, size))
         };
         let halves = [shadow(u), shadow(v)];
-        // As high as the triangles nearby make it, and some more for what bends.
+        // As high as the nearby triangles require, with a margin for curvature.
         let height = 1.25 * strays / steep + BENT * side;
-        // Aside it is as wide as is asked for later, with room for rounding.
+        // As wide as required later, with a margin for rounding.
         let wide = |k: usize| u[k].abs() * halves[0] + v[k].abs() * halves[1] + n[k].abs() * height;
         let reach = |k: usize| (1.0 + ASIDE) * wide(k);
         let column = Box3 {
@@ -286,7 +289,7 @@ impl FieldColumn {
         let Some(growth) = GrowthRate::along_direction(&slope, self.axes[0]) else {
             return ColumnVerdict::Blocked;
         };
-        // Of all faces that meet E, which may be more than those that it was chosen by.
+        // The residual over all faces that meet E, which may be more than those that E was chosen by.
         let Some(strays) = target.residual_in(&self.about) else { return ColumnVerdict::Blocked };
         let near = mul_up(growth.steps_for(strays), growth.length);
         if near > WORTH * target.tolerance || near.is_nan() {
@@ -303,11 +306,11 @@ impl FieldColumn {
     }
 }
 
-/// What is seen from a box along its column.
+/// The verdict on a box by its column.
 enum ColumnVerdict {
-    /// The surface does not come here.
+    /// The surface does not pass through it.
     Nothing,
-    /// The field may stand still, or the mesh strays too far.
+    /// The field may be stationary, or the mesh's residual is too large.
     Blocked,
     Monotone(Box<MonotoneColumn>),
 }
@@ -326,7 +329,7 @@ struct MonotoneColumn {
 }
 
 impl MonotoneColumn {
-    /// Takes the slowest growth of the parts of E.
+    /// Takes the slowest growth over the parts of E.
     fn sharpen(&mut self, slopes: &[Dual<Interval>]) {
         let axis = exactly(self.column.axes[0]);
         let slowest = slopes.iter().fold(f64::INFINITY, |least, slope| {
@@ -344,7 +347,7 @@ impl MonotoneColumn {
         self.separated(height, target).then_some(BoxVerdict::Near(self.near))
     }
 
-    /// H, if the column lies in E with it.
+    /// H, if the column of that height lies in E.
     fn height(&self) -> Option<f64> {
         let FieldColumn { centre: c, axes: [n, u, v], halves: [a, b], size, about } = &self.column;
         let (a, b) = (*a, *b);
@@ -352,7 +355,7 @@ impl MonotoneColumn {
         let sideways = add_up(mul_up(a, tilt(u)), mul_up(b, tilt(v)));
         let base = div_up(add_up(self.value.magnitude(), sideways), self.growth.rate);
         let steps = self.growth.steps_for(self.residual);
-        // A little more, so that the rounded middles of top and bottom mostly are beyond δ, which is looked at.
+        // A little more, so that the rounded middles of top and bottom are usually beyond δ, which is tested.
         let height = mul_up(add_up(base, steps), 1.0 + CROOKED);
         // δ > 0 is needed for the strict side.
         let height = add_up(height, mul_up(CROOKED, *size));
@@ -364,7 +367,7 @@ impl MonotoneColumn {
         fits.then_some(height)
     }
 
-    /// Whether the mesh winds differently around the middles of top and bottom, which are beyond δ.
+    /// Whether the winding numbers differ around the middles of top and bottom, which are beyond δ.
     fn separated(&self, height: f64, target: &TargetMesh) -> bool {
         let FieldColumn { centre: c, axes, about, .. } = &self.column;
         let at = |s: f64| -> [f64; 3] { std::array::from_fn(|k| c[k] + s * axes[0][k]) };
@@ -378,12 +381,12 @@ impl MonotoneColumn {
         }
         let winding = |p: [f64; 3]| target.enclosure.inside(p).winding.value;
         let (above, below) = (winding(top), winding(bottom));
-        // NaN on the surface itself, which differs from nothing.
+        // NaN on the surface itself does not count as different.
         above.is_finite() && below.is_finite() && above != below
     }
 }
 
-/// Two directions across `n`, all three of length 1 and across each other up to rounding.
+/// Two directions perpendicular to `n`; all three are orthonormal up to rounding.
 fn across(n: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let least = (0..3).fold(0, |best, k| if n[k].abs() < n[best].abs() { k } else { best });
     let mut axis = [0.0; 3];

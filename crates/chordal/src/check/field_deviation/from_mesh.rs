@@ -1,25 +1,28 @@
 //! From the points of a mesh to the surface of a field.
 //!
-//! A piece of a triangle lies in a box E with room of `reach` on all sides. Let the field be Lipschitz in E with
-//! gradients in G, and grow along a direction n at a rate of g > 0. By the mean value theorem every point q of the piece
-//! has `F(q) ∈ F(c) + G·(q − c)`, which is linear in q and so largest at a corner; δ is the largest |F| that is left. From
-//! q one reaches a change of sign within δ/g along n, forwards or backwards, which is a point of ∂{F < 0}; the way there
-//! lies in E as long as δ/g ≤ reach, less what q is off the piece.
+//! A piece of a triangle lies in a box E with a margin of `reach` on all sides. Let the field be Lipschitz in
+//! E with gradients in G, and grow along a direction n at a rate of g > 0. By the mean value theorem every
+//! point q of the piece has `F(q) ∈ F(c) + G·(q − c)`, which is linear in q and so largest at a corner; δ is
+//! the largest |F| that remains. From q one reaches a change of sign within δ/g along n, forwards or
+//! backwards, which is a point of ∂{F < 0}; the segment to it lies in E as long as δ/g ≤ reach, less the
+//! distance of q from the piece.
 //!
-//! Where a field has no rate (ridges that meet, places where it stands still), two points of opposite signs do: the straight
-//! way between them crosses the boundary, so no point of the piece is farther from it than from the farther of the two.
+//! Where a field has no rate (ridges that meet, stationary points), two points of opposite signs replace it:
+//! the segment between them crosses the boundary, so no point of the piece is farther from it than from the
+//! farther of the two.
 //!
-//! Pieces are cut at rounded middles, so their points are off those of the triangle by a little ([`SLACK`]); it is added
-//! where it makes a bound wider.
+//! Pieces are split at rounded midpoints, so their points are off those of the triangle by a little
+//! ([`SLACK`]); it is added where it makes a bound wider.
 //!
-//! Where a whole piece lies on one side, say F ≥ 0 on it, one way is enough: along n with `∂F/∂n ≤ −g` in a box that holds the piece
-//! and the piece moved by t·n, F is negative from δ/g on, if δ/g < t. So ridges of the field on the other side of the piece do not
-//! matter ([`bound_along_gradient`]).
+//! Where a whole piece lies on one side, say F ≥ 0 on it, one direction suffices: along n with `∂F/∂n ≤ −g`
+//! in a box that holds the piece and the piece moved by t·n, F is negative from δ/g on, if δ/g < t. So ridges
+//! of the field on the other side of the piece do not matter ([`bound_along_gradient`]).
 //!
-//! What is known of a piece holds for its parts, and so does a [`SurfaceBall`], a point of the surface that was found somewhere.
+//! A bound for a piece holds for its parts, and so does a [`SurfaceBall`], a point of the surface found
+//! anywhere.
 //!
-//! The other way round, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: so far the surface is at
-//! least.
+//! Conversely, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: the surface is at
+//! least so far.
 use super::slope::{GrowthRate, distance_up, dot, exactly, inflated, is_lipschitz, steepest, step};
 use super::smaller;
 use super::surface_ball::{SurfaceBall, min_with_ball};
@@ -31,15 +34,15 @@ use crate::math::{Box3, Interval, add_up, div_down, div_up, length_up, mul_up, s
 pub(super) struct FieldSubtriangle {
     pub corners: [[f64; 3]; 3],
     pub face: u32,
-    /// Room around it in which the surface is looked for.
+    /// The margin around it in which the surface is searched.
     reach: f64,
     cuts: u32,
-    /// What is known of the piece that it is a part of.
+    /// The bound of the piece that it is a part of.
     parent_at_most: f64,
     witness: Option<SurfaceBall>,
 }
 
-/// What is known of a piece.
+/// The bounds of a piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubtriangleBounds {
     /// Some point of it is at least this far from the surface.
@@ -48,20 +51,20 @@ pub(super) struct SubtriangleBounds {
     pub at_most: f64,
     /// The largest |F| on it.
     pub residual: f64,
-    /// Its middle.
+    /// Its centroid.
     pub at: [f64; 3],
-    /// How far the surface seems to be.
+    /// The estimated distance of the surface.
     estimate: f64,
-    /// A longer reach might settle it.
+    /// A longer reach that might settle it.
     retry_reach: Option<f64>,
-    /// A point of the surface, the nearest that was found.
+    /// The nearest surface point found.
     witness: Option<SurfaceBall>,
-    /// Whether its middle was looked at closely.
+    /// Whether its centroid was probed.
     pub probed: bool,
 }
 
 impl SubtriangleBounds {
-    /// Takes a witness where it says more.
+    /// Takes a witness where it gives a smaller bound.
     pub fn tighten(&mut self, piece: &FieldSubtriangle, witness: Option<SurfaceBall>) {
         let far = min_with_ball(f64::INFINITY, witness, &piece.corners, piece.slack());
         if far < min_with_ball(f64::INFINITY, self.witness, &piece.corners, piece.slack()) {
@@ -71,14 +74,15 @@ impl SubtriangleBounds {
     }
 }
 
-/// How far a piece may be from the triangle that it was cut out of, as a share of the largest coordinate: derived from
-/// [`MOST_CUTS`] + 2 roundings of half a step in each coordinate, 26 · ½ · √3 · ε, and room for the sums.
+/// How far a piece may be from the triangle that it was cut out of, relative to the largest coordinate:
+/// derived from [`MOST_CUTS`] + 2 roundings of half a step in each coordinate, 26 · ½ · √3 · ε, with a margin
+/// for the sums.
 const SLACK: f64 = 32.0 * f64::EPSILON;
-/// So often a piece is cut at most.
+/// The most bisections of a piece.
 pub(super) const MOST_CUTS: u32 = 24;
 
 impl FieldSubtriangle {
-    /// By how much its points may be off.
+    /// How far its points may be off the triangle.
     pub fn slack(&self) -> f64 {
         let reach = self
             .corners
@@ -90,7 +94,7 @@ impl FieldSubtriangle {
 
     pub fn from_face(corners: [[f64; 3]; 3], face: u32) -> Self {
         let bounds = Box3::from_points(&corners);
-        // A guess; what is wrong with it is mended by asking again.
+        // A guess; a wrong one is corrected by retrying.
         let reach = extent(&bounds) / 4.0;
         let mut piece = Self { corners, face, reach, cuts: 0, parent_at_most: f64::INFINITY, witness: None };
         let least = 2.0 * piece.slack();
@@ -109,12 +113,12 @@ impl FieldSubtriangle {
         inflated(&Box3::from_points(&self.corners), self.reach)
     }
 
-    /// With no more room around it than rounding needs.
+    /// The piece with no more margin than rounding needs.
     pub fn without_margin(self) -> Self {
         Self { reach: 2.0 * self.slack(), ..self }
     }
 
-    /// Cut at the middle of the longest side, or asked again with a longer reach.
+    /// Splits the piece at the midpoint of its longest side, or retries it with a longer reach.
     pub fn subdivide(mut self, known: &SubtriangleBounds, into: &mut Vec<Self>) {
         (self.parent_at_most, self.witness) = (known.at_most, known.witness);
         if let Some(reach) = known.retry_reach {
@@ -127,7 +131,7 @@ impl FieldSubtriangle {
         into.extend(self.halves().map(|half| Self { reach, ..half }));
     }
 
-    /// Cut at the middle of the longest side.
+    /// The halves at the midpoint of the longest side.
     pub fn halves(self) -> [Self; 2] {
         let side = |k: usize| {
             let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
@@ -139,17 +143,17 @@ impl FieldSubtriangle {
         [[a, half, c], [half, b, c]].map(|corners| Self { corners, cuts: self.cuts + 1, ..self.clone() })
     }
 
-    /// Whether it is small beside a length.
+    /// Whether it is small compared to a length.
     pub fn is_within(&self, length: f64) -> bool {
         extent(&Box3::from_points(&self.corners)) < 0.5 * length
     }
 
-    /// Its longest side along an axis.
+    /// Its longest extent along an axis.
     pub fn extent(&self) -> f64 {
         extent(&Box3::from_points(&self.corners))
     }
 
-    /// How often it was cut.
+    /// How often it was split.
     pub fn cuts(&self) -> u32 {
         self.cuts
     }
@@ -161,7 +165,7 @@ fn extent(bounds: &Box3) -> f64 {
         .fold(0.0, |most, side| if side > most { side } else { most })
 }
 
-/// Looks at every piece.
+/// Bounds every piece.
 pub(super) fn bound_all(
     tape: &Tape,
     pieces: &[FieldSubtriangle],
@@ -204,7 +208,7 @@ fn bound_one(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) 
     let steps = growth.steps_for(known.residual);
     let far = mul_up(steps, growth.length);
     known.estimate = far;
-    // The points of the triangle are off those of the piece by the slack, and so is the end of the way.
+    // The points of the triangle are off those of the piece by the slack, and so is the end of the segment.
     if add_up(far, slack) <= piece.reach {
         known.at_most = smaller(known.at_most, far);
     } else if far < 4.0 * piece.reach && piece.cuts < 4 {
@@ -213,7 +217,7 @@ fn bound_one(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) 
     known
 }
 
-/// For pieces on one side of the surface: whether the field falls, or rises, all along the way to it.
+/// Bounds pieces on one side of the surface where the field falls, or rises, all along the way to it.
 pub(super) fn bound_along_gradient(
     tape: &Tape,
     pieces: &[&FieldSubtriangle],
@@ -269,7 +273,7 @@ pub(super) fn bound_along_gradient(
     Ok(())
 }
 
-/// The box moved, with room for rounding.
+/// The box moved, with a margin for rounding.
 fn moved(bounds: &Box3, way: [f64; 3], by: f64) -> Box3 {
     Box3 {
         min: std::array::from_fn(|k| (bounds.min[k] + (by * way[k]).next_down()).next_down()),
@@ -277,7 +281,7 @@ fn moved(bounds: &Box3, way: [f64; 3], by: f64) -> Box3 {
     }
 }
 
-/// All values on a piece, and on the part of the triangle that it stands for.
+/// All values on a piece, and on the part of the triangle that it represents.
 fn over_corners(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) -> Interval {
     let at = piece.middle();
     let strays = piece.corners.map(|corner| dot(slope.gradient, step(corner, at)));
@@ -286,7 +290,7 @@ fn over_corners(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interva
     Interval::from_endpoints(sub_down(all.lo(), off), add_up(all.hi(), off))
 }
 
-/// Directions in which a second sign is looked for: axes and diagonals.
+/// Directions in which the opposite sign is searched: axes and diagonals.
 const AROUND: [[f64; 3]; 14] = [
     [1.0, 0.0, 0.0],
     [-1.0, 0.0, 0.0],
@@ -304,10 +308,12 @@ const AROUND: [[f64; 3]; 14] = [
     [-0.577, -0.577, -0.577],
 ];
 
-/// For pieces whose range of gradients is wide: the piece as a whole, moved along the gradient at its middle and against it.
-/// Where one is outside and the other inside, every point of the piece has the boundary between.
+/// Bounds pieces whose range of gradients is wide: the whole piece is moved along the gradient at its
+/// centroid, and against it. Where one is outside and the other inside, every point of the piece has the
+/// boundary in between.
 ///
-/// The step is what is near enough or, where the surface seems to be farther, a little more than that.
+/// The step is the sufficient distance or, where the surface seems farther, a little more than its estimated
+/// distance.
 pub(super) fn bound_by_shift(
     tape: &Tape,
     pieces: &[&FieldSubtriangle],
@@ -320,7 +326,7 @@ pub(super) fn bound_by_shift(
     let ways: Vec<[f64; 3]> = slopes.iter().map(|slope| unit(slope.gradient)).collect();
     let steps = pieces.iter().zip(&slopes).map(|(piece, slope)| {
         let seems = slope.value.abs() / crate::math::length(slope.gradient);
-        // Half the piece, which may reach nearer to the surface on one side than on the other.
+        // Half the piece, which may be closer to the surface on one side than on the other.
         let far = 1.02 * seems + 0.5 * extent(&Box3::from_points(&piece.corners));
         if far.is_finite() && far > enough { far } else { 0.999 * enough }
     });
@@ -335,7 +341,7 @@ pub(super) fn bound_by_shift(
     for (k, ends) in values.chunks_exact(2).enumerate() {
         let opposite = is_outside(ends[0]) && is_inside(ends[1]) || is_inside(ends[0]) && is_outside(ends[1]);
         if opposite {
-            // The step, and the room that the piece was given.
+            // The step, and the slack of the piece.
             let far = add_up(mul_up(steps[k], length_up(ways[k].map(f64::abs))), pieces[k].slack());
             known[k].at_most = smaller(known[k].at_most, far);
         }
@@ -346,7 +352,8 @@ pub(super) fn bound_by_shift(
     Ok(())
 }
 
-/// Whether all values are inside; where a range is not defined there may be none, which is outside.
+/// Whether all values are inside; a range that is not defined may contain undefined values, which are
+/// outside.
 pub(super) fn is_inside(range: Interval) -> bool {
     range.is_defined() && range.hi() < 0.0
 }
@@ -355,13 +362,13 @@ pub(super) fn is_outside(range: Interval) -> bool {
     range.is_defined() && range.lo() >= 0.0
 }
 
-/// Of length 1 up to rounding; along z where there is no direction.
+/// A vector scaled to length 1 up to rounding; along z where there is no direction.
 fn unit(v: [f64; 3]) -> [f64; 3] {
     let norm = crate::math::length(v);
     if norm > 0.0 && norm.is_finite() { v.map(|x| x / norm) } else { [0.0, 0.0, 1.0] }
 }
 
-/// For pieces without a direction: two points of opposite signs, about `within` from their middles.
+/// Bounds pieces without a direction by two points of opposite signs, about `within` from their centroids.
 pub(super) fn bound_by_samples(
     tape: &Tape,
     pieces: &[&FieldSubtriangle],

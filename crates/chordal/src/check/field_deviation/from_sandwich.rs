@@ -1,4 +1,5 @@
-//! The deviation of a closed mesh by its judge: the bound from the sandwich, the lower ends from points.
+//! The deviation of a closed mesh by the sandwich prover: the upper bound from the sandwich, the lower ones
+//! from points.
 use super::probe::probe_distances;
 use super::prover::{SandwichProver, SandwichVerdict};
 use super::sandwich::SandwichGoal;
@@ -10,16 +11,17 @@ use crate::explicit::Bvh;
 use crate::implicit::Csg;
 use crate::math::sub_down;
 
-/// First margins of a sandwich, as shares of what samples ask for: with a limit, where a looser proof is
-/// quicker; and without, each smaller than the one before, until the goal is reached. Measured on a ball and
-/// a torus within a limit: 29 and 68 ranges a face with 1, 42 and 109 with a half, 63 and 182 with a quarter.
+/// First margins of a sandwich, as shares of what samples require: with a limit, where a looser proof is
+/// quicker; and without, each smaller than the previous one, until the goal is reached. Measured on a ball
+/// and a torus within a limit: 29 and 68 ranges a face with 1, 42 and 109 with a half, 63 and 182 with a
+/// quarter.
 const WITH_LIMIT: f64 = 1.0;
 const WITHOUT: [f64; 3] = [0.25, 1.0 / 16.0, 1.0 / 64.0];
-/// Faces at which lower ends are looked for: the worst ones; with a limit that is kept only a few, as nothing
+/// Faces at which lower bounds are searched: the worst ones; only a few with a limit that holds, as nothing
 /// depends on it.
 const PROBED: [usize; 2] = [4, 32];
 
-/// The lower ends.
+/// The lower bounds.
 #[derive(Clone, Copy)]
 struct LowerBounds {
     forward: f64,
@@ -28,7 +30,7 @@ struct LowerBounds {
     from_field: [f64; 3],
 }
 
-/// The deviation of a closed mesh; none where it was not proved.
+/// The deviation of a closed mesh; `None` where it was not proved.
 pub(super) fn sandwich_deviation(
     search: &FieldDeviationSearch,
     bvh: &Bvh,
@@ -66,7 +68,7 @@ pub(super) fn sandwich_deviation(
     Ok(best.and_then(|(verdict, ends)| conclusion(search, &csg, &verdict, &ends, bvh)))
 }
 
-/// The bound of a mesh that is proved; none where a lower end contradicts it.
+/// The bound of a proved mesh; `None` where a lower bound contradicts it.
 pub(super) fn bound_from_verdict(
     search: &FieldDeviationSearch,
     verdict: &SandwichVerdict,
@@ -77,7 +79,7 @@ pub(super) fn bound_from_verdict(
     Ok(conclusion(search, &csg, verdict, &ends, bvh).map(|found| found.bound))
 }
 
-/// How far points of the worst faces are from the surface at least, and points of the surface beside them
+/// Lower bounds on the distance of points of the worst faces from the surface, and of nearby surface points
 /// from the mesh.
 fn lower_ends(
     search: &FieldDeviationSearch,
@@ -99,7 +101,7 @@ fn lower_ends(
     for (p, probed) in
         middles.iter().zip(probe_distances(&search.tape, &middles, &most).map_err(leaf_failure)?)
     {
-        // A rounded middle is off the triangle by less than the floor.
+        // A rounded centroid is off the triangle by less than the floor.
         let least = sub_down(probed.at_least, search.floor);
         if least > ends.forward {
             (ends.forward, ends.from_mesh) = (least, *p);
@@ -131,7 +133,7 @@ fn middle(corners: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0)
 }
 
-/// None where a lower end is above the verdict's bound: a promise of the field's was false then.
+/// `None` where a lower bound exceeds the verdict's bound: then the field violates one of its promises.
 fn conclusion(
     search: &FieldDeviationSearch,
     csg: &Csg,

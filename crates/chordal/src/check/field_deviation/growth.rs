@@ -1,16 +1,17 @@
 //! A direction along which several functions grow, from ranges of their gradients.
 //!
-//! The hull of the boxes of gradients, each scaled to about length 1, has a point nearest to 0; if that is not 0 itself, every point of
-//! the hull has a positive part along it. It is approached by Gilbert's steps; what counts is the check that follows, with ends rounded
-//! outward.
+//! The hull of the boxes of gradients, each scaled to about length 1, has a point nearest to 0; if that is
+//! not 0 itself, every point of the hull has a positive component along it. Gilbert's steps approach it; the
+//! proof is the check that follows, with endpoints rounded outward.
 //!
-//! Source: E. Gilbert, *An iterative procedure for computing the minimum of a quadratic form on a convex set*, 1966.
+//! Source: E. Gilbert, *An iterative procedure for computing the minimum of a quadratic form on a convex
+//! set*, 1966.
 use crate::math::{Interval, add_down, dot, length, mul_down};
 
-/// Steps at most: measured, hulls of gradients in small cells take 2 to 10.
+/// The most steps: measured, hulls of gradients in small cells take 2 to 10.
 const STEPS: usize = 60;
 
-/// A direction of growth of all functions, if there is one.
+/// A direction of growth of all functions, if one is found.
 pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
     let middle = |g: &[Interval; 3]| g.map(|d| 0.5 * d.lo() + 0.5 * d.hi());
     let scales: Vec<f64> = gradients.iter().map(|g| 1.0 / length(middle(g))).collect();
@@ -53,7 +54,7 @@ fn lowest(gradient: &[Interval; 3], n: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| if n[k] > 0.0 { gradient[k].lo() } else { gradient[k].hi() })
 }
 
-/// Whether all gradients in the boxes have a positive part along a direction.
+/// Whether all gradients in the boxes have a positive component along a direction.
 fn grows(gradients: &[[Interval; 3]], n: [f64; 3]) -> bool {
     gradients.iter().all(|gradient| {
         let p = lowest(gradient, n);

@@ -1,15 +1,16 @@
-//! CSG trees that hold in a part of space: few of them, shared by many cells and pieces.
+//! CSG trees that are valid in a part of space: few of them, shared by many cells and pieces.
 //!
-//! **Closed cracks.** Where a primitive p and its complement are joined, as by two boxes that are stacked, `{F < 0}` lacks the zero set of p
-//! though both sides of it are inside. Let f be continuous near a set X, and let the tree say *inside* on X with p taken as inside, and
-//! *inside* with p taken as outside. Then X without {f = 0} is inside, and if {f = 0} has no interior, X lies in the closure of {F < 0}.
-//! If the tree says *outside* with either, X is outside, {f = 0} included: a tree is monotone in its literals, and where f = 0 both
-//! p and its complement are outside. So for a few such primitives all cases are gone through.
+//! **Closed cracks.** Where a primitive p and its complement are joined, as by two stacked boxes, `{F < 0}`
+//! lacks the zero set of p though both sides of it are inside. Let f be continuous near a set X, and let the
+//! tree be *inside* on X with p taken as inside, and *inside* with p taken as outside. Then X without {f = 0}
+//! is inside, and if {f = 0} has no interior, X lies in the closure of {F < 0}. If the tree is *outside* with
+//! either, X is outside, {f = 0} included: a tree is monotone in its literals, and where f = 0 both p and its
+//! complement are outside. So for a few such primitives all cases are enumerated.
 use crate::implicit::{CsgNode, CsgRestriction, CsgTree, DualRange, Membership};
 use std::collections::HashMap;
 
-/// On which sides of a primitive and of its complement a set is. Where the primitive is 0, both are outside; what is
-/// at most 0 may so be outside of its complement, without being inside of itself.
+/// The sides of a primitive and of its complement on which a set is. Where the primitive is 0, both are
+/// outside; so a set where it is at most 0 may be outside of its complement without being inside of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LiteralSides {
     plain: Membership,
@@ -47,13 +48,13 @@ pub(super) struct LocalTree {
     pub tree: CsgTree,
     /// Ascending.
     pub primitives: Vec<u32>,
-    /// Of each, whether it stands in the tree as itself (1), and as its complement (2).
+    /// For each, whether it occurs in the tree as itself (1), and as its complement (2).
     kinds: Vec<u8>,
-    /// Places in `primitives` of those that stand in the tree as themselves and as their complements.
+    /// Indices in `primitives` of those that occur as themselves and as their complements.
     mixed: Vec<u32>,
 }
 
-/// Primitives of both kinds whose cases are gone through at most: 2⁴ evaluations of a tree.
+/// The most primitives of both kinds whose cases are enumerated: 2⁴ evaluations of a tree.
 pub(super) const MOST_CASES: usize = 4;
 
 impl LocalTree {
@@ -72,7 +73,7 @@ impl LocalTree {
         Self { tree, primitives, kinds, mixed }
     }
 
-    /// What it takes in memory, about: its lists, and itself with its place in a table.
+    /// Its memory, about: its lists, and itself with its entry in a table.
     fn bytes(&self) -> u64 {
         let of_lists = size_of_val(self.tree.nodes())
             + size_of_val(&*self.primitives)
@@ -81,7 +82,7 @@ impl LocalTree {
         (of_lists + 2 * size_of::<Self>()) as u64
     }
 
-    /// The distinct literals: primitives, and whether they stand as their complements.
+    /// The distinct literals: primitives, and whether they occur as their complements.
     pub fn literals(&self) -> impl Iterator<Item = (u32, bool)> + use<'_> {
         let both = self.primitives.iter().zip(&self.kinds);
         both.flat_map(|(p, kinds)| {
@@ -89,17 +90,17 @@ impl LocalTree {
         })
     }
 
-    /// The primitives that stand in the tree as themselves and as their complements.
+    /// The primitives that occur in the tree as themselves and as their complements.
     pub fn mixed(&self) -> impl Iterator<Item = u32> + use<'_> {
         self.mixed.iter().map(|place| self.primitives[*place as usize])
     }
 
-    /// Where a primitive stands in the list.
+    /// The index of a primitive in the list.
     pub fn place(&self, primitive: u32) -> usize {
         self.primitives.binary_search(&primitive).expect("a primitive of the tree")
     }
 
-    /// On which side a set is, up to closed cracks, from the sides of the primitives in the order of the list.
+    /// The side of a set, up to closed cracks, from the sides of the primitives in the order of the list.
     pub fn membership(&self, sides: &[LiteralSides], slopes: &[DualRange]) -> Membership {
         let plain = self.membership_without_cracks(sides);
         if plain != Membership::Unknown || self.mixed.is_empty() {
@@ -132,7 +133,7 @@ impl LocalTree {
         }
     }
 
-    /// The same where nothing is closed.
+    /// The same without closing cracks.
     pub fn membership_without_cracks(&self, sides: &[LiteralSides]) -> Membership {
         self.tree.membership(|p, falls| sides[self.place(p)].membership_of(falls))
     }
@@ -143,19 +144,20 @@ pub(super) fn has_thin_zeros(slope: &DualRange) -> bool {
     slope.gradient.is_some_and(|g| g.iter().any(|d| d.lo() > 0.0 || d.hi() < 0.0))
 }
 
-/// Trees by number, each kept once.
+/// Trees by index, each stored once.
 #[derive(Clone, Debug)]
 pub(super) struct LocalTrees {
     all: Vec<LocalTree>,
-    /// By a tree's fingerprint, one of those that have it.
+    /// Maps a tree's fingerprint to one of the trees that have it.
     numbers: HashMap<u64, u32>, // No order depends on it.
     bytes: u64,
 }
 
 impl LocalTrees {
-    /// The whole is number 0.
+    /// The whole tree has index 0.
     pub fn new(whole: &CsgTree) -> Self {
-        let mut trees = Self { all: Vec::new(), numbers: HashMap::new(), bytes: 0 }; // No order depends on it.
+        // No order depends on it.
+        let mut trees = Self { all: Vec::new(), numbers: HashMap::new(), bytes: 0 };
         trees.push(whole.clone());
         trees
     }
@@ -164,12 +166,12 @@ impl LocalTrees {
         &self.all[number as usize]
     }
 
-    /// What they take in memory.
+    /// Their memory.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// The number of what is left of a tree: its own if all is.
+    /// The index of the rest of a tree: its own if nothing is decided.
     pub fn restricted(&mut self, number: u32, sides: &[LiteralSides]) -> Result<u32, Membership> {
         if sides.iter().all(|side| *side == LiteralSides::UNKNOWN) {
             return Ok(number);
@@ -181,7 +183,8 @@ impl LocalTrees {
         }
     }
 
-    /// The number of the tree without operands that never have its value, from ranges in the order of the list.
+    /// The index of the tree without operands that never have its value, from ranges in the order of the
+    /// list.
     pub fn by_value(&mut self, number: u32, ranges: &[[f64; 2]]) -> u32 {
         let local = self.get(number);
         let of = |p: u32, falls: bool| {
@@ -205,7 +208,7 @@ impl LocalTrees {
         number
     }
 
-    /// Forgets all but the first `n`.
+    /// Removes all but the first `n`.
     pub fn truncate(&mut self, n: usize) {
         for (number, local) in self.all.iter().enumerate().skip(n) {
             self.bytes -= local.bytes();
@@ -222,9 +225,9 @@ impl LocalTrees {
     }
 }
 
-/// The range of a tree's value in a region, from those of its literals (a primitive, and whether it stands as its
-/// complement), and a tree that has the same value at every point: without the operands of minima that are above
-/// another one throughout, and those of maxima that are below.
+/// The range of a tree's value in a region, from those of its literals (a primitive, and whether it occurs as
+/// its complement), and a tree that has the same value at every point: without the operands of minima that
+/// are above another one throughout, and those of maxima that are below.
 pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([f64; 2], CsgTree) {
     let mut stack: Vec<([f64; 2], Vec<CsgNode>)> = Vec::new();
     for node in tree.nodes() {

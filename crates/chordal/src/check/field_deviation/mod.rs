@@ -1,4 +1,5 @@
-//! `field_deviation`: how far a mesh is from the surface of a field, certified from both sides.
+//! `field_deviation`: the Hausdorff distance between a mesh and the surface of a field, certified from both
+//! sides.
 mod backward;
 mod cover;
 mod displacement;
@@ -32,7 +33,7 @@ use forward::ForwardDistance;
 use from_field::TargetMesh;
 use from_mesh::{FieldSubtriangle, SubtriangleBounds};
 
-/// How far a mesh and the surface of a field are apart.
+/// The deviation between a mesh and the surface of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldDeviation {
     /// The Hausdorff distance between the two.
@@ -41,39 +42,44 @@ pub struct FieldDeviation {
     pub forward: OneSidedDistance,
     /// From the points of the field's surface to the mesh.
     pub backward: OneSidedDistance,
-    /// Whether the goal was reached. Where it was not, the bound holds all the same.
+    /// Whether the goal was reached. Where it was not, the bound holds nevertheless.
     pub reached: bool,
-    /// Pieces of triangles for which no point of the surface was proved to be anywhere: with any, there is no bound from above.
+    /// Pieces of triangles for which no surface point was proved at all: with any, there is no upper bound.
     pub unresolved: u64,
 }
 
 /// Pieces in one task.
 const CHUNK: usize = 256;
-/// With leaves, which are asked for everything at once.
+/// The same for fields with leaves, which are evaluated in large batches.
 const LEAF_CHUNK: usize = 1 << 16;
-/// What rounding leaves of a distance that is 0, as a share of the largest coordinate: derived from the slack of pieces
+/// The rounding of a distance that is 0, relative to the largest coordinate: derived from the slack of pieces
 /// (32 ε), taken twice.
 const FLOOR: f64 = 64.0 * f64::EPSILON;
 
-/// The Hausdorff distance between a mesh and the surface of a field, the boundary of where it is negative, enclosed.
+/// Encloses the Hausdorff distance between a mesh and the surface of a field, the boundary of where it is
+/// negative.
 ///
-/// *What it covers.* All points of both surfaces, rounding included, whatever made the mesh. The field is taken by its
-/// [`Field::sign`], and its [`Field::bounds`] are taken at their word: outside of them there is no surface. The surface is
-/// the boundary of the interior of the closure of the points with negative values, so where two solids share a face, as stacked
-/// boxes do, there is nothing between them, as [`Csg`](crate::implicit::Csg) describes it. Where a leaf of
-/// the field knows no ranges there is nothing to prove with, and the result is measured: the distance of points of the
-/// field's surface, found beside the middles of the triangles, from below alone.
+/// *What it covers.* All points of both surfaces, rounding included, whatever made the mesh. The field is
+/// given by its [`Field::sign`], and its [`Field::bounds`] are trusted: outside of them there is no surface.
+/// The surface is the boundary of the interior of the closure of the points with negative values, so where
+/// two solids share a face, as stacked boxes do, there is no surface between them, as
+/// [`Csg`](crate::implicit::Csg) describes. Where a leaf of the field has no interval evaluation nothing can
+/// be proved, and the result is measured: a lower bound alone, from the distances of points of the field's
+/// surface found beside the centroids of the triangles.
 ///
-/// A closed oriented mesh is judged by the signs of the field's primitives on two displaced copies of it, one outside and
-/// one inside, and by cells over the bounds that show that no part of the surface is hidden from it. Where that proves nothing, and for
-/// open meshes, boxes around triangles and around the field's surface are compared with the values of the whole field.
+/// A closed oriented mesh is checked by the signs of the field's primitives on two displaced copies of it,
+/// one outside and one inside, and by cells over the bounds that prove that no part of the surface is missed.
+/// Where that proves nothing, and for open meshes, boxes around triangles and around the field's surface are
+/// compared with the values of the whole field.
 ///
-/// *Cost.* By copies some 50 to 250 ranges of primitives a triangle, more where the bound is to be tight, and for the cells as many as the
-/// shape has details, at any bound. The result does not depend on the threads.
+/// *Cost.* With copies some 50 to 250 interval evaluations of primitives a triangle, more for a tight bound,
+/// plus cells in proportion to the details of the shape, whatever the bound. The result does not depend on
+/// the number of threads.
 ///
 /// # Errors
-/// [`JobError::Refused`] with [`RefusalCode::Unsupported`] for a field without finite bounds, [`RefusalCode::Empty`] for a mesh without faces,
-/// [`RefusalCode::LeafFailed`] when a leaf does, and as for [`crate::check::deviation`]; [`JobError::Cancelled`].
+/// [`JobError::Refused`] with [`RefusalCode::Unsupported`] for a field without finite bounds,
+/// [`RefusalCode::Empty`] for a mesh without faces, [`RefusalCode::LeafFailed`] when a leaf fails, and as for
+/// [`crate::check::deviation`]; [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::check::{Goal, field_deviation};
@@ -93,8 +99,9 @@ const FLOOR: f64 = 64.0 * f64::EPSILON;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Source: the copies and the cells are derived beside them, `check/field_deviation/sandwich.rs` and `cover.rs`; for the rest shells and sweeps as in the notes beside the two directions, `check/field_deviation/from_mesh.rs` and
-/// `from_field.rs`; the mean value theorem for generalized gradients is G. Lebourg's, 1975.
+/// Source: the copies and the cells are derived in `check/field_deviation/sandwich.rs` and `cover.rs`; the
+/// boxes around the two surfaces in `check/field_deviation/from_mesh.rs` and `from_field.rs`; the mean value
+/// theorem for generalized gradients is G. Lebourg's, 1975.
 pub fn field_deviation(
     mesh: &Mesh,
     field: &Field,
@@ -137,8 +144,8 @@ pub fn field_deviation(
     })
 }
 
-/// The bound of a mesh from its verdict, which is proved, with a lower end from a few of the worst faces; none
-/// where the lower end contradicts the verdict.
+/// The bound of a mesh from its verdict, which is proved, with a lower bound from a few of the worst faces;
+/// `None` where the lower bound contradicts the verdict.
 pub(crate) fn sandwich_bound(
     mesh: &Mesh,
     field: &Field,
@@ -157,7 +164,8 @@ pub(crate) fn sandwich_bound(
     )
 }
 
-/// How far a mesh is from the surface of a field by samples alone, whatever there is to prove with.
+/// Measures the deviation of a mesh from the surface of a field by samples alone, even where a proof is
+/// possible.
 pub(crate) fn measured_field_deviation(
     mesh: &Mesh,
     field: &Field,
@@ -174,7 +182,7 @@ fn leaf_failure(error: LeafError) -> JobError {
     JobError::Refused(Refusal { code: RefusalCode::LeafFailed, message: error.message })
 }
 
-/// Looks once more at some of the pieces.
+/// Applies `look` to some of the pieces and updates their bounds.
 fn refine_some(
     which: &[usize],
     pieces: &[FieldSubtriangle],
@@ -205,9 +213,9 @@ fn reach(mesh: &Mesh, bounds: &Box3) -> f64 {
     all.min.iter().chain(&all.max).fold(0.0, |most: f64, x| larger(most, x.abs()))
 }
 
-/// The share of the way between the ends that the direction from the mesh may take.
+/// The share of the allowed gap between the bounds that the direction from the mesh may take.
 const FORWARD_SHARE: f64 = 0.6;
-/// That of a first rough look: with a goal of a tenth, twice as far as at least.
+/// The share for a first rough search: with a goal of a tenth, up to twice the lower bound.
 const ROUGH_SHARE: f64 = 10.0;
 
 struct FieldDeviationSearch<'a> {
@@ -221,7 +229,7 @@ struct FieldDeviationSearch<'a> {
 }
 
 impl FieldDeviationSearch<'_> {
-    /// The distance that is good enough for every point where some point is as far as `least`.
+    /// The distance that suffices for every point where some point is as far as `least`.
     fn sufficient_distance(&self, least: f64) -> f64 {
         let wanted = match self.goal.max {
             Some(max) => max.get(),
@@ -239,7 +247,7 @@ impl FieldDeviationSearch<'_> {
         enclosure: &Enclosure,
     ) -> Result<(ForwardDistance, BackwardDistance), JobError> {
         let from_field = |forward: &ForwardDistance| {
-            // Without a bound from above for the mesh there is none for both.
+            // Without an upper bound for the mesh there is none for both directions.
             if forward.unresolved > 0 {
                 return Ok(BackwardDistance { least: 0.0, most: f64::INFINITY, at: forward.at });
             }
@@ -251,8 +259,8 @@ impl FieldDeviationSearch<'_> {
             let backward = from_field(&forward)?;
             return Ok((forward, backward));
         }
-        // One direction is often much farther than the other (edges are, from bevels), which then need not be known well. So first
-        // both are looked at roughly.
+        // One direction is often much farther than the other, as at edges replaced by bevels; the other need
+        // not be known well then. So both are first searched roughly.
         let forward = self.forward(0.0, ROUGH_SHARE)?;
         let backward = from_field(&forward)?;
         let least = larger(forward.least, backward.least);
@@ -265,7 +273,7 @@ impl FieldDeviationSearch<'_> {
             (closer.least, closer.at) = (forward.least, forward.at);
         }
         let again = from_field(&closer)?;
-        // Both hold, and so does the better one of each end.
+        // Keeps the better of each bound, since both hold.
         let backward = BackwardDistance {
             least: larger(again.least, backward.least),
             most: smaller(again.most, backward.most),
@@ -274,7 +282,8 @@ impl FieldDeviationSearch<'_> {
         Ok((closer, backward))
     }
 
-    /// What the points of the mesh are asked for: a little less, so that the other direction has room.
+    /// The distance aimed at for points of the mesh: a little less, to leave a margin for the other
+    /// direction.
     fn aim(&self, least: f64, share: f64) -> f64 {
         let enough = self.sufficient_distance(least);
         if self.goal.max.is_some() {
@@ -312,7 +321,7 @@ impl FieldDeviationSearch<'_> {
         let least = larger(ahead.at_least, back.at_least);
         let mut bound = Bound::with_evidence(least, known.then_some(most), evidence, Reference::Field);
         bound.at = Some(if backward.most > forward.most { backward.at } else { forward.at });
-        // With a limit it is decided on either side of it.
+        // With a limit the goal is reached on either side of it.
         let beyond = self.goal.max.is_some_and(|max| least > max.get());
         let reached = known && most <= self.sufficient_distance(least) || beyond;
         FieldDeviation { bound, forward: ahead, backward: back, reached, unresolved: forward.unresolved }
@@ -320,7 +329,7 @@ impl FieldDeviationSearch<'_> {
 }
 
 impl FieldDeviationSearch<'_> {
-    /// Both hold, and so does the better one of each end.
+    /// Keeps the better of each bound, since both hold.
     fn better_of(&self, a: &FieldDeviation, b: &FieldDeviation) -> FieldDeviation {
         let one_sided = |a: OneSidedDistance, b: OneSidedDistance| {
             let farther = if b.at_least > a.at_least { b } else { a };
@@ -336,7 +345,7 @@ impl FieldDeviationSearch<'_> {
     }
 }
 
-/// A cube around a box, with a little room.
+/// A cube around a box, with a small margin.
 fn cube(bounds: &Box3) -> Box3 {
     let c = bounds.centre();
     let half = (0..3).map(|k| larger(bounds.max[k] - c[k], c[k] - bounds.min[k])).fold(0.0, larger);
@@ -346,7 +355,7 @@ fn cube(bounds: &Box3) -> Box3 {
     cube.union(*bounds)
 }
 
-/// The box in 4 × 4 × 4 parts that share their faces bit for bit.
+/// The 4 × 4 × 4 sub-boxes of the box, which share their faces bit for bit.
 fn sub_boxes(bounds: &Box3) -> impl Iterator<Item = Box3> + use<> {
     let bounds = *bounds;
     let at = move |k: usize, i: usize| match i {

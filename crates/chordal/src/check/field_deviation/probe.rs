@@ -1,9 +1,10 @@
-//! How far one point is from the surface of a field, from below: boxes around it, nearest first.
+//! A lower bound on the distance of one point from the surface of a field: boxes around it, nearest first.
 //!
-//! A cube around the point c is cut into boxes; those over which the range of the field has one sign are left out. A point of
-//! the surface inside of the cube lies in a box that is left: if all the boxes that hold it had one sign, they would all have the
-//! same one, since they share the point, and they cover a neighbourhood of it. So the surface is no nearer to c than the
-//! nearest box that is left, or the sides of the cube. The nearest box is cut again and again, until it is small beside how far it is.
+//! A cube around the point c is split into boxes; those over which the range of the field has one sign are
+//! dropped. A point of the surface inside of the cube lies in a remaining box: if all the boxes that hold it
+//! had one sign, they would all have the same one, since they share the point, and they cover a neighbourhood
+//! of it. So the surface is no nearer to c than the nearest remaining box, or the sides of the cube. The
+//! nearest box is split again and again, until it is small compared to its distance.
 use super::slope::step;
 use super::{larger, smaller, sub_boxes};
 use crate::implicit::{LeafError, Tape};
@@ -11,23 +12,23 @@ use crate::math::{Box3, Interval, add_down, mul_down, sqrt_down};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Boxes cut in 64 for one point at most.
+/// The most boxes split into 64 for one point.
 const CUTS: usize = 64;
-/// It is enough to know this share of the distance.
+/// Knowing this share of the distance suffices.
 const ENOUGH: f64 = 0.97;
-/// Boxes whose diagonal is this share of the distance are not cut.
+/// Boxes whose diagonal is below this share of the distance are not split.
 const SMALL: f64 = 0.03;
 
-/// What was found out about a point.
+/// The lower bound for a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceProbe {
     /// The surface is no nearer.
     pub at_least: f64,
-    /// Where it may be the nearest.
+    /// Where it may be nearest.
     pub towards: [f64; 3],
 }
 
-/// A box that may hold a part of the surface, by its distance: the nearest is the greatest.
+/// A box that may hold a part of the surface, ordered by distance: the nearest is the greatest.
 struct ProbeBox {
     far: f64,
     number: usize,
@@ -53,7 +54,7 @@ impl Ord for ProbeBox {
 
 struct ProbeSearch {
     from: [f64; 3],
-    /// The surface is surely this near, or nobody asks.
+    /// An upper bound on the distance of interest.
     most: f64,
     /// No part of the surface outside of the cube is nearer than this.
     side: f64,
@@ -71,7 +72,7 @@ impl ProbeSearch {
         Self { from, most, side: most, open, cut: 0, done: !half.is_finite() }
     }
 
-    /// The next box to be cut.
+    /// The next box to be split.
     fn next(&mut self) -> Option<Box3> {
         let small = |near: &ProbeBox| near.bounds.diagonal() < SMALL * larger(near.far, 0.1 * self.most);
         let enough = |near: &ProbeBox| near.far >= ENOUGH * self.most || small(near);
@@ -90,7 +91,7 @@ impl ProbeSearch {
         }
     }
 
-    /// The distance of a box, from below.
+    /// A lower bound on the distance of a box.
     fn distance_down(&self, bounds: &Box3) -> f64 {
         let (low, high) = (step(bounds.min, self.from), step(self.from, bounds.max));
         let beside = |k: usize| larger(larger(low[k].lo(), high[k].lo()), 0.0);
@@ -108,7 +109,7 @@ impl ProbeSearch {
     }
 }
 
-/// For each point, of which the surface is known to be within `most`, how far it is at least.
+/// For each point, whose distance to the surface is at most `most`, a lower bound on it.
 pub(super) fn probe_distances(
     tape: &Tape,
     points: &[[f64; 3]],

@@ -1,9 +1,9 @@
-//! `SandwichProver`: judges meshes against one field, from both sides at once.
+//! `SandwichProver`: proves meshes against one field, from both sides at once.
 //!
 //! A [`Sandwich`] of two displaced copies of the mesh bounds both directions, provided that each component of
-//! the inside and of the outside is seen: that the outer copy winds once around a point of each inner one,
-//! and the inner copy not at all around one of each outer one. The cells of a [`FieldCover`] list such
-//! points.
+//! the inside and of the outside is accounted for: the outer copy winds once around a point of each inner
+//! one, and the inner copy does not wind around one of each outer one. The cells of a [`FieldCover`] list
+//! such points.
 //!
 //! **Open cells.** A cell that the cover leaves open is as good as decided where the outer copy misses it and
 //! winds once around it, and the inner copy misses it and does not wind around it: a flow that ends in the
@@ -19,30 +19,29 @@ use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
-/// What was found out about a mesh.
+/// The verdict on a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct SandwichVerdict {
-    /// Faces that were not proved to be within the limit, or any, for want of a copy of them outside, and
-    /// inside; ascending.
+    /// Faces whose copy was not proved to be outside, and inside, within the limit or at all; ascending.
     pub open: [Vec<u32>; 2],
-    /// By face, how far its points are from the surface at most, where it is not open.
+    /// By face, an upper bound on the distance of its points from the surface, where it is not open.
     pub bounds: Vec<f64>,
     /// The largest of them.
     pub bound: f64,
     /// Points inside that the mesh does not wind around once, and points outside that it winds around.
     pub wrong: Vec<WindingProbe>,
-    /// Places where a part of the surface could be hidden from the mesh.
+    /// Boxes in which a part of the surface could be missed by the mesh.
     pub unresolved: Vec<Box3>,
 }
 
 impl SandwichVerdict {
-    /// Of faces alone: nothing was looked at between copies.
+    /// A verdict from faces alone, without the cells between copies.
     fn from_faces(open: [Vec<u32>; 2], bounds: Vec<f64>) -> Self {
         let bound = largest(&bounds);
         Self { open, bounds, bound, wrong: Vec::new(), unresolved: Vec::new() }
     }
 
-    /// A place where something is not proved, if anything is.
+    /// The location of something unproved, if there is any.
     pub fn first_unproved_point(&self, mesh: &Mesh) -> Option<[f64; 3]> {
         let face = self
             .open
@@ -54,13 +53,13 @@ impl SandwichVerdict {
         face.or_else(|| self.wrong.first().map(|point| point.at)).or_else(unresolved)
     }
 
-    /// Whether the mesh and the surface are within the bound of each other.
+    /// Whether the mesh and the surface are proved to be within the bound of each other.
     pub fn is_proved(&self) -> bool {
         self.open.iter().all(Vec::is_empty) && self.wrong.is_empty() && self.unresolved.is_empty()
     }
 }
 
-/// Judges meshes against one field; the more, the cheaper each.
+/// Proves meshes against one field; each further mesh is cheaper.
 pub(crate) struct SandwichProver<'a> {
     evaluator: PrimitiveEvaluator<'a>,
     cover: FieldCover,
@@ -68,25 +67,25 @@ pub(crate) struct SandwichProver<'a> {
     job: &'a Job,
 }
 
-/// The first cover's cells are no smaller than this share of its cube: what is still open is looked at with
-/// the mesh. Chosen.
+/// The first cover's cells are no smaller than this share of its cube; cells still open are examined with the
+/// mesh. Chosen.
 const FIRST_FLOOR: f64 = 1.0 / 128.0;
-/// Cells between both copies are this share of their distance, which is up to twice the bound. Chosen: a cell of
-/// a quarter fits if it is not unlucky.
+/// The size of cells between both copies as a share of the bound; the copies are up to twice the bound apart.
+/// Chosen: a cell of a quarter usually fits.
 const CELL_SHARE: f64 = 0.125;
-/// Where few are left, as about points where surfaces nearly touch, smaller ones show more.
+/// Where few cells are left, as about points where surfaces nearly touch, smaller ones resolve more.
 const LEAST_CELL_SHARE: f64 = 1.0 / 256.0;
-/// These are few. Chosen.
+/// The number of cells that counts as few. Chosen.
 const FEW_CELLS: usize = 4096;
 
 impl<'a> SandwichProver<'a> {
-    /// Ranges of primitives that were asked for so far.
+    /// The number of primitive ranges evaluated so far.
     #[cfg(test)]
     pub fn n_boxes(&self) -> u64 {
         self.evaluator.n_boxes()
     }
 
-    /// Looks at the field.
+    /// Builds the first cover of the field.
     pub fn new(csg: &'a Csg, bounds: &Box3, job: &'a Job) -> Result<Self, LeafError> {
         let evaluator = PrimitiveEvaluator::new(csg, bounds, job);
         let mut cover = FieldCover::new(&evaluator, bounds, job.memory_limit);
@@ -98,15 +97,15 @@ impl<'a> SandwichProver<'a> {
         Ok(Self { evaluator, cover, regions, job })
     }
 
-    /// Judges a mesh. All faces of one that is not closed are open: at each edge, by index or by position, as
-    /// many half-edges have to run one way as the other.
+    /// Proves a mesh. All faces of one that is not closed are open: at each edge, by index or by position,
+    /// equally many half-edges have to run in each direction.
     pub fn prove(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
         let verdict = self.prove_once(mesh, goal)?;
         let is_hidden = verdict.open.iter().all(Vec::is_empty) && !verdict.unresolved.is_empty();
         match goal.wider().filter(|_| is_hidden) {
             Some(wider) => {
                 let wide = self.prove_once(mesh, &wider)?;
-                // Who splits faces may split those in the way of copies that are farther from each other.
+                // A caller that splits faces may split those in the way of copies that are farther apart.
                 let is_worth = goal.faces_first && !wide.open.iter().all(Vec::is_empty);
                 Ok(if wide.is_proved() || is_worth { wide } else { verdict })
             }
@@ -165,7 +164,7 @@ struct SandwichCopies<'a> {
     enclosures: [Enclosure<'a>; 2],
 }
 
-/// How often the outer copy winds around what is inside, and the inner one around what is outside.
+/// The winding numbers of the outer copy around inside points, and of the inner one around outside points.
 const WINDINGS: [f64; 2] = [1.0, 0.0];
 
 impl SandwichCopies<'_> {

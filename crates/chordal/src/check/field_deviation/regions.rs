@@ -1,8 +1,8 @@
-//! The tree that still decides in a region, for many boxes at once: a loose octree over the domain.
+//! The trees that still decide in regions of space, for many boxes at once: a loose octree over the domain.
 //!
-//! A region is a cell with half of its size around it, so a box that is smaller than a cell lies in the
-//! region of the cell that holds its middle. Regions are made when enough boxes ask for them; each knows the
-//! tree of what its primitives' signs leave open.
+//! A region is a cell extended by half of its size, so a box that is smaller than a cell lies in the region
+//! of the cell that holds its centre. A region is created when enough boxes need it; each stores the tree
+//! that its primitives' signs leave open.
 use super::face_sides::FaceSideCache;
 use super::local_trees::{LiteralSides, LocalTrees};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
@@ -12,7 +12,7 @@ use crate::math::Box3;
 struct SignRegion {
     cell: Box3,
     level: u32,
-    /// A number of a tree, or the side that all of the region is on.
+    /// The index of a tree, or the side that all of the region is on.
     tree: Result<u32, Membership>,
     children: [Option<u32>; 8],
 }
@@ -23,19 +23,19 @@ pub(super) struct SignRegions {
     regions: Vec<SignRegion>,
     pub trees: LocalTrees,
     pub known: FaceSideCache,
-    /// What regions and trees may take in memory.
+    /// The memory limit of regions and trees.
     most_bytes: u64,
 }
 
 /// A region with this few primitives is not divided.
 const FEW: usize = 3;
-/// Boxes that pay for a child of a region: it takes as many ranges as a box without it, and its boxes ask for
-/// fewer. Chosen.
+/// The number of boxes that pays for a child of a region: creating it takes as many ranges as a box without
+/// it, and its boxes need fewer. Chosen.
 const WORTH: usize = 6;
-/// The share of the job's memory that regions and their trees may take; without one of its own a box has that
-/// of a larger region.
+/// The share of the job's memory for regions and their trees; a box without a region of its own uses a larger
+/// one.
 const MEMORY_SHARE: u64 = 16;
-/// Halvings of the domain at most: defined, cells of a 2000th.
+/// The most halvings of the domain: defined, cells of a 2000th.
 const DEEPEST: u32 = 11;
 
 impl SignRegions {
@@ -46,7 +46,7 @@ impl SignRegions {
         Self { regions: vec![root], trees, known, most_bytes: memory_limit / MEMORY_SHARE }
     }
 
-    /// For each box the smallest region's tree that holds for it.
+    /// For each box the tree of the smallest region that holds it.
     pub fn trees_of(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
@@ -59,7 +59,7 @@ impl SignRegions {
             for (number, rows) in open {
                 let region = &self.regions[number as usize];
                 let tree = region.tree;
-                // What is not in the region of the root is not in that of any child.
+                // A box outside the region of the root is not in that of any child.
                 rows.iter().for_each(|row| found[*row as usize] = tree);
                 let is_small = match tree {
                     Ok(tree) => self.trees.get(tree).primitives.len() <= FEW,
@@ -90,7 +90,7 @@ impl SignRegions {
         Ok(found)
     }
 
-    /// Makes the children that are not there yet.
+    /// Creates the missing children.
     fn make(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
@@ -143,7 +143,7 @@ fn octant_cell(cell: &Box3, octant: usize) -> Box3 {
     }
 }
 
-/// A cell with half of its size on every side.
+/// A cell extended by half of its size on every side.
 fn around(cell: &Box3) -> Box3 {
     let half = |k: usize| 0.5 * (cell.max[k] - cell.min[k]);
     Box3 {

@@ -1,4 +1,5 @@
-//! Where a field has no ranges, its surface is sampled: points of it, found beside the triangles, and how far they are.
+//! The sampled deviation, for fields without ranges: surface points found beside the triangles, and their
+//! distances.
 use super::{FieldDeviation, larger, leaf_failure};
 use crate::budget::{Bound, Evidence, Job, JobError, Reference};
 use crate::check::deviation::OneSidedDistance;
@@ -6,13 +7,13 @@ use crate::explicit::{Bvh, Mesh, face_normal};
 use crate::implicit::{Field, Tape};
 use crate::math::sub_down;
 
-/// Points along a normal at which a change of sign is looked for, to each side.
+/// Samples along a normal at which a change of sign is searched, to each side.
 const STEPS: usize = 6;
-/// Halvings of a bracket: it is a millionth of its start then.
+/// Bisections of a bracket: they shrink it to a millionth of its start.
 const HALVINGS: usize = 20;
 
-/// The farthest point of the field's surface that was found, from below: each is bracketed between two signs, and its
-/// distance to the mesh is certified.
+/// The farthest point found on the field's surface, bounded from below: each is bracketed between two signs,
+/// and its distance to the mesh is certified.
 pub(super) fn measured(
     mesh: &Mesh,
     field: &Field,
@@ -67,7 +68,7 @@ fn middle(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k])
 }
 
-/// For each face where there is one: a point inside and a point outside, on the normal through its middle.
+/// For each face where there is one: a point inside and a point outside, on the normal through its centroid.
 fn first_brackets(mesh: &Mesh, tape: &Tape) -> Result<Vec<[[f64; 3]; 2]>, JobError> {
     let n = 2 * STEPS + 1;
     let mut points = Vec::with_capacity(mesh.faces().len() * n);
@@ -77,7 +78,7 @@ fn first_brackets(mesh: &Mesh, tape: &Tape) -> Result<Vec<[[f64; 3]; 2]>, JobErr
         let normal = face_normal(corners).unwrap_or([0.0, 0.0, 1.0]);
         let size = crate::math::length(crate::math::difference(corners[0], corners[1]));
         for step in 0..n {
-            // Each step is twice the one before, from 1/32 of an edge to one whole edge.
+            // Each step is twice the previous one, from 1/32 of an edge to one whole edge.
             let i = step as i32 - STEPS as i32;
             let far =
                 if i == 0 { 0.0 } else { libm::ldexp(size, i.abs() - STEPS as i32) * f64::from(i.signum()) };
@@ -88,7 +89,7 @@ fn first_brackets(mesh: &Mesh, tape: &Tape) -> Result<Vec<[[f64; 3]; 2]>, JobErr
     tape.at(&points, &mut values).map_err(leaf_failure)?;
     let mut brackets = Vec::new();
     for (points, values) in points.chunks_exact(n).zip(values.chunks_exact(n)) {
-        // The change nearest to the middle.
+        // The sign change nearest to the centroid.
         let inside = |k: usize| values[k] < 0.0;
         let change =
             (0..n - 1).filter(|k| inside(*k) != inside(k + 1)).min_by_key(|k| (2 * k + 1).abs_diff(n - 1));

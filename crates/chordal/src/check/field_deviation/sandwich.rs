@@ -1,7 +1,7 @@
 //! `Sandwich`: two displaced copies of a mesh, one outside of a field's surface, one inside.
 //!
 //! **Lemma (sandwich).** Let A = {F < 0}, A* the interior of its closure, B* the interior of its complement,
-//! and S what is left of space, the boundary of A*: the field's surface with cracks closed. Let M be a closed
+//! and S the rest of space, the boundary of A*: the field's surface with cracks closed. Let M be a closed
 //! oriented triangle mesh, M⁺ and M⁻ copies of it whose vertices are displaced by t at most. If
 //! 1. M⁺ lies in B* and M⁻ in A*,
 //! 2. each component of A* holds a point around which M⁺ winds once, and each of B* one around which M⁻ does
@@ -11,17 +11,17 @@
 //! and every point of S has one of M within t.
 //!
 //! *Proof.* Displacements are linear over a face, so no point's is longer than the longest of its corners'.
-//! From a point of M⁻ in A* to that of M in between to that of M⁺ in B* go two straight ways; together they
-//! are connected, A* and B* are open and have no point in common, so the ways meet S, on one of the two,
-//! within its length of M. For the other direction let p in S have no point of M within t. The straight
-//! motion M⁻ → M → M⁺ misses p, by compactness it misses a ball around p, and so all three wind alike, w
-//! times, around each point of the ball. The ball meets A* and B*, as p is in the boundary of A*. M⁺ misses
-//! A*, so its winding number is constant on components of A*, and w = 1; likewise M⁻ misses B*, and w = 0. ∎
+//! From a point of M⁻ in A* to that of M in between to that of M⁺ in B* run two segments; together they are
+//! connected, A* and B* are open and have no point in common, so they meet S, on one of the two, within its
+//! length of M. For the other direction let p in S have no point of M within t. The straight motion M⁻ → M →
+//! M⁺ misses p, by compactness it misses a ball around p, and so all three have the same winding number w
+//! around each point of the ball. The ball meets A* and B*, as p is in the boundary of A*. M⁺ misses A*, so
+//! its winding number is constant on components of A*, and w = 1; likewise M⁻ misses B*, and w = 0. ∎
 //!
-//! M need not be embedded, nor need its copies. Where the first condition holds is proved by
-//! [`super::face_sides`]. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
-//! rounded up. How vertices are displaced is a guess ([`super::displacement`]): as little as the samples ask for plus
-//! a margin, which grows where the proof needs it.
+//! M need not be embedded, nor need its copies. [`super::face_sides`] proves where the first condition holds.
+//! Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are rounded up. The
+//! displacements are a guess ([`super::displacement`]): as little as the samples require plus a margin, which
+//! grows where the proof needs it.
 use super::displacement::{
     DisplacementNormals, DisplacementReach, FaceConstraint, FaceConstraints, HalfSpace, deviations,
     face_constraints, shortest_displacement,
@@ -32,7 +32,7 @@ use crate::explicit::{Mesh, Topology};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{length, length_up};
 
-/// The copies: the one that is to be outside, and the one that is to be inside.
+/// The required sides of the copies.
 pub(super) const SIDES: [Membership; 2] = [Membership::Outside, Membership::Inside];
 
 /// Two displaced copies of a mesh.
@@ -46,92 +46,95 @@ pub(super) struct Sandwich {
     pub bounds: Vec<f64>,
 }
 
-/// What a sandwich is asked for.
+/// The goal of a sandwich.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SandwichGoal {
-    /// No displacement is longer.
+    /// The largest displacement allowed.
     pub limit: Option<f64>,
-    /// The first margin as a share of what samples ask for.
+    /// The first margin as a share of what samples require.
     pub margin: f64,
-    /// It is at least this share of the limit.
+    /// The first margin's minimum as a share of the limit.
     pub least_share: f64,
-    /// Whether open faces say enough, for who splits them: what is between copies is looked at where there are two.
+    /// Whether open faces suffice as a result, for a caller that splits them: cells between copies are
+    /// examined only where both copies are proved.
     pub faces_first: bool,
 }
 
 impl SandwichGoal {
-    /// Strays of flat faces end at once, and bounds of flat parts are small. Chosen.
+    /// Pieces of flat faces are settled at once, and bounds of flat parts are small. Chosen.
     const CLOSE: f64 = 1.0 / 64.0;
-    /// There is room between the copies for cells that nothing else settles. Chosen.
+    /// Leaves space between the copies for cells that nothing else settles. Chosen.
     const WIDE: f64 = 0.25;
 
     pub fn new(limit: Option<f64>, margin: f64) -> Self {
         Self { limit, margin, least_share: Self::CLOSE, faces_first: false }
     }
 
-    /// The same, for who splits faces that are open.
+    /// The same, for a caller that splits open faces.
     pub fn faces_first(self) -> Self {
         Self { faces_first: true, ..self }
     }
 
-    /// The same with copies farther from each other, if they may be.
+    /// The same with copies farther apart, if that is allowed.
     pub(super) fn wider(&self) -> Option<Self> {
         let may_be = self.limit.is_some() && self.least_share < Self::WIDE;
         may_be.then_some(Self { least_share: Self::WIDE, ..*self })
     }
 }
 
-/// Rounds at most: margins grow to 4⁶ times their first size.
+/// The most rounds: margins grow to 4⁶ times their first size.
 const ROUNDS: usize = 4;
-/// With what is still open after the rounds, displacements are chosen once more for longer ones, so often.
+/// If faces are still open after the rounds, displacements are chosen again with a longer reach; the most
+/// attempts.
 const ATTEMPTS: usize = 3;
-/// With more open faces than these, and more than one of [`FEW`], there is little to be hoped for. Measured:
-/// 4,400 of 21,000 where letters are cut into parts that abut; one of ten on shells that are proved in the end.
+/// With more open faces than these, and more than one in [`FEW`], success is unlikely. Measured: 4,400 of
+/// 21,000 where letters are cut into parts that abut; one of ten on shells that are proved in the end.
 const MANY: usize = 1024;
 const FEW: usize = 8;
-/// By this they are longer. Chosen: as much as margins grow in the rounds.
+/// The factor of that longer reach. Chosen: as much as margins grow in the rounds.
 const FARTHER: f64 = 16.0;
-/// By this a margin grows where the proof fails. Chosen: strays of pieces fall to a quarter by two cuts.
+/// The factor by which a margin grows where the proof fails. Chosen: two bisections reduce |f − L| on pieces
+/// to a quarter.
 const GROWTH: f64 = 4.0;
-/// At least this share of the largest coordinate, 2⁻⁴⁴: some hundred roundings.
+/// The least margin relative to the largest coordinate, 2⁻⁴⁴: some hundred roundings.
 const LEAST_SHARE: f64 = 256.0 * f64::EPSILON;
-/// After a first failure a margin is at least this share of the face, derived from nothing but the number of
-/// rounds: it grows to the face's size.
+/// After a first failure a margin is at least this share of the face, derived only from the number of rounds:
+/// it grows to the face's size.
 const FACE_SHARE: f64 = 1.0 / 4096.0;
-/// Displacements are this much of a limit at most, so that their lengths rounded up are within it.
+/// Displacements are at most this share of a limit, so that their lengths rounded up are within it.
 const REACH: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-/// A displacement may be longer than what samples ask for by this much of the allowance: more than it where
-/// it is at an angle to what has to be raised. Chosen.
+/// A displacement may exceed what samples require by this multiple of the allowance: more than 1, since it
+/// may be at an angle to what has to be raised. Chosen.
 const ALLOWED: f64 = 1.25;
-/// Halvings in the search for the largest margin within a limit.
+/// Bisections in the search for the largest margin within a limit.
 const HALVINGS: usize = 12;
-/// Cuts of a face in the first round, and in later ones. Measured: where strokes of letters meet at 10 degrees,
-/// pieces of a 64th of a face, which take 12, are still too large.
+/// Bisections of a face in the first round, and in later ones. Measured: where strokes of letters meet at 10
+/// degrees, pieces of a 64th of a face, which take 12, are still too large.
 const CUTS: [u32; 2] = [9, MOST_CUTS];
 
-/// Whether so many of all are open, or off their places, that they will hardly be proved.
+/// Whether so many of all faces are open that a proof is unlikely.
 pub(crate) fn is_hopeless(n_open: usize, n_all: usize) -> bool {
     n_open > MANY && FEW * n_open > n_all
 }
 
-/// A vertex on its way to a side.
+/// The margin of a vertex on one side.
 #[derive(Clone, Copy, Debug)]
 struct VertexMargin {
-    /// What its displacement may be longer than what samples ask for.
+    /// How much its displacement may exceed what samples require.
     allowance: f64,
-    /// No longer displacement is possible.
+    /// No longer displacement is allowed.
     is_at_limit: bool,
 }
 
 struct VertexDisplacement {
     by: [f64; 3],
-    /// No longer one is possible.
+    /// No longer displacement is allowed.
     is_at_limit: bool,
-    /// It is longer than what samples ask for.
+    /// It is longer than what samples require.
     has_margin: bool,
 }
 
-/// A closed mesh, and which of its vertices go together.
+/// A closed mesh, and which of its vertices move together.
 #[derive(Clone, Debug)]
 pub(super) struct ClosedMesh<'a> {
     mesh: &'a Mesh,
@@ -140,8 +143,8 @@ pub(super) struct ClosedMesh<'a> {
 }
 
 impl<'a> ClosedMesh<'a> {
-    /// By index if the mesh is closed so, since vertices of two parts that touch need not go the same way;
-    /// else by position. None where it is closed in neither way.
+    /// By index if the mesh is closed that way, since vertices of two parts that touch need not move
+    /// together; else by position. `None` where it is closed in neither way.
     pub fn from_mesh(mesh: &'a Mesh) -> Option<Self> {
         let n = mesh.positions().len() as u32;
         let by_index = || Some((0..n).collect::<Vec<u32>>());
@@ -198,7 +201,7 @@ impl Sandwich {
                 *open = builder.close(side, open, regions, evaluator)?;
             }
             let still: Vec<u32> = open.iter().flatten().copied().collect();
-            // Who splits faces does better to split them.
+            // A caller that splits faces had better split them now.
             let is_enough = goal.faces_first && is_hopeless(still.len(), mesh.faces().len());
             if is_enough || still.iter().all(|face| is_limited(reaches[*face as usize].now)) {
                 break;
@@ -221,7 +224,7 @@ struct SandwichBuilder<'a> {
 }
 
 impl SandwichBuilder<'_> {
-    /// The first margins, of all vertices or of those of open faces.
+    /// Sets the first margins of the vertices of open faces.
     fn start(&mut self, open: &[Vec<u32>; 2]) {
         for (side, open) in open.iter().enumerate() {
             let none = VertexMargin { allowance: 0.0, is_at_limit: false };
@@ -253,7 +256,7 @@ impl SandwichBuilder<'_> {
         all
     }
 
-    /// What the faces around a vertex ask for, and of which of their corners.
+    /// The constraints of the faces around a vertex, each with the face's corner at the vertex.
     fn constraints_on(&self, vertex: u32, side: usize) -> impl Iterator<Item = (&FaceConstraint, usize)> {
         let demands = &self.demands[side];
         self.around
@@ -261,8 +264,9 @@ impl SandwichBuilder<'_> {
             .flat_map(|(face, corner)| demands.of_face(face).iter().map(move |demand| (demand, corner)))
     }
 
-    /// Displaces a vertex by its margin, or by as much of it as the limit allows. Where faces ask for what
-    /// cannot be, they are asked for the primitives alone that they are on: beyond those, others take over.
+    /// Displaces a vertex by its margin, or by as much of it as the limit allows. Where the constraints
+    /// contradict each other, only those of primitives that a face lies on are kept: beyond those, others
+    /// take over.
     fn displace(&mut self, vertex: u32, side: usize) {
         let allowance = self.margins[side][vertex as usize].allowance;
         let all = self.constraints_on(vertex, side);
@@ -281,7 +285,7 @@ impl SandwichBuilder<'_> {
     }
 
     fn displacement(&self, base: &[HalfSpace], allowance: f64) -> VertexDisplacement {
-        // First what samples ask for, a share of it at least, then a share of the margin.
+        // First what samples require, or at least a share of it, then a share of the margin.
         let with = |lack: f64, margin: f64| {
             let raised = |c: &HalfSpace| if c.least > 0.0 { lack * c.least } else { c.least };
             let least = |c: &HalfSpace| raised(c) + c.share * margin;
@@ -313,7 +317,7 @@ impl SandwichBuilder<'_> {
         VertexDisplacement { by: by.unwrap_or([0.0; 3]), is_at_limit, has_margin: with_margin.is_some() }
     }
 
-    /// Displaces until all faces are on a side, or nothing helps; the faces that are not.
+    /// Displaces until all faces are on their side, or nothing helps; returns the faces that are not.
     fn close(
         &mut self,
         side: usize,
@@ -351,7 +355,7 @@ impl SandwichBuilder<'_> {
         Ok(Vec::new())
     }
 
-    /// Larger margins about open faces; the vertices that can still be moved.
+    /// Enlarges the margins about open faces; returns the vertices that can still be moved.
     fn grow(&mut self, open: &[u32], side: usize) -> Vec<u32> {
         let mut todo: Vec<u32> = Vec::new();
         for face in open {
@@ -374,7 +378,7 @@ impl SandwichBuilder<'_> {
         todo
     }
 
-    /// Rows of one position go together.
+    /// Copies the displacement of a position to all its rows.
     fn spread(&mut self, side: usize) {
         for (row, id) in self.ids.iter().enumerate() {
             self.copies[side][row] = self.copies[side][*id as usize];
@@ -426,8 +430,8 @@ impl VertexFaceIncidence {
         self.corners[range].iter().map(|(face, corner)| (*face, *corner as usize))
     }
 
-    /// By face, about how far its corners have to be displaced: twice as far as any face about them is from
-    /// the surface.
+    /// By face, an estimate of how far its corners have to be displaced: twice the distance of any adjacent
+    /// face from the surface.
     fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<DisplacementReach> {
         let larger = |a: f64, b: f64| if b > a { b } else { a };
         let n = mesh.positions().len() as u32;

@@ -1,13 +1,14 @@
-//! Whether a triangle surely misses a box.
+//! Whether a triangle certainly misses a box.
 //!
-//! Source: T. Akenine-Möller, *Fast 3D triangle-box overlap testing*, 2001, for the axes; any axis that separates will do, so only the
-//! comparison along it has to allow for rounding.
+//! Source: T. Akenine-Möller, *Fast 3D triangle-box overlap testing*, 2001, for the axes. Any separating axis
+//! is valid, so only the comparison along it has to allow for rounding.
 use crate::math::{Box3, cross, difference};
 
-/// Rounding of a comparison, as a share of the largest coordinate times the axis: derived, some ten roundings of numbers up to twice that.
+/// Rounding of a comparison, relative to the largest coordinate times the axis: derived, some ten roundings
+/// of numbers up to twice that.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Whether no point of the triangle is in the box; false where that is not clear.
+/// Whether no point of the triangle is in the box; false where that is uncertain.
 pub(super) fn is_separated(bounds: &Box3, corners: &[[f64; 3]; 3]) -> bool {
     let outside = |k: usize| {
         corners.iter().all(|p| p[k] < bounds.min[k]) || corners.iter().all(|p| p[k] > bounds.max[k])

@@ -1,4 +1,4 @@
-//! What the range of a gradient says of a field about a point: how it grows along a direction, and how far it can stray.
+//! Growth of a field along a direction, and the largest slope, from the range of its gradient.
 use crate::implicit::Dual;
 use crate::math::{Box3, Interval, div_up, length_up};
 
@@ -17,29 +17,30 @@ pub(super) fn step(p: [f64; 3], q: [f64; 3]) -> [Interval; 3] {
     std::array::from_fn(|k| Interval::point(p[k]) - Interval::point(q[k]))
 }
 
-/// `|p − q|`, from above.
+/// `|p − q|`, rounded up.
 pub(super) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
     length_up(step(p, q).map(Interval::magnitude))
 }
 
-/// The box with `by` more on every side, rounded outward.
+/// The box with `by` added on every side, rounded outward.
 pub(super) fn inflated(bounds: &Box3, by: f64) -> Box3 {
     Box3 { min: bounds.min.map(|x| (x - by).next_down()), max: bounds.max.map(|x| (x + by).next_up()) }
 }
 
-/// The direction in which a field surely grows within a box.
+/// The growth of a field along a direction within a box.
 pub(super) struct GrowthRate {
-    /// The length of the direction, from above.
+    /// The length of the direction, rounded up.
     pub length: f64,
-    /// Over a step of `s` times the direction the field grows by `s · rate` at least; > 0.
+    /// Over a step of `s` times the direction the field grows by at least `s · rate`; > 0.
     pub rate: f64,
 }
 
 impl GrowthRate {
-    /// Along the middle of the range of the gradient; `None` where the field may stand still along it, or jumps.
+    /// Growth along the middle of the gradient's range; `None` where the field may be stationary along it, or
+    /// jumps.
     ///
-    /// For a function that is Lipschitz in the box (defined, with bounded generalized gradients) the mean value theorem
-    /// holds with them: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
+    /// For a function that is Lipschitz in the box (defined, with bounded generalized gradients) the mean
+    /// value theorem holds with them: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
     pub fn along_gradient(slope: &Dual<Interval>) -> Option<Self> {
         if !is_lipschitz(slope) {
             return None;
@@ -54,13 +55,13 @@ impl GrowthRate {
         Self::along_direction(slope, scaled.map(|x| x / norm))
     }
 
-    /// Along a direction of length 1 up to rounding.
+    /// Growth along a direction of length 1 up to rounding.
     pub fn along_direction(slope: &Dual<Interval>, along: [f64; 3]) -> Option<Self> {
         let rate = dot(slope.gradient, exactly(along)).lo();
         (rate > 0.0).then(|| Self { length: length_up(along.map(f64::abs)), rate })
     }
 
-    /// How far one goes along it for the field to change by `by`, from above.
+    /// An upper bound on the step along it that changes the field by `by`.
     pub fn steps_for(&self, by: f64) -> f64 {
         div_up(by, self.rate)
     }
@@ -72,7 +73,7 @@ pub(super) fn is_lipschitz(slope: &Dual<Interval>) -> bool {
     slope.value.is_defined() && slope.gradient.iter().all(bounded)
 }
 
-/// The largest slope, from above.
+/// The largest slope, rounded up.
 pub(super) fn steepest(slope: &Dual<Interval>) -> f64 {
     length_up(slope.gradient.map(Interval::magnitude))
 }

@@ -1,16 +1,17 @@
-//! Points that are surely on the surface of a field, to within a little.
+//! Balls that certainly contain a point of a field's surface.
 //!
-//! Between a point inside and a point outside the straight way meets the boundary of {F < 0}, whatever F does there: no
-//! slope and no continuity is asked for. So two such points, each with a sign that a range proves, make a ball around the middle
-//! of the way between them that holds a point of the surface; and no point of a triangle is farther from the surface than
-//! its farthest corner is from the middle of that ball, and then across it, because the distance to one point is convex.
+//! The segment between a point inside and a point outside meets the boundary of {F < 0}, whatever F does
+//! there: neither slope nor continuity is required. So two such points, each with a sign that a range proves,
+//! make a ball around the midpoint of their segment that holds a point of the surface. No point of a triangle
+//! is farther from the surface than the distance of its farthest corner to the ball's centre plus the ball's
+//! radius, because the distance to one point is convex.
 use super::from_mesh::{is_inside, is_outside};
 use super::slope::distance_up;
 use super::{larger, smaller};
 use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, Interval, add_up, mul_up};
 
-/// A ball with a point of the surface in it.
+/// A ball that contains a point of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceBall {
     pub at: [f64; 3],
@@ -18,12 +19,12 @@ pub(super) struct SurfaceBall {
 }
 
 impl SurfaceBall {
-    /// How far a point of the surface is from `p` at most.
+    /// An upper bound on the distance of `p` from the surface.
     pub fn distance_up(&self, p: [f64; 3]) -> f64 {
         add_up(distance_up(p, self.at), self.within)
     }
 
-    /// No point of the triangle is farther from the surface.
+    /// An upper bound on the distance of the triangle from the surface.
     pub fn farthest_of(&self, corners: &[[f64; 3]; 3]) -> f64 {
         corners.iter().fold(0.0, |most, corner| larger(most, self.distance_up(*corner)))
     }
@@ -31,13 +32,13 @@ impl SurfaceBall {
 
 /// Steps along the gradient.
 const STEPS: usize = 8;
-/// Each step goes this share too far, so that it ends on the other side of a surface that is nearly flat.
+/// Each step overshoots by this factor, so that it ends on the other side of a surface that is nearly flat.
 const BEYOND: f64 = 1.05;
-/// Halvings of the way that was found.
+/// Bisections of the bracket found.
 const HALVINGS: usize = 8;
 
-/// From each of some points to the surface along the gradient, step by step; none where that leads nowhere. `sizes` says for
-/// each point how long a step is worth while.
+/// Steps from each of some points to the surface along the gradient; `None` where that leads nowhere. `sizes`
+/// gives for each point the length of a step that is worthwhile.
 pub(super) fn project_to_surface(
     tape: &Tape,
     points: &[[f64; 3]],
@@ -88,7 +89,7 @@ pub(super) fn project_to_surface(
     Ok(out)
 }
 
-/// Halves ways between opposite signs, and proves the signs of what is left.
+/// Bisects brackets of opposite signs, and proves the signs of the final ends.
 pub(super) fn certify_brackets(
     tape: &Tape,
     mut ways: Vec<[[f64; 3]; 2]>,
@@ -107,14 +108,14 @@ pub(super) fn certify_brackets(
     let ends: Vec<Box3> = ways.iter().flatten().map(|p| Box3 { min: *p, max: *p }).collect();
     let mut signs = vec![Interval::UNKNOWN; ends.len()];
     tape.over(&ends, &mut signs)?;
-    // A point where F is 0 may be in a closed crack, with nothing of the surface about it.
+    // A point where F is 0 may be in a closed crack, with no surface nearby.
     let is_above = |sign: Interval| is_outside(sign) && sign.lo() > 0.0;
     let sure = |signs: &[Interval]| {
         is_inside(signs[0]) && is_above(signs[1]) || is_above(signs[0]) && is_inside(signs[1])
     };
     let ball = |way: &[[f64; 3]; 2]| {
         let at = middle(way);
-        // The middle is rounded; the way lies within the farther of its ends.
+        // The midpoint is rounded; the segment lies within the distance of the farther of its ends.
         SurfaceBall { at, within: larger(distance_up(at, way[0]), distance_up(at, way[1])) }
     };
     Ok(ways.iter().zip(signs.chunks_exact(2)).map(|(way, signs)| sure(signs).then(|| ball(way))).collect())
@@ -124,16 +125,16 @@ fn middle([a, b]: &[[f64; 3]; 2]) -> [f64; 3] {
     std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k])
 }
 
-/// Witnesses from all over the box, for what has none near.
+/// Witnesses from all over the box, for pieces without one nearby.
 pub(super) struct SurfaceBalls(Vec<SurfaceBall>);
 
-/// Points along a side of the two lattices that signs are looked at on.
+/// Samples along a side of the two lattices on which signs are evaluated.
 const SIDES: [usize; 2] = [17, 65];
-/// Witnesses that are kept.
+/// The most witnesses kept.
 const KEPT: usize = 512;
 
 impl SurfaceBalls {
-    /// Where neighbours on a lattice over the box have opposite signs.
+    /// Finds witnesses where neighbours on a lattice over the box have opposite signs.
     pub fn sample_box(tape: &Tape, bounds: &Box3) -> Result<Self, LeafError> {
         let mut all = Vec::new();
         for n in SIDES {
@@ -164,7 +165,7 @@ impl SurfaceBalls {
         Ok(Self(all))
     }
 
-    /// The best one for a triangle.
+    /// The best witness for a triangle.
     pub fn nearest(&self, corners: &[[f64; 3]; 3]) -> Option<SurfaceBall> {
         let mut best = (f64::INFINITY, None);
         for witness in &self.0 {
@@ -177,7 +178,7 @@ impl SurfaceBalls {
     }
 }
 
-/// The smaller of what is known and what a witness says.
+/// The minimum of a known bound and the one from a witness.
 pub(super) fn min_with_ball(
     known: f64,
     witness: Option<SurfaceBall>,

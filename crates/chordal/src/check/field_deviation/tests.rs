@@ -1,4 +1,4 @@
-//! The judge against meshes whose truth is known, and against planted faults.
+//! Tests of the prover against meshes with known deviations, and against planted faults.
 use super::prover::{SandwichProver, SandwichVerdict};
 use super::sandwich::SandwichGoal;
 use crate::budget::Job;
@@ -7,7 +7,7 @@ use crate::implicit::{Csg, Expr, Field, Unary, shapes};
 use crate::math::Box3;
 use std::collections::BTreeMap;
 
-/// A geodesic sphere: an octahedron, divided so often.
+/// A geodesic sphere: an octahedron, subdivided so often.
 fn ball(centre: [f64; 3], radius: f64, cuts: u32) -> Mesh {
     let mut at: Vec<[f64; 3]> =
         vec![[1., 0., 0.], [-1., 0., 0.], [0., 1., 0.], [0., -1., 0.], [0., 0., 1.], [0., 0., -1.]];
@@ -73,7 +73,7 @@ fn on_threads(field: &Field, mesh: &Mesh, limit: Option<f64>, threads: usize) ->
     judge.prove(mesh, &SandwichGoal::new(limit, 0.25)).unwrap()
 }
 
-/// How far the flattest point of any face is below a sphere, exactly but for rounding.
+/// How far the flattest point of any face is below a sphere, exactly except for rounding.
 fn sagitta(mesh: &Mesh, radius: f64) -> f64 {
     let depth = |corners: [[f64; 3]; 3]| {
         let [a, b, c] = corners;
@@ -98,7 +98,7 @@ fn the_bound_of_a_ball_is_tight_at_every_scale() {
             "{scale:e}: {truth:e} {:e}",
             found.bound
         );
-        // A bound that is cut by a quarter would be wrong, and is not found.
+        // A limit below the true deviation is not proved.
         let cut = look(&sphere(scale), &mesh, Some(0.95 * truth));
         assert!(!cut.is_proved(), "{scale:e}");
         assert!(look(&sphere(scale), &mesh, Some(1.2 * truth)).is_proved(), "{scale:e}");
@@ -147,7 +147,7 @@ fn a_missing_inner_sheet_is_seen() {
     assert!(look(&field, &both(&outer, &inner), Some(5e-3)).is_proved());
     let found = look(&field, &outer, Some(5e-3));
     assert!(!found.is_proved() && !found.wrong.is_empty());
-    // An inner sheet that is turned is none.
+    // An inner sheet with reversed winding does not count.
     assert!(!look(&field, &both(&outer, &turned(&inner)), Some(5e-3)).is_proved());
 }
 
@@ -189,7 +189,8 @@ fn stacked_boxes_have_no_wall_between_them() {
     let whole = lower.union(&moved(&lower, [0.0, 0.0, 2.0]));
     let found = look(&whole, &cuboid([-1.0; 3], [1.0, 1.0, 3.0]), Some(0.01));
     assert!(found.is_proved(), "{:?} {:?} {}", found.open, found.wrong, found.unresolved.len());
-    // With the wall the mesh winds around both boxes too, but the two copies of its common face have nowhere to go.
+    // With the wall the mesh winds around both boxes too, but the two copies of its common face have no room
+    // to move.
     let apart = both(&cuboid([-1.0; 3], [1.0; 3]), &cuboid([-1.0, -1.0, 1.0], [1.0, 1.0, 3.0]));
     assert!(!look(&whole, &apart, Some(0.01)).is_proved());
 }
@@ -244,7 +245,7 @@ fn where_a_function_is_zero_its_complement_is_outside_too() {
 
 #[test]
 fn where_solids_touch_faces_are_open_and_nowhere_else() {
-    // No copy comes between the two: what is inside of both meets in a point.
+    // No copy passes between the two: their insides meet in a point.
     let pair = moved(&sphere(0.5), [-0.5, 0.0, 0.0]).union(&moved(&sphere(0.5), [0.5, 0.0, 0.0]));
     let mesh = both(&ball([-0.5, 0.0, 0.0], 0.5, 4), &ball([0.5, 0.0, 0.0], 0.5, 4));
     let found = look(&pair, &mesh, Some(0.01));
@@ -269,7 +270,7 @@ fn an_open_mesh_and_one_with_a_flipped_face_prove_nothing() {
     for mesh in [open, with(faces)] {
         assert!(!look(&sphere(1.0), &mesh, Some(0.05)).is_proved());
     }
-    // Rows of one position are tied: a soup is as closed as the mesh that it came from.
+    // Rows of one position are tied: a triangle soup is as closed as the mesh that it came from.
     let at: Vec<[f64; 3]> = (0..whole.faces().len()).flat_map(|face| whole.corners(face)).collect();
     let soup =
         Mesh::new(at, (0..whole.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect());
@@ -287,7 +288,7 @@ fn a_thin_wall_takes_few_cells() {
     let mut judge = SandwichProver::new(&csg, &bounds, &job).unwrap();
     // Cells as small as the wall would be a million and more.
     assert!(judge.n_boxes() < 30_000, "{}", judge.n_boxes());
-    // Both sheets are needed: a cover that looked past the wall would be content with none.
+    // Both sheets are needed: a cover that ignored the wall would accept a mesh with none.
     let outer = ball([0.0; 3], 1.0, 3);
     let found = judge.prove(&outer, &SandwichGoal::new(None, 0.25)).unwrap();
     assert!(found.unresolved.is_empty() && !found.wrong.is_empty());
@@ -298,7 +299,7 @@ fn random(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// A point of the boundary of a union or difference of balls, on the way from one point to another.
+/// A point of the boundary of a union or difference of balls, on the segment from one point to another.
 fn crossing(is_inside: impl Fn([f64; 3]) -> bool, mut ends: [[f64; 3]; 2]) -> Option<[f64; 3]> {
     let first = is_inside(ends[0]);
     if first == is_inside(ends[1]) {
@@ -316,8 +317,8 @@ fn no_sample_is_beyond_a_bound_whatever_was_done_to_the_mesh() {
     let mut n_proved = 0;
     for seed in 0..60_u64 {
         let mut state = 2 * seed + 1;
-        // A ball with a bite or a bump; the mesh is that of the ball, its vertices moved about, so that it
-        // misses what is small.
+        // A ball with a bite or a bump; the mesh is that of the ball, its vertices perturbed, so that it
+        // misses small features.
         let at = [0; 3].map(|_| 2.0 * random(&mut state) - 1.0);
         let far = at.iter().map(|x| x * x).sum::<f64>().sqrt();
         let at = at.map(|x| x / far);
@@ -347,7 +348,7 @@ fn no_sample_is_beyond_a_bound_whatever_was_done_to_the_mesh() {
         n_proved += 1;
         let bvh = Bvh::build(&mesh, &Job::default()).unwrap();
         for sample in 0..4000 {
-            // Half of the ways are about the other ball.
+            // Half of the segments are about the other ball.
             let (centre, size) = if sample % 2 == 0 { ([0.0; 3], 1.5) } else { (at, 2.0 * radius) };
             let ends = [0; 2].map(|_| centre.map(|x| x + size * (2.0 * random(&mut state) - 1.0)));
             if let Some(p) = crossing(is_inside, ends) {

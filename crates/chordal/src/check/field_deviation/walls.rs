@@ -1,31 +1,35 @@
 //! Cells that hold several levels of one function, such as both sides of a thin wall.
 //!
-//! Where both sides of a wall can have the value no direction of growth exists, and without more cells would have to be as small as the wall
-//! is thin. But between two levels of one function a wall has no holes:
+//! Where both sides of a wall can have the value no direction of growth exists, and without further arguments
+//! cells would have to be as small as the wall is thin. But between two levels of one function a wall has no
+//! holes:
 //!
-//! **Lemma (walls).** Let P be a box that holds a cell, longer than it along an axis. Let the sign of F on P depend on some primitives
-//! only, all of them different levels of one function up to sign and scale, each with a derivative of one sign along the axis, all over P.
-//! Let each be negative on one lid of P across the axis and positive on the other. Then the zero sets of the primitives cut P into
-//! parts, one more than there are primitives, each connected, and F has one sign on each.
+//! **Lemma (walls).** Let P be a box that holds a cell, longer than it along an axis. Let the sign of F on P
+//! depend on some primitives only, all of them different levels of one function up to sign and scale, each
+//! with a derivative of one sign along the axis, all over P. Let each be negative on one lid of P across the
+//! axis and positive on the other. Then the zero sets of the primitives cut P into parts, one more than there
+//! are primitives, each connected, and F has one sign on each.
 //!
-//! *Proof.* On each line along the axis every primitive has one zero, by monotony and its signs on the lids; it depends continuously on
-//! the line. The order of the zeros is the same on all lines, as levels of one function do not meet. So each part is the set between two graphs
-//! over the base of P, which is connected, and no primitive changes its sign there. ∎
+//! *Proof.* On each line along the axis every primitive has one zero, by monotonicity and its signs on the
+//! lids; it depends continuously on the line. The order of the zeros is the same on all lines, as levels of
+//! one function do not meet. So each part is the set between two graphs over the base of P, which is
+//! connected, and no primitive changes its sign there. ∎
 //!
-//! So a flow that ends in the cell ends in a part, and a point of each part is one that the mesh has to wind around in the right way.
+//! So a flow that ends in the cell ends in a part, and a point of each part is one that the mesh has to wind
+//! around correctly.
 use super::cover::{FieldCover, WindingProbe, padded};
 use super::local_trees::LiteralSides;
 use super::regions::SignRegions;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
-/// How far P reaches beyond the cell at both ends, in sides of the cell: a sheet whose steepest derivative is along the axis rises
-/// by no more than two sides across the cell.
+/// How far P extends beyond the cell at both ends, in sides of the cell: a sheet whose steepest derivative is
+/// along the axis rises by no more than two sides across the cell.
 const REACH: f64 = 2.25;
-/// Halvings in the search for zeros on the middle line.
+/// Bisections in the search for zeros on the middle line.
 const HALVINGS: usize = 40;
 
-/// P for a cell.
+/// The box P of a cell.
 struct WallPrism {
     cell: u32,
     axis: usize,
@@ -37,7 +41,7 @@ struct WallPrism {
     levels: Vec<(u32, bool)>,
 }
 
-/// Cells of a list that are seen through walls, with the points of their parts.
+/// The cells of a list to which the lemma applies, with the points of their parts.
 pub(super) fn cells_with_walls(
     cover: &FieldCover,
     regions: &mut SignRegions,
@@ -66,7 +70,7 @@ fn long_box(cover: &FieldCover, cell: u32, axis: usize) -> Box3 {
     padded(&bounds)
 }
 
-/// Keeps the prisms on which only levels of one function change sign, and those along the axis.
+/// Keeps the prisms on which only levels of one function change sign, and are monotone along the axis.
 fn monotone(
     regions: &SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -101,7 +105,7 @@ fn monotone(
     Ok(())
 }
 
-/// Keeps the prisms on whose lids all levels have their signs.
+/// Keeps the prisms on whose lids all levels have the required signs.
 fn crossed(evaluator: &mut PrimitiveEvaluator, prisms: &mut Vec<WallPrism>) -> Result<(), LeafError> {
     let lids = |prism: &WallPrism| {
         let (mut low, mut high) = (prism.bounds, prism.bounds);
@@ -169,7 +173,7 @@ fn points(
     Ok(found)
 }
 
-/// Where each level is 0 on the middle line, about.
+/// The approximate zero of each level on the middle line.
 fn zeros(
     evaluator: &mut PrimitiveEvaluator,
     prisms: &[WallPrism],
@@ -210,7 +214,7 @@ fn parts(
         let mut sides = prism.sides.clone();
         for ((p, _), range) in prism.levels.iter().zip(ranges) {
             let of_level = LiteralSides::from_range(range);
-            // A part is where no level is 0.
+            // Inside a part no level is 0.
             if of_level.is_open() || *range == [0.0; 2] {
                 return None;
             }

@@ -1,4 +1,5 @@
-//! How a field of the plane becomes closed polylines: squares that its curve can run through, lines, and the proof.
+//! From a field of the plane to closed polylines: the squares that its curve may pass, the lines, and the
+//! proof.
 mod prove;
 mod search;
 mod trace;

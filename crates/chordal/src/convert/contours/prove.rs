@@ -1,34 +1,36 @@
-//! How far closed polylines are from the curve of a field, proved both ways by ranges.
+//! Bounds the distance between closed polylines and the curve of a field, both ways, by ranges.
 //!
-//! Let S be the boundary of {F < 0} in the plane. **From S:** a box over which the range of F is of one sign holds no point of S
-//! that a box beside it does not hold too. The points of any other box are within the distance of its middle to some segment and half of
-//! its diagonal; boxes are quartered until that is small enough. **From the lines:** a piece of a segment is within half of its length
-//! of its middle q. Between two points of which one is surely inside and one surely outside, by the range of F at each, there is a
-//! point of S, no farther from q than the farther of the two. No property of F is used, not even that it is continuous.
+//! Let S be the boundary of {F < 0} in the plane. **From S:** a box over which the range of F is of one sign
+//! holds no point of S that a box beside it does not hold too. The points of any other box are within the
+//! distance of its middle to some segment plus half of its diagonal; boxes are quartered until that is small
+//! enough. **From the lines:** a piece of a segment is within half of its length of its middle q. Between a
+//! point that is certainly inside and one that is certainly outside, by the range of F at each, there is a
+//! point of S, no farther from q than the farther of the two. No property of F is used, not even continuity.
 use super::trace::{ContourBlock, TracedContours};
 use crate::budget::{Job, par_map};
 use crate::implicit::LeafError;
 use crate::math::{Box3, Interval, add_up, div_up, length, length_up, sub_down};
 
-/// What is known of the distance, and where it is largest.
+/// The bounds of the distance, and where it is largest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContourDistance {
     pub most: f64,
     pub at: [f64; 2],
-    /// From below.
+    /// A lower bound.
     pub least: f64,
-    /// Whether some point is surely inside.
+    /// Whether some point is certainly inside.
     pub met: bool,
 }
 
-/// Boxes are quartered to this share of what is aimed at, and not to less than so many times what rounding moves.
+/// Boxes are quartered down to this fraction of the aim, but not below `ROUNDINGS` times the rounding error.
 const FINEST: f64 = 1.0 / 16.0;
 const ROUNDINGS: f64 = 4.0;
-/// Boxes that are looked at in one call.
+/// Boxes evaluated in one call.
 const AT_ONCE: usize = 256;
-/// Pieces of a segment at most.
+/// The most pieces of a segment.
 const PIECES: f64 = 4096.0;
-/// Squares around the one that a point is in, in which segments are looked for at first, and at most; each time four times as many.
+/// Rings of squares around a point's own in which segments are searched for, first and at most; each retry
+/// takes four times as many.
 const RINGS: i64 = 2;
 const MOST_RINGS: i64 = 512;
 
@@ -36,16 +38,16 @@ type ContourSegment = [[f64; 2]; 2];
 
 struct ContourProver<'a> {
     traced: &'a TracedContours,
-    /// Segments by the square that they are in, row by row.
+    /// Segments by the square that contains them, row by row.
     segments: Vec<([i64; 2], ContourSegment)>,
     aim: f64,
-    /// What is said where nothing is known.
+    /// The distance reported where nothing is known.
     all: f64,
-    /// How far rounding moves a point, at most.
+    /// The most that rounding moves a point.
     rounding: f64,
 }
 
-/// The distance between the lines and the curve; more than `aim` where that is not shown.
+/// The distance between the lines and the curve; above `aim` where that is not proved.
 pub(super) fn prove(
     traced: &TracedContours,
     bounds: &Box3,
@@ -67,7 +69,7 @@ pub(super) fn prove(
     });
     let reach =
         bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-    // A dozen roundings of coordinates up to four times the largest, and what underflow leaves.
+    // A dozen roundings of coordinates up to four times the largest, and underflow.
     let rounding = 32.0 * f64::EPSILON * reach + f64::MIN_POSITIVE;
     let all = 2.0 * bounds.diagonal() + 8.0 * traced.lattice.step;
     let prover = ContourProver { traced, segments, aim, all, rounding };
@@ -81,7 +83,7 @@ pub(super) fn prove(
         }
         far.least = if one.least > far.least { one.least } else { far.least };
     }
-    // Where nothing is surely inside there may be no curve at all.
+    // Where no point is certainly inside there may be no curve at all.
     far.most = if far.met { far.most } else { f64::INFINITY };
     Ok(far)
 }
@@ -114,7 +116,7 @@ impl ContourProver<'_> {
         let mut beside = None;
         let mut open = vec![[[whole.min[0], whole.min[1]], [whole.max[0], whole.max[1]]]];
         let mut ranges = Vec::new();
-        // The smallest first: where nothing is near, that is known soon, and others need not be looked at as closely.
+        // The smallest boxes first: a large distance is found soon, and the other boxes need less depth then.
         while !open.is_empty() && !job.is_cancelled() {
             let boxes = open.split_off(open.len().saturating_sub(AT_ONCE));
             let places: Vec<Box3> = boxes
@@ -157,11 +159,11 @@ impl ContourProver<'_> {
         Ok(())
     }
 
-    /// The distance of a point to the nearest segment around, rounded up, where it is near enough; else one that is no less,
-    /// infinite where nothing is near.
+    /// The distance of a point to the nearest segment, rounded up, if it is within the aim; otherwise an
+    /// upper bound, infinite where no segment is near.
     fn distance_to_lines(&self, p: [f64; 2]) -> f64 {
         let near = self.distance_in_rings(p, RINGS);
-        // As many squares as hold all that is near enough.
+        // Enough squares to hold all segments within the aim.
         let all = (self.aim / self.traced.lattice.step).ceil() as i64 + 1;
         let far = if near > self.aim && all > RINGS {
             self.distance_in_rings(p, all.min(MOST_RINGS))
@@ -171,7 +173,8 @@ impl ContourProver<'_> {
         add_up(far, self.rounding)
     }
 
-    /// The distance of a point to some segment, the nearest but for what squares hide, rounded up.
+    /// The distance of a point to some segment, rounded up: the nearest, unless the search by squares misses
+    /// it.
     fn distance_to_any_line(&self, p: [f64; 2]) -> f64 {
         let mut rings = RINGS;
         let mut near = self.distance_in_rings(p, rings);
@@ -182,7 +185,7 @@ impl ContourProver<'_> {
         add_up(near, self.rounding)
     }
 
-    /// That in so many squares around.
+    /// The distance to the nearest segment in so many rings of squares.
     fn distance_in_rings(&self, p: [f64; 2], rings: i64) -> f64 {
         let [i, j] = self.traced.lattice.square(p);
         let key = |entry: &([i64; 2], ContourSegment)| [entry.0[1], entry.0[0]];
@@ -203,7 +206,7 @@ impl ContourProver<'_> {
     }
 
     fn lines_to_curve(&self, block: &ContourBlock, far: &mut ContourDistance) -> Result<(), LeafError> {
-        // The middle of each piece, across it, and half of its length.
+        // Each piece: its middle, its normal, and half of its length.
         let mut pieces: Vec<([f64; 2], [f64; 2], f64)> = Vec::new();
         for [a, b] in block.segments.iter().map(|ends| ends.map(|row| self.traced.points[row as usize])) {
             let d = [b[0] - a[0], b[1] - a[1]];
@@ -222,8 +225,8 @@ impl ContourProver<'_> {
         }
         let mut sure = vec![[f64::INFINITY; 2]; pieces.len()];
         let mut ranges = vec![Interval::UNKNOWN; pieces.len()];
-        // Inside is on the left. Steps are parts of what is aimed at; the last ones, parts of the piece itself, for what is so small or thin that
-        // the others pass over it.
+        // Inside is on the left. Steps are fractions of the aim; the last ones are fractions of the piece
+        // itself, for details so small or thin that the others pass over them.
         let of_aim = [(0.125, 0), (0.5, 0), (0.96875, 0), (0.5, 1), (0.96875, 1), (0.5, 2), (0.96875, 2)];
         let of_piece = [(1.0, 0), (0.25, 0), (0.0625, 0), (0.015_625, 0)];
         let steps = of_aim.map(|step| (step, false)).into_iter().chain(of_piece.map(|step| (step, true)));
@@ -236,7 +239,7 @@ impl ContourProver<'_> {
                     .iter()
                     .map(|(q, across, half)| {
                         let whole = if is_of_piece { *half } else { sub_down(self.aim, *half) };
-                        // Beyond what is aimed at the tape of the block may be wrong.
+                        // Farther away than the aim the tape of the block may be wrong.
                         let whole = if whole < self.aim { whole } else { self.aim };
                         let whole = if whole > 0.0 { whole } else { 0.0 };
                         let reach = part * whole * if side == 0 { 1.0 } else { -1.0 };
@@ -273,7 +276,7 @@ impl ContourProver<'_> {
         self.lower_bound(block, &pieces, far)
     }
 
-    /// What is seen from below: boxes around middles of segments that are on one side.
+    /// Raises the lower bound: boxes around middles of segments that lie on one side.
     fn lower_bound(
         &self,
         block: &ContourBlock,
@@ -311,7 +314,7 @@ pub(super) fn count_segments(traced: &TracedContours) -> u64 {
     traced.lines.iter().map(|line| line.len() as u64).sum()
 }
 
-/// How far the middles of segments seem to be from the curve.
+/// Estimates how far the middles of segments are from the curve.
 pub(super) fn estimate(traced: &TracedContours, job: &Job) -> Result<f64, LeafError> {
     use crate::implicit::Dual;
     let found = par_map(job, &traced.blocks, |_, block| -> Result<f64, LeafError> {

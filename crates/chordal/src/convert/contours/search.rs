@@ -1,4 +1,4 @@
-//! The size of squares at which a curve is within what is wanted.
+//! Searches for the size of squares at which the polylines are within the budget.
 use super::prove::{count_segments, estimate, prove};
 use super::trace::{ContourLattice, TracedContours, trace};
 use crate::budget::{Bound, Bounded, Evidence, Failure, Job, Progress, Reference, RefusalCode};
@@ -6,31 +6,31 @@ use crate::explicit::Polyline;
 use crate::implicit::{Field, Tape};
 use crate::math::Box3;
 
-/// What is wanted of polylines.
+/// The limits that the polylines have to keep.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::convert) struct ContourGoal {
     pub length: Option<f64>,
     pub segments: Option<u64>,
-    /// Whether it is enough to measure where nothing can be proved.
+    /// Whether a measured result is accepted where nothing can be proved.
     pub measured: bool,
 }
 
 type ContourPolylines = Vec<Polyline<2>>;
 
-/// Squares along the longest side to begin with, and as many as are tried where none is crossed.
+/// Squares along the longest side: at first, and at most where none is crossed.
 const FIRST: f64 = 64.0;
 const MOST_EMPTY: f64 = 2048.0;
-/// Lattices that are tried at most.
+/// The most lattices that are tried.
 const TRIALS: usize = 16;
-/// Lattices whose bound is no better than this share of the last are given up after so many of them, once lines have so many
-/// segments: before, smaller squares cost little and may meet what fell between their corners.
+/// The search ends after `STUCK` lattices whose bound is above this fraction of the last one, once there are
+/// `STUCK_SEGMENTS`. With fewer segments, smaller squares cost little and may catch details between corners.
 const STUCK_SHARE: f64 = 0.8;
 const STUCK: usize = 2;
 const STUCK_SEGMENTS: u64 = 1 << 14;
-/// The most segments: what is known of one takes some hundred bytes.
+/// The most segments: each takes some hundred bytes.
 const MOST: u64 = 1 << 24;
 
-/// Lines within what is wanted, or the best.
+/// Finds lines within the limits, or the best.
 pub(in crate::convert) fn search(
     field: &Field,
     wanted: &ContourGoal,
@@ -43,13 +43,13 @@ pub(in crate::convert) fn search(
     let search = ContourSearch { tape, evidence: field.evidence(), bounds, wanted, job };
     let mut step = longest / FIRST;
     let mut best: Option<Bounded<ContourPolylines>> = None;
-    // With a count alone lines are as fine as it allows, and what they are worth is found afterwards.
+    // With a count alone, lines are as fine as it allows, and their bound is found afterwards.
     let Some(length) = wanted.length else { return search.by_count(step) };
     let (mut stuck, mut last) = (0, f64::INFINITY);
     for round in 0..TRIALS {
         job.report(Progress { stage: "contours", done: round as u64, total: TRIALS as u64 });
         let traced = match search.trace_at_step(step, length) {
-            // What was found is worth more than that there is nothing better.
+            // A refusal does not discard an earlier result.
             Err(Failure::Refused(_)) if best.is_some() => break,
             traced => traced?,
         };
@@ -85,7 +85,7 @@ pub(in crate::convert) fn search(
         if best.as_ref().and_then(|best| best.bound.at_most()).is_none_or(|most| far.most < most) {
             best = Some(with_place(made, far.at));
         }
-        // Places that smaller squares do not settle either are not waited for.
+        // Stops where smaller squares do not help.
         stuck += usize::from(far.most > STUCK_SHARE * last);
         last = far.most;
         if count_segments(&traced) > MOST / 4 || stuck >= STUCK && count_segments(&traced) > STUCK_SEGMENTS {
@@ -176,7 +176,7 @@ impl ContourSearch<'_> {
         if fits { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
     }
 
-    /// The finest lattice found whose segments are no more than wanted.
+    /// The finest lattice found whose segments are within the wanted number.
     fn by_count(&self, first: f64) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
         let most = self.wanted.segments.unwrap_or(0);
         let mut step = first;

@@ -1,4 +1,4 @@
-//! Marching squares on blocks of a lattice that a field's curve can run through.
+//! Marching squares on the blocks of a lattice that a field's curve may pass.
 use crate::budget::{Job, par_map};
 use crate::convert::cubes::marching_squares::square_segments;
 use crate::implicit::{LeafError, Tape};
@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 /// Squares along the side of a block.
 const BLOCK: u32 = 16;
-/// Points along it.
+/// Points along the side of a block.
 const POINTS: usize = BLOCK as usize + 1;
-/// The most squares along a side of the lattice: places of edges stay numbers of 64 bits by far.
+/// The most squares along a side of the lattice: edge numbers easily fit 64 bits.
 const MOST: f64 = 65_536.0;
-/// Crossings keep this share of an edge, exactly 2⁻²⁰, away from its ends, so that no two are one.
+/// Crossings stay this fraction of an edge, exactly 2⁻²⁰, away from its ends, so that no two coincide.
 const MARGIN: f64 = 1.0 / 1_048_576.0;
-/// Halvings of an edge: its crossing is known to 2⁻³² of it.
+/// Bisections of an edge: its crossing is known to 2⁻³² of it.
 const HALVINGS: usize = 32;
 
 /// Squares of one size over a rectangle of the plane z = 0.
@@ -26,8 +26,8 @@ pub(super) struct ContourLattice {
 }
 
 impl ContourLattice {
-    /// Squares of side `step` that cover a box with one more all around; `None` where they are too many, or coordinates cannot
-    /// tell them apart.
+    /// Squares of side `step` that cover a box with one more all around; `None` where they are too many, or
+    /// coordinates cannot distinguish them.
     pub fn covering(bounds: &Box3, step: f64) -> Option<Self> {
         let reach =
             bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
@@ -35,13 +35,13 @@ impl ContourLattice {
         if step < 4096.0 * f64::EPSILON * reach {
             return None;
         }
-        // Not in line with round numbers: planes there would meet edges at their very ends.
+        // The origin avoids round numbers: lines there would cross edges exactly at their ends.
         let aside = [1.618_034, 1.381_966];
         let origin = [0, 1].map(|k| bounds.min[k] - step * aside[k]);
         let mut blocks = [0; 2];
         for k in 0..2 {
             let squares = (bounds.max[k] - origin[k]) / step + 2.0;
-            // Not a number: no grid either.
+            // False for NaN, too.
             let few = squares < MOST;
             if !few {
                 return None;
@@ -64,7 +64,7 @@ impl ContourLattice {
         }
     }
 
-    /// The square that a point is in.
+    /// The square that contains a point.
     pub fn square(&self, p: [f64; 2]) -> [i64; 2] {
         [0, 1].map(|k| ((p[k] - self.origin[k]) / self.step).floor() as i64)
     }
@@ -78,13 +78,13 @@ impl ContourLattice {
 /// A block that the curve may pass.
 pub(super) struct ContourBlock {
     pub place: [u32; 2],
-    /// The field about the block.
+    /// The field's tape, pruned to the surroundings of the block.
     pub tape: Arc<Tape>,
-    /// The edges that it owns and the curve crosses, with where.
+    /// The crossed edges that the block owns, with their crossings.
     crossings: Vec<(u64, [f64; 2])>,
     /// From edge to edge, with inside on the left.
     links: Vec<(u64, u64)>,
-    /// The same as rows of crossings.
+    /// The links as rows of crossings.
     pub segments: Vec<[u32; 2]>,
 }
 
@@ -97,7 +97,8 @@ pub(super) struct TracedContours {
     pub lines: Vec<Vec<u32>>,
 }
 
-/// Traces the curves of a field. Ranges are taken over blocks widened by `pad`, in which tapes are then good.
+/// Traces the curves of a field. Ranges are taken over blocks widened by `pad`; the pruned tapes are valid
+/// there.
 pub(super) fn trace(
     tape: &Tape,
     lattice: ContourLattice,
@@ -171,7 +172,7 @@ fn contradiction() -> LeafError {
 
 type BlockTape = ([u32; 2], Arc<Tape>);
 
-/// The quarters of some blocks that the curve can run through.
+/// The quarters of some blocks that the curve may pass.
 fn subdivide_blocks(
     (place, tape): ([u32; 2], &Arc<Tape>),
     lattice: &ContourLattice,
@@ -186,7 +187,8 @@ fn subdivide_blocks(
         }
         let (range, short) = tape.prune(&lattice.bounds(quarter, size, pad))?;
         let at_border = (0..2).any(|k| quarter[k] == 0 || quarter[k] + size >= lattice.blocks[k]);
-        // Where a part of the expression has no value the range says nothing. The border of the lattice is outside.
+        // Where a part of the expression has no value, the range says nothing. The border of the lattice is
+        // outside.
         if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0 && !at_border) {
             continue;
         }
@@ -195,7 +197,7 @@ fn subdivide_blocks(
     Ok(found)
 }
 
-/// The signs of a block, and where its edges are crossed.
+/// Finds the signs of a block, and its crossed edges.
 fn sample_block(
     (place, tape): ([u32; 2], &Arc<Tape>),
     lattice: &ContourLattice,
@@ -235,7 +237,7 @@ fn sample_block(
     Ok(ContourBlock { place, tape: Arc::clone(tape), crossings, links, segments: Vec::new() })
 }
 
-/// Where edges are crossed, by halving all at once.
+/// Finds the crossings of edges, by bisecting all at once.
 fn find_crossings(
     tape: &Tape,
     lattice: &ContourLattice,

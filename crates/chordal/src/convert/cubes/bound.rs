@@ -1,42 +1,48 @@
-//! How far a mesh of marching cubes is from the level surface of the trilinear interpolant, proved cell by cell.
+//! Bounds the distance between a marching cubes mesh and the trilinear isosurface, proved cell by cell.
 //!
-//! Let g be the interpolant minus the level, negated where high is inside, so that the shape is {g < 0}, and S its boundary
-//! in the lattice's box (a tie is outside). Coordinates of a cell are indices, from 0 to 1; `mesh` is the mesh with its
-//! vertices at the exact zeros of g on the edges, and what is written differs from it by rounding and by the
-//! margin, which are added at the end.
+//! Let g be the interpolant minus the level, negated where high is inside, so that the shape is {g < 0}, and
+//! S its boundary in the lattice's box (a tie is outside). Coordinates of a cell are indices, from 0 to 1.
+//! `mesh` is the mesh with its vertices at the exact zeros of g on the edges; the written mesh differs from
+//! it by rounding and by the margin, which are added at the end.
 //!
-//! **Every cell by its diagonal.** In a cell g is a convex combination of the corners. So a cell without inside corners
-//! holds no point with g < 0, and one without outside corners only such points: a point of S lies in a cell with both
-//! (one that has points with g < 0 arbitrarily close to it). Triangles lie in such cells too. And such a cell has an edge with
-//! ends on both sides, which has a vertex of the mesh and a point of S. So a point of either is within the longest
-//! diagonal of its cell of the other.
+//! **Every cell by its diagonal.** In a cell g is a convex combination of the corners. So a cell without
+//! inside corners holds no point with g < 0, and one without outside corners only such points: a point of S
+//! lies in a cell with both (one that has points with g < 0 arbitrarily close to it). Triangles lie in such
+//! cells too. And such a cell has an edge with ends on both sides, which has a vertex of the mesh and a point
+//! of S. So a point of either is within the longest diagonal of its cell of the other.
 //!
-//! **g on a triangle.** Along each axis g is linear, so its Hessian H has no diagonal. Let q = Σ λᵢ Vᵢ be on a triangle of
-//! the cell, with g(Vᵢ) = 0. Taylor's formula about q gives 0 = Σ λᵢ g(Vᵢ) = g(q) + ½ Σ λᵢ (Vᵢ−q)ᵀ H(ξᵢ) (Vᵢ−q), hence
-//! |g(q)| ≤ Σ λᵢ (|Δx||Δy| Mxy + |Δy||Δz| Myz + |Δx||Δz| Mxz), with M the largest mixed derivatives in the cell: each is linear
-//! in the third coordinate, so it is the larger of two second differences of corners. By Cauchy and Schwarz
-//! Σ λᵢ|Δx||Δy| ≤ √(Σ λᵢΔx² · Σ λᵢΔy²), and a variance is at most a quarter of the squared range (Popoviciu). Ranges are
-//! at most 1, so |g| ≤ e = (Mxy + Myz + Mxz)/4 on all triangles of the cell.
+//! **g on a triangle.** Along each axis g is linear, so its Hessian H has no diagonal. Let q = Σ λᵢ Vᵢ be on
+//! a triangle of the cell, with g(Vᵢ) = 0. Taylor's formula about q gives 0 = Σ λᵢ g(Vᵢ) = g(q) + ½ Σ λᵢ
+//! (Vᵢ−q)ᵀ H(ξᵢ) (Vᵢ−q), hence |g(q)| ≤ Σ λᵢ (|Δx||Δy| Mxy + |Δy||Δz| Myz + |Δx||Δz| Mxz), with M the largest
+//! mixed derivatives in the cell: each is linear in the third coordinate, so it is the larger of two second
+//! differences of corners. By Cauchy and Schwarz Σ λᵢ|Δx||Δy| ≤ √(Σ λᵢΔx² · Σ λᵢΔy²), and a variance is at
+//! most a quarter of the squared range (Popoviciu). Ranges are at most 1, so |g| ≤ e = (Mxy + Myz + Mxz)/4 on
+//! all triangles of the cell.
 //!
-//! **What is far from 0 is on its side of the mesh.** Let g(x) > e at a point x of a cell. Along x's line in the first axis g is
-//! linear, so it does not fall in one of the two directions; go there to the cell's side, then likewise along the second
-//! and third axis: a path to a corner on which g > e. It meets no triangle of the cell, for there |g| ≤ e, and the corner is outside. The
-//! mesh parts outside corners from inside ones in every cell, so x is outside of the mesh. Likewise x with g(x) < −e is inside of it.
+//! **A point far from 0 is on its side of the mesh.** Let g(x) > e at a point x of a cell. Along x's line in
+//! the first axis g is linear, so it does not fall in one of the two directions. Go there to the cell's side,
+//! then likewise along the second and third axis: a path to a corner on which g > e. It meets no triangle of
+//! the cell, for there |g| ≤ e, and the corner is outside. The mesh separates outside corners from inside
+//! ones in every cell, so x is outside of the mesh. Likewise x with g(x) < −e is inside of it.
 //!
-//! **Three cells in a row.** For a cell and an axis take the cell before and the one behind it, and suppose that all 12 differences
-//! along the axis have one sign and are at least m > 0 in size; e is the largest of the three. If r = e/m ≤ 1, points of
-//! the cell are within r of the mesh or of S, whichever they are not on:
-//! - From a point of S go along the axis by a little more than r both ways. That stays in the three cells, along it g changes by m a
-//!   unit at least, so it ends at g > e and at g < −e: on different sides of the mesh, which therefore crosses the line between.
+//! **Three cells in a row.** For a cell and an axis take the cell before and the one behind it. Suppose that
+//! all 12 differences along the axis have one sign and are at least m > 0 in size; e is the largest of the
+//! three. If r = e/m ≤ 1, points of the cell on the mesh or on S are within r of the other:
+//! - From a point of S go along the axis by a little more than r both ways. That stays in the three cells,
+//!   along it g changes by at least m a unit, so it ends at g > e and at g < −e: on different sides of the
+//!   mesh, which therefore crosses the line between.
 //! - From a point of the mesh, where |g| ≤ e, go by r to where g falls to 0, or rises to it: S is on the way.
-//! - A point of S in a capped border across which the axis does not run has g ≤ 0. Where g < −e it is inside of the mesh and in the
-//!   border, hence in a cap. Else go along the axis, in the border, to where g < −e: there are caps on the way, or it is on one. A point
-//!   of a cap of the mesh has g ≤ e, by the same formula with g ≤ 0 at its corners; where g > 0, go to where it is 0.
+//! - A point of S in a capped border across which the axis does not run has g ≤ 0. Where g < −e it is inside
+//!   of the mesh and in the border, hence in a cap. Else go along the axis, in the border, to where g < −e:
+//!   there are caps on the way, or it is on one. A point of a cap of the mesh has g ≤ e, by the same formula
+//!   with g ≤ 0 at its corners; where g > 0, go to where it is 0.
 //!
-//! Rows that would leave the lattice are not taken; then, and where the bound is large, another axis is tried.
+//! Rows that would leave the lattice are not taken; then, and where the bound is large, another axis is
+//! tried.
 //!
-//! **The rest**, cells where no row does and those that have the largest bounds, are cut up (`local.rs`), with the aim of
-//! what is seen of the distance from below and an eighth more. So it hangs on what is there, and not on the worst case of a formula.
+//! **The rest**, cells where no row works and those with the largest bounds, are cut up (`cell_prover.rs`),
+//! aiming at an eighth more than the lower bound of the distance. So the result depends on the actual shape,
+//! not on the worst case of a formula.
 use super::cell_prover::CellProver;
 use super::marching_cubes::MarchingPlan;
 use super::rule::Polygonize;
@@ -49,7 +55,7 @@ use crate::math::{Box3, add_up, div_up, mul_up};
 /// Half a unit in the last place of 1: the relative error of one rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// A bound on the distance from above, and where it is largest; one from below, and where that is seen.
+/// An upper bound of the distance and where it is largest; a lower bound and where it is attained.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct IsosurfaceDistance {
     pub most: f64,
@@ -58,37 +64,38 @@ pub(crate) struct IsosurfaceDistance {
     pub witness: Option<[f64; 3]>,
 }
 
-/// What the proof needs of the lattice.
+/// The proof, with what it needs of the lattice.
 pub(crate) struct IsosurfaceProof<'a> {
     local: CellProver<'a>,
     size: [usize; 3],
     /// The lengths of the three steps in space, rounded up.
     lengths: [f64; 3],
-    /// No better bound is needed than this.
+    /// A bound of this suffices.
     enough: f64,
 }
 
-/// Cells in each slab whose distances are looked for from below: the ones with the largest bounds, and some of those without.
+/// Cells in each slab that are searched for a lower bound: those with the largest bounds, and some of those
+/// without a bound.
 const WITNESSES: usize = 4;
-/// What is aimed at is this much more than what is seen.
+/// The aim is the lower bound times this.
 const AIM: f64 = 1.125;
-/// Of a cell's diagonal: below this cutting up costs more than it brings (measured on a gyroid).
+/// A fraction of a cell's diagonal: below it cutting up costs more than it brings (measured on a gyroid).
 const FINE: f64 = 1.0 / 32.0;
-/// Bounds are stored in f32, rounded up: what is aimed at is less by two such roundings, so that what is stored is no
-/// more than what was asked for.
+/// Bounds are stored in f32, rounded up: the aim is less by two such roundings, so that the stored bound is
+/// within the request.
 const STORED: f64 = 1.0 - f32::EPSILON as f64;
-/// What is aimed at falls by this from one round to the next.
+/// The aim falls by this factor from one round to the next.
 const FALL: f64 = 0.6;
-/// One in so many cells may be cut up, and this many in any case.
+/// At most one in so many cells is cut up, plus this many.
 const SHARE: usize = 8;
 const SOME: usize = 4096;
 
-/// A cell with its bound, as a part of the diagonal.
+/// A cell with its bound, as a fraction of the diagonal.
 #[derive(Clone, Copy)]
 struct CellBound {
     most: f32,
     at: [u32; 3],
-    /// Where that stands.
+    /// Where the bound is stored.
     slab: u32,
     number: u32,
 }
@@ -106,17 +113,18 @@ impl<'a> IsosurfaceProof<'a> {
         Self { local, size: source.size(), lengths, enough: 0.0 }
     }
 
-    /// The same where values are those of another function up to `slack`, on the same sides of the level.
+    /// The same proof for values that differ from another function's by up to `slack`, on the same sides of
+    /// the level.
     pub fn with_slack(self, slack: f64) -> Self {
         Self { local: CellProver { slack, ..self.local }, ..self }
     }
 
-    /// The same where nobody asks for less than `enough`.
+    /// The same proof, where a bound of `enough` suffices.
     pub fn with_enough(self, enough: f64) -> Self {
         Self { enough, ..self }
     }
 
-    /// A bound for all cells, without the rounding of vertices.
+    /// The bound for all cells, without the rounding of vertices.
     pub fn max_distance(&self, plan: &MarchingPlan, job: &Job) -> IsosurfaceDistance {
         // 1. A bound for each cell.
         let mut slabs = plan.for_each_slab(job, |_, walk| {
@@ -134,7 +142,7 @@ impl<'a> IsosurfaceProof<'a> {
         if job.is_cancelled() || all == 0 {
             return none;
         }
-        // 2. What is seen from below.
+        // 2. The lower bound.
         let candidates = plan.for_each_slab(job, |number, walk| {
             let picked = select_cells(&slabs[number]);
             let mut cells = Vec::new();
@@ -154,7 +162,8 @@ impl<'a> IsosurfaceProof<'a> {
             seen
         });
         let mut seen = farther(None, candidates);
-        // 3. Cells with the largest bounds get better ones, in rounds, until what is seen is near or they are too many.
+        // 3. Cells with the largest bounds get better ones, in rounds, until the lower bound is near or they
+        // are too many.
         let mut worst = none;
         for round in 0.. {
             let least = seen.map_or(0.0, |s| s.0);
@@ -164,7 +173,7 @@ impl<'a> IsosurfaceProof<'a> {
             }
             let goal = STORED * larger(aim, FALL * worst.most);
             let mut cells = cells_above(plan, &slabs, self.to_diagonals(goal), job);
-            // Those that have no bound yet get one, however many they are.
+            // Cells without a bound yet get one, however many they are.
             let is_open = round == 0 && worst.most >= 0.75 * self.local.diagonal;
             if cells.len() > all / SHARE + SOME && !is_open {
                 break;
@@ -186,7 +195,7 @@ impl<'a> IsosurfaceProof<'a> {
             let before = worst.most;
             worst.most = self.from_diagonals(largest_bound(&slabs));
             worst.at = cells.first().map_or([0; 3], |cell| cell.at.map(|i| i as usize));
-            // Nothing comes of another round.
+            // Another round would not help.
             if worst.most > 0.97 * before {
                 break;
             }
@@ -194,7 +203,7 @@ impl<'a> IsosurfaceProof<'a> {
         IsosurfaceDistance { least: seen.map_or(0.0, |s| s.0), witness: seen.map(|s| s.1), ..worst }
     }
 
-    /// A better bound for a cell, aiming at `aim`.
+    /// Improves the bound of a cell, aiming at `aim`.
     fn tighten(&self, cell: CellBound, aim: f64) -> CellBound {
         let at = cell.at.map(|i| i as usize);
         let corners = self.corners(at);
@@ -205,7 +214,7 @@ impl<'a> IsosurfaceProof<'a> {
                 most = smaller(most, mul_up(shift(&planes, self.local.slack), self.lengths[axis]));
             }
         }
-        // What is aimed at may be out of reach: then a quarter more.
+        // The aim may be out of reach: then it grows by a quarter.
         let mut goal = aim;
         while most > goal {
             most = smaller(most, self.local.cell_distance(at, goal));
@@ -214,13 +223,13 @@ impl<'a> IsosurfaceProof<'a> {
         CellBound { most: self.to_diagonals(most), ..cell }
     }
 
-    /// A length as a part of the diagonal, rounded up.
+    /// A length as a fraction of the diagonal, rounded up.
     fn to_diagonals(&self, length: f64) -> f32 {
         let part = div_up(length, self.local.diagonal);
         f32_up(if part < 1.0 { part } else { 1.0 })
     }
 
-    /// The length of a part of the diagonal, rounded up.
+    /// The length of a fraction of the diagonal, rounded up.
     fn from_diagonals(&self, part: f32) -> f64 {
         smaller(mul_up(f64::from(part), self.local.diagonal), self.local.diagonal)
     }
@@ -233,7 +242,7 @@ impl<'a> IsosurfaceProof<'a> {
         std::array::from_fn(|c| self.sample([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]))
     }
 
-    /// The four planes of three cells in a row, of which the one in the middle has these corners.
+    /// The four planes of three cells in a row, the middle one of which has these corners.
     fn planes(&self, at: [usize; 3], axis: usize, corners: &[f64; 8]) -> [[f64; 4]; 4] {
         let beside = |c: usize, behind: bool| {
             let mut there = [at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)];
@@ -251,7 +260,7 @@ impl<'a> IsosurfaceProof<'a> {
     }
 }
 
-/// The cells of a slab, a few at a time.
+/// The cells of a slab, in batches of `LANES`.
 struct CellBatch<'a> {
     proof: &'a IsosurfaceProof<'a>,
     at: Vec<[usize; 3]>,
@@ -289,7 +298,7 @@ impl<'a> CellBatch<'a> {
         run(MinSlopeKernel { corners: &self.corners, out: &mut slowest });
         let mut axes = [3; LANES];
         for (lane, at) in self.at.iter().enumerate() {
-            // The axis with the steepest slowest edge, one with three cells if there is any.
+            // The axis with the steepest slowest edge; preferably one with three cells.
             let mut best = (false, 0.0);
             for axis in 0..3 {
                 let slope = slowest[axis][lane];
@@ -335,20 +344,20 @@ fn smaller(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
 }
 
-/// The nearest number of 32 bits that is not below.
+/// The nearest f32 that is not below.
 fn f32_up(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }
 }
 
-/// The farther one, the first of equals.
+/// The farther of all, the first of equals.
 fn farther(first: Option<(f64, [f64; 3])>, rest: Vec<Option<(f64, [f64; 3])>>) -> Option<(f64, [f64; 3])> {
     rest.into_iter()
         .flatten()
         .fold(first, |best, one| if best.is_none_or(|best| one.0 > best.0) { Some(one) } else { best })
 }
 
-/// The numbers of cells to look at: those with the largest bounds, and as many among those that have the largest of all.
+/// The numbers of cells to examine: some of those with the largest bound, and as many with the next largest.
 fn select_cells(bounds: &[f32]) -> Vec<usize> {
     let top = bounds.iter().fold(0.0, |m: f32, x| if *x > m { *x } else { m });
     let equal: Vec<usize> = (0..bounds.len()).filter(|i| bounds[*i] == top).collect();
@@ -400,7 +409,7 @@ pub(crate) fn diagonal(affine: &Affine3) -> f64 {
         length_up([0, 1, 2].map(|k| {
             let sum = (steps[0][k] + y * steps[1][k]) + z * steps[2][k];
             let size = (steps[0][k].abs() + steps[1][k].abs()) + steps[2][k].abs();
-            // Two additions, each with a rounding of at most that share of the size.
+            // Two additions, each with a rounding of at most that fraction of the size.
             add_up(sum.abs(), mul_up(4.0 * ROUNDING, size))
         }))
     });

@@ -1,11 +1,12 @@
-//! Flat faces that close a shape where it reaches the border of the lattice.
+//! Caps: flat faces that close a shape where it reaches the border of the lattice.
 //!
-//! Each square of a capped border gets the polygon of its inside: its inside corners, which are vertices of a kind of
-//! their own, and the crossings of its sides, cut as the faces of cells are, every run of inside corners by itself. The
-//! sides between crossings are the segments where cells end, each used once from either side. A side from a corner
-//! is shared by the two squares at it, around the edges of the lattice too. Around a corner the squares make a disc: four
-//! in a face of the lattice, four along an edge of it, three at its corner. No polygon has a diagonal between two crossings,
-//! so none of its inner edges is one of a cell. Hence the whole stays a closed manifold.
+//! Each square of a capped border gets the polygon of its inside: its inside corners, which are vertices of a
+//! separate kind, and the crossings of its sides. It is cut like the faces of cells, every run of inside
+//! corners by itself. The sides between crossings are the segments where cells end, each used once from
+//! either side. A side from a corner is shared by the two squares at it, around the edges of the lattice too.
+//! Around a corner the squares make a disc: four in a face of the lattice, four along an edge of it, three at
+//! its corner. No polygon has a diagonal between two crossings, so none of its inner edges is one of a cell.
+//! Hence the whole stays a closed manifold.
 use super::marching_cubes::MarchingPlan;
 use super::rule::Border;
 use super::sign_bits::SignBits;
@@ -14,7 +15,7 @@ use crate::implicit::Affine3;
 /// A square of the border: its corners counter-clockwise as seen from outside.
 pub(super) type CapSquare = [[usize; 3]; 4];
 
-/// How many triangles the caps have.
+/// The number of triangles of the caps.
 pub(super) fn count(bits: &SignBits) -> u64 {
     let mut count = 0;
     for_each_square(bits, |square| {
@@ -40,7 +41,7 @@ pub(in crate::convert) enum CapVertex {
     Side(usize),
 }
 
-/// The polygons of a square with these corners inside, to be cut into fans from their first corners.
+/// The polygons of a square with these corners inside, to be triangulated as fans from their first corners.
 fn polygons(inside: [bool; 4]) -> Vec<Vec<CapVertex>> {
     if inside == [true; 4] {
         return vec![(0..4).map(CapVertex::Corner).collect()];
@@ -94,7 +95,7 @@ fn crossing(plan: &MarchingPlan, a: [usize; 3], b: [usize; 3]) -> u32 {
     plan.vertex(axis, if a[axis] < b[axis] { a } else { b })
 }
 
-/// The squares of capped borders that a cell has.
+/// The squares of capped borders on a cell.
 pub(super) fn squares_of(cell: [usize; 3], size: [usize; 3], border: [[Border; 2]; 3]) -> Vec<CapSquare> {
     let mut squares = Vec::new();
     for axis in 0..3 {
@@ -122,7 +123,7 @@ fn square(axis: usize, end: usize, [p, q]: [usize; 2], size: [usize; 3]) -> CapS
     square
 }
 
-/// All squares of capped borders that hold an inside sample, in an order of their own.
+/// Visits all squares of capped borders with an inside sample, in a fixed order.
 fn for_each_square(bits: &SignBits, mut each: impl FnMut(CapSquare)) {
     let size = bits.size;
     for axis in 0..3 {

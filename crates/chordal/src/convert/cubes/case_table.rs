@@ -1,12 +1,12 @@
-//! The 256 cells of marching cubes, made from one rule for faces.
+//! The 256 cases of marching cubes, made from one rule for faces.
 //!
 //! Corners of a cell are numbered by bits (x 1, y 2, z 4), edges 0–3 run along x, 4–7 along y, 8–11 along z,
 //! each group in the order of its lower corner. On each face the surface is cut by segments that depend on
 //! the four signs of that face alone: **every run of inside corners is cut off by itself**, so two inside
 //! corners across a face's diagonal are not joined. Both cells at a face see the same signs, hence the same
 //! segments, and each segment ends on two crossed edges. So
-//! 1. in a cell each crossed edge belongs to two faces with one segment each: segments form closed loops, and every
-//!    crossed edge is in exactly one loop;
+//! 1. in a cell each crossed edge belongs to two faces with one segment each: segments form closed loops, and
+//!    every crossed edge is in exactly one loop;
 //! 2. a loop is filled by triangles whose diagonals have no face in common. There are such for all loops of
 //!    all cells (found by search when the table is made, which panics if there were none). So a diagonal lies
 //!    in the inside of the cell, belongs to one loop, and no other cell makes the same edge;
@@ -29,28 +29,28 @@ const FACES: [[u8; 4]; 6] =
 /// The most triangles in a cell.
 pub(in crate::convert) const MOST: usize = 5;
 
-/// What a cell of certain signs adds to the mesh.
+/// The triangles that a cell of certain signs adds to the mesh.
 #[derive(Clone, Copy)]
 pub(in crate::convert) struct CubeCase {
-    /// How many triangles it has.
+    /// The number of triangles.
     pub triangles: u8,
     /// Their edges; counter-clockwise seen from outside of the shape, in a space that is not mirrored.
     pub corners: [[u8; 3]; MOST],
-    /// For each edge how far behind the cell's running counter its vertex is: the edges along y and z at x + 1 come
-    /// after those at x where these are crossed too.
+    /// For each edge the offset of its vertex from the cell's running counter: the edges along y and z at x +
+    /// 1 come after those at x where these are crossed too.
     pub ahead: [u32; 12],
-    /// By how much the running counters grow when the cell is done.
+    /// The increments of the running counters after the cell.
     pub grows: [u32; 12],
 }
 
-/// All cells by the bits of their inside corners; the second with every triangle turned around, for mirrored
+/// All cases by the bits of their inside corners; in `mirrored` every triangle is turned around, for mirrored
 /// lattices.
 pub(in crate::convert) struct CaseTable {
     pub upright: [CubeCase; 256],
     pub mirrored: [CubeCase; 256],
 }
 
-/// The table, made at its first use in less than a millisecond.
+/// The table, built on first use in less than a millisecond.
 pub(in crate::convert) static TABLE: LazyLock<CaseTable> = LazyLock::new(|| {
     let upright: [CubeCase; 256] = std::array::from_fn(|signs| case(signs as u8));
     let mut mirrored = upright;
@@ -60,7 +60,7 @@ pub(in crate::convert) static TABLE: LazyLock<CaseTable> = LazyLock::new(|| {
     CaseTable { upright, mirrored }
 });
 
-/// Whether the two ends of an edge differ.
+/// Whether the two ends of an edge are on different sides.
 pub(in crate::convert) fn is_crossed(signs: u8, edge: usize) -> bool {
     let [a, b] = EDGES[edge];
     (signs >> a ^ signs >> b) & 1 == 1
@@ -91,14 +91,14 @@ fn edge_between(a: u8, b: u8) -> u8 {
     EDGES.iter().position(|edge| *edge == wanted).map_or(u8::MAX, |edge| edge as u8)
 }
 
-/// The closed chains of crossed edges on the faces of a cell.
+/// The closed loops of crossed edges on the faces of a cell.
 fn loops(signs: u8) -> Vec<Vec<u8>> {
     let mut next = [u8::MAX; 12];
     for face in FACES {
         let inside = |i: usize| signs >> face[i % 4] & 1 == 1;
         let edge = |i: usize| edge_between(face[i % 4], face[(i + 1) % 4]);
         for out in (0..4).filter(|&i| inside(i) && !inside(i + 1)) {
-            // Back along the run of inside corners to where it begins.
+            // Back along the run of inside corners to its begin.
             let run = (1..4).find(|back| !inside(out + 4 - back)).unwrap_or(1);
             next[usize::from(edge(out))] = edge(out + 4 - run);
         }
@@ -128,7 +128,7 @@ fn share_a_face(a: u8, b: u8) -> bool {
     })
 }
 
-/// Triangles that fill a loop with diagonals between edges that share no face.
+/// Fills a loop with triangles whose diagonals join edges that share no face.
 fn fill(ring: &[u8]) -> Option<Vec<[u8; 3]>> {
     if ring.len() < 3 {
         return Some(Vec::new());

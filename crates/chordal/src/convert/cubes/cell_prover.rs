@@ -1,22 +1,25 @@
-//! `CellProver`: one cell at a time, how far its triangles and the interpolant's surface are from each other, by cutting both up.
+//! `CellProver`: bounds the distance between one cell's triangles and the interpolant's surface by cutting
+//! both up.
 //!
-//! As in `bound.rs`, g is the interpolant minus the level, negative inside, and S the boundary of {g < 0} in the box of the lattice:
-//! where g is 0 in the box's inside, and where it is negative in a capped border. Beyond a capped border all is outside.
+//! As in `bound.rs`, g is the interpolant minus the level, negative inside, and S the boundary of {g < 0} in
+//! the box of the lattice: where g is 0 in the box's inside, and where it is negative in a capped border.
+//! Beyond a capped border all is outside.
 //!
-//! **From S.** A box in a cell holds points of S only if the values of g at its corners are not all on one side, for g is a mean
-//! of them. The distance from such a box to the mesh is no more than that of its middle to some triangles and half of its
-//! diagonal. Boxes are halved until that is within what is aimed at. Squares in capped borders likewise.
+//! **From S.** A box in a cell holds points of S only if the values of g at its corners are not all on one
+//! side, for g is a mean of them. The distance from such a box to the mesh is no more than that of its middle
+//! to some triangles plus half of its diagonal. Boxes are halved until that is within the aim. Squares in
+//! capped borders likewise.
 //!
-//! **From the mesh.** A piece of a triangle is within its radius of its middle q. Vertices are points of S, but for their margin and
-//! rounding. A point q' whose side is sure and another
-//! than that of q has a point of S between q and itself. Pieces are quartered until one is found that is near enough.
+//! **From the mesh.** A piece of a triangle is within its radius of its middle q. Vertices are points of S,
+//! but for their margin and rounding. A point q' whose side is certain and other than that of q has a point
+//! of S between q and itself. Pieces are quartered until one is found that is near enough.
 //!
-//! **From below.** Two points whose sides are sure and different have a point of S between them; the distance of one of them to the
-//! triangles around, less that between the two, is a bound from below for the Hausdorff distance. Triangles of other cells than the
-//! 27 around are farther away than the width of a cell.
+//! **Lower bound.** Two points whose sides are certain and different have a point of S between them; the
+//! distance of one of them to the triangles around, less that between the two, is a lower bound of the
+//! Hausdorff distance. Triangles of other cells than the 27 around are farther away than the width of a cell.
 //!
-//! A value of g is a mean of eight corners with at most a dozen roundings, each of at most half a unit in the last place of the
-//! largest corner: it is sure of its side beyond 64 of those units.
+//! A value of g is a mean of eight corners with at most a dozen roundings, each of at most half a unit in the
+//! last place of the largest corner: beyond 64 of those units its side is certain.
 use super::caps::{CapVertex, squares_of, triangles};
 use super::case_table::{EDGES, TABLE};
 use super::marching_cubes::vertex_at;
@@ -28,24 +31,24 @@ use crate::math::{add_up, cross, dot, length, mul_up, sub_down};
 
 type TriangleCoords = [[f64; 3]; 3];
 
-/// The lattice, its surface and its mesh, by cells.
+/// The lattice with its surface and its mesh, cell by cell.
 pub(super) struct CellProver<'a> {
-    /// Without a type: this and the proof, compiled for each type of samples and for the finer lattice of each, were a sixth
-    /// of the crate's functions.
+    /// Not generic: this and the proof, compiled for each type of samples and for the finer lattice of each,
+    /// were a sixth of the crate's functions.
     pub source: &'a dyn SampleSource,
     pub rule: &'a Polygonize,
     pub affine: &'a Affine3,
     /// The longest diagonal of a cell, rounded up.
     pub diagonal: f64,
-    /// How far vertices are from the interpolant's own zeros.
+    /// The largest distance of vertices from the interpolant's own zeros.
     pub moved: f64,
-    /// How far rounding moves a point of space.
+    /// The most that rounding moves a point of space.
     pub rounding: f64,
-    /// By how much every value may be off.
+    /// The largest error of a value.
     pub slack: f64,
 }
 
-/// g at the corners of a cell, and how large a value in it must be for its side to be sure.
+/// g at the corners of a cell, and the size beyond which a value in it has a certain side.
 struct CellInterpolant {
     g: [f64; 8],
     off: f64,
@@ -57,9 +60,9 @@ struct CellTriangle {
     space: TriangleCoords,
 }
 
-/// More boxes or pieces than these are not looked at in one cell.
+/// The most boxes or pieces examined in one cell.
 const MOST: usize = 4096;
-/// Of a length rounded down or up: far more than its dozen roundings.
+/// A factor for a length rounded down or up: far more than its dozen roundings.
 const ABOVE: f64 = 1.0 + 64.0 * f64::EPSILON;
 
 impl CellInterpolant {
@@ -71,7 +74,8 @@ impl CellInterpolant {
         low * (1.0 - z) + high * z
     }
 
-    /// g at the corners of a box in the cell: [`CellInterpolant::at`] at each, with what they share computed once.
+    /// g at the corners of a box in the cell: [`CellInterpolant::at`] at each, with shared terms computed
+    /// once.
     fn over(&self, low: [f64; 3], high: [f64; 3]) -> [f64; 8] {
         let mixed = |a: f64, b: f64, t: f64| a * (1.0 - t) + b * t;
         let g = &self.g;
@@ -102,19 +106,19 @@ impl CellProver<'_> {
             flip * (self.rule.finite_sample(sample) - self.rule.level)
         });
         let most = g.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-        // Of the roundings of a value, derived above; the smallest number stands for what underflows.
+        // The roundings of a value, derived above; the smallest number covers underflow.
         let off = add_up(mul_up(32.0 * f64::EPSILON, most), add_up(self.slack, f64::MIN_POSITIVE));
         CellInterpolant { g, off }
     }
 
-    /// The cell of a place between indices, and where in it that is.
+    /// The cell of a point in index coordinates, and the point's coordinates in it.
     fn locate(&self, p: [f64; 3]) -> ([usize; 3], [f64; 3]) {
         let size = self.source.size();
         let cell = [0, 1, 2].map(|k| (p[k] as usize).min(size[k] - 2));
         (cell, [0, 1, 2].map(|k| p[k] - cell[k] as f64))
     }
 
-    /// Whether a place is inside, where that is sure.
+    /// Whether a point is inside, where that is certain.
     fn sure_side(&self, p: [f64; 3]) -> Option<bool> {
         let size = self.source.size();
         let mut beyond = false;
@@ -142,13 +146,13 @@ impl CellProver<'_> {
         }
     }
 
-    /// The point of a place between indices.
+    /// The point in space of index coordinates.
     fn point(&self, p: [f64; 3]) -> [f64; 3] {
         let place = LatticeTransform::new(self.affine, self.rule.offset);
         place.at([0, 1, 2].map(|k| place.global(k, 0) + p[k]))
     }
 
-    /// How long a difference of places is in space, rounded up.
+    /// The length in space of a vector in index coordinates, rounded up.
     fn space_length(&self, d: [f64; 3]) -> f64 {
         let steps = self.affine.steps();
         let along = [0, 1, 2].map(|k| steps[0][k] * d[0] + steps[1][k] * d[1] + steps[2][k] * d[2]);
@@ -159,7 +163,7 @@ impl CellProver<'_> {
         (length(along) + off) * ABOVE
     }
 
-    /// The triangles of a cell, those of its squares in capped borders included.
+    /// The triangles of a cell, including those of its squares in capped borders.
     fn triangles(&self, cell: [usize; 3]) -> Vec<CellTriangle> {
         let place = LatticeTransform::new(self.affine, self.rule.offset);
         let mut signs = 0;
@@ -219,13 +223,14 @@ impl CellProver<'_> {
         all
     }
 
-    /// How far the mesh and S are from each other where they pass a cell, rounding included: no more than `target` if that can be
-    /// shown, else what was reached, and never more than the diagonal.
+    /// The distance between the mesh and S in a cell, rounding included: at most `target` if that can be
+    /// proved, else the bound that was reached, and never more than the diagonal.
     pub fn cell_distance(&self, cell: [usize; 3], target: f64) -> f64 {
         let own = self.triangles(cell);
         let target = sub_down(target, mul_up(4.0, self.rounding));
         let there = self.surface_to_mesh(cell, &own, target);
-        // Derived: points of a triangle are within 1/√3 of its longest side of a corner (Jung), which is a point of S.
+        // Derived: points of a triangle are within 1/√3 of its longest side of a corner (Jung), which is a
+        // point of S.
         let always = add_up(mul_up(0.577_351, self.diagonal), self.moved);
         let back = if always <= target || there >= self.diagonal {
             always
@@ -334,7 +339,7 @@ impl CellProver<'_> {
         most
     }
 
-    /// How far S is from a place, if it is found within `reach`.
+    /// The distance of S from a point, if it is found within `reach`.
     fn distance_within(&self, cell: [usize; 3], from: [f64; 3], reach: f64) -> Option<f64> {
         let here = self.sure_side(from);
         let mut most = 0.0;
@@ -345,7 +350,7 @@ impl CellProver<'_> {
         Some(most)
     }
 
-    /// How far a place on one side is from another, if that is within `reach`.
+    /// The distance from a point to one on the given side, if it is within `reach`.
     fn distance_to_side(
         &self,
         cell: [usize; 3],
@@ -364,10 +369,10 @@ impl CellProver<'_> {
             (scale.is_finite() && self.sure_side(there) == Some(inside)).then(|| self.space_length(d) * ABOVE)
         };
         let uphill = slope.map(|x| sign * x);
-        // A step of Newton's, and a little more.
+        // A Newton step, and a little more.
         let square = dot(slope, slope);
         let newton = self.space_length(uphill) * corners.at(t).abs() / square * 1.0625;
-        // Inside by far more than what rounding adds to a length.
+        // Below `reach` by far more than rounding adds to a length.
         let share = |part: f64| part * reach * (1.0 - 1024.0 * f64::EPSILON);
         if newton <= share(1.0)
             && let Some(far) = at(uphill, newton)
@@ -391,8 +396,8 @@ impl CellProver<'_> {
         None
     }
 
-    /// A point of S that is far from the mesh: how far at least, and the point. `None` when none is found that is farther than
-    /// `known`.
+    /// A point of S far from the mesh, with a lower bound of its distance. `None` when none is found that is
+    /// farther than `known`.
     pub fn witness(&self, cell: [usize; 3], known: f64) -> Option<(f64, [f64; 3])> {
         const PARTS: usize = 4;
         let corners = self.corners(cell);
@@ -404,7 +409,7 @@ impl CellProver<'_> {
             for _ in 0..3 {
                 let (g, slope) = (corners.at(t), corners.gradient(t));
                 let step = g / dot(slope, slope);
-                // Not out of the part by more than itself: the same point is found from elsewhere.
+                // Leaves the part by no more than half of its size: the same point is found from elsewhere.
                 t = [0, 1, 2].map(|k| {
                     let (low, high) = (part[k] as f64 - 0.5, part[k] as f64 + 1.5);
                     let x = t[k] - step * slope[k];
@@ -446,7 +451,8 @@ impl CellProver<'_> {
         best
     }
 
-    /// How far from a place there is a point of S, by two points of different sides; for places that are all but on it.
+    /// How far from a point there is a point of S, by two points on different sides; for points that are
+    /// almost on S.
     fn bracket(&self, cell: [usize; 3], at: [f64; 3]) -> Option<f64> {
         let slope = self.corners(cell).gradient([0, 1, 2].map(|k| at[k] - cell[k] as f64));
         let size = self.source.size();
@@ -476,7 +482,7 @@ impl CellProver<'_> {
             .map(length)
             .into_iter()
             .fold(0.0, |m, l| if l > m { l } else { m });
-        // A determinant loses what cancels in it: of the size of all its products.
+        // A determinant loses digits by cancellation: relative to the size of all its products.
         let size = length(a) * length(b) * length(c);
         let width = (volume - 32.0 * f64::EPSILON * size) / (widest * ABOVE);
         if width > 0.0 { width } else { 0.0 }

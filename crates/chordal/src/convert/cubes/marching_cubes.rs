@@ -1,10 +1,11 @@
-//! Marching cubes in the manner of Flying Edges: signs, counts, prefix sums, and then everything is written in its place.
+//! Marching cubes in the manner of Flying Edges: classify, count, prefix-sum, then write everything in place.
 //!
-//! A row of samples owns the vertices on the edges of the lattice that begin at its samples. Its counts give every vertex
-//! a number before any is computed, so slabs of the lattice are written on any thread without locks, into parts of
-//! one array, and come out the same on any number of threads.
+//! A row of samples owns the vertices on the lattice edges that begin at its samples. Its counts give every
+//! vertex a number before any is computed. So slabs of the lattice are written on any thread without locks,
+//! into parts of one array, and come out the same on any number of threads.
 //!
-//! Source: W. Schroeder, R. Maynard, B. Geveci, *Flying Edges: a high-performance scalable isocontouring algorithm*, 2015.
+//! Source: W. Schroeder, R. Maynard, B. Geveci, *Flying Edges: a high-performance scalable isocontouring
+//! algorithm*, 2015.
 use super::caps;
 use super::case_table::{CubeCase, TABLE};
 use super::rule::{LatticeTransform, Polygonize};
@@ -34,27 +35,27 @@ impl Coordinate for f32 {
     }
 }
 
-/// Triangles, and the signs and counts that name their vertices.
+/// The triangles, and the plan that numbers their vertices.
 pub(crate) struct Isosurface<P> {
     pub positions: Vec<[P; 3]>,
     pub faces: Vec<[u32; 3]>,
     pub plan: MarchingPlan,
 }
 
-/// Where everything goes.
+/// The position of every vertex and triangle in the output.
 pub(crate) struct MarchingPlan {
     pub(super) bits: SignBits,
     slabs: Vec<LatticeSlab>,
     /// The first vertex of each kind in each row.
     starts: Vec<[u32; KINDS]>,
-    /// Vertices in all.
+    /// The number of vertices.
     pub vertices: usize,
-    /// Triangles in all, and of them those of caps.
+    /// The number of triangles, and how many of them are caps.
     pub triangles: usize,
     cap_triangles: usize,
 }
 
-/// What a few planes of samples, and the cells above them, add.
+/// What a few planes of samples, and the cells above them, add to the mesh.
 struct LatticeSlab {
     /// Its first plane, and the one behind its last.
     planes: [usize; 2],
@@ -62,13 +63,13 @@ struct LatticeSlab {
     rows: Vec<[u32; KINDS]>,
     /// The signs of the cells that the surface passes, row by row.
     cases: Vec<u8>,
-    /// How many cells each row of cells adds to `cases`.
+    /// The number of entries in `cases` of each row of cells.
     cells: Vec<u32>,
     triangles: u64,
 }
 
 impl MarchingPlan {
-    /// Compares and counts.
+    /// Classifies and counts.
     pub fn new<S: SampleSource>(source: &S, rule: &Polygonize, job: &Job) -> Result<Self, JobError> {
         let size = source.size();
         if SignBits::bytes(size) > job.memory_limit {
@@ -125,7 +126,7 @@ impl MarchingPlan {
         Ok(plan)
     }
 
-    /// Refuses what the job or the type of indices cannot hold.
+    /// Refuses a mesh beyond the limits of the job or of the index type.
     fn check(&self, job: &Job) -> Result<(), JobError> {
         let (vertices, triangles) = (self.vertices as u64, self.triangles as u64);
         if triangles > job.triangle_limit {
@@ -157,7 +158,7 @@ impl MarchingPlan {
         self.starts[index[1] + self.bits.size[1] * index[2]][kind] + self.bits.rank(kind, index)
     }
 
-    /// Something for each vertex, in their order.
+    /// Makes an entry for each vertex, in their order.
     pub(crate) fn for_each_vertex<T: Clone + Default + Send + Sync>(
         &self,
         job: &Job,
@@ -175,7 +176,7 @@ impl MarchingPlan {
         all
     }
 
-    /// Each slab with its part of an array of one entry a vertex.
+    /// Splits an array with one entry a vertex into a part for each slab.
     fn parts<'a, T>(&'a self, all: &'a mut [T]) -> Vec<(&'a LatticeSlab, &'a mut [T])> {
         let mut rest = all;
         let mut parts = Vec::with_capacity(self.slabs.len());
@@ -188,8 +189,8 @@ impl MarchingPlan {
         parts
     }
 
-    /// The signs of all cells that the surface passes, with where they are, slab by slab, with its number, on the job's
-    /// threads.
+    /// Visits the signs and indices of all cells that the surface passes, slab by slab, with the slab's
+    /// number, on the job's threads.
     pub(crate) fn for_each_slab<R: Send>(
         &self,
         job: &Job,
@@ -208,7 +209,7 @@ impl MarchingPlan {
     }
 }
 
-/// Compares, counts and writes.
+/// Classifies, counts and writes.
 pub(crate) fn march<P: Coordinate, S: SampleSource>(
     source: &S,
     affine: &Affine3,
@@ -318,7 +319,7 @@ impl<P: Coordinate, S: SampleSource> Kernel for WriteKernel<'_, P, S> {
     }
 }
 
-/// Where a vertex is.
+/// The position of a vertex.
 #[inline(always)]
 pub(super) fn vertex_at<S: SampleSource + ?Sized>(
     source: &S,
@@ -334,7 +335,7 @@ pub(super) fn vertex_at<S: SampleSource + ?Sized>(
     place.at(at)
 }
 
-/// The vertices of some planes of samples, in their order.
+/// Visits the vertices of some planes of samples, in their order.
 #[inline(always)]
 fn for_each_in_slab(bits: &SignBits, planes: [usize; 2], mut each: impl FnMut(usize, [usize; 3])) {
     for k in planes[0]..planes[1] {
@@ -352,8 +353,8 @@ fn for_each_in_slab(bits: &SignBits, planes: [usize; 2], mut each: impl FnMut(us
     }
 }
 
-/// The triangles of a slab. Along a row of cells, vertices of each of its edges come in their order, so a counter for
-/// each edge names them: where the row's cells are left out, there is nothing to count.
+/// Writes the triangles of a slab. Along a row of cells, the vertices of each cell edge come in order, so one
+/// counter for each of the 12 edges numbers them: cells that the row leaves out have nothing to count.
 #[inline(always)]
 fn write_faces(plan: &MarchingPlan, slab: &LatticeSlab, cells: &[CubeCase; 256], faces: &mut [[u32; 3]]) {
     let [_, ny, _] = plan.bits.size;

@@ -3,11 +3,12 @@
 /// A crossed edge of the lattice: the axis along which it runs and its lower sample.
 pub(in crate::convert) type CrossedEdge = (usize, [usize; 2]);
 
-/// A line through crossed edges, and whether its last is joined to its first.
+/// A line through crossed edges, and whether it is closed.
 pub(in crate::convert) type Isoline = (Vec<CrossedEdge>, bool);
 
-/// The lines of a lattice, with inside on their left. As on the faces of cells every run of inside corners of a square is cut off by
-/// itself: each crossed edge has one segment in each of its squares, so lines never meet, and end at the border only.
+/// The isolines of a lattice, with inside on their left. As on the faces of cells, every run of inside
+/// corners of a square is cut off by itself: each crossed edge has one segment in each of its squares, so
+/// lines never meet, and end at the border only.
 pub(in crate::convert) fn isolines(size: [usize; 2], inside: impl Fn([usize; 2]) -> bool) -> Vec<Isoline> {
     let [nx, ny] = size;
     let number = |(axis, [i, j]): CrossedEdge| 2 * (i + nx * j) + axis;
@@ -47,7 +48,8 @@ pub(in crate::convert) fn isolines(size: [usize; 2], inside: impl Fn([usize; 2])
     found
 }
 
-/// The segments of a square with these corners inside, counter-clockwise, from side to side: side c follows corner c.
+/// The segments of a square with these corners inside, counter-clockwise, from side to side: side c follows
+/// corner c.
 pub(in crate::convert) fn square_segments(corners: [bool; 4], mut each: impl FnMut(usize, usize)) {
     for out in (0..4).filter(|&c| corners[c] && !corners[(c + 1) % 4]) {
         let run = (1..4).find(|back| !corners[(out + 4 - back) % 4]).unwrap_or(1);

@@ -1,4 +1,4 @@
-//! Marching cubes on lattices of samples, and what is proved of it.
+//! Marching cubes on lattices of samples, with proved bounds.
 pub(crate) mod bound;
 pub(crate) mod caps;
 pub(crate) mod case_table;

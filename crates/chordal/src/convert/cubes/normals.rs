@@ -1,4 +1,4 @@
-//! Normals of vertices along the gradient of the samples.
+//! Vertex normals along the gradient of the samples.
 use super::marching_cubes::MarchingPlan;
 use super::rule::{Inside, Polygonize};
 use super::source::SampleSource;
@@ -6,8 +6,8 @@ use crate::budget::Job;
 use crate::implicit::Affine3;
 use crate::math::{cross, dot};
 
-/// Unit normals outwards: differences of the samples to both sides (at the border to one), between two samples as far along
-/// as the vertex, carried to space. Where they vanish the normal is along the vertex's edge.
+/// Outward unit normals. Central differences of the samples (one-sided at the border) are interpolated along
+/// the vertex's edge and mapped to space. Where they vanish, the normal is along the edge.
 pub(crate) fn gradient_normals<S: SampleSource>(
     source: &S,
     affine: &Affine3,
@@ -16,7 +16,7 @@ pub(crate) fn gradient_normals<S: SampleSource>(
 ) -> Vec<[f64; 3]> {
     let size = source.size();
     let [a, b, c] = affine.steps();
-    // Rows of the inverse transposed, up to a factor whose sign is that of the determinant.
+    // Rows of the inverse transpose, up to a factor whose sign is that of the determinant.
     let turn = f64::from(affine.orientation()) * if rule.inside == Inside::High { -1.0 } else { 1.0 };
     let columns = [cross(b, c), cross(c, a), cross(a, b)];
     let to_space = |g: [f64; 3]| -> [f64; 3] {
@@ -48,7 +48,7 @@ pub(crate) fn gradient_normals<S: SampleSource>(
     })
 }
 
-/// The vector at length 1, if it has a length.
+/// The vector scaled to length 1, if it has a length.
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let largest = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
     let scaled = v.map(|x| x / largest);

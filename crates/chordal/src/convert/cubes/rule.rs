@@ -1,4 +1,4 @@
-//! What a polygonizer is asked for, and where on an edge of the lattice the surface crosses it.
+//! The options of the polygonizer, and where the surface crosses an edge of the lattice.
 use crate::implicit::Affine3;
 
 /// Which samples are inside.
@@ -11,12 +11,12 @@ pub enum Inside {
     High,
 }
 
-/// What happens where the shape reaches the border of the lattice.
+/// How a shape ends at the border of the lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
     /// The surface ends there.
     Open,
-    /// The shape is closed by flat faces in the border.
+    /// Flat faces in the border close the shape.
     #[default]
     Capped,
 }
@@ -24,7 +24,7 @@ pub enum Border {
 /// Whether vertices carry normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Normals {
-    /// None.
+    /// No normals.
     #[default]
     None,
     /// Along the gradient of central differences of the samples, outwards.
@@ -33,33 +33,33 @@ pub enum Normals {
 
 /// How a grid becomes triangles.
 ///
-/// A sample that equals the level is outside, and so is NaN, which counts as the level where the surface is placed; ±∞
-/// count as the largest numbers of f64.
+/// A sample that equals the level is outside, and so is NaN, which counts as the level where the surface is
+/// placed. ±∞ count as the largest numbers of f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polygonize {
     /// The level, finite.
     pub level: f64,
-    /// On which side of it the shape is.
+    /// The side of the level on which the shape is.
     pub inside: Inside,
     /// The low and the high border of each index.
     pub border: [[Border; 2]; 3],
     /// Whether vertices carry normals.
     pub normals: Normals,
-    /// The index of the first sample in a larger lattice, whose transform the grid's then is: blocks of one volume
-    /// join bit for bit.
+    /// The index of the first sample in a larger lattice, to which the grid's transform then belongs: blocks
+    /// of one volume join bit for bit.
     pub offset: [i64; 3],
-    /// How near to a sample a vertex may come, as a part of the edge of the lattice; see [`Polygonize::MARGIN`].
+    /// How near to a sample a vertex may come, as a fraction of the lattice edge; see [`Polygonize::MARGIN`].
     pub margin: f64,
 }
 
 impl Polygonize {
-    /// The margin unless another is asked for: exactly 2⁻²⁰ of an edge. Vertices of different edges stay that far
-    /// apart, so that no triangle is flat where samples equal the level.
+    /// The default margin: exactly 2⁻²⁰ of an edge. Vertices of different edges stay that far apart, so that
+    /// no triangle is flat where samples equal the level.
     pub const MARGIN: f64 = 1.0 / 1_048_576.0;
-    /// A margin that single precision can tell apart on lattices of up to 512 samples a side around the origin.
+    /// A margin that single precision resolves on lattices of up to 512 samples a side around the origin.
     pub const MARGIN_F32: f64 = 1.0 / 1024.0;
 
-    /// The surface where the samples have this level, with what is above it inside, closed at the border.
+    /// The surface at this level, with larger samples inside, capped at the border.
     #[must_use]
     pub fn above(level: f64) -> Self {
         Self {
@@ -72,13 +72,13 @@ impl Polygonize {
         }
     }
 
-    /// As [`Polygonize::above`], with what is below the level inside.
+    /// Like [`Polygonize::above`], with smaller samples inside.
     #[must_use]
     pub fn below(level: f64) -> Self {
         Self { inside: Inside::Low, ..Self::above(level) }
     }
 
-    /// The same, ending at the border of the lattice.
+    /// The same, open at the border of the lattice.
     #[must_use]
     pub fn open(self) -> Self {
         Self { border: [[Border::Open; 2]; 3], ..self }
@@ -93,21 +93,21 @@ impl Polygonize {
         }
     }
 
-    /// A sample as the number that it counts as.
+    /// A sample as the finite number that it counts as.
     #[inline]
     pub(crate) fn finite_sample(&self, sample: f64) -> f64 {
         if sample.is_nan() { self.level } else { sample.clamp(f64::MIN, f64::MAX) }
     }
 
-    /// Where between two samples on different sides the level is, from 0 at the first to 1 at the second, kept away
-    /// from both by the margin.
+    /// The position of the level between two samples on different sides, from 0 at the first to 1 at the
+    /// second, kept away from both by the margin.
     #[inline(always)]
     pub(crate) fn crossing(&self, from: f64, to: f64) -> f64 {
         let part = (self.level - from) / (to - from);
         if part >= self.margin && part <= 1.0 - self.margin { part } else { self.robust_crossing(from, to) }
     }
 
-    /// [`Polygonize::crossing`] near a sample, or with numbers that have no difference.
+    /// [`Polygonize::crossing`] near a sample, or where the difference of the samples is not finite.
     #[cold]
     fn robust_crossing(&self, from: f64, to: f64) -> f64 {
         let (from, to) = (0.25 * self.finite_sample(from), 0.25 * self.finite_sample(to));
@@ -125,7 +125,7 @@ impl Polygonize {
     }
 }
 
-/// From indices of a lattice to space: one formula for every block, so that blocks agree in every bit.
+/// Maps indices of a lattice to space, by one formula for every block, so that blocks agree in every bit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LatticeTransform {
     rows: [[f64; 4]; 3],
@@ -143,7 +143,7 @@ impl LatticeTransform {
         (self.offset[axis] + index as i64) as f64
     }
 
-    /// The point of a place in the larger lattice.
+    /// The point in space of index coordinates in the larger lattice.
     #[inline(always)]
     pub(crate) fn at(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         self.rows.map(|[a, b, c, d]| a * x + (b * y + (c * z + d)))

@@ -1,4 +1,4 @@
-//! `SignBits`: on which side of the level each sample of a lattice is, and what follows from that alone.
+//! `SignBits`: the side of the level on which each sample of a lattice is, and what follows from that alone.
 use super::rule::{Border, Polygonize};
 use super::source::SampleSource;
 use crate::budget::{Job, par_map_owned};
@@ -12,8 +12,8 @@ pub(super) struct SignBits {
     border: [[Border; 2]; 3],
 }
 
-/// The kinds of vertices of a row, in their order: on the edges of the lattice along x, y and z, and at samples in
-/// capped borders.
+/// The kinds of vertices of a row, in their order: on the edges of the lattice along x, y and z, and at
+/// samples in capped borders.
 pub(super) const KINDS: usize = 4;
 
 impl SignBits {
@@ -49,14 +49,14 @@ impl SignBits {
         self.row(j, k)[i / 64] >> (i % 64) & 1 == 1
     }
 
-    /// Of the samples from 64·word on, those that begin a cell.
+    /// The samples from 64·word on that begin a cell, as bits.
     #[inline(always)]
     fn cells(&self, word: usize) -> u64 {
         let rest = self.size[0] - 1 - (64 * word).min(self.size[0] - 1);
         if rest >= 64 { u64::MAX } else { (1 << rest) - 1 }
     }
 
-    /// The samples of a row whose vertices of a kind exist, 64 at a time.
+    /// The samples of a row that have a vertex of a kind, 64 at a time.
     #[inline(always)]
     pub fn vertices(&self, kind: usize, [j, k]: [usize; 2], word: usize) -> u64 {
         let row = self.row(j, k);
@@ -90,7 +90,7 @@ impl SignBits {
         mask
     }
 
-    /// What happens at the low and the high border of an axis.
+    /// How the shape ends at the low and the high border of an axis.
     pub fn capped_ends(&self, axis: usize) -> [Border; 2] {
         self.border[axis]
     }
@@ -100,13 +100,13 @@ impl SignBits {
         self.width
     }
 
-    /// How many vertices of a kind the row has before sample `i`.
+    /// The number of vertices of a kind in the row before sample `i`.
     pub fn rank(&self, kind: usize, [i, j, k]: [usize; 3]) -> u32 {
         let whole: u32 = (0..i / 64).map(|word| self.vertices(kind, [j, k], word).count_ones()).sum();
         whole + (self.vertices(kind, [j, k], i / 64) & ((1 << (i % 64)) - 1)).count_ones()
     }
 
-    /// Appends the signs of the cells of a row that the surface passes, in order.
+    /// Visits the signs of the cells of a row that the surface passes, in order.
     #[inline(always)]
     pub fn cases(&self, [j, k]: [usize; 2], mut each: impl FnMut(usize, u8)) {
         let rows = [self.row(j, k), self.row(j + 1, k), self.row(j, k + 1), self.row(j + 1, k + 1)];
@@ -132,13 +132,13 @@ impl SignBits {
     }
 }
 
-/// The row one sample on.
+/// The row shifted by one sample.
 #[inline(always)]
 fn shifted(row: &[u64], word: usize) -> u64 {
     row[word] >> 1 | if word + 1 < row.len() { row[word + 1] << 63 } else { 0 }
 }
 
-/// How many planes of samples are worked on at once: by the data alone.
+/// The number of planes of samples in a slab; it depends on the data alone.
 pub(super) fn planes(n: usize) -> usize {
     n.div_ceil(64)
 }

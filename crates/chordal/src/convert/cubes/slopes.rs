@@ -1,22 +1,22 @@
 //! Slopes of many cells at once: along one axis, over three cells in a row.
 //!
-//! For each cell the samples of four planes across the axis are needed, the two of the cell and one on either side, four in
-//! each. What is proved with them stands in `bound.rs`.
+//! Each cell needs the samples of four planes across the axis: its own two and one on either side, four in
+//! each. For what is proved with them see `bound.rs`.
 use crate::math::simd::{self, Kernel};
 
-/// Cells that are worked on at once.
+/// The number of cells processed at once.
 pub(super) const LANES: usize = 64;
 
 /// A half unit in the last place of 1: the relative error of one rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// Numbers of some cells.
+/// One number for each of these cells.
 pub(super) type CellLanes = [f64; LANES];
 
 /// For each axis the corners at its low end.
 pub(super) const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
 
-/// The slowest difference along each axis over a cell; not above 0 where their signs differ.
+/// The slowest difference along each axis over a cell; not above 0 where the signs differ.
 pub(super) struct MinSlopeKernel<'a> {
     pub corners: &'a [CellLanes; 8],
     pub out: &'a mut [CellLanes; 3],
@@ -41,12 +41,12 @@ impl Kernel for MinSlopeKernel<'_> {
     }
 }
 
-/// e/m over three cells in a row, rounded up: a number above 1, or none, where nothing is proved.
+/// e/m over three cells in a row, rounded up: infinite where nothing is proved.
 pub(super) struct ShiftKernel<'a> {
-    /// g on the planes from low to high along the axis, four corners in each, in the order of those of a face; a plane that is not there is the
-    /// same as its neighbour.
+    /// g on the planes from low to high along the axis, four corners in each, in the order of those of a
+    /// face; a missing plane equals its neighbour.
     pub planes: &'a [[CellLanes; 4]; 4],
-    /// By how much every value may be off.
+    /// The largest error of a value.
     pub slack: f64,
     pub out: &'a mut CellLanes,
 }
@@ -64,7 +64,7 @@ impl Kernel for ShiftKernel<'_> {
     }
 }
 
-/// The same for one cell.
+/// [`ShiftKernel`] for one cell.
 #[inline(always)]
 pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
     let larger = |a: f64, b: f64| if a > b { a } else { b };
@@ -75,10 +75,11 @@ pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
         high = larger(high, *x);
     }
     let range = high - low;
-    // 1. Which way g grows along the row, in the cell in the middle.
+    // 1. Whether g rises or falls along the row, in the middle cell.
     let rises = w[2][0] > w[1][0];
     let grown = |x: f64| if rises { x } else { -x };
-    // 2. For each cell e and m: mixed differences in its planes, and between the slopes from one plane to the other.
+    // 2. For each cell e and m: mixed differences in its planes, and between the slopes from one plane to the
+    // other.
     let mut across = [0.0; 4];
     for p in 0..4 {
         across[p] = ((w[p][3] - w[p][2]) - (w[p][1] - w[p][0])).abs();
@@ -91,8 +92,9 @@ pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
         error[p] = 0.25 * ((larger(across[p], across[p + 1]) + first) + second);
         slope[p] = smaller(smaller(s[0], s[1]), smaller(s[2], s[3]));
     }
-    // 3. Corners are rounded once, and |g| is no more than the range, for the cell in the middle has both signs; each mixed difference
-    // is rounded three times more, by half a unit in the last place of four times the range at most, and the sum twice.
+    // 3. Corners are rounded once, and |g| is no more than the range, for the cell in the middle has both
+    // signs; each mixed difference is rounded three times more, by half a unit in the last place of four
+    // times the range at most, and the sum twice.
     let off = 64.0 * ROUNDING * range + 2.0 * slack;
     // 4. A neighbour counts unless g is beyond e wherever it begins.
     let ends = |p: usize, sign: f64| {
@@ -116,7 +118,7 @@ pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
     if slope > 0.0 && shift <= 1.0 { shift } else { f64::INFINITY }
 }
 
-/// Runs a kernel on what this processor has.
+/// Runs a kernel with this processor's vector instructions.
 pub(super) fn run(kernel: impl Kernel<Output = ()>) {
     simd::dispatch(simd::isa(), kernel);
 }

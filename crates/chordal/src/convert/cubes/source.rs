@@ -1,14 +1,14 @@
-//! `SampleSource`: where a polygonizer gets its samples from.
+//! `SampleSource`: the samples that a polygonizer reads.
 use super::rule::Polygonize;
 use crate::implicit::SparseGrid;
 use crate::math::simd::{self, Kernel};
 
-/// Samples on a lattice, asked row by row for their sides and one by one for their values.
+/// Samples on a lattice, read row by row for their sides and one by one for their values.
 pub(crate) trait SampleSource: Sync {
-    /// How many samples there are along each index.
+    /// The number of samples along each index.
     fn size(&self) -> [usize; 3];
 
-    /// Bit i of the row of samples (i, j, k) says whether that sample is inside; bits behind the row stay 0.
+    /// Sets bit i of `words` if the sample i of row (j, k) is inside; bits behind the row stay 0.
     fn sides(&self, row: [usize; 2], words: &mut [u64]);
 
     /// One sample.
@@ -83,7 +83,8 @@ impl<T: Copy + Into<f64>> Kernel for CompareKernel<'_, T> {
     }
 }
 
-/// Bytes of 0 or 1 become bits eight at a time: the product adds copies of each byte, shifted so that none meet.
+/// Packs bytes of 0 or 1 into bits, eight at a time: the product adds copies of each byte, shifted so that
+/// none overlap.
 #[inline(always)]
 fn pack<T: Copy + Into<f64>>(row: &[T], words: &mut [u64], inside: impl Fn(f64) -> bool) {
     for (word, samples) in words.iter_mut().zip(row.chunks(64)) {

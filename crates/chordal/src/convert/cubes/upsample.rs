@@ -1,4 +1,5 @@
-//! `UpsampledSource`: a lattice whose cells are halved several times, with the values of its trilinear interpolant.
+//! `UpsampledSource`: a lattice whose cells are halved several times, with the values of its trilinear
+//! interpolant.
 use super::rule::Polygonize;
 use super::source::SampleSource;
 use crate::implicit::Affine3;
@@ -6,28 +7,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The interpolant of a source on a lattice with `parts` cells for each of the source's along each index.
 ///
-/// A value between the source's samples is three means of two, rounded, and kept between the two: where the corners of
-/// a cell of the source are on one side, so is all of it. On the source's lattice values are the source's.
+/// A value between the source's samples is three means of two, rounded, and kept between the two: where the
+/// corners of a source cell are on one side, so is all of the cell. At the source's own samples the values
+/// are the source's.
 pub(crate) struct UpsampledSource<'a> {
     coarse: &'a dyn SampleSource,
     rule: Polygonize,
     parts: usize,
-    /// How far a value may be off; 0 where all are exact.
+    /// The largest error of a value; 0 where all are exact.
     pub slack: f64,
-    /// Whether a value that may be off came so near to the level that its side is not sure.
+    /// Whether an inexact value came so near to the level that its side is uncertain.
     pub unsure: AtomicBool,
 }
 
 impl<'a> UpsampledSource<'a> {
-    /// Cells halved `halvings` times. `largest` is the largest size of a sample, `bits` how many bits samples have if they are
-    /// whole numbers.
+    /// Halves the cells `halvings` times. `largest` is the largest size of a sample, `bits` the bits of
+    /// integer samples.
     pub fn new(
         coarse: &'a dyn SampleSource,
         rule: &Polygonize,
         halvings: u32,
         (largest, bits): (f64, Option<u32>),
     ) -> Self {
-        // Each mean multiplies by whole numbers of `halvings` bits: nothing is rounded while all fit in 53 bits.
+        // Each mean multiplies by whole numbers of `halvings` bits: nothing is rounded while all fit in 53
+        // bits.
         let exact = bits.is_some_and(|bits| bits + 3 * halvings < 53);
         let largest = if largest > rule.level.abs() { largest } else { rule.level.abs() };
         // Three means of three roundings each, of numbers no larger than the largest.
@@ -41,7 +44,7 @@ impl<'a> UpsampledSource<'a> {
         Affine3::new(coarse.rows().map(|[a, b, c, d]| [a / parts, b / parts, c / parts, d])).ok()
     }
 
-    /// The samples of the source between which an index is, as the lower one and how far it is to the next.
+    /// The lower of the two source samples around an index, and the fraction of the way to the next.
     #[inline(always)]
     fn split(&self, index: usize) -> (usize, f64) {
         (index / self.parts, (index % self.parts) as f64 / self.parts as f64)
@@ -52,7 +55,7 @@ impl<'a> UpsampledSource<'a> {
         self.rule.finite_sample(self.coarse.at(index))
     }
 
-    /// The value at the first index `i` of the source, between its rows.
+    /// The value at index `i` of the source along the first axis, interpolated along the other two.
     #[inline(always)]
     fn column(&self, i: usize, (j, y): (usize, f64), (k, z): (usize, f64)) -> f64 {
         let along = |k: usize| {
@@ -63,7 +66,7 @@ impl<'a> UpsampledSource<'a> {
     }
 }
 
-/// `a` and `b` mixed, never outside of them.
+/// `a` and `b` mixed, never outside of their range.
 #[inline(always)]
 fn mean(a: f64, b: f64, part: f64) -> f64 {
     let mixed = a * (1.0 - part) + b * part;
@@ -87,7 +90,7 @@ impl SampleSource for UpsampledSource<'_> {
         let n = self.coarse.size()[0];
         words.fill(0);
         let mut unsure = false;
-        // Whether any sample around the column is on another side than the others.
+        // The side of the samples around the column, and whether they are on different sides.
         let mixed = |i: usize| {
             let rows = [j.0, if j.1 == 0.0 { j.0 } else { j.0 + 1 }];
             let planes = [k.0, if k.1 == 0.0 { k.0 } else { k.0 + 1 }];

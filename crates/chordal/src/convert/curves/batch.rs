@@ -1,4 +1,4 @@
-//! Many cubic Bézier curves at one tolerance, with no more than that: for inner loops.
+//! Flattens many cubic Bézier curves at one tolerance, without further options: for inner loops.
 use super::chord::{CubicChords, coordinate_reach, rounding_at, wang_steps};
 use super::density::{FlattenScratch, spread_by_density};
 use super::flatten::{LARGEST, Spacing};
@@ -8,10 +8,10 @@ use crate::explicit::Bezier;
 use crate::math::simd::{self, Isa, Kernel};
 use crate::math::{add_up, flushes_subnormals, sub_down};
 
-/// Cuts one cubic Bézier curve after the other at one tolerance, and keeps its room between them.
+/// Flattens one cubic Bézier curve after the other at one tolerance, and reuses its buffers between them.
 ///
-/// The points are those of [`curve_to_polyline`](super::super::curve_to_polyline), bit for bit, but that points in a row
-/// may be equal here: a curve that is one point has two.
+/// The points are those of [`curve_to_polyline`](super::super::curve_to_polyline), bit for bit, except that
+/// successive points may be equal here: a curve that is one point has two.
 ///
 /// ```
 /// use chordal::{Bezier, Tolerance, convert::{BezierCutter, Spacing}};
@@ -33,21 +33,21 @@ pub struct BezierCutter<const D: usize> {
 /// A list of polylines in one list of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polylines<const D: usize> {
-    /// The points of all, one polyline after the other.
+    /// The points of all polylines, one polyline after the other.
     pub points: Vec<[f64; D]>,
-    /// Where each one starts in that list; one more at the end.
+    /// The index of each polyline's first point; one more entry at the end.
     pub starts: Vec<usize>,
 }
 
 impl<const D: usize> Polylines<D> {
-    /// The points of one of them.
+    /// The points of one polyline.
     #[must_use]
     pub fn polyline(&self, index: usize) -> &[[f64; D]] {
         &self.points[self.starts[index]..self.starts[index + 1]]
     }
 }
 
-/// The most chords that one curve is cut into.
+/// The largest number of chords of one curve.
 const MOST: f64 = 1e8;
 
 impl<const D: usize> BezierCutter<D> {
@@ -61,10 +61,11 @@ impl<const D: usize> BezierCutter<D> {
         Ok(Self { tolerance: tolerance.get(), spacing, isa: simd::isa(), work: FlattenScratch::default() })
     }
 
-    /// Appends all points of the polyline but its first one, which is the curve's, and returns a proved bound on the
-    /// two-sided Hausdorff distance between the curve and the polyline.
+    /// Appends all points of the polyline but its first one, which is the curve's start, and returns a proved
+    /// bound on the two-sided Hausdorff distance between the curve and the polyline.
     ///
-    /// With equal steps the bound is that of the formula for all of the curve, a little larger than that of each chord.
+    /// With equal steps the bound is that of the formula for the whole curve, a little larger than that of
+    /// each chord.
     ///
     /// # Errors
     /// Coordinates that are not finite or beyond 1e150, a tolerance below rounding, more than 1e8 chords.
@@ -80,7 +81,7 @@ impl<const D: usize> BezierCutter<D> {
             return Err(out_of_range(size));
         }
         let rounding = rounding_at(size);
-        // One step less, because the sum of loss and rounding is rounded up again.
+        // One step less, because the sum of deviation and rounding is rounded up again.
         let length = sub_down(self.tolerance.next_down(), rounding);
         if length <= 0.0 {
             return Err(below_rounding(self.tolerance, rounding));
@@ -117,7 +118,7 @@ impl<const D: usize> BezierCutter<D> {
     }
 }
 
-/// Appends the points of equal steps, and returns what the formula says that they lose.
+/// Appends the points of equal steps, and returns the deviation by the formula.
 #[inline(always)]
 fn append_evenly<const D: usize>(
     chords: &CubicChords<'_, D>,
@@ -132,7 +133,7 @@ fn append_evenly<const D: usize>(
     let (n, cubic) = (steps as u32, chords.cubic());
     points.extend((1..n).map(|i| cubic.at(f64::from(i) / steps)));
     points.push(cubic.control[3]);
-    // With the same room for rounding as in `whole_steps`, of the square of the steps.
+    // With the same margin for rounding as in `whole_steps`, of the square of the steps.
     Ok(0.75 * bend / (steps * steps) * (1.0 + f64::EPSILON * (64.0 + 8.0 * steps)))
 }
 
@@ -170,15 +171,15 @@ fn too_many<T>(steps: f64) -> Failure<T> {
     Failure::refused(RefusalCode::TooManyTriangles, message)
 }
 
-/// Curves that a thread takes at once.
+/// Curves per task of a thread.
 const CHUNK: usize = 256;
 
-/// Many cubic Bézier curves at one tolerance, each into a polyline of its own, in their order.
+/// Flattens many cubic Bézier curves at one tolerance, each into a polyline of its own, in their order.
 ///
-/// **Bound.** Two-sided Hausdorff distance between each curve and its polyline, *proved*, for the worst of them.
-/// `at_least` is 0: nothing is measured here.
+/// **Bound.** Two-sided Hausdorff distance between each curve and its polyline, *proved*, for the worst of
+/// them. `at_least` is 0: nothing is measured here.
 ///
-/// **Cost.** The same bytes on any number of threads and with every set of instructions.
+/// **Determinism.** The same bytes on any number of threads and with every instruction set.
 ///
 /// # Errors
 /// As for [`BezierCutter`]; and when the job was cancelled.

@@ -1,35 +1,38 @@
-//! The certificate: how far a piece of a curve and its chord are from each other, at most.
+//! `ChordDeviation`: a bound on the distance between a piece of a curve and its chord.
 //!
-//! *A cubic over `[a, b]`.* With `D0 = h²·P''(a)/6`, `D1 = h²·P''(b)/6`, `h = b − a`, the curve at the fraction
-//! `t` of the piece is off the chord's point at `t` by exactly `−t(1−t)·[(2−t)·D0 + (1+t)·D1]`. With `u = 2t − 1`,
-//! `s = D0 + D1`, `q = D1 − D0` that is `(1−u²)/4·|3s/2 + u·q/2|`, which is at most `(1−u²)(3|s| + |u||q|)/8`, and
-//! largest at `u = √(r² + 1/3) − r` for `r = |s|/|q|`.
+//! *A cubic over `[a, b]`.* With `D0 = h²·P''(a)/6`, `D1 = h²·P''(b)/6`, `h = b − a`, the curve at the
+//! fraction `t` of the piece is off the chord's point at `t` by exactly `−t(1−t)·[(2−t)·D0 + (1+t)·D1]`. With
+//! `u = 2t − 1`, `s = D0 + D1`, `q = D1 − D0` that is `(1−u²)/4·|3s/2 + u·q/2|`, which is at most
+//! `(1−u²)(3|s| + |u||q|)/8`, and largest at `u = √(r² + 1/3) − r` for `r = |s|/|q|`.
 //!
-//! *The distance.* Seen along the chord, the curve starts at 0 and ends at the chord's length `L`, so it passes over
-//! every point of the chord: each of them has a point of the curve straight across. So with the parts of `s` and `q`
-//! across the chord, the formula bounds the way from the chord to the curve, and back as well for the points between
-//! the ends. Others lie beyond an end by no more than the two inner control points do: there the two add as the sides of a
-//! right angle. The formula with all of `s` and `q` needs no chord and bounds both ways too, point by point of equal
-//! parameter. The smaller one counts.
+//! *The distance.* Seen along the chord, the curve starts at 0 and ends at the chord's length `L`, so it
+//! passes over every point of the chord: each of them has a point of the curve perpendicular to the chord. So
+//! with the parts of `s` and `q` across the chord, the formula bounds the distance from the chord to the
+//! curve, and that from the curve to the chord for the points between the ends. Other points lie beyond an
+//! end by no more than the two inner control points do: there the two distances add as the sides of a right
+//! angle. The formula with all of `s` and `q` needs no chord and bounds both directions too, for points of
+//! equal parameter. The smaller of the two bounds is used.
 //!
 //! *An arc of an ellipse* of half the angle `δ ≤ π/2` about the middle angle `m`: with `w = centre → middle`,
-//! `v` the derivative there by angle, the curve at `m + φ` is off the chord's point at `sin φ/sin δ` by exactly
-//! `(cos φ − cos δ)·w`, so at most by `(1 − cos δ)|w|`; across the chord, which runs along `v`, by the part of `w` across. It stays
-//! between the ends where `|v|·cos δ ≥ |w·v|/|v|·sin δ`.
+//! `v` the derivative there by angle, the curve at `m + φ` is off the chord's point at `sin φ/sin δ` by
+//! exactly `(cos φ − cos δ)·w`, so at most by `(1 − cos δ)|w|`; across the chord, which runs along `v`, by
+//! the part of `w` across. It stays between the ends where `|v|·cos δ ≥ |w·v|/|v|·sin δ`.
 //!
-//! *Rounding.* The ends of a chord are evaluated with an error of at most `η = 16 ε·R`, `R` the sum over the axes of
-//! the largest control coordinate (12 roundings of half a step in each coordinate of a cubic; for an arc two units in
-//! the last place of sine and cosine, half a unit of an angle below 8π, and six roundings). `D0` and `D1` are sums of six products with weights that add up to 8, which
-//! `h² ≤ 1` does not enlarge: each is off by less than `32 ε·R`. The direction of the chord is off by `2η/L` and turns
-//! `s` and `q` by that; where they are longer than 8 chords the form without a chord is used, so that this adds less
-//! than `8·2·2η`. The arithmetic after that loses less than 32 ε of lengths below `8R`. All of it is below `1024 ε·R`.
+//! *Rounding.* The ends of a chord are evaluated with an error of at most `η = 16 ε·R`, `R` the sum over the
+//! axes of the largest control coordinate (12 roundings of half a step in each coordinate of a cubic; for an
+//! arc two units in the last place of sine and cosine, half a unit of an angle below 8π, and six roundings).
+//! `D0` and `D1` are sums of six products with weights that add up to 8, which `h² ≤ 1` does not enlarge:
+//! each is off by less than `32 ε·R`. The direction of the chord is off by `2η/L` and rotates `s` and `q` by
+//! that; where they are longer than 8 chords the form without a chord is used, so that this adds less than
+//! `8·2·2η`. The arithmetic after that loses less than 32 ε of lengths below `8R`. All of it is below
+//! `1024 ε·R`.
 use crate::explicit::{Arc, Bezier};
 use crate::math::{difference, dot, length};
 
-/// What rounding may add to a certificate, in units of ε times [`coordinate_reach`]: derived above.
+/// The rounding error of a deviation bound, in units of ε times [`coordinate_reach`]: derived above.
 const ROUNDING: f64 = 1024.0;
 
-/// The bound on the loss of a chord, and the fraction of the piece where the curve is farthest.
+/// The deviation bound of a chord, and the fraction of the piece where the curve is farthest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ChordDeviation {
     pub(crate) at_most: f64,
@@ -49,7 +52,7 @@ fn across<const D: usize>(a: [f64; D], c: [f64; D], c_sq: f64) -> [f64; D] {
     std::array::from_fn(|k| a[k] - along * c[k])
 }
 
-/// A cubic with what all its certificates share.
+/// A cubic with the values that all its deviation bounds share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubicChords<'a, const D: usize> {
     cubic: &'a Bezier<D>,
@@ -80,12 +83,12 @@ impl<'a, const D: usize> CubicChords<'a, D> {
         if a > b { a.sqrt() } else { b.sqrt() }
     }
 
-    /// Into how many equal steps the curve is cut at most, as a float: it may be huge.
+    /// The number of equal steps that keeps the tolerance, as a float: it may be huge.
     pub(crate) fn even_steps(&self, tolerance: f64) -> f64 {
         wang_steps(self.largest_second_difference(), tolerance)
     }
 
-    /// The loss of the chord between the points at `a` and `b`, in exact arithmetic.
+    /// The deviation of the chord between the points at `a` and `b`, in exact arithmetic.
     pub(crate) fn deviation(&self, a: f64, b: f64) -> ChordDeviation {
         let (start, end) = (self.cubic.at(a), self.cubic.at(b));
         let chord = difference(end, start);
@@ -99,19 +102,20 @@ impl<'a, const D: usize> CubicChords<'a, D> {
     }
 }
 
-/// How many equal steps keep the tolerance when the largest second difference is `bend` (G. Wang, 1984).
+/// The number of equal steps that keeps the tolerance when the largest second difference is `bend` (G. Wang,
+/// 1984).
 #[inline(always)]
 pub(crate) fn wang_steps(bend: f64, tolerance: f64) -> f64 {
     whole_steps((0.75 * bend / tolerance).sqrt())
 }
 
-/// Equal steps, counted by a formula, as a whole number of them.
+/// Rounds a computed number of equal steps up to a whole number.
 #[inline(always)]
 pub(crate) fn whole_steps(steps: f64) -> f64 {
-    // The steps between rounded places `i/n` differ by up to `ε·n` of themselves, twice that in the loss; the
-    // formulas for the steps and for the loss lose less than 32 ε.
+    // The steps between rounded parameters `i/n` differ by up to `ε·n` of themselves, twice that in the
+    // deviation; the formulas for the steps and for the deviation lose less than 32 ε.
     let steps = (steps * (1.0 + f64::EPSILON * (32.0 + 4.0 * steps))).ceil();
-    // A NaN comes from a bend that is not finite, and means no end of steps.
+    // A NaN comes from a second difference that is not finite, and means infinitely many steps.
     if steps <= 1.0 {
         1.0
     } else if steps.is_nan() {
@@ -121,19 +125,20 @@ pub(crate) fn whole_steps(steps: f64) -> f64 {
     }
 }
 
-/// What rounding may add to a certificate of a curve of this [`coordinate_reach`].
+/// The rounding error of a deviation bound for a curve of this [`coordinate_reach`].
 #[inline(always)]
 pub(crate) fn rounding_at(reach: f64) -> f64 {
     if reach == 0.0 {
         return 0.0;
     }
-    // Lengths below 1e-154 have squares that lose digits or vanish; nothing shorter than 1e-150 is told from 0.
+    // Lengths below 1e-154 have squares that lose digits or vanish; nothing shorter than 1e-150 is
+    // distinguished from 0.
     let least = 1e-150;
     let rounding = ROUNDING * f64::EPSILON * reach;
     if rounding > least { rounding } else { least }
 }
 
-/// The loss of a chord, from the chord, `D0` and `D1`.
+/// The deviation of a chord, from the chord, `D0` and `D1`.
 fn chord_deviation<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) -> ChordDeviation {
     let s: [f64; D] = std::array::from_fn(|k| d0[k] + d1[k]);
     let q = difference(d1, d0);
@@ -141,7 +146,7 @@ fn chord_deviation<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) 
     let length_sq = dot(chord, chord);
     let (n0, n1) = (dot(d0, d0), dot(d1, d1));
     let longest_sq = if n0 > n1 { n0 } else { n1 };
-    // Beyond eight chords the direction of the chord is too coarse a guide: see the head of this file.
+    // Beyond eight chords the direction of the chord is too inaccurate: see the head of this file.
     if !(longest_sq <= 64.0 * length_sq && length_sq > 0.0) {
         return pointwise;
     }
@@ -159,21 +164,21 @@ fn chord_deviation<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) 
     if at_most < pointwise.at_most { ChordDeviation { at_most, ..aside } } else { pointwise }
 }
 
-/// The largest `(1−u²)(3|s| + |u||q|)/8` and where on the piece it is.
+/// The largest `(1−u²)(3|s| + |u||q|)/8` and its fraction of the piece.
 fn largest_deviation<const D: usize>(s: [f64; D], q: [f64; D]) -> ChordDeviation {
     let (s_len, q_len) = (length(s), length(q));
     if q_len == 0.0 {
         return ChordDeviation { at_most: 0.375 * s_len, fraction: 0.5 };
     }
     let r = s_len / q_len;
-    // √(r² + 1/3) − r without cancellation; a ratio beyond the range of squares means that q does not count.
+    // √(r² + 1/3) − r without cancellation; a ratio beyond the range of squares means that q is negligible.
     let u = if r < 1e100 { 1.0 / (3.0 * ((r * r + 1.0 / 3.0).sqrt() + r)) } else { 0.0 };
     let at_most = (1.0 - u * u) * (3.0 * s_len + u * q_len) / 8.0;
     let signed = if dot(s, q) < 0.0 { -u } else { u };
     ChordDeviation { at_most, fraction: 0.5 + 0.5 * signed }
 }
 
-/// The loss of the chord of an arc between the parameters `a` and `b`, in exact arithmetic.
+/// The deviation of the chord of an arc between the parameters `a` and `b`, in exact arithmetic.
 pub(crate) fn arc_deviation<const D: usize>(arc: &Arc<D>, a: f64, b: f64) -> ChordDeviation {
     let half = 0.5 * (arc.sweep_rad() * (b - a)).abs();
     if half > std::f64::consts::FRAC_PI_2 {
@@ -187,7 +192,7 @@ pub(crate) fn arc_deviation<const D: usize>(arc: &Arc<D>, a: f64, b: f64) -> Cho
     let (w_sq, v_sq) = (dot(w, w), dot(v, v));
     let (sin, cos) = libm::sincos(half);
     let stays = v_sq * cos >= dot(w, v).abs() * sin;
-    // As for cubics: no direction where the chord is short against what is measured across it.
+    // As for cubics: no direction where the chord is short compared with the deviation across it.
     let clear = sagitta * sagitta * w_sq <= 64.0 * (4.0 * sin * sin * v_sq) && v_sq > 0.0;
     let off = if stays && clear {
         let aside = across(w, v, v_sq);
@@ -221,7 +226,8 @@ mod tests {
         let cubic = Bezier { control: [[0.0, 0.0], [1.0, 1.0], [2.0, 1.0], [3.0, 0.0]] };
         let loss = CubicChords::new(&cubic).deviation(0.0, 1.0);
         assert_eq!(loss, ChordDeviation { at_most: 0.75, fraction: 0.5 });
-        // A quarter of the length, a sixteenth of the loss, times the cosine of the chord's slope of 3/16 · 4 in 3.
+        // A quarter of the length, a sixteenth of the deviation, times the cosine of the chord's slope of
+        // 3/16 · 4 in 3.
         let part = CubicChords::new(&cubic).deviation(0.25, 0.5).at_most;
         let (x, y) = (0.75, cubic.at(0.5)[1] - cubic.at(0.25)[1]);
         let true_loss = 0.75 / 16.0 * x / f64::hypot(x, y);

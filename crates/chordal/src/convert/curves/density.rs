@@ -1,48 +1,50 @@
-//! The fast way to place the ends of chords: spread them by how much the curve bends, check all at once, correct.
+//! The fast way to place chord ends: spread them by a density, check all chords at once, correct the density.
 //!
-//! A chord of width `h` in the parameter loses about `h²·|v|/8`, where `v` is the part of `P''` across `P'`. So a curve
-//! needs about `∫ √(|v|/(8·tolerance)) dt` chords, spread by that density. It is sampled at the nodes of a grid,
-//! and a rising cubic goes through its sums. Then every chord gets its certificate; where one fails, the square roots of the losses
-//! are a better density than the first one was, for they count whatever the samples missed. What fails four times is
-//! left to the greedy way.
+//! A chord of width `h` in the parameter deviates by about `h²·|v|/8`, where `v` is the part of `P''` across
+//! `P'`. So a curve needs about `∫ √(|v|/(8·tolerance)) dt` chords, spread by that density
+//! (equidistribution). The density is sampled at the nodes of a grid, and a monotone cubic interpolates its
+//! sums. Then the deviation of every chord is bounded. Where a chord fails, the square roots of the
+//! deviations are a better density than the first one, since they include whatever the samples missed. Curves
+//! that fail four times are left to the greedy method.
 //!
 //! Loops run over slices, all chords at once, so that they are compiled to vector instructions.
 use super::chord::CubicChords;
 use crate::explicit::{Bezier, bernstein};
 
-/// Intervals of the grid, one less than a multiple of [`LANES`]: for a few chords, for some, and at most; in between half
-/// as many as there are chords. With fewer for some the first spread fails more often, with more it costs more than it
-/// saves (20,000 random cubics at a thousandth of their box).
+/// Intervals of the grid, one less than a multiple of [`LANES`]: for a few chords, for some, and at most; in
+/// between half as many as there are chords. With fewer for some, the first spread fails more often; with
+/// more, it costs more than it saves (20,000 random cubics at a thousandth of their box).
 const COARSEST: usize = 7;
 const GRID: usize = 15;
 const FINEST: usize = 4096;
-/// Spreads that are tried before the greedy way, which then gets 0.1 % to 5 % of random cubics.
+/// The number of spreads that are tried before the greedy method, which then gets 0.1 % to 5 % of random
+/// cubics.
 const ATTEMPTS: usize = 4;
-/// A little more than the density asks for, since it knows no chord: a third of a percent more segments, and a tenth
-/// fewer second spreads.
+/// A little more than the density requires, since it knows no chord: a third of a percent more segments, and
+/// a tenth fewer second spreads.
 const SPARE: f64 = 1.003;
-/// Below this root of its share a chord counts as one where the curve bends back. Measured: 0.7 and 0.85 leave as few to
-/// a fourth spread; without it a fifth more get there.
+/// A chord whose root of relative deviation is below this is treated as one where the curve has an
+/// inflection. Measured: 0.7 and 0.85 leave as few to a fourth spread; without it a fifth more get there.
 const FLAT: f64 = 0.85;
-/// Chords that use less than this share of what they may lose, in the mean and with one left over, are placed again by the greedy
-/// way.
+/// Chords that use less than this fraction of their tolerance, on average and with one chord to spare, are
+/// placed again by the greedy method.
 const WASTE: f64 = 0.85;
-/// Up to this many chords it is worth to try one less.
+/// The largest number of chords for which one fewer is tried.
 const FEW: usize = 12;
 
-/// Room that is used again from curve to curve. The lists only ever grow; `n` says how much of them counts.
+/// Buffers that are reused from curve to curve. The lists only ever grow; `n` says how much of them is valid.
 #[derive(Clone, Debug)]
 pub(crate) struct FlattenScratch<const D: usize> {
     /// The number of chords.
     n: usize,
-    /// The parameters of their ends.
+    /// The parameters of the chord ends.
     places: Vec<f64>,
-    /// Where they are, a list for each axis: the numbers that `Bezier::at` gives.
+    /// The positions of the chord ends, a list for each axis: the numbers that `Bezier::at` gives.
     axes: [Vec<f64>; D],
-    /// What each chord loses at most.
+    /// An upper bound of each chord's deviation.
     deviations: Vec<f64>,
-    /// What the next places are found from: parameters, how many chords there should be up to each, and the slopes of the
-    /// first by the second.
+    /// The data for the next placement: parameters, the wanted number of chords up to each, and the slopes of
+    /// the first by the second.
     nodes: Vec<f64>,
     shares: Vec<f64>,
     slopes: Vec<f64>,
@@ -65,8 +67,8 @@ impl<const D: usize> Default for FlattenScratch<D> {
     }
 }
 
-/// Fills `work` with chords of at most `tolerance`, nearly as few as can be, and returns the largest loss. `None` when
-/// that did not succeed or would take more than `most` chords.
+/// Fills `work` with chords of at most `tolerance`, nearly as few as possible, and returns the largest
+/// deviation. `None` when that did not succeed or would take more than `most` chords.
 #[inline(always)]
 pub(crate) fn spread_by_density<const D: usize>(
     chords: &CubicChords<'_, D>,
@@ -92,7 +94,7 @@ pub(crate) fn spread_by_density<const D: usize>(
         FINEST - 1
     };
     let needed = work.sample(cubic, grid) / (8.0 * tolerance).sqrt();
-    // One chord was not enough, whatever the samples say; NaN goes the same way.
+    // One chord was not enough, whatever the samples say; a NaN is handled in the same way.
     let mut n = if needed > 1.0 { (SPARE * needed).ceil() } else { 2.0 };
     if n > most as f64 {
         return None;
@@ -112,7 +114,8 @@ pub(crate) fn spread_by_density<const D: usize>(
         if wanted.is_nan() || wanted > most as f64 {
             return None;
         }
-        // As many as the losses ask for when they are even; more each time, for they will not be quite even.
+        // As many as the deviations require when they are even; more each time, since they will not be quite
+        // even.
         let fewest = (wanted + 0.1 * attempt as f64).ceil();
         n = if fewest > n { fewest } else { n + if attempt > 1 { 1.0 } else { 0.0 } };
         work.place_equal_shares(n as usize);
@@ -121,19 +124,19 @@ pub(crate) fn spread_by_density<const D: usize>(
 }
 
 impl<const D: usize> FlattenScratch<D> {
-    /// The parameters of the ends of the chords.
+    /// The parameters of the chord ends.
     #[inline(always)]
     pub(crate) fn places(&self) -> &[f64] {
         &self.places[..=self.n]
     }
 
-    /// Where they are, a list for each axis.
+    /// The positions of the chord ends, a list for each axis.
     #[inline(always)]
     pub(crate) fn axes(&self) -> [&[f64]; D] {
         std::array::from_fn(|k| &self.axes[k][..=self.n])
     }
 
-    /// Makes room for `n` chords, and for a whole block after the last one.
+    /// Grows the buffers for `n` chords, and a whole block after the last one.
     #[inline(always)]
     fn set_n(&mut self, n: usize) {
         self.n = n;
@@ -166,15 +169,15 @@ impl<const D: usize> FlattenScratch<D> {
         }
     }
 
-    /// Places that were found elsewhere, of which there are two at least.
+    /// Sets parameters that were found elsewhere; there must be at least two.
     pub(crate) fn set_places(&mut self, cubic: &Bezier<D>, places: &[f64]) {
         self.set_n(places.len() - 1);
         self.places[..places.len()].copy_from_slice(places);
         self.evaluate(cubic);
     }
 
-    /// Samples the density at the ends of `grid` equal steps, one less than a multiple of [`LANES`] and no fewer than 7, so
-    /// that the nodes fill whole blocks. Returns the last share.
+    /// Samples the density at the ends of `grid` equal steps, one less than a multiple of [`LANES`] and no
+    /// fewer than 7, so that the nodes fill whole blocks. Returns the total.
     #[inline(always)]
     fn sample(&mut self, cubic: &Bezier<D>, grid: usize) -> f64 {
         self.set_nodes(grid + 1);
@@ -190,7 +193,7 @@ impl<const D: usize> FlattenScratch<D> {
             self.slopes[at..at + LANES].copy_from_slice(&slopes);
         }
         let (w, shares) = (&mut self.slopes[..=grid], &mut self.shares[..=grid]);
-        // The trapezoid, corrected by the slopes at its ends where both are known (fourth order).
+        // The trapezoidal rule, corrected by the slopes at its ends where both are known (fourth order).
         for i in 1..grid - 1 {
             let plain = 0.5 * (w[i] + w[i + 1]);
             let bent = (w[i] + w[i + 1] - w[i - 1] - w[i + 2]) * (1.0 / 24.0);
@@ -208,10 +211,10 @@ impl<const D: usize> FlattenScratch<D> {
         sum
     }
 
-    /// The same from the losses of the chords that there are: each is worth as many as the square root of its loss by
-    /// the tolerance. Where a curve bends back, a loss grows with a higher power of the width: a small one is worth more. At a
-    /// sharp bend it grows with a lower one: what is still too much after the first correction is `stubborn`, and worth
-    /// as many as its loss by the tolerance.
+    /// As [`Self::sample`], from the deviations of the current chords: each counts as the square root of its
+    /// deviation over the tolerance. At an inflection a deviation grows with a higher power of the width, so
+    /// a small one counts more. At a sharp bend it grows with a lower power: a chord that still deviates too
+    /// much after the first correction is `stubborn`, and counts as its deviation over the tolerance.
     #[inline(always)]
     fn density_from_deviations(&mut self, tolerance: f64, stubborn: bool) -> f64 {
         let n = self.n;
@@ -240,7 +243,8 @@ impl<const D: usize> FlattenScratch<D> {
         sum
     }
 
-    /// `n` chords with an equal share each, by the cubic that rises through the nodes (F. Fritsch, R. Carlson, 1980).
+    /// Places `n` chords with an equal share each, by the monotone cubic through the nodes (F. Fritsch, R.
+    /// Carlson, 1980).
     #[inline(always)]
     fn place_equal_shares(&mut self, n: usize) {
         self.set_n(n);
@@ -256,11 +260,12 @@ impl<const D: usize> FlattenScratch<D> {
                 continue;
             }
             let (width, rise) = (to - from, nodes[i + 1] - nodes[i]);
-            // Slopes beyond three times that of the secant would make it turn back.
+            // Slopes beyond three times that of the secant would make the cubic non-monotone.
             let limited = |slope: f64| if width * slope < 3.0 * rise { width * slope } else { 3.0 * rise };
             let (left, right) = (limited(slopes[i]), limited(slopes[i + 1]));
             let (second, third) = (3.0 * rise - 2.0 * left - right, left + right - 2.0 * rise);
-            // As many steps as end in this interval; a count that rounding makes too large or too small is put in order below.
+            // As many steps as end in this interval; a count that is too large or too small by rounding is
+            // corrected below.
             let end = (to / share) as usize + 1;
             let end = if end < n { end } else { n };
             let (base, scale) = (nodes[i], 1.0 / width);
@@ -275,8 +280,8 @@ impl<const D: usize> FlattenScratch<D> {
         restore_order(places);
     }
 
-    /// Tries one chord less where the losses would allow it and one counts for much; returns the largest loss of what it
-    /// leaves.
+    /// Tries one chord fewer where the deviations allow it and one matters; returns the largest deviation of
+    /// the result.
     #[inline(always)]
     fn try_one_fewer(&mut self, chords: &CubicChords<'_, D>, tolerance: f64, worst: f64) -> f64 {
         let n = self.n;
@@ -301,8 +306,8 @@ impl<const D: usize> FlattenScratch<D> {
         worst
     }
 
-    /// Whether far fewer chords could lose as much: where a curve turns back on itself, or nearly, a density by its bend puts many
-    /// chords at the turn which together lose little.
+    /// Whether far fewer chords could have the same deviation: where a curve turns back on itself, or nearly,
+    /// a density by its bending puts many chords at the turn, which together deviate little.
     #[inline(always)]
     fn is_wasteful(&self, tolerance: f64) -> bool {
         let n = self.n as f64;
@@ -311,7 +316,7 @@ impl<const D: usize> FlattenScratch<D> {
         wanted < WASTE * n - 1.0
     }
 
-    /// Halves the chords that lose too much, when they are few for the attempt; whether it did.
+    /// Halves the chords that deviate too much, when they are few for the attempt; returns whether it did.
     #[inline(always)]
     fn split_few(&mut self, tolerance: f64, attempt: usize) -> bool {
         let n = self.n;
@@ -337,7 +342,7 @@ impl<const D: usize> FlattenScratch<D> {
         true
     }
 
-    /// The points at all places.
+    /// Evaluates the points at all parameters.
     #[inline(always)]
     fn evaluate(&mut self, cubic: &Bezier<D>) {
         let [p0, p1, p2, p3] = cubic.control;
@@ -357,11 +362,11 @@ impl<const D: usize> FlattenScratch<D> {
         }
     }
 
-    /// What each chord loses at most; returns the largest.
+    /// Bounds the deviation of each chord; returns the largest.
     ///
-    /// The vector loop does not know chords that are short against what is measured across them, and does not compare
-    /// with the form without a chord where the curve leaves the ends of the chord behind. Those get the certificate of
-    /// `chord.rs`.
+    /// The vector loop does not handle chords that are short compared with the deviation across them, and
+    /// does not compare with the form without a chord where the curve extends beyond the ends of the chord.
+    /// Those get the bound of `chord.rs`.
     #[inline(always)]
     fn certify(&mut self, chords: &CubicChords<'_, D>, tolerance: f64) -> f64 {
         let n = self.n;
@@ -382,7 +387,7 @@ impl<const D: usize> FlattenScratch<D> {
     }
 }
 
-/// √|v|: how many chords a unit of the parameter needs there, but for a factor.
+/// √|v|: the number of chords that a unit of the parameter needs there, up to a factor.
 #[inline(always)]
 fn chord_density<const D: usize>(cubic: &Bezier<D>, t: f64) -> f64 {
     let p = &cubic.control;
@@ -395,7 +400,7 @@ fn chord_density<const D: usize>(cubic: &Bezier<D>, t: f64) -> f64 {
         first_sq += first[k] * first[k];
         both += first[k] * second[k];
     }
-    // Where the curve stands still there is no direction, and 0/0 would spoil the sum.
+    // Where the derivative vanishes there is no direction, and 0/0 would spoil the sum.
     let along = if first_sq > 0.0 { both / first_sq } else { 0.0 };
     let mut across_sq = 0.0;
     for k in 0..D {
@@ -406,7 +411,8 @@ fn chord_density<const D: usize>(cubic: &Bezier<D>, t: f64) -> f64 {
     (6.0 * across_sq.sqrt()).sqrt()
 }
 
-/// Rounding, or a density of zero, may have put a place before its neighbour or nowhere: it goes ahead by an equal step.
+/// Rounding, or a density of zero, may have put a parameter before its neighbour or made it NaN: it is
+/// advanced by an equal step.
 #[inline(always)]
 fn restore_order(places: &mut [f64]) {
     let mut ordered = true;
@@ -425,7 +431,7 @@ fn restore_order(places: &mut [f64]) {
     }
 }
 
-/// Chords at once: a whole number of vectors with every set of instructions.
+/// Chords processed at once: a whole number of vectors with every instruction set.
 const LANES: usize = 8;
 
 /// The starts and the ends of a block of chords.
@@ -437,7 +443,7 @@ fn lanes(list: &[f64], at: usize) -> [[f64; LANES]; 2] {
     [from, to]
 }
 
-/// See [`FlattenScratch::certify`]: infinite for those that it does not know.
+/// See [`FlattenScratch::certify`]: infinite for chords that it does not handle.
 #[inline(always)]
 fn simple_deviations<const D: usize>(
     [a0, a1]: [[f64; D]; 2],
@@ -471,13 +477,14 @@ fn simple_deviations<const D: usize>(
             s_sq += x * x;
             q_sq += y * y;
         }
-        // As `largest_gap` of chord.rs, with u = q/(3·(√(s² + q²/3) + s)), which needs no quotient of the two.
+        // As `largest_deviation` of chord.rs, with u = q/(3·(√(s² + q²/3) + s)), which needs no quotient of
+        // the two.
         let (s_len, q_len) = (s_sq.sqrt(), q_sq.sqrt());
         let below = (s_sq + q_sq * (1.0 / 3.0)).sqrt() + s_len;
         let u = if below > 0.0 { q_len / (3.0 * below) } else { 0.0 };
         let aside = (1.0 - u * u) * (3.0 * s_len + u * q_len) * 0.125;
-        // The inner control points along the chord, from its start and from its end, in thirds of its length; how far
-        // the farther one is from the middle, and by how much that is beyond an end.
+        // The inner control points along the chord, from its start and from its end, in thirds of its length;
+        // the distance of the farther one from the middle, and by how much that is beyond an end.
         let first = (0.5 * (3.0 * s_share - q_share) + 0.5).abs();
         let last = (0.5 * (3.0 * s_share + q_share) - 0.5).abs();
         let far = if first > last { first } else { last };

@@ -1,4 +1,4 @@
-//! Many paths under one budget: a length for each piece, its cuts, their bound.
+//! `Flattener`: flattens many paths under one budget, with a tolerance and a bound for each piece.
 use super::piece::{Chords, rounding};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Lens, Pixels, Reference, RefusalCode, par_map};
 use crate::explicit::{Curve, CurveSegment, Polyline};
@@ -17,7 +17,7 @@ pub enum Spacing {
 /// Why there are no polylines.
 pub(crate) type FlatteningFailure<const D: usize> = Failure<Vec<Polyline<D>>>;
 
-/// What each piece may lose.
+/// The error that is allowed for each piece.
 #[derive(Clone, Copy)]
 struct CurveAllowance {
     length: Option<f64>,
@@ -28,20 +28,20 @@ struct CurveAllowance {
 struct PathPiece<'a, const D: usize> {
     chords: Chords<'a, D>,
     place: Box3,
-    /// What is lost without any chord: rounding, and what was lost before the path got here.
+    /// The error of the piece itself, without any chord: rounding, and the error of the path's data.
     rounding_error: f64,
 }
 
-/// A piece cut into chords.
+/// A piece split into chords.
 struct FlattenedPiece {
     places: Vec<f64>,
-    /// The loss of the worst chord, everything counted.
+    /// The deviation of the worst chord, everything included.
     at_most: f64,
     /// The parameter where the curve is farthest from its chord.
     worst: f64,
 }
 
-/// The paths, made ready.
+/// The paths, prepared for flattening.
 pub(crate) struct Flattener<'a, const D: usize> {
     curves: &'a [Curve<D>],
     job: &'a Job,
@@ -51,12 +51,14 @@ pub(crate) struct Flattener<'a, const D: usize> {
 
 /// Squares of differences must stay below 1e308.
 pub(crate) const LARGEST: f64 = 1e150;
-/// Bytes a point at the peak: its coordinates and its place, twice.
+/// Peak bytes per point: its coordinates and its parameter, twice.
 const BYTES_PER_POINT: f64 = 64.0;
-/// Up to this many segments a count is reached by the greedy way, which makes more of as many segments. A larger bound
-/// with more segments is then had by 16 of 400 ladders of hard curves instead of 20 (`tests/curve_referee/counts.rs`).
+/// Up to this many segments a count is reached by the greedy method, which gets more from the same number of
+/// segments. A larger bound with more segments then occurs in 16 of 400 series of hard curves instead of 20
+/// (`tests/curve_referee/counts.rs`).
 const COUNTED: u64 = 4096;
-/// Rungs an octave of the ladder of lengths, and how many octaves it has: below the rounding of any shape.
+/// Lengths per octave in the geometric series of candidate lengths, and the length of the series: it extends
+/// below the rounding of any shape.
 const RUNGS: u32 = 32;
 const MOST_RUNGS: u32 = 120 * RUNGS;
 
@@ -136,7 +138,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         }
     }
 
-    /// The most segments that the job allows.
+    /// The largest number of segments that the job allows.
     fn limit(&self) -> u64 {
         self.job.triangle_limit.min((self.job.memory_limit as f64 / BYTES_PER_POINT) as u64)
     }
@@ -149,7 +151,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
             && within(made.bound.pixels, budget.pixels.map(|px| px.pixels.get()))
     }
 
-    /// What the chords of a part may lose.
+    /// The tolerance for the chords of a part.
     fn chord_tolerance(
         &self,
         part: &PathPiece<'_, D>,
@@ -168,7 +170,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         if part.rounding_error == 0.0 {
             return Ok(length);
         }
-        // One step less, because the sum of what is left and what was lost is rounded up again.
+        // One step less, because the sum of this tolerance and the part's own error is rounded up again.
         let left = sub_down(length.next_down(), part.rounding_error);
         if left > 0.0 {
             return Ok(left);
@@ -180,7 +182,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
-    /// Says before the work that a budget needs more than the job allows.
+    /// Refuses, before the work starts, a budget that needs more than the job allows.
     fn check_limits(&self, asked: &CurveAllowance) -> Result<(), FlatteningFailure<D>> {
         let mut needed = 0.0;
         for part in &self.parts {
@@ -202,7 +204,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         Ok(())
     }
 
-    /// The cuts of all parts; none when they have more than `most` segments.
+    /// The chords of all parts; none when they have more than `most` segments.
     fn cut(
         &self,
         asked: &CurveAllowance,
@@ -210,7 +212,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
     ) -> Result<Option<Vec<FlattenedPiece>>, FlatteningFailure<D>> {
         let lengths: Vec<f64> =
             self.parts.iter().map(|part| self.chord_tolerance(part, asked)).collect::<Result<_, _>>()?;
-        // Far more than there may be, or than there is memory for: no need to place them.
+        // Far more than allowed, or than fit into memory: no need to place them.
         let room = self.job.memory_limit as f64 / BYTES_PER_POINT;
         let far_more = 64.0 * most as f64 + 64.0;
         let far_more = if far_more < room { far_more } else { room };
@@ -235,7 +237,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         Ok((count <= most).then_some(cuts))
     }
 
-    /// The polylines with the smallest bound on the ladder with at most `most` segments.
+    /// The polylines with the smallest bound in the series with at most `most` segments.
     fn within_count(
         &self,
         most: u64,
@@ -266,7 +268,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 self.parts.iter().map(|part| FlattenedPiece::new(part, part.chords.coarsest())).collect();
             return Err(Failure::Unmet(Box::new(self.finish(&cuts, asked))));
         };
-        // 1. Finer by octaves, then by halves of what is left, to the finest rung that fits.
+        // 1. Finer by octaves, then by bisection, to the finest length that fits.
         let (mut fits, mut fails) = (0, MOST_RUNGS);
         let mut step = RUNGS;
         while fits + 1 < fails {
@@ -282,7 +284,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         Ok(self.finish(&best, asked))
     }
 
-    /// The polylines of the cuts, and their bound.
+    /// The polylines of the flattened pieces, and their bound.
     fn finish(&self, cuts: &[FlattenedPiece], asked: &CurveAllowance) -> Bounded<Vec<Polyline<D>>> {
         let mut rest = cuts;
         let mut polylines = Vec::with_capacity(self.curves.len());
@@ -307,7 +309,8 @@ impl<'a, const D: usize> Flattener<'a, D> {
         Bounded { shape: polylines, bound }
     }
 
-    /// A distance that was found: that of the worst cut's farthest point to its polyline, from below.
+    /// A measured deviation: the distance of the worst piece's farthest point from its polyline, rounded
+    /// down.
     fn measured_deviation(
         &self,
         cuts: &[FlattenedPiece],
@@ -327,7 +330,8 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 let point = curve.segments()[index - first].at(cut.worst);
                 let far = crate::check::distance_to_polyline(point, polyline);
                 let lost = mul_up(2.0, self.parts[index].rounding_error);
-                let at_least = sub_down(far * (1.0 - 1e-15), lost); // the square root's and the sums' rounding is below 4 ε
+                // the square root's and the sums' rounding is below 4 ε
+                let at_least = sub_down(far * (1.0 - 1e-15), lost);
                 return (if at_least > 0.0 { at_least } else { 0.0 }, Some(to_3d(point)));
             }
             first += curve.segments().len();
@@ -361,7 +365,7 @@ fn tighter(a: Vec<FlattenedPiece>, b: Vec<FlattenedPiece>) -> Vec<FlattenedPiece
     if most(&b) < most(&a) { b } else { a }
 }
 
-/// The points of a path at its cuts.
+/// The points of a path at the parameters of its flattened pieces.
 fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[FlattenedPiece]) -> Polyline<D> {
     let n: usize = cuts.iter().map(|cut| cut.places.len()).sum();
     let mut made = Polyline {
@@ -387,7 +391,7 @@ fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[FlattenedPiece]) -> Polyli
     made
 }
 
-/// A point of the plane or of space, in space.
+/// A 2D or 3D point as a 3D point.
 fn to_3d<const D: usize>(p: [f64; D]) -> [f64; 3] {
     std::array::from_fn(|k| p.get(k).copied().unwrap_or(0.0))
 }

@@ -1,10 +1,11 @@
-//! The plain way to place the ends of chords: each as far along as its certificate allows.
+//! The greedy way to place chord ends: each chord as long as its deviation bound allows.
 //!
-//! Among all polylines with their vertices on the curve, in order, whose chords each keep the tolerance, none has fewer
-//! segments (up to the stop of the search). It is slow, and the oracle of the fast way.
+//! Among all polylines with their vertices on the curve, in order, whose chords each keep the tolerance, none
+//! has fewer segments (up to the stopping precision of the search). It is slow, and the reference for the
+//! fast way.
 
-/// How close to the farthest place the search comes, as a share of the step: a thousandth of a step in each of a
-/// thousand segments is one segment.
+/// How close to the farthest parameter the search comes, as a fraction of the step: a thousandth of a step in
+/// each of a thousand segments is one segment.
 const CLOSE: f64 = 1e-3;
 
 /// Parameters from 0 to 1, both included, such that `loss` of each step is at most `tolerance`.
@@ -23,7 +24,7 @@ pub(crate) fn parameters(loss: impl Fn(f64, f64) -> f64, sure: f64, tolerance: f
     places
 }
 
-/// The farthest end of a chord from `a`, looked for about a step away.
+/// The farthest end of a chord from `a`, searched about a step away.
 fn farthest(loss: &impl Fn(f64, f64) -> f64, (a, step): (f64, f64), sure: f64, tolerance: f64) -> f64 {
     if loss(a, 1.0) <= tolerance {
         return 1.0;
@@ -31,7 +32,7 @@ fn farthest(loss: &impl Fn(f64, f64) -> f64, (a, step): (f64, f64), sure: f64, t
     let mut good = if a + sure < 1.0 { a + sure } else { 0.5 * (a + 1.0) };
     let mut bad = 1.0;
     let mut guess = a + step;
-    // A step of the smallest share is found in 60 halvings from anywhere.
+    // A step of the smallest fraction is found in 60 halvings from anywhere.
     for _ in 0..60 {
         if bad - good <= CLOSE * (good - a) {
             break;
@@ -44,7 +45,7 @@ fn farthest(loss: &impl Fn(f64, f64) -> f64, (a, step): (f64, f64), sure: f64, t
         } else {
             bad = b;
         }
-        // The loss grows with the square of the step; aim a little inside, then a little outside.
+        // The deviation grows with the square of the step; aim a little inside, then a little outside.
         let aim = if found <= tolerance { 1.0 + 0.25 * CLOSE } else { 1.0 - 0.25 * CLOSE };
         guess = a + (b - a) * (tolerance / found).sqrt() * aim;
     }

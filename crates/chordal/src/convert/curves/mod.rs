@@ -1,4 +1,4 @@
-//! What curves and their polylines share: the certificate of a chord, and where to put its ends.
+//! Flattening curves into polylines: the deviation bound of a chord, and the placement of its ends.
 pub(super) mod batch;
 pub(super) mod chord;
 pub(super) mod density;

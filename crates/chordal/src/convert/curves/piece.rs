@@ -1,13 +1,13 @@
-//! One piece of a path cut into chords: how many at most, where, and with what loss.
+//! `Chords`: one piece of a path split into chords, with their number, parameters and deviations.
 use super::chord::{ChordDeviation, CubicChords, arc_deviation, coordinate_reach, rounding_at, whole_steps};
 use super::density::{FlattenScratch, spread_by_density};
 use super::greedy;
 use crate::explicit::CurveSegment;
 use crate::math::simd::{self, Kernel};
 
-/// A piece with what its certificates share.
+/// A piece with the values that its deviation bounds share.
 pub(crate) enum Chords<'a, const D: usize> {
-    /// Nowhere else than its two ends, which are the same: rounding would scatter points between them.
+    /// A piece whose points all equal its two ends: rounding would scatter points between them.
     Point,
     Line,
     Cubic(CubicChords<'a, D>),
@@ -25,7 +25,7 @@ impl<'a, const D: usize> Chords<'a, D> {
         }
     }
 
-    /// The loss of the chord from `a` to `b`, in exact arithmetic.
+    /// The deviation of the chord from `a` to `b`, in exact arithmetic.
     pub(crate) fn deviation(&self, a: f64, b: f64) -> ChordDeviation {
         match self {
             Self::Point | Self::Line => ChordDeviation { at_most: 0.0, fraction: 0.5 },
@@ -34,7 +34,7 @@ impl<'a, const D: usize> Chords<'a, D> {
         }
     }
 
-    /// Into how many equal steps the piece is cut at most (Wang's formula), as a float: it may be huge.
+    /// The number of equal steps that keeps the tolerance (Wang's formula), as a float: it may be huge.
     pub(crate) fn even_steps(&self, tolerance: f64) -> f64 {
         let steps = match self {
             Self::Point | Self::Line => return 1.0,
@@ -50,7 +50,8 @@ impl<'a, const D: usize> Chords<'a, D> {
         whole_steps(steps)
     }
 
-    /// Parameters from 0 to 1, both included, with chords of at most `tolerance`, and nearly as few as can be.
+    /// Parameters from 0 to 1, both included, with chords of at most `tolerance`, and nearly as few as
+    /// possible.
     pub(crate) fn fewest(&self, tolerance: f64) -> Vec<f64> {
         if let Self::Cubic(chords) = self {
             let mut work = FlattenScratch::default();
@@ -61,7 +62,7 @@ impl<'a, const D: usize> Chords<'a, D> {
         self.greedy(tolerance)
     }
 
-    /// The plain way: one after the other, each as long as can be.
+    /// The greedy way: one chord after the other, each as long as possible.
     pub(crate) fn greedy(&self, tolerance: f64) -> Vec<f64> {
         // A little less than what the formula allows, for its own rounding.
         let sure = 0.999 / self.even_steps(tolerance);
@@ -77,7 +78,7 @@ impl<'a, const D: usize> Chords<'a, D> {
         }
     }
 
-    /// The same with equal steps.
+    /// Parameters of `n` equal steps.
     pub(crate) fn even(&self, n: u64) -> Vec<f64> {
         let n = if matches!(self, Self::Point) { 1 } else { n };
         (0..=n).map(|i| i as f64 / n as f64).collect()
@@ -99,7 +100,7 @@ impl<const D: usize> Kernel for SpreadKernel<'_, '_, D> {
     }
 }
 
-/// What rounding may add to the loss of any chord of the piece.
+/// The rounding error that may be added to the deviation of any chord of the piece.
 pub(crate) fn rounding<const D: usize>(piece: &CurveSegment<D>) -> f64 {
     let size = match piece {
         CurveSegment::Line(points) => coordinate_reach(points),
@@ -125,7 +126,7 @@ mod tests {
     #[test]
     fn the_fast_way_keeps_the_tolerance_with_hardly_more_chords_than_the_greedy_one() {
         let mut seed = 7;
-        // Measured 1.04, 1.06, 1.04 and 1.02: the greedy way puts one long chord across a point where the curve bends back.
+        // Measured 1.04, 1.06, 1.04 and 1.02: the greedy way puts one long chord across an inflection.
         for (tolerance, most) in [(1e-1, 1.06), (1e-2, 1.08), (1e-3, 1.06), (1e-4, 1.04)] {
             let (mut fast, mut greedy) = (0, 0);
             for _ in 0..500 {

@@ -1,14 +1,13 @@
-//! The boundary of a solid in one tetrahedron, where the primitives are linear functions: the arrangement of
-//! their planes.
+//! The boundary of a solid in one tetrahedron with linear primitives: the arrangement of their planes.
 //!
-//! Each plane's part of the tetrahedron is cut by all the others; a piece is boundary where membership flips
-//! with its plane. A corner of a piece is known by what it lies on, never by coordinates, and which side of a
-//! plane it is on by the exact sign of a determinant. Planes are moved by infinitesimals, so no four of them
+//! Each plane's section of the tetrahedron is cut by all other planes; a piece is boundary where membership
+//! flips with its plane. A corner of a piece is identified by what it lies on, never by coordinates, and its
+//! side of a plane by the exact sign of a determinant. Planes are moved by infinitesimals, so no four of them
 //! meet in a point, and no three in a line.
 //!
-//! Only what can be seen in the boundary goes out: a corner where two planes cross is left out where one of
-//! them has no say. So neighbours agree in their common face, even if one of them no longer knows of that
-//! plane.
+//! Only corners that are visible in the boundary are emitted: a crossing of two planes is left out where
+//! membership does not depend on one of them. So neighbours agree in their common face, even if one of them
+//! has already pruned that plane.
 //!
 //! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for
 //! Piecewise Linear Functions*, 2022.
@@ -22,13 +21,13 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LivePrimitive {
     pub primitive: u32,
-    /// Whole values at the corners, none of them 0.
+    /// Integer values at the corners, none of them 0.
     pub values: [i64; 4],
-    /// Where infinitesimals move it.
+    /// The direction in which infinitesimals move it.
     pub sense: i64,
 }
 
-/// A tetrahedron, seen as one with positive volume.
+/// A tetrahedron whose corners are in the order of positive volume.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinearCell<'a> {
     pub corners: [u32; 4],
@@ -40,39 +39,39 @@ pub(super) struct LinearCell<'a> {
 /// No vertex, no primitive.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What a vertex of the boundary lies on.
+/// The identity of a vertex of the boundary: what it lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ArrangementVertex {
-    /// The corners of the smallest simplex that it is in, ascending, and none after them.
+    /// The corners of the smallest simplex that contains it, ascending, then [`NONE`].
     pub simplex: [u32; 4],
-    /// The primitives that are 0 there, ascending, and none after them.
+    /// The primitives that vanish there, ascending, then [`NONE`].
     pub primitives: [u32; 3],
-    /// Which of the sheets that touch there it belongs to.
+    /// The sheet that it belongs to, where several touch.
     pub sheet: u32,
-    /// For the middle between two corners on one crease: the third primitive of the other corner.
+    /// For the midpoint between two corners on one crease: the third primitive of the other corner.
     pub other: u32,
 }
 
-/// Parts of the boundary in some cells, each in one plane.
+/// Pieces of the boundary in some cells, each in one plane.
 #[derive(Debug, Default)]
 pub(super) struct BoundaryPatches {
     pub corners: Vec<ArrangementVertex>,
-    /// Where each loop ends in `corners`. They run counter-clockwise as seen from outside of the solid.
+    /// The end of each loop in `corners`. Loops run counter-clockwise as seen from outside of the solid.
     pub loop_ends: Vec<u32>,
-    /// By patch: its label, and where its loops end in `loop_ends`.
+    /// By patch: its label, and the end of its loops in `loop_ends`.
     pub patches: Vec<(u32, u32)>,
 }
 
-/// The label of what belongs to a primitive, or its complement.
+/// The label of a primitive or of its complement.
 pub(super) fn label_of(primitive: u32, is_complemented: bool) -> u32 {
     primitive << 1 | u32::from(is_complemented)
 }
 
-/// Sides by place in the live primitives: whether they are negative.
+/// Signs of the live primitives, by index: whether they are negative.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct SignVector {
     first: u128,
-    /// Those after the first 128; nearly always none.
+    /// Those after the first 128; nearly always empty.
     rest: Vec<u128>,
 }
 
@@ -98,17 +97,17 @@ impl SignVector {
     }
 }
 
-/// Primitives of which a table of all cases is made. Defined: 2⁶ bits are a word.
+/// Up to so many primitives a truth table is made. Defined: 2⁶ bits are a word.
 const TABLE: usize = 6;
 
-/// Membership from sides.
+/// Membership as a function of the signs.
 enum MembershipTable {
     Table(u64),
-    /// With what was found so far.
+    /// With a cache of earlier results.
     Tree(CsgTree, RefCell<IntegerMap<u128, bool>>), // No order depends on it.
 }
 
-/// A side of a piece: on the facet across a corner, or on the plane of a live primitive.
+/// A side of a piece: on the facet opposite a corner, or on the plane of a live primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ArrangementEdge {
     Facet(u8),
@@ -119,11 +118,12 @@ enum ArrangementEdge {
 #[derive(Clone, Debug)]
 struct ArrangementFace {
     sides: Vec<ArrangementEdge>,
-    /// Of the other planes.
+    /// The signs of the other primitives.
     negative: SignVector,
 }
 
-/// What a corner lies on, in the cell's own numbers: facets that it is not on have their bits, planes ascend.
+/// What a corner lies on, in the cell's own numbers: the bit of a facet is set where the corner is not on it;
+/// planes ascend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct ArrangementCorner {
     simplex: u8,
@@ -133,8 +133,8 @@ struct ArrangementCorner {
 }
 
 impl LinearCell<'_> {
-    /// Adds the boundary in this cell. The others of the tree's primitives have the same side throughout:
-    /// `is_negative` says which.
+    /// Adds the boundary in this cell. `is_negative` gives the signs of the tree's other primitives, which
+    /// are constant in it.
     pub fn boundary(&self, is_negative: impl Fn(u32) -> bool, into: &mut BoundaryPatches) {
         let Some(truth) = self.membership_table(is_negative) else { return };
         for i in 0..self.live.len() as u32 {
@@ -154,7 +154,7 @@ impl LinearCell<'_> {
         }
     }
 
-    /// None where membership is the same throughout.
+    /// `None` where membership is the same throughout.
     fn membership_table(&self, is_negative: impl Fn(u32) -> bool) -> Option<MembershipTable> {
         let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive).ok();
         if self.live.len() <= TABLE {
@@ -191,7 +191,7 @@ impl LinearCell<'_> {
         }
     }
 
-    /// The part of a plane in the cell, seen from where the primitive is positive.
+    /// The section of a plane with the cell, seen from where the primitive is positive.
     fn section(&self, i: u32) -> Vec<ArrangementEdge> {
         let negative = self.live[i as usize].values.map(|x| x < 0);
         let code = (0..4).fold(0, |code, k| code | usize::from(negative[k]) << k);
@@ -253,7 +253,7 @@ impl LinearCell<'_> {
         sign == Ordering::Less
     }
 
-    /// Adds the pieces of plane `i` that are boundary, those that hang together as one.
+    /// Adds the pieces of plane `i` that are boundary; connected ones are merged.
     fn emit(
         &self,
         truth: &MembershipTable,
@@ -333,7 +333,8 @@ impl LinearCell<'_> {
         (0..n).map(corner).collect()
     }
 
-    /// Which of the sheets around a corner the piece belongs to, and whether all planes have a say there.
+    /// The sheet around a corner that the piece belongs to, and whether membership depends on all planes
+    /// there.
     fn sheet(
         &self,
         truth: &MembershipTable,
@@ -352,7 +353,7 @@ impl LinearCell<'_> {
         let negative = |k: u32| if k == i { !is_complemented } else { piece.negative.get(k as usize) };
         let solid = planes.iter().enumerate().fold(0, |o, (r, k)| o | usize::from(negative(*k)) << r);
         let sheet = match planes.len() {
-            // Both wedges of a solid meet in the crease.
+            // Both solid wedges meet in the crease.
             2 if pattern.is_crossed() => 1 + (solid as u32 & 1),
             2 => 0,
             _ => pattern.sheet(plane, solid & !(1 << plane)),
@@ -436,14 +437,14 @@ impl OctantMask {
         self.0 >> octant & 1 == 1
     }
 
-    /// Whether, of two planes, opposite wedges are solid and the others are not.
+    /// Whether, of two planes, two opposite wedges are solid and the others are not.
     fn is_crossed(self) -> bool {
         matches!(self.0 & 15, 0b0110 | 0b1001)
     }
 
-    /// The sheet of three planes' quarters that has the quarter of plane `r` beside an octant on whose bit
-    /// `r` nothing depends: the least number of its quarters. Around a half-line with four of them two belong
-    /// together where they are sides of one solid wedge.
+    /// The sheet around a crossing of three planes, as the least number of its quarters. It contains the
+    /// quarter of plane `r` beside an octant whose bit `r` does not matter. Around a half-line with four
+    /// quarters, two belong together where they bound one solid wedge.
     fn sheet(self, r: usize, octant: usize) -> u32 {
         let number = |r: usize, octant: usize| (8 * r + octant) as u32;
         let is_boundary = |r: usize, octant: usize| self.at(octant) != self.at(octant | 1 << r);
@@ -452,7 +453,7 @@ impl OctantMask {
         let mut open = vec![(r, octant)];
         while let Some((r, octant)) = open.pop() {
             least = least.min(number(r, octant));
-            // The two half-lines at its rim, on which plane s keeps its side, and in which it meets plane t.
+            // The two half-lines at the rim of the quarter: on plane t, where plane s keeps its side.
             for (s, t) in [((r + 1) % 3, (r + 2) % 3), ((r + 2) % 3, (r + 1) % 3)] {
                 let fixed = octant & 1 << s;
                 let candidates =
@@ -473,7 +474,7 @@ impl OctantMask {
     }
 }
 
-/// The other corners of a tetrahedron.
+/// The remaining corners of a tetrahedron.
 fn other_corners<const F: usize, const N: usize>(facets: [u8; F]) -> [usize; N] {
     let mut all = (0..4).filter(|k| !facets.contains(&(*k as u8)));
     std::array::from_fn(|_| all.next().expect("facets differ"))
@@ -483,7 +484,7 @@ fn divided_sign(sign: Ordering, denominator: Ordering) -> Ordering {
     if denominator == Ordering::Less { sign.reverse() } else { sign }
 }
 
-/// The loops around pieces of one plane, by what hangs together.
+/// The loops around pieces of one plane, one list for each connected component.
 fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorner>>> {
     if let [] | [_] = pieces {
         return pieces.iter().map(|ring| vec![ring.clone()]).collect();
@@ -498,7 +499,7 @@ fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorn
     let find = |a: &ArrangementCorner, b: &ArrangementCorner| {
         edges.binary_search_by(|edge| (edge.0, edge.1).cmp(&(*a, *b))).ok()
     };
-    // The same edge of the piece on its other side.
+    // The same edge in the piece on its other side.
     let twin: Vec<Option<usize>> = edges.iter().map(|(a, b, ..)| find(b, a)).collect();
     let index = |piece: u32, t: u32| {
         let ring = &pieces[piece as usize];
@@ -548,22 +549,22 @@ fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorn
     loops
 }
 
-/// By which corners are negative (bit `k` for corner `k`): the facets that the section's sides are on, in
-/// turn, 4 for none. The tetrahedron is (0, x, y, z), and the section is seen counter-clockwise from where
-/// the function is positive.
+/// By the set of negative corners (bit `k` for corner `k`): the facets of the section's sides, in order, 4
+/// for none. The tetrahedron is (0, x, y, z), and the section is seen counter-clockwise from where the
+/// function is positive.
 const SECTIONS: [[u8; 4]; 16] = sections();
 
 const fn sections() -> [[u8; 4]; 16] {
-    // Even permutations of the corners, by which of them comes first.
+    // Even permutations of the corners, by their first corner.
     const FIRST: [[u8; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]];
-    // And by which two do.
+    // And by their first two.
     const TWO: [[u8; 4]; 6] =
         [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
     let mut all = [[4; 4]; 16];
     let mut k = 0;
     while k < 4 {
         let [v, a, b, c] = FIRST[k];
-        // Corners on va, vb, vc: between va and vb it is the facet across c.
+        // Corners on va, vb, vc: the side between va and vb is on the facet opposite c.
         all[1 << v] = [c, a, b, 4];
         all[15 - (1 << v)] = [b, a, c, 4];
         k += 1;

@@ -1,4 +1,4 @@
-//! The test of one cell: whether its part of the solid's boundary is that of linear functions.
+//! The test of one cell: whether the solid's boundary in it is that of linear functions.
 use super::growth::{GradientBox, grow_together};
 use crate::implicit::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive};
 use crate::math::{cross, dot};
@@ -12,11 +12,11 @@ pub(super) struct PrunedTree {
     pub tree: CsgTree,
     /// Ascending.
     pub primitives: Vec<u32>,
-    /// By place in `primitives`: how they stand in the tree.
+    /// By index in `primitives`: their polarity in the tree.
     pub polarity: Vec<Polarity>,
 }
 
-/// How a primitive stands in a tree.
+/// Whether a primitive occurs plain in a tree, complemented, or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Polarity {
     pub plain: bool,
@@ -37,15 +37,15 @@ impl PrunedTree {
         Self { tree, primitives, polarity }
     }
 
-    /// What it takes in memory, about: its lists, and itself with its place in a table.
+    /// Its approximate memory: its lists, and itself with its entry in a table.
     fn bytes(&self) -> u64 {
         let of_lists =
             size_of_val(self.tree.nodes()) + size_of_val(&*self.primitives) + size_of_val(&*self.polarity);
         (of_lists + 2 * size_of::<Self>()) as u64
     }
 
-    /// Whether a primitive that stands in the tree with its complement leaves one side whatever it is:
-    /// nothing of the boundary is where it vanishes, as between two solids that share a face.
+    /// Whether some primitive that occurs both plain and complemented leaves the tree decided on either side,
+    /// with the same result. Then no boundary is where it vanishes, as between two solids that share a face.
     fn is_cancelled(&self) -> bool {
         let is_mixed = |polarity: &Polarity| polarity.plain && polarity.complemented;
         let mixed = self.primitives.iter().zip(&self.polarity).filter(|(_, polarity)| is_mixed(polarity));
@@ -62,16 +62,16 @@ impl PrunedTree {
     }
 }
 
-/// The trees of all cells, each kept once.
+/// The trees of all cells, each stored once.
 #[derive(Debug, Default)]
 pub(super) struct PrunedTreeCache {
-    /// By a tree's fingerprint, one of those that have it.
+    /// One of the trees with each fingerprint.
     known: HashMap<u64, Arc<PrunedTree>>, // No order depends on it.
     bytes: u64,
 }
 
 impl PrunedTreeCache {
-    /// The tree as it is kept.
+    /// The stored tree that equals `open`.
     pub fn intern(&mut self, open: Arc<PrunedTree>) -> Arc<PrunedTree> {
         match self.known.entry(open.tree.fingerprint()) {
             hash_map::Entry::Occupied(known) if known.get().tree == open.tree => Arc::clone(known.get()),
@@ -84,7 +84,7 @@ impl PrunedTreeCache {
         }
     }
 
-    /// Drops those that no cell has.
+    /// Drops trees that no cell uses.
     pub fn remove_unused(&mut self) {
         let bytes = &mut self.bytes;
         self.known.retain(|_, open| {
@@ -94,13 +94,13 @@ impl PrunedTreeCache {
         });
     }
 
-    /// What they take in memory, about.
+    /// The approximate memory of the trees.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 }
 
-/// Where a primitive is in an ascending list that has it.
+/// The index of a primitive in an ascending list that contains it.
 pub(super) fn index_of(primitives: &[u32], p: u32) -> usize {
     if primitives.len() == 1 {
         0
@@ -109,15 +109,15 @@ pub(super) fn index_of(primitives: &[u32], p: u32) -> usize {
     }
 }
 
-/// On which side a value of 0 is.
+/// The side to which a value of 0 belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ZeroSide {
     Outside,
-    /// The primitive stands in the tree as its complement only, and 0 is outside of that.
+    /// The primitive occurs only as its complement, and 0 is outside of that.
     Inside,
 }
 
-/// On which side of a primitive all values are.
+/// The side of a primitive on which all values of a range are.
 pub(super) fn range_side([low, high]: [f64; 2], zero: ZeroSide) -> Membership {
     match zero {
         ZeroSide::Outside if low >= 0.0 => Membership::Outside,
@@ -128,7 +128,7 @@ pub(super) fn range_side([low, high]: [f64; 2], zero: ZeroSide) -> Membership {
     }
 }
 
-/// What is left of a tree when primitives have sides; none where it is decided.
+/// The tree that is left when primitives have sides; `None` where it is decided.
 pub(super) fn prune(open: &Arc<PrunedTree>, sides: &[Membership]) -> Option<Arc<PrunedTree>> {
     if sides.iter().all(|side| *side == Membership::Unknown) {
         return (!open.is_cancelled()).then(|| Arc::clone(open));
@@ -144,52 +144,52 @@ pub(super) fn prune(open: &Arc<PrunedTree>, sides: &[Membership]) -> Option<Arc<
     }
 }
 
-/// What is known of a cell.
+/// The facts about a cell.
 pub(super) struct CellTest<'a> {
     pub csg: &'a Csg,
     pub open: &'a PrunedTree,
-    /// By place in the tree's primitives.
+    /// By index in the tree's primitives.
     pub ranges: &'a [DualRange],
     /// Values at the cell's corners.
     pub values: &'a [[f64; 4]],
-    /// How far rounding may have moved these.
+    /// The largest rounding errors of these.
     pub noise: &'a [f64],
-    /// Primitives that are taken to have one side throughout; none where the list is empty.
+    /// Primitives assumed to have one side throughout; empty for none.
     pub idle: &'a [bool],
-    /// The sides of its box.
+    /// The sides of the cell's box.
     pub widths: [f64; 3],
-    /// Before it is stretched.
+    /// The longest edge, before stretching.
     pub longest: f64,
-    /// By axis: how many times longer it is along it.
+    /// By axis: the factor of the stretch.
     pub stretch: [f64; 3],
 }
 
-/// The radius of the smallest ball around a tetrahedron, by its longest edge. Derived: that of a regular one,
-/// which is the worst, is √6/4.
+/// The radius of the smallest ball around a tetrahedron, relative to its longest edge. Derived: that of a
+/// regular one, which is the worst, is √6/4.
 const ENCLOSING: f64 = 0.612_372_5;
-/// A primitive is to grow by this share of its middle gradient along its best direction, throughout. Measured
-/// on the models of the tests: with 0.3 there are a third more cells, with 0.2 hardly fewer, and what is
-/// coarser is split later.
+/// A primitive has to grow by this fraction of its middle gradient along its best direction, throughout.
+/// Measured on the models of the tests: with 0.3 there are a third more cells, with 0.2 hardly fewer, and
+/// what is coarser is split later.
 const GROWTH: f64 = 0.25;
-/// A corner of three linear functions whose barycentric coordinates are below this is taken to be outside of
-/// the cell. Chosen: 0 is its rim.
+/// A corner of three linear functions with a barycentric coordinate below this counts as outside of the cell.
+/// Chosen: 0 is its rim.
 const OUTSIDE: f64 = -0.75;
 /// A tree with more primitives is cut, as long as that helps. Chosen: twice as many as meet in common
 /// corners.
 const MOST: usize = 16;
-/// Truth tables are asked for with so many other primitives.
+/// The most other primitives for which truth tables are made.
 const MOST_OTHERS: usize = 6;
-/// What a bound by the mean value theorem may be off by through its own rounding, as a share of what is
-/// added. Derived: some tens of roundings, with room.
+/// The rounding error of a bound by the mean value theorem, relative to the added terms. Derived: some tens
+/// of roundings, with a reserve.
 const SLACK: f64 = 1e-13;
-/// Values in the cell may be moved by rounding so many times as far as those at its corners. Chosen: a
-/// decided cell whose neighbour finds the other sign on their common face would leave a hole.
+/// Rounding may move values in the cell so many times as far as those at its corners. Chosen: a decided cell
+/// whose neighbour finds the other sign on their common face would leave a hole.
 const NOISE: f64 = 16.0;
 
 impl CellTest<'_> {
-    /// How far values in the cell are from the linear interpolant of those at its corners, by the mean value
-    /// theorem with gradients in a box: off from its middle by no more than half its diagonal in length, and
-    /// half its sides by axis.
+    /// The largest difference between values in the cell and the linear interpolant of those at its corners.
+    /// By the mean value theorem with gradients in a box: they differ from its middle by at most half its
+    /// diagonal in length, and half its sides by axis.
     pub fn interpolation_error(&self, at: usize) -> f64 {
         let Some(gradient) = &self.ranges[at].gradient else { return f64::INFINITY };
         let half = gradient.each_ref().map(|d| 0.5 * (d.hi() - d.lo()));
@@ -199,7 +199,7 @@ impl CellTest<'_> {
         if by_axis < by_length { by_axis } else { by_length }
     }
 
-    /// A range of values in the cell, tighter by those at the corners.
+    /// A range of values in the cell, tightened by those at the corners.
     pub fn value_range(&self, at: usize) -> [f64; 2] {
         let [low, high] = self.ranges[at].value;
         let [a, b] = min_max(&self.values[at]);
@@ -248,7 +248,7 @@ impl CellTest<'_> {
     }
 
     fn pairs_and_triples_are_resolved(&self, entries: &[ActivePrimitive]) -> bool {
-        // Pairs that never meet, or have no say together.
+        // Pairs that never meet, or do not matter together.
         let n = entries.len();
         let mut apart = vec![false; n * n];
         for a in 0..n {
@@ -284,15 +284,14 @@ impl CellTest<'_> {
         &self.csg.primitives()[self.open.primitives[entry.at] as usize]
     }
 
-    /// Whether one of them is above the other, or above its negation, in all of the cell, both scaled to
-    /// gradients of one length.
+    /// Whether x − y or x + y has one sign in all of the cell, both scaled to gradients of equal length.
     fn is_separated(&self, x: &ActivePrimitive, y: &ActivePrimitive) -> bool {
         let size = |e: &ActivePrimitive| {
             let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");
             let middle = gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()));
             dot(middle, middle).sqrt()
         };
-        // Signs as functions, whatever the polarity: their zero sets are to be apart.
+        // Signs as functions, whatever the polarity: their zero sets have to be apart.
         let sign = |e: &ActivePrimitive| {
             let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");
             if dot(e.gradient.middle, gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()))) < 0.0 {
@@ -310,7 +309,7 @@ impl CellTest<'_> {
         low > reach || high < -reach
     }
 
-    /// Whether some sides of the others make the solid's boundary follow both.
+    /// Whether, for some sides of the others, the solid's boundary follows both.
     fn decide_together(&self, x: usize, y: usize) -> bool {
         let primitives = &self.open.primitives;
         let others: Vec<usize> = (0..primitives.len()).filter(|k| *k != x && *k != y).collect();
@@ -336,7 +335,7 @@ impl CellTest<'_> {
         })
     }
 
-    /// Whether the linear functions meet in a point far outside of the cell.
+    /// Whether the linear functions meet far outside of the cell.
     fn meet_outside(&self, triple: &[ActivePrimitive; 3]) -> bool {
         let [p, q, r] = triple.map(|e| self.values[e.at]);
         let without = |v: &[f64; 4], k: usize| -> [f64; 3] {
@@ -351,7 +350,7 @@ impl CellTest<'_> {
     }
 }
 
-/// A primitive, or its complement, that has a say.
+/// A primitive or its complement that may carry boundary.
 #[derive(Clone, Copy)]
 struct ActivePrimitive {
     at: usize,

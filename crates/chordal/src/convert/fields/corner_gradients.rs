@@ -1,18 +1,18 @@
-//! Slopes at the corners of cells in the place of ranges: of functions that are known at points only, and where
-//! ranges say too little.
+//! Gradients at the corners of cells in place of ranges: for functions known only at points, and where ranges
+//! are too wide.
 use super::cells::{CellTest, PrunedTree};
 use super::grid::{CELLS_A_TASK, CellAction, CellBuffers, CellQuery, FieldGrid, FieldGridError, PendingCell};
 use crate::budget::par_map;
 use crate::implicit::{DualRange, PrimitiveEvaluator};
 use crate::math::Interval;
 
-/// Cells of one level are cut by ranges of slopes as long as there are no more of them; beyond, slopes at
-/// their corners decide. Measured: 51,000 on the cube with gyroid infill.
+/// Cells of one level are cut by ranges of slopes up to this number; beyond, slopes at their corners decide.
+/// Measured: 51,000 on the cube with gyroid infill.
 const MOST_BY_RANGES: usize = 1 << 17;
 
 impl<'a> FieldGrid<'a> {
-    /// Where too many cells would be cut, ranges say far less than there is to know: then slopes at the corners
-    /// of a cell tell whether it is done. What they overlook is for the proof to find.
+    /// Where too many cells would be cut, ranges are far too wide: then slopes at the corners of a cell
+    /// decide whether it is done. The proof has to find what they miss.
     pub(super) fn refine_by_samples(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
@@ -46,7 +46,7 @@ impl<'a> FieldGrid<'a> {
         Ok(())
     }
 
-    /// Whether a cell is done if slopes in it are as at its corners.
+    /// Whether a cell is done, assuming that slopes in it are as at its corners.
     fn is_resolved_by_samples(&self, one: &PendingCell, gradient: impl Fn(u32, u32) -> [f64; 3]) -> bool {
         let (corners, open) = (one.tetrahedron.corners, &one.open);
         let range =
@@ -68,8 +68,8 @@ impl<'a> FieldGrid<'a> {
         facts.is_resolved()
     }
 
-    /// Takes gradients at the corners for the range of all where no other is known. A function whose values
-    /// are not known in between either has a say only where its sign changes among the corners.
+    /// Uses the hull of the gradients at the corners where no range is known. A function without known values
+    /// in between either matters only where its sign changes among the corners.
     pub(super) fn gather_corner_gradients(
         &self,
         cell: &CellQuery,
@@ -94,7 +94,7 @@ impl<'a> FieldGrid<'a> {
     }
 }
 
-/// The least box that has all of the vectors.
+/// The smallest box that contains all of the vectors.
 fn hull(vectors: &[[f64; 3]]) -> Option<[Interval; 3]> {
     let mut all = [Interval::UNKNOWN; 3];
     for (k, range) in all.iter_mut().enumerate() {

@@ -1,9 +1,9 @@
-//! A solid's boundary from a grid: in each cell that of linear functions, joined without a look at
+//! Extracts a solid's boundary from a grid: in each cell that of linear functions, joined without using
 //! coordinates.
 //!
-//! Values at vertices become whole numbers, so that signs are exact; each primitive is moved outward by a
-//! small odd number, so that none is 0 at a vertex and sheets with equal values stay apart. The result is
-//! closed, oriented and manifold whatever the values are, and embedded up to the rounding of coordinates.
+//! Values at vertices become integers, so that signs are exact. Each primitive is moved outward by a small
+//! odd number, so that none is 0 at a vertex and sheets with equal values stay apart. The result is closed,
+//! oriented and manifold whatever the values are, and embedded up to the rounding of coordinates.
 use super::arrangement::{ArrangementVertex, BoundaryPatches, LinearCell, LivePrimitive, NONE};
 use super::cells::ZeroSide;
 use super::grid::{FieldGrid, GridCell};
@@ -13,22 +13,20 @@ use super::tetrahedra::IntegerMap;
 use crate::budget::{Job, par_map};
 use crate::math::determinants::{common_zero3, common_zero4};
 
-/// A closed oriented manifold that the boundary of a solid is near to: exact for functions that are linear in
-/// each cell.
+/// A closed oriented manifold near the boundary of a solid: exact for functions that are linear in each cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::convert) struct ExtractedSurface {
     pub positions: Vec<[f64; 3]>,
     /// Counter-clockwise as seen from outside.
     pub faces: Vec<[u32; 3]>,
-    /// By face: twice the number of its primitive, and one more where the solid is on the positive side of
-    /// it.
+    /// By face: twice the number of its primitive, plus one where the solid is on the positive side of it.
     pub labels: Vec<u32>,
-    /// By vertex: the primitives that it is on, ascending, and the largest number after them: one
-    /// on a face, two on a crease, three in a corner.
+    /// By vertex: the primitives that it is on, ascending, then the largest number: one on a face, two on a
+    /// crease, three in a corner.
     pub vertex_primitives: Vec<[u32; 3]>,
-    /// By vertex: the longest edge of the largest cell that it is in.
+    /// By vertex: the longest edge of the largest cell that contains it.
     pub cell_sizes: Vec<f64>,
-    /// Cells that would have to be smaller: what is there may have another shape.
+    /// Cells that would have to be smaller: the shape in them may differ.
     pub unresolved: Vec<SizingPoint>,
 }
 
@@ -42,11 +40,11 @@ const CHUNK: usize = 256;
 /// Vertices or patches in one task.
 const LARGE_CHUNK: usize = 2048;
 
-/// Shifts that are tried. Measured: of 3,000 random solids whose planes coincide one or two have vertices in
-/// one place with the first ones.
+/// The most shifts that are tried. Measured: of 3,000 random solids whose planes coincide one or two have
+/// coinciding vertices with the first ones.
 const TRIALS: u64 = 4;
 
-/// The boundary in all cells of a grid.
+/// Extracts the boundary from all cells of a grid.
 pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> ExtractedSurface {
     let cells: Vec<&GridCell> = grid.cells().collect();
     let first = extract_shifted(grid, &cells, 0, job);
@@ -59,8 +57,8 @@ pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> ExtractedSurfa
         .unwrap_or(first)
 }
 
-/// Whether some face has two corners in one place: sheets are nearer to each other there than coordinates are
-/// exact.
+/// Whether some face has two corners at one position: sheets there are nearer to each other than the
+/// precision of coordinates.
 fn has_collapsed(surface: &ExtractedSurface) -> bool {
     surface.faces.iter().any(|face| {
         let [a, b, c] = face.map(|v| surface.positions[v as usize]);
@@ -68,7 +66,7 @@ fn has_collapsed(surface: &ExtractedSurface) -> bool {
     })
 }
 
-/// With the shifts of one trial.
+/// Extracts with the shifts of one trial.
 fn extract_shifted(grid: &FieldGrid, cells: &[&GridCell], trial: u64, job: &Job) -> ExtractedSurface {
     let whole = IntegerValues::new(grid, cells, trial);
     let chunks: Vec<&[&GridCell]> = cells.chunks(CHUNK).collect();
@@ -89,10 +87,10 @@ fn extract_shifted(grid: &FieldGrid, cells: &[&GridCell], trial: u64, job: &Job)
     }
 }
 
-/// Values as whole numbers.
+/// The values as integers.
 struct IntegerValues<'a> {
     grid: &'a FieldGrid<'a>,
-    /// As the grid has its values.
+    /// In the order of the grid's values.
     whole: Vec<i64>,
 }
 
@@ -103,7 +101,7 @@ impl<'a> IntegerValues<'a> {
             for p in &cell.open.primitives {
                 let values =
                     cell.tetrahedron.corners.map(|v| grid.values.get(v, *p).expect("it was asked for"));
-                // Only where it changes its sign.
+                // Only where the primitive changes its sign.
                 if values.iter().all(|x| *x < 0.0) || values.iter().all(|x| *x > 0.0) {
                     continue;
                 }
@@ -130,7 +128,7 @@ impl<'a> IntegerValues<'a> {
         self.whole[self.grid.values.index(vertex, primitive).expect("it was asked for")]
     }
 
-    /// Where infinitesimals move a primitive: outward.
+    /// The direction in which infinitesimals move a primitive: outward.
     fn sense(&self, primitive: u32) -> i64 {
         match self.grid.zero[primitive as usize] {
             ZeroSide::Outside => 1,
@@ -139,12 +137,11 @@ impl<'a> IntegerValues<'a> {
     }
 }
 
-/// The value with the sign that it has, 0 and what is no value taken as positive, and away from 0 by the
-/// shift.
+/// The value as an integer with its sign (0 and NaN count as positive), moved away from 0 by the shift.
 fn to_integer(value: f64, scale: f64, shift: i64) -> i64 {
     /// 2 to the power of [`VALUE_BITS`].
     const MOST: f64 = (1_u64 << VALUE_BITS) as f64;
-    // Rounded down, so that below 0 stays below, even if it is so little that the product is 0.
+    // Rounded down, so that negative values stay negative, even if the product is 0.
     let floor = (value * scale).floor();
     let floor = if value < 0.0 && floor > -1.0 { -1.0 } else { floor };
     let floor = if floor < MOST { floor } else { MOST };
@@ -152,7 +149,7 @@ fn to_integer(value: f64, scale: f64, shift: i64) -> i64 {
     ((floor as i64) << SHIFT_BITS) + shift
 }
 
-/// What makes values up to `largest` whole numbers of [`VALUE_BITS`] bits: a power of 2.
+/// The factor, a power of 2, that turns values up to `largest` into integers of [`VALUE_BITS`] bits.
 fn scale(largest: f64) -> f64 {
     /// The largest power that has a reciprocal, with room for [`VALUE_BITS`].
     const FARTHEST: i32 = 900;
@@ -174,8 +171,8 @@ fn scale(largest: f64) -> f64 {
 
 /// An odd number of [`SHIFT_BITS`] bits.
 fn shift(primitive: u32, trial: u64) -> i64 {
-    // Defined: the finalizer of SplitMix64 (Steele, Lea and Flood, 2014), of which equal differences of
-    // numbers make no equal differences.
+    // Defined: the finalizer of SplitMix64 (Steele, Lea and Flood, 2014), which maps equal differences of
+    // numbers to different ones.
     let seed = (u64::from(primitive) + 1 + (trial << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mixed = (seed ^ seed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -219,13 +216,13 @@ impl ArrangementVertex {
     }
 }
 
-/// Patches of all cells with their common vertices.
+/// The patches of all cells, with merged vertices.
 #[derive(Default)]
 struct PatchMerger {
     ids: IntegerMap<ArrangementVertex, u32>, // No order depends on it.
     keys: Vec<ArrangementVertex>,
     sizes: Vec<f64>,
-    /// By corner.
+    /// The vertex of each corner.
     vertices: Vec<u32>,
     loop_ends: Vec<u32>,
     patches: Vec<(u32, u32)>,
@@ -250,7 +247,7 @@ impl PatchMerger {
     }
 }
 
-/// Where the linear functions vanish.
+/// The positions where the linear functions vanish.
 fn positions(whole: &IntegerValues, keys: &[ArrangementVertex], job: &Job) -> Vec<[f64; 3]> {
     let chunks: Vec<&[ArrangementVertex]> = keys.chunks(LARGE_CHUNK).collect();
     par_map(job, &chunks, |_, keys| keys.iter().map(|key| position(whole, key)).collect::<Vec<_>>()).concat()
@@ -294,12 +291,12 @@ fn position(whole: &IntegerValues, key: &ArrangementVertex) -> [f64; 3] {
 
 /// The point with these barycentric coordinates.
 fn weighted<const N: usize>(corners: [[f64; 3]; N], weights: [f64; N]) -> [f64; 3] {
-    // From the first corner on, so that what all have in common is not rounded.
+    // Relative to the first corner, so that common parts are not rounded.
     let first = corners[0];
     std::array::from_fn(|k| first[k] + (1..N).map(|i| weights[i] * (corners[i][k] - first[k])).sum::<f64>())
 }
 
-/// Triangles and their labels.
+/// The triangles and their labels.
 fn faces(joined: &PatchMerger, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 3]>, Vec<u32>) {
     let numbers: Vec<usize> = (0..joined.patches.len()).collect();
     let chunks: Vec<&[usize]> = numbers.chunks(LARGE_CHUNK).collect();

@@ -1,11 +1,11 @@
-//! A field asked for many points at once.
+//! `FieldSampler`: evaluates a field at many points at once.
 use crate::budget::{Job, par_map};
 use crate::implicit::{Dual, LeafError, Tape};
 
 /// Points in one call of a field without leaves.
 const CHUNK: usize = 2048;
 
-/// The field, and who works for it.
+/// The tape of a field, and the job that evaluates it.
 pub(in crate::convert) struct FieldSampler<'a> {
     pub tape: &'a Tape,
     pub job: &'a Job,

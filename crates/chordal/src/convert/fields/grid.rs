@@ -1,8 +1,8 @@
 //! `FieldGrid`: tetrahedra that are small only where a solid's boundary is not that of linear functions.
 //!
 //! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
-//! primitives that still decide have a common direction in which they grow. Decided ones are forgotten:
-//! nothing of the boundary is in them, whatever their neighbours look like. All others conform.
+//! undecided primitives have a common direction in which they grow. Decided tetrahedra are dropped: they
+//! contain no boundary, whatever their neighbours look like. All others conform.
 use super::cells::{CellTest, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side};
 use super::cells_at_vertices::CellsAtVertices;
 use super::sizing::{SizingField, SizingPoint};
@@ -13,26 +13,26 @@ use crate::implicit::{Csg, CsgNode, DualRange, LeafError, Membership, PrimitiveE
 use crate::math::Box3;
 use std::sync::Arc;
 
-/// What a grid is to be.
+/// The options of a grid.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::convert) struct GridOptions {
-    /// What the solid is in.
+    /// The box that contains the solid.
     pub bounds: Box3,
-    /// Cells whose longest edge, before it is stretched, is no longer than this are not cut, but for what is
-    /// asked of [`FieldGrid::refine`].
+    /// Cells whose longest edge, before stretching, is at most this are not cut, except by
+    /// [`FieldGrid::refine`].
     pub floor: f64,
-    /// Cells with a longer edge are cut wherever the boundary may be. Of a function that is known at points
-    /// only, this is how far apart they are at first: what is smaller may be missed.
+    /// Cells with a longer edge are cut wherever the boundary may be. A function known only at points is
+    /// sampled at this spacing first: smaller features may be missed.
     pub coarsest: f64,
 }
 
-/// How far a grid came.
+/// How completely a grid was refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::convert) enum FieldGridStatus {
     Whole,
-    /// Cells without slopes were left as they are, or there was no memory for more.
+    /// Cells without slopes were left uncut, or the memory was used up.
     CutShort,
-    /// Cells were left as they are since ranges say too little of the shape; only what is asked for is cut now.
+    /// Cells were left uncut since ranges are too wide; only requested cells are cut now.
     Exhausted,
 }
 
@@ -41,7 +41,7 @@ pub(in crate::convert) enum FieldGridStatus {
 pub(in crate::convert) enum FieldGridError {
     /// A leaf could not be evaluated.
     Leaf(LeafError),
-    /// The job was asked to stop.
+    /// The job was cancelled.
     Cancelled,
 }
 
@@ -51,7 +51,7 @@ impl From<LeafError> for FieldGridError {
     }
 }
 
-/// A cell that the boundary may run through.
+/// A cell that the boundary may pass.
 #[derive(Clone, Debug)]
 pub(super) struct GridCell {
     pub tetrahedron: Tetrahedron,
@@ -70,77 +70,76 @@ pub(in crate::convert) struct FieldGrid<'a> {
     pub(super) values: VertexValues,
     /// By primitive.
     pub(super) zero: Vec<ZeroSide>,
-    /// By primitive: whether functions of the user are in it, whose gradients may be known at points only.
+    /// By primitive: whether it contains functions of the user, whose gradients may be known at points only.
     pub(super) has_leaves: Vec<bool>,
     cells: Vec<GridCell>,
-    /// Those of all cells.
+    /// The trees of all cells.
     trees: PrunedTreeCache,
-    /// Whether slopes at corners decide, as ranges say too little.
+    /// Whether slopes at corners decide, as ranges are too wide.
     pub(super) goes_by_samples: bool,
     extent: FieldGridStatus,
     n_alive: usize,
     cells_at_vertices: CellsAtVertices,
 }
 
-/// What is to be done with a cell.
+/// The next step for a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CellAction {
     Done,
     Cut,
-    /// As [`CellAction::Cut`], whatever is in it: it is larger than the coarsest, or asked for.
+    /// Like [`CellAction::Cut`], whatever it contains: it is larger than `coarsest`, or requested.
     CutAnyway,
-    /// As [`CellAction::Cut`], but no slope is known of some function in it: at steps and poles, and without
+    /// Like [`CellAction::Cut`], but some function in it has no known slope: at steps and poles, and without
     /// values.
     CutBlindly,
-    /// It would be cut if it were not too small.
+    /// Too small to be cut.
     TooSmall,
 }
 
-/// A cell that was not looked at yet.
+/// A cell that has not been classified yet.
 pub(super) struct PendingCell {
     pub tetrahedron: Tetrahedron,
     pub open: Arc<PrunedTree>,
 }
 
-/// The pending cells of one level, by their boxes, with the answers for these.
+/// The pending cells of one level, by their boxes, with the ranges in these.
 struct PendingLevel {
     boxes: Vec<IntegerBox>,
     /// By cell: its box.
     box_of: Vec<u32>,
-    /// By box: which questions are about it.
+    /// By box: its part of `primitives` and `ranges`.
     queries: Vec<[u32; 2]>,
     primitives: Vec<u32>,
     ranges: Vec<DualRange>,
 }
 
-/// The cube is larger than the bounds by this. Chosen: cells at the rim see the boundary from outside.
+/// The cube is larger than the bounds by this factor. Chosen: cells at the rim see the boundary from outside.
 const MARGIN: f64 = 1.05;
-/// The cube's middle is off that of the bounds by these shares of their size, so that planes of symmetric
-/// models are not in its own planes. Chosen: nothing but small and odd.
+/// The cube's middle is moved from that of the bounds by these fractions of their size, so that planes of
+/// symmetric models are not in its own planes. Chosen: small and odd.
 const OFFSET: [f64; 3] = [0.008_5, 0.011_55, 0.006_35];
-/// Cells are so many times longer along an axis that the others have nothing to do with: along an extrusion.
-/// Chosen: a plate of a tenth of its length is one layer of cells down to a thousandth of it, and coordinates
-/// lose six bits.
+/// Cells are so many times longer along an axis that is separate from the others: along an extrusion. Chosen:
+/// a plate of a tenth of its length is one layer of cells down to a thousandth of it, and coordinates lose
+/// six bits.
 const STRETCH: f64 = 64.0;
-/// Bytes that a cell takes with its share of vertices and values, about: counted.
+/// The approximate bytes of a cell with its part of vertices and values: counted.
 const BYTES_A_CELL: u64 = 400;
-/// The share of the job's memory that cells may take.
+/// Cells may take one part in so many of the job's memory.
 const SHARE: u64 = 4;
 /// Cells in one task.
 pub(super) const CELLS_A_TASK: usize = 128;
-/// Cells of one level are cut at all as long as there are no more of them. Chosen: a million cells in all, some
-/// seconds.
+/// The most cells of one level that are cut at all. Chosen: a million cells in all, some seconds.
 const MOST_CUT: usize = 1 << 18;
-/// Cells without slopes are cut as long as there are no more of them. Chosen: steps are seen with a hundredth
-/// of their size then, and a volume without values is left in an instant.
+/// The most cells without slopes that are cut. Chosen: steps are then resolved to a hundredth of their size,
+/// and a volume without values is given up at once.
 const MOST_BLIND: usize = 1 << 16;
 
 impl<'a> FieldGrid<'a> {
-    /// A grid for the solid whose primitives are evaluated. The work is that of the shape, not of its size
-    /// over the floor.
+    /// Builds a grid for the solid whose primitives are evaluated. The work depends on the shape, not on its
+    /// size over the floor.
     ///
     /// # Errors
-    /// What a leaf says, and where the job is cancelled.
+    /// The error of a leaf, or that the job is cancelled.
     pub fn build(
         evaluator: &mut PrimitiveEvaluator<'a>,
         options: GridOptions,
@@ -176,8 +175,8 @@ impl<'a> FieldGrid<'a> {
         Ok(grid)
     }
 
-    /// Cuts cells that have a place within them until they are as small as it asks for. The others stay, but
-    /// for what conforming takes.
+    /// Cuts cells that contain one of the points until they are as small as it requests. The others stay,
+    /// except as far as conformity needs.
     ///
     /// # Errors
     /// Those of [`FieldGrid::build`].
@@ -203,7 +202,7 @@ impl<'a> FieldGrid<'a> {
         self.csg
     }
 
-    /// How many cells there are.
+    /// The number of cells.
     #[cfg(test)]
     pub fn n_cells(&self) -> usize {
         self.n_alive
@@ -214,12 +213,12 @@ impl<'a> FieldGrid<'a> {
         self.cells.iter().filter(|cell| cell.is_alive)
     }
 
-    /// How far it came.
+    /// How completely the grid was refined.
     pub fn extent(&self) -> FieldGridStatus {
         self.extent
     }
 
-    /// Where cells are that would have to be smaller than the floor.
+    /// The cells that would have to be smaller than the floor.
     pub fn unresolved(&self) -> Vec<SizingPoint> {
         self.cells()
             .filter(|cell| !cell.is_resolved)
@@ -249,7 +248,7 @@ impl<'a> FieldGrid<'a> {
         PendingCell { tetrahedron: cell.tetrahedron, open: Arc::clone(&cell.open) }
     }
 
-    /// Cuts level by level until all cells are done, too small or gone.
+    /// Cuts level by level until all cells are done, too small or decided.
     fn refine_levels(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
@@ -261,7 +260,7 @@ impl<'a> FieldGrid<'a> {
             if self.job.is_cancelled() {
                 return Err(FieldGridError::Cancelled);
             }
-            // Every cut makes one cell more, and others by conforming.
+            // Every cut adds one cell, and others by conformity.
             let of_cells = BYTES_A_CELL * (self.n_alive + 2 * pending.len()) as u64;
             let is_full = of_cells + self.trees.bytes() > most;
             let mut judged = self.classify_cells(evaluator, pending, asked)?;
@@ -301,7 +300,7 @@ impl<'a> FieldGrid<'a> {
         self.n_alive += 1;
     }
 
-    /// Bisects cells, and those around the edges that were cut for them.
+    /// Bisects cells, and those around the bisected edges.
     fn bisect(&mut self, cut: Vec<PendingCell>) -> Vec<PendingCell> {
         let mut halves = Vec::with_capacity(2 * cut.len());
         let mut open = cut;
@@ -317,7 +316,7 @@ impl<'a> FieldGrid<'a> {
                     edges.push(edge);
                 }
             }
-            // Those that were kept and have one of the edges.
+            // Finished cells that have one of the edges.
             open = Vec::new();
             for [a, b] in edges {
                 let cells = &self.cells;
@@ -333,7 +332,7 @@ impl<'a> FieldGrid<'a> {
         halves
     }
 
-    /// Drops cells that are decided, and says what becomes of the others.
+    /// Drops decided cells, and classifies the others.
     fn classify_cells(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
@@ -378,7 +377,7 @@ impl<'a> FieldGrid<'a> {
         Ok(judged.collect())
     }
 
-    /// None for a cell that is decided.
+    /// `None` for a decided cell.
     fn cell_action(
         &self,
         cell: &CellQuery,
@@ -419,14 +418,14 @@ impl<'a> FieldGrid<'a> {
         Some((left, verdict))
     }
 
-    /// Whether no slope is known of a function that is no leaf.
+    /// Whether the slope of some function without leaves is unknown.
     fn lacks_gradient(&self, open: &PrunedTree, ranges: &[DualRange]) -> bool {
         let is_unknown =
             |(p, range): (&u32, &DualRange)| !self.has_leaves[*p as usize] && range.gradient.is_none();
         open.primitives.iter().zip(ranges).any(is_unknown)
     }
 
-    /// Collects the answers about a cell.
+    /// Collects the ranges and values of a cell.
     fn gather(&self, cell: &CellQuery, open: &PrunedTree, buffers: &mut CellBuffers) {
         buffers.ranges.clear();
         buffers.ranges.extend(cell.level.ranges_of(cell.number, open));
@@ -441,7 +440,7 @@ impl<'a> FieldGrid<'a> {
         }
     }
 
-    /// Asks for ranges, once for each box: several tetrahedra have the same.
+    /// Evaluates ranges, once for each box: several tetrahedra share one.
     fn query_ranges(
         &self,
         evaluator: &mut PrimitiveEvaluator<'a>,
@@ -459,7 +458,7 @@ impl<'a> FieldGrid<'a> {
                 })
             })
             .collect();
-        // The first tree of each box, and whether another one is about it too.
+        // The first tree of each box, and the primitives of the other trees in it.
         let mut first: Vec<Option<&Arc<PrunedTree>>> = vec![None; boxes.len()];
         let mut others: Vec<(u32, u32)> = Vec::new();
         for (one, number) in pending.iter().zip(&box_of) {
@@ -495,7 +494,7 @@ impl<'a> FieldGrid<'a> {
         Ok(PendingLevel { boxes, box_of, queries: asked, primitives, ranges })
     }
 
-    /// Asks for values at the corners of cells that are not decided, where they are not known yet.
+    /// Evaluates unknown values at the corners of undecided cells.
     fn query_values(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
@@ -538,14 +537,14 @@ impl PendingLevel {
     }
 }
 
-/// A cell with the answers for its level.
+/// A cell with the ranges of its level.
 pub(super) struct CellQuery<'l> {
     level: &'l PendingLevel,
     number: u32,
     pub one: Tetrahedron,
 }
 
-/// What is filled for one cell after the other.
+/// Buffers that are reused for each cell.
 #[derive(Default)]
 pub(super) struct CellBuffers {
     pub ranges: Vec<DualRange>,
@@ -555,13 +554,13 @@ pub(super) struct CellBuffers {
     pub idle: Vec<bool>,
 }
 
-/// Infinite where an end is not known.
+/// The width of a range; infinite where an end is unknown.
 fn width([low, high]: &[f64; 2]) -> f64 {
     let width = high - low;
     if width.is_nan() { f64::INFINITY } else { width }
 }
 
-/// Along which axes shapes are extruded: no primitive depends on that axis and on another one.
+/// The axes along which shapes are extruded: no primitive depends on that axis and on another one.
 fn separate_axes(csg: &Csg) -> [bool; 3] {
     let mut is_separate = [true; 3];
     for primitive in csg.primitives() {
@@ -573,7 +572,7 @@ fn separate_axes(csg: &Csg) -> [bool; 3] {
     is_separate
 }
 
-/// On which side 0 is, by primitive.
+/// The side of 0, by primitive.
 fn zeros(csg: &Csg) -> Vec<ZeroSide> {
     let mut all = vec![ZeroSide::Inside; csg.primitives().len()];
     for node in csg.tree().nodes() {

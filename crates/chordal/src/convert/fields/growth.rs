@@ -1,5 +1,5 @@
-//! Common growth directions: along which functions grow together throughout a cell, from ranges of their
-//! gradients.
+//! Common growth directions: directions along which functions grow together throughout a cell, from ranges of
+//! their gradients.
 use crate::math::{Interval, dot, length};
 
 /// A range of gradients, scaled so that its middle has length 1.
@@ -9,15 +9,14 @@ pub(super) struct GradientBox {
     pub half: [f64; 3],
 }
 
-/// Steps of Gilbert's method. Measured on the models of the tests: more than 24 bring no direction that was
-/// not found before.
+/// Steps of Gilbert's method. Measured on the models of the tests: more than 24 find no further directions.
 const STEPS: usize = 24;
-/// Directions along which the growth is a smaller share of the gradient than this are none. Defined: three
-/// roundings of a double are far below, the angle of a wedge of 10⁻⁵ degrees is far above.
+/// A direction needs a growth of at least this fraction of the gradient. Defined: three roundings of a double
+/// are far below, the angle of a wedge of 10⁻⁵ degrees is far above.
 const LEAST: f64 = 1e-7;
 
 impl GradientBox {
-    /// None where the range is so wide that its middle is no direction.
+    /// `None` where the range is so wide that its middle is no direction.
     pub fn from_range(gradient: &[Interval; 3]) -> Option<Self> {
         let middle = gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()));
         let size = length(middle);
@@ -30,12 +29,12 @@ impl GradientBox {
         })
     }
 
-    /// That of the function with the other sign.
+    /// The gradients of the negated function.
     pub fn negated(&self) -> Self {
         Self { middle: self.middle.map(|x| -x), ..*self }
     }
 
-    /// The least growth along the best direction of all, as a share of the middle's.
+    /// The least growth along the best direction, relative to the middle gradient.
     pub fn growth(&self) -> f64 {
         length::<3>(std::array::from_fn(|k| {
             let near = self.middle[k].abs() - self.half[k];
@@ -78,7 +77,7 @@ pub(super) fn grow_together(boxes: &[GradientBox]) -> bool {
         if growth > LEAST * size_sq.sqrt() {
             return true;
         }
-        // To the point nearest to 0 on the way there.
+        // To the point nearest to 0 on the segment to it.
         let way: [f64; 3] = std::array::from_fn(|k| lowest[k] - x[k]);
         let part = -dot(x, way) / dot(way, way);
         let part = if part > 1.0 { 1.0 } else { part };
@@ -104,7 +103,7 @@ mod tests {
         assert!(!grow_together(&[at([1.0, 1.0, 0.0], 0.8)]));
         // A wedge of half a degree.
         assert!(grow_together(&[at([1.0, 0.004, 0.0], 0.0), at([-1.0, 0.004, 0.0], 0.0)]));
-        // Around an axis all together, with 0 within the hull.
+        // All three around an axis, with 0 within the hull.
         let around = [0.0, 2.0, 4.0].map(|a: f64| at([libm::cos(a), libm::sin(a), 0.0], 0.05));
         assert!(!grow_together(&around));
         assert!(grow_together(&around[..2]));

@@ -1,5 +1,4 @@
-//! `FieldMesher`: from a field to triangles, step by step: adaptive cells, their boundary, its improvement,
-//! its proof.
+//! `FieldMesher`: from a field to a surface, step by step: adaptive cells, their boundary, its improvement.
 use super::extract::extract;
 use super::grid::{FieldGrid, FieldGridError, FieldGridStatus, GridOptions};
 use super::improve::{ImproveError, LabelledSurface, SurfaceImprover};
@@ -9,64 +8,64 @@ use crate::explicit::Mesh;
 use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
 use crate::math::Box3;
 
-/// Times that cells are cut again where the surface has no room for vertices. Measured: twice was enough on all
-/// models of the tests.
+/// The most times that cells are cut again where vertices of the surface are blocked. Measured: twice was
+/// enough on all models of the tests.
 const MOST_CUTS: usize = 3;
-/// Cells are not cut again where more places than these have no room: there the function has poles or is noise.
+/// Cells are not cut again if more vertices than these are blocked: there the function has poles or is noise.
 /// Measured: 750 on a drawing of letters.
 const MOST_TIGHT: usize = 4096;
-/// Cells have edges of at most this share of the longest side of the bounds. Chosen: ranges say where cells
+/// The longest edge of cells, relative to the longest side of the bounds. Chosen: ranges decide which cells
 /// are cut, so that large ones cost nothing.
 const COARSEST: f64 = 0.5;
-/// The same where functions are known by samples. Chosen: features of a tenth of the bounds are seen.
+/// The same where functions are sampled. Chosen: features of a tenth of the bounds are found.
 const SAMPLED: f64 = 1.0 / 24.0;
-/// Cells are not cut below this share of the tolerance,
+/// Cells are not cut below this fraction of the tolerance,
 const FLOOR: f64 = 0.5;
-/// nor below this share of the longest side of the bounds: where the tolerance is coarse, the shape still
-/// takes the cells that it takes.
+/// nor below this fraction of the longest side of the bounds: even at a coarse tolerance the shape gets the
+/// cells that it needs.
 const DETAIL: f64 = 1.0 / 512.0;
-/// Lengths that can be meant, as a share of the largest coordinate. Chosen: proofs need some hundred
-/// roundings of room.
+/// The smallest meaningful length, relative to the largest coordinate. Chosen: proofs need room for some
+/// hundred roundings.
 const FINEST: f64 = 1.0 / (1_u64 << 42) as f64;
-/// Whether slopes are known is asked for in boxes of this share of the longest side,
+/// Boxes of this fraction of the longest side test whether slopes are known,
 const SPOT: f64 = 1.0 / 4096.0;
-/// at these shares of the bounds. Chosen: off the axes and planes that shapes are built about, where some
-/// primitives have no slope.
+/// at these fractions of the bounds. Chosen: off the axes and planes of symmetry, where some primitives have
+/// no slope.
 const SPOTS: [[f64; 3]; 3] = [[0.43, 0.61, 0.37], [0.71, 0.29, 0.67], [0.19, 0.83, 0.53]];
-/// The box that closes what the bounds do not hold is larger than these by this share of their size. Chosen:
-/// within the cube of the grid.
+/// The box that cuts off the field is larger than the bounds by this fraction of their size. Chosen: within
+/// the cube of the grid.
 const AROUND: f64 = 1.0 / 64.0;
 
-/// Errors of coarse faces are estimated too high. Measured on the models of the tests: by 1.2 to 3 where most
-/// faces have to be split.
+/// Error estimates of coarse faces are too high by at most about this. Measured on the models of the tests:
+/// by 1.2 to 3 where most faces have to be split.
 const OVERESTIMATE: f64 = 4.0;
-/// Bytes that a face takes while it is improved and judged, about: half-edges, samples, both copies and their
-/// trees.
+/// The approximate bytes of a face while it is improved and proved: half-edges, samples, both copies and
+/// their trees.
 const BYTES_A_FACE: u64 = 800;
 
-/// What a mesh of a field is to be.
+/// The limits of a mesh of a field.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::convert) struct FieldMeshGoal {
-    /// No farther from the surface than this.
+    /// The largest distance from the surface.
     pub length: Option<Tolerance>,
-    /// No more triangles than these.
+    /// The most triangles.
     pub triangles: Option<u64>,
-    /// Whether a measurement is enough.
+    /// Whether a measured result is accepted.
     pub measured: bool,
 }
 
-/// Where a field is meshed, and for whom.
+/// The region and the job of meshing a field.
 pub(super) struct FieldMesher<'a> {
     pub bounds: Box3,
-    /// Whether some function is known by samples, with no ranges of its slopes.
+    /// Whether some function is sampled, with no ranges of its slopes.
     pub is_sampled: bool,
     pub job: &'a Job,
 }
 
-/// What [`FieldMesher::improved_surface`] makes.
+/// The result of [`FieldMesher::improved_surface`].
 pub(super) struct ImprovedSurface<'a> {
     pub surface: SurfaceImprover<'a>,
-    /// How far the cells came that it is from.
+    /// How completely its cells were refined.
     pub extent: FieldGridStatus,
 }
 
@@ -91,7 +90,8 @@ impl From<ImproveError> for Failure<Mesh> {
             ImproveError::TooLarge(bytes) => {
                 Self::refused(RefusalCode::TooMuchMemory, too_large(bytes as f64))
             }
-            // The extraction makes manifolds, but for coordinates with too few digits to tell its vertices apart.
+            // The extraction makes manifolds, unless coordinates have too few digits to separate its
+            // vertices.
             ImproveError::NotManifold => Self::refused(
                 RefusalCode::BelowPrecision,
                 "the shape changes within less than its coordinates have digits for: move it to the origin if it is far \
@@ -101,7 +101,7 @@ impl From<ImproveError> for Failure<Mesh> {
     }
 }
 
-/// What is wrong when neighbours disagree about a face that they share: only what a leaf says can make them.
+/// The error when neighbours disagree about their common face: only an inconsistent leaf can cause it.
 fn contradiction() -> LeafError {
     LeafError::new(
         "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point, \
@@ -123,7 +123,7 @@ pub(super) fn leaf_failure(error: LeafError) -> Failure<Mesh> {
     Failure::refused(RefusalCode::LeafFailed, error.message)
 }
 
-/// The solid of a field within a box somewhat larger than its bounds: where these are not kept, it is cut off.
+/// The solid of a field within a box somewhat larger than its bounds, which cuts off what exceeds them.
 pub(super) fn clip_to_bounds(field: &Field) -> Expr {
     let Box3 { min, max } = field.bounds();
     let mut sign = field.sign().clone();
@@ -135,7 +135,7 @@ pub(super) fn clip_to_bounds(field: &Field) -> Expr {
     sign
 }
 
-/// Whether functions of the user have ranges of slopes at some spot; expressions have.
+/// Whether functions of the user have ranges of slopes at some test box; expressions have.
 pub(super) fn has_gradient_ranges(
     evaluator: &mut PrimitiveEvaluator,
     bounds: &Box3,
@@ -161,9 +161,9 @@ fn longest(bounds: &Box3) -> f64 {
 }
 
 impl<'a> FieldMesher<'a> {
-    /// Cells, their boundary and its improvement: a surface of few triangles near that of the field, by
-    /// samples. Cells are cut again where other sheets hold vertices off their places, and where edges cannot be
-    /// split.
+    /// Builds cells, extracts their boundary and improves it: a surface of few triangles near that of the
+    /// field, by samples. Cells are cut again where other sheets keep vertices from their targets, and where
+    /// edges cannot be split.
     pub fn improved_surface(
         &self,
         mut evaluator: PrimitiveEvaluator<'a>,
@@ -200,11 +200,11 @@ impl<'a> FieldMesher<'a> {
             };
             drop(start);
             let mut tight = surface.blocked().to_vec();
-            // Smaller cells would not help where so many vertices cannot go to their places.
+            // Smaller cells would not help where so many vertices are blocked.
             let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT;
             if tight.is_empty() || is_last {
-                // Estimates of what is still coarse are too high by up to about this; the work itself keeps to
-                // the limits.
+                // Estimates for coarse faces are too high by up to about this; the work itself keeps to the
+                // limits.
                 self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
                 tight = surface.refine()?;
             }
@@ -239,12 +239,12 @@ impl<'a> FieldMesher<'a> {
         longest(&self.bounds)
     }
 
-    /// Faces that the job has room for.
+    /// The most faces that the job allows.
     pub fn most_faces(&self) -> u64 {
         self.job.triangle_limit.min(self.job.memory_limit / BYTES_A_FACE)
     }
 
-    /// Refuses lengths that the coordinates have no digits for.
+    /// Refuses lengths below the precision of the coordinates.
     pub fn check_precision(&self, length: f64) -> Result<(), Failure<Mesh>> {
         let corners = self.bounds.min.iter().chain(&self.bounds.max);
         let largest = corners.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
@@ -258,7 +258,7 @@ impl<'a> FieldMesher<'a> {
         Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
-    /// Whether there is room for so many faces.
+    /// Refuses more faces than the job allows.
     pub fn check_size(&self, needs: f64) -> Result<(), Failure<Mesh>> {
         let limit = self.job.triangle_limit as f64;
         if needs > limit {

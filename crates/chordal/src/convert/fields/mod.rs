@@ -1,5 +1,5 @@
-//! How a field becomes triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and
-//! the proof.
+//! From a field to triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the
+//! proof.
 mod arrangement;
 mod cells;
 mod cells_at_vertices;

@@ -1,11 +1,10 @@
-//! Triangles for a small flat polygon, with or without holes, such that the worst of them is as good as can
-//! be.
+//! Triangulates a small flat polygon, with or without holes, so that its worst triangle is as good as
+//! possible.
 use crate::math::{cross, difference, dot, length};
 
-/// The triangles of a polygon, by places in its loops one after the other. The first loop or another one is
-/// the outer one; all have the polygon on their left. No triangle has a corner that is in a line with its two
-/// neighbours, and these two: `is_straight` says which, by place. For polygons of a few corners; cost is the
-/// third power.
+/// Triangulates a polygon; indices run through its loops one after the other. Any loop may be the outer one;
+/// all have the polygon on their left. No triangle consists of a straight corner and its two neighbours:
+/// `is_straight` marks the corners in line with both. For polygons of a few corners; the cost is cubic.
 pub(super) fn triangulate(loops: &[&[[f64; 3]]], is_straight: &[bool], into: &mut Vec<[u32; 3]>) {
     let n: usize = loops.iter().map(|one| one.len()).sum();
     if loops.len() == 1 && n == 3 {
@@ -39,7 +38,7 @@ fn normal(loops: &[&[[f64; 3]]]) -> [f64; 3] {
     sum
 }
 
-/// Two loops as one, along the way there and back that makes the best triangles.
+/// Joins two loops to one by a bridge, the one that makes the best triangles.
 fn bridge_loops(outer: &[u32], inner: &[u32], quality: impl Fn(&[u32]) -> f64) -> Vec<u32> {
     let mut best: Option<(f64, Vec<u32>)> = None;
     for a in 0..outer.len() {
@@ -67,7 +66,7 @@ struct BridgedPolygon<'a> {
     normal: [f64; 3],
 }
 
-/// The quality of a triangle that must not be. Defined: below all others, which are above −2/√3.
+/// The quality of a forbidden triangle. Defined: below all others, which are above −2/√3.
 const FORBIDDEN: f64 = -9.0;
 
 impl BridgedPolygon<'_> {
@@ -94,7 +93,7 @@ impl BridgedPolygon<'_> {
         if quality.is_nan() { -1.0 } else { quality }
     }
 
-    /// The triangulation whose worst triangle is best, and how good that is.
+    /// The triangulation whose worst triangle is best, and the quality of that one.
     ///
     /// Source: G. Klincsek, *Minimal Triangulations of Polygonal Domains*, 1980.
     fn triangulate_best(&self, into: &mut Vec<[u32; 3]>) -> f64 {
@@ -148,7 +147,7 @@ mod tests {
 
     #[test]
     fn corners_in_a_line_make_no_flat_triangles() {
-        // A triangle with a corner in the middle of two of its sides.
+        // A triangle with a corner at the midpoint of one of its sides.
         let ring = at(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]]);
         let mut found = Vec::new();
         triangulate(&[&ring], &[false, true, false, false, false], &mut found);

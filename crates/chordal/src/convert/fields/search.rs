@@ -1,4 +1,4 @@
-//! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
+//! Searches for a mesh of a field within a budget: a length or a number of triangles, proved or measured.
 use super::grid::FieldGridStatus;
 use super::improve::SurfaceImprover;
 use super::mesher::{
@@ -12,35 +12,35 @@ use crate::check::{
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Field, PrimitiveEvaluator};
 
-/// Rounds in which faces that are not proved are split. Measured: 0 to 5 on the models of the tests; what is
-/// open then stays so.
+/// Rounds in which unproved faces are split. Measured: 0 to 5 on the models of the tests; faces still open
+/// then stay open.
 const MOST_ROUNDS: usize = 10;
-/// With one face of so many open a mesh is tried once more,
+/// If fewer than one face in so many is open, a mesh is tried once more,
 const FEW: usize = 8;
-/// for this share of the length. Chosen: what is proved with is then twice as much.
+/// for this fraction of the length. Chosen: the rest, which the proof uses, is then twice as much.
 const NEARER: f64 = 0.5;
-/// if so many collapses were enough for the first one. Chosen: a second that has to be finer takes some times
+/// if the first one took fewer collapses than this. Chosen: a second that has to be finer takes several times
 /// as long.
 const MOST_COLLAPSES: usize = 1 << 17;
-/// After so many rounds in a row with more open faces than before nothing will be proved; where it is hopeless
-/// one is enough, and boxes about the mesh would take longer than anybody waits.
+/// A proof is given up after so many rounds in a row with more open faces than before. Where it is hopeless,
+/// one round is enough, and boxes about the mesh would take too long.
 const HOPELESS: usize = 2;
-/// The first margin of a proof with a limit, as a share of what samples ask for. Chosen: half of that of a mesh that is
-/// judged alone, where a looser proof is quicker; here what is left of the length saves splits.
+/// The first margin of a proof with a limit, relative to what samples suggest. Chosen: half of that of a mesh
+/// that is checked alone, where a looser proof is quicker; here the rest of the length saves splits.
 const MARGIN: f64 = 0.5;
-/// What is aimed at, as a share of the length, where a proof has values alone. Chosen: the rest is what a
-/// sign is proved with.
+/// The target, as a fraction of the length, where a proof has only values. Chosen: the rest is used to prove
+/// signs.
 const SAMPLED: f64 = 0.5;
-/// Meshes made at most for a number of triangles.
+/// The most meshes made for a number of triangles.
 const MOST_TRIALS: usize = 10;
-/// A mesh with this share of the triangles that are allowed is good enough.
+/// A mesh with this fraction of the allowed triangles is good enough.
 const GOOD_COUNT: f64 = 0.97;
-/// The first tolerance for a number of triangles, as a share of the longest side of the bounds.
+/// The first tolerance for a number of triangles, relative to the longest side of the bounds.
 const FIRST: f64 = 1.0 / 64.0;
 
 type FieldMeshResult = Result<Bounded<Mesh>, Failure<Mesh>>;
 
-/// A mesh within what is wanted, or the best.
+/// Finds a mesh within the limits, or the best.
 pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> FieldMeshResult {
     let solid = Csg::from_expr(&clip_to_bounds(field));
     let mut evaluator = PrimitiveEvaluator::new(&solid, &field.bounds(), job);
@@ -62,18 +62,18 @@ enum MeshAttempt<'s> {
     Open {
         mesh: Mesh,
         strategy: ProofStrategy,
-        /// Where it is not proved, if that is known.
+        /// A point where it is not proved, if known.
         place: Option<[f64; 3]>,
         evaluator: PrimitiveEvaluator<'s>,
     },
 }
 
-/// What may still prove a mesh that is open.
+/// What may still prove an open mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ProofStrategy {
-    /// A finer mesh: few faces are not proved, and another one does not take long.
+    /// A finer mesh: few faces are open, and another mesh does not take long.
     FinerMesh,
-    /// Boxes about it.
+    /// Boxes about the mesh.
     Boxes,
     Nothing,
 }
@@ -82,7 +82,7 @@ struct FieldMeshSearch<'s> {
     field: &'s Field,
     mesher: &'s FieldMesher<'s>,
     wanted: &'s FieldMeshGoal,
-    /// Whether there is nothing to prove with, or nobody asks for it.
+    /// Whether a proof is impossible or not required.
     is_measured: bool,
     job: &'s Job,
 }
@@ -95,7 +95,7 @@ impl<'s> FieldMeshSearch<'s> {
                 self.measure(mesh_of(&self.mesher.improved_surface(evaluator, length.get())?.surface).0)?;
             return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
-        // Without slopes signs are proved by values alone, on pieces as small as what is left of the length.
+        // Without slopes signs are proved by values alone, on pieces as small as the rest of the length.
         let share = if self.mesher.is_sampled { SAMPLED } else { 1.0 };
         let attempt = match self.attempt(evaluator, length, share)? {
             MeshAttempt::Open { strategy: ProofStrategy::FinerMesh, evaluator, .. } => {
@@ -112,8 +112,8 @@ impl<'s> FieldMeshSearch<'s> {
             }
             MeshAttempt::Open { mesh, .. } => mesh,
         };
-        // What two copies of the mesh do not prove, boxes about it may: solids that touch, and lengths beyond
-        // the one that is wanted.
+        // Boxes about the mesh may prove what its two copies do not: solids that touch, and bounds beyond the
+        // wanted length.
         let goal = Goal { max: Some(length), ..Goal::default() };
         let bound = field_deviation(&mesh, self.field, &goal, self.job)?.bound;
         let is_met = bound.at_most().is_some_and(|most| most <= length.get());
@@ -121,7 +121,7 @@ impl<'s> FieldMeshSearch<'s> {
         if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
     }
 
-    /// A mesh that is made for a share of a length and judged by all of it; faces that are not proved are split.
+    /// Makes a mesh for a fraction of a length and proves it for all of it; unproved faces are split.
     fn attempt(
         &self,
         evaluator: PrimitiveEvaluator<'s>,
@@ -150,7 +150,7 @@ impl<'s> FieldMeshSearch<'s> {
                 if let Some(bound) = sandwich_bound(&mesh, self.field, &verdict, self.job)? {
                     return Ok(MeshAttempt::Proved(Bounded { shape: mesh, bound }));
                 }
-                // A lower end is above the bound, as where a promise does not hold.
+                // A lower bound exceeds the upper one, as where a promise does not hold.
                 is_contradicted = true;
                 break;
             }
@@ -158,7 +158,7 @@ impl<'s> FieldMeshSearch<'s> {
             let mut open: Vec<u32> = verdict.open.iter().flatten().map(|f| numbers[*f as usize]).collect();
             open.sort_unstable();
             open.dedup();
-            // Where a mesh is not near the surface at all, all of it is open however small its faces are.
+            // If a mesh is not near the surface at all, all of it stays open however small its faces are.
             n_worse = if open.len() > n_open { n_worse + 1 } else { 0 };
             n_open = open.len();
             let most_worse = if is_hopeless(n_open, improved.n_faces()) { 1 } else { HOPELESS };
@@ -194,11 +194,11 @@ impl<'s> FieldMeshSearch<'s> {
         }
     }
 
-    /// The finest mesh found whose triangles are no more than that: their number is as 1 over the tolerance.
+    /// The finest mesh found with at most `most` triangles; their number goes like 1 over the tolerance.
     fn by_count(&self, mut evaluator: PrimitiveEvaluator<'s>, most: u64) -> FieldMeshResult {
         let most = most.min(self.mesher.most_faces());
         let mut best: Option<(f64, Mesh)> = None;
-        // Too many triangles at this tolerance, and few enough at that.
+        // A tolerance with too many triangles, and one with few enough.
         let (mut fine, mut coarse) = (0.0_f64, f64::INFINITY);
         let mut tol = FIRST * self.mesher.longest();
         let mut fewest = u64::MAX;
@@ -220,7 +220,7 @@ impl<'s> FieldMeshSearch<'s> {
             } else {
                 fine = tol;
             }
-            // From far away a prediction is worth little.
+            // From far away a prediction is unreliable.
             let guess = tol * if ratio < 0.125 { 0.125 } else { ratio };
             let middle = (fine * coarse).sqrt();
             let is_between = guess > 1.001 * fine && guess < 0.999 * coarse;
@@ -251,7 +251,7 @@ impl<'s> FieldMeshSearch<'s> {
     }
 }
 
-/// The surface as a mesh, with the number of each face in it.
+/// The surface as a mesh, with the half-edge face of each of its faces.
 fn mesh_of(improved: &SurfaceImprover) -> (Mesh, Vec<u32>) {
     let (surface, numbers) = improved.mesh();
     (Mesh::new(surface.positions, surface.faces).expect("its positions are finite"), numbers)

@@ -1,25 +1,25 @@
-//! `SizingField`: where cells are to be smaller than elsewhere, and how small.
+//! `SizingField`: points where cells have to be smaller than elsewhere, and how small.
 use crate::check::PointTree;
 use crate::math::Box3;
 
-/// A place where cells are to be smaller.
+/// A point where cells have to be smaller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::convert) struct SizingPoint {
-    /// Where.
+    /// Its position.
     pub at: [f64; 3],
-    /// The longest edge of the cell there before it is stretched; a cell whose longest edge is longer is cut.
+    /// The longest edge, before stretching, that the cell there may have; a cell with a longer one is cut.
     pub size: f64,
 }
 
-/// Places where cells are to be small.
+/// All points where cells have to be small.
 pub(super) struct SizingField<'p> {
     places: &'p [SizingPoint],
-    /// Of their points.
+    /// A tree over their positions.
     tree: PointTree<'p>,
 }
 
 impl<'p> SizingField<'p> {
-    /// `points` are those of the places, which the tree borrows.
+    /// `points` are the positions of `places`, which the tree borrows.
     pub fn new(places: &'p [SizingPoint], points: &'p [[f64; 3]]) -> Self {
         Self { places, tree: PointTree::new(points) }
     }
@@ -28,7 +28,7 @@ impl<'p> SizingField<'p> {
         self.places.is_empty()
     }
 
-    /// Whether somewhere in the box cells are to be smaller than `size`.
+    /// Whether some point in the box needs cells smaller than `size`.
     pub fn is_smaller_in(&self, bounds: &Box3, size: f64) -> bool {
         self.tree.any_in(bounds, |place| size > self.places[place as usize].size)
     }

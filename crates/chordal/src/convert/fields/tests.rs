@@ -1,5 +1,4 @@
-//! Grids and extracted surfaces of models whose truth is known, and of random ones that are as degenerate as
-//! can be.
+//! Tests of grids and extracted surfaces: models with known truth, and highly degenerate random ones.
 use super::extract::{ExtractedSurface, extract};
 use super::grid::{FieldGrid, GridOptions};
 use super::sizing::SizingPoint;
@@ -92,7 +91,7 @@ fn mesh(surface: &ExtractedSurface) -> Mesh {
     Mesh::new(surface.positions.clone(), surface.faces.clone()).unwrap()
 }
 
-/// Closed, manifold and oriented; pairs of faces that cross are counted.
+/// Checks that a surface is closed, manifold and oriented; counts the pairs of faces that cross.
 fn sound(surface: &ExtractedSurface, name: &str) -> u64 {
     let mesh = mesh(surface);
     let found = validity(&mesh, Topology::Indices);
@@ -101,8 +100,8 @@ fn sound(surface: &ExtractedSurface, name: &str) -> u64 {
     self_intersections(&mesh, &Job::default()).unwrap().count
 }
 
-/// Vertices are on what they are said to be on, as near as cells are small, and faces look where their
-/// primitive grows.
+/// Checks that vertices are near the primitives of their labels, within the size of cells, and that faces
+/// look where their primitive grows.
 fn labelled(made: &ExtractedModel, name: &str) {
     let ExtractedModel { csg, surface, .. } = made;
     let job = Job::default();
@@ -120,7 +119,7 @@ fn labelled(made: &ExtractedModel, name: &str) {
         let [a, b, c] = face.map(|v| surface.positions[v as usize]);
         let normal = cross(difference(b, a), difference(c, a));
         let longest = length(difference(b, a)) + length(difference(c, a));
-        // Slivers have normals of rounding.
+        // Normals of slivers are rounding errors.
         if length(normal) < 1e-6 * longest * longest {
             continue;
         }
@@ -155,7 +154,7 @@ fn models_are_closed_embedded_and_labelled() {
     let (sine, cosine) = (libm::sin(0.043_633_231_299_858_24), libm::cos(0.043_633_231_299_858_24));
     let wedge = (&z * cosine - &x * sine).max(&(-&z * cosine - &x * sine)).max(&ball([0.0; 3], 1.0));
     let wall = (ball([0.0; 3], 1.0).abs() - 0.5 / 1024.0).max(&(&z - 0.5));
-    // Each with half the cube's side, and how many pieces there are at most.
+    // Each with half the cube's side, and its number of components.
     let models: [(&str, Expr, f64, u64); 13] = [
         ("ball", ball([0.0; 3], 0.6), 1.25, 1),
         ("torus", torus, 1.25, 1),
@@ -187,7 +186,7 @@ fn models_are_closed_embedded_and_labelled() {
 fn flat_models_are_exact() {
     for (sign, expected) in [
         (cuboid([0.1, 0.2, -0.3], [0.5, 0.25, 0.75]), 0.75),
-        // Stacked boxes: nothing is between them where they touch.
+        // Stacked boxes: no boundary is between them where they touch.
         (
             cuboid([0.0, 0.0, -0.25], [0.5, 0.5, 0.25]).min(&cuboid([0.0, 0.0, 0.25], [0.375, 0.625, 0.25])),
             0.96875,
@@ -230,7 +229,7 @@ fn extruded_shapes_take_the_cells_of_their_outlines() {
     let made = |height: f64| make(&outline.max(&(z.abs() - height)), 1.25, [1e-3, f64::INFINITY], 1);
     let (thin, thick) = (made(0.01), made(0.9));
     assert_eq!((sound(&thin.surface, "thin"), sound(&thick.surface, "thick")), (0, 0));
-    // Some 60 cells a disc; in cubes of its size the thick one has ten layers of them.
+    // Some 60 cells a disc; in unstretched cells the thick one would have ten layers of them.
     assert!(thick.n_cells < 1500 && thick.n_cells < 2 * thin.n_cells, "{} {}", thin.n_cells, thick.n_cells);
 }
 
@@ -274,7 +273,7 @@ fn little_memory_ends_in_a_closed_mesh_all_the_same() {
     assert_eq!(sound(&extract(&grid, &job), "gyroid in little memory"), 0);
 }
 
-/// A torus that is known at points only, or by its slope besides.
+/// A torus that is known at points only, or with its Lipschitz constant.
 #[derive(Debug)]
 struct OpaqueTorus {
     lipschitz: Option<Lipschitz>,
@@ -312,8 +311,7 @@ fn functions_known_at_points_are_meshed_by_samples() {
     }
 }
 
-/// Parts with small whole numbers, so that planes coincide, and four meet in a point; some with values that
-/// are whole numbers.
+/// Parts with small integers, so that planes coincide, and four meet in a point; some have integer values.
 fn random_part(state: &mut u64) -> Expr {
     let [x, y, z] = Expr::axes();
     let mut whole = || (random(state) % 5) as f64 - 2.0;
@@ -355,7 +353,7 @@ fn random_solids_are_closed_however_degenerate_they_are() {
             random(&mut state);
         });
         let solid = random_solid(&mut state);
-        // Mostly too coarse: what is extracted is far from the solid, and a surface all the same.
+        // Mostly too coarse: the extracted surface is far from the solid, but still a closed one.
         let floor = [0.3, 0.6, 1.5, 8.0][(random(&mut state) % 4) as usize];
         let coarsest = [0.7, 1.0, 4.0, 9.0][(random(&mut state) % 4) as usize];
         let made = make(&solid, 1.75, [floor, coarsest], 1);
@@ -365,7 +363,7 @@ fn random_solids_are_closed_however_degenerate_they_are() {
         }
     }
     assert!(n_faces > 100_000);
-    // Sheets that are nearer than coordinates are exact may cross; with shifts of 16 bits about one in 3,000
-    // of such solids has some.
+    // Sheets closer than the precision of coordinates may cross; with shifts of 16 bits about one in 3,000 of
+    // such solids has some.
     assert!(n_crossed <= 1, "{n_crossed}");
 }

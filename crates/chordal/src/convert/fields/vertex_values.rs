@@ -1,4 +1,4 @@
-//! Values of primitives at vertices, each asked for once.
+//! `VertexValues`: values of primitives at vertices, each evaluated once.
 
 use crate::implicit::Dual;
 
@@ -13,7 +13,7 @@ struct ValueRun {
     next: u32,
 }
 
-/// Values by vertex and primitive; only those that were asked for take space.
+/// Values by vertex and primitive; only evaluated ones take space.
 #[derive(Debug, Default)]
 pub(super) struct VertexValues {
     /// By vertex: its newest segment.
@@ -22,9 +22,9 @@ pub(super) struct VertexValues {
     /// Ascending in each segment.
     primitives: Vec<u32>,
     values: Vec<f64>,
-    /// As the values: how far rounding may have moved each.
+    /// Parallel to `values`: the largest rounding error of each.
     noise: Vec<f64>,
-    /// As the values, where they are asked for at all.
+    /// Parallel to `values`, if gradients are evaluated at all.
     gradients: Vec<[f64; 3]>,
 }
 
@@ -33,7 +33,7 @@ impl VertexValues {
         self.first.push(NONE);
     }
 
-    /// Where the value is among all.
+    /// The index of the value among all.
     pub fn index(&self, vertex: u32, primitive: u32) -> Option<usize> {
         let mut segment = self.first[vertex as usize];
         while segment != NONE {
@@ -55,12 +55,12 @@ impl VertexValues {
         self.index(vertex, primitive).map(|k| self.values[k])
     }
 
-    /// The value, and how far rounding may have moved it.
+    /// The value, and its largest rounding error.
     pub fn with_noise(&self, vertex: u32, primitive: u32) -> Option<[f64; 2]> {
         self.index(vertex, primitive).map(|k| [self.values[k], self.noise[k]])
     }
 
-    /// The gradient there, if gradients were asked for.
+    /// The gradient there, if gradients are evaluated.
     pub fn gradient(&self, vertex: u32, primitive: u32) -> Option<[f64; 3]> {
         self.index(vertex, primitive).and_then(|k| self.gradients.get(k).copied())
     }
@@ -70,14 +70,14 @@ impl VertexValues {
         self.primitives.iter().copied().zip(self.values.iter().copied())
     }
 
-    /// As [`VertexValues::extend`], with gradients; a table has them for all of its values or for none.
+    /// Like [`VertexValues::extend`], with gradients; a table has them for all of its values or for none.
     pub fn extend_slopes(&mut self, questions: &[(u32, u32)], slopes: &[Dual<f64>], noise: &[f64]) {
         let values: Vec<f64> = slopes.iter().map(|slope| slope.value).collect();
         self.extend(questions, &values, noise);
         self.gradients.extend(slopes.iter().map(|slope| slope.gradient));
     }
 
-    /// Adds values that are not there yet; questions ascend by vertex and primitive.
+    /// Adds new values; questions ascend by vertex and primitive.
     pub fn extend(&mut self, questions: &[(u32, u32)], values: &[f64], noise: &[f64]) {
         for same in questions.chunk_by(|a, b| a.0 == b.0) {
             let start = self.primitives.len() as u32;

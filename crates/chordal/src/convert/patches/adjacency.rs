@@ -1,8 +1,8 @@
-//! `PatchAdjacency`: which sides of which patches are the same curve, and which corners are therefore the same vertex.
+//! `PatchAdjacency`: which sides of which patches are one curve, and which corners are therefore one vertex.
 //!
-//! Two sides are the same curve when their four control points are equal, run forwards or backwards. Corners are
-//! joined only along shared curves (and along sides that are one point): patches that merely touch in a point stay
-//! apart, so that no vertex becomes non-manifold.
+//! Two sides are the same curve when their four control points are equal, forwards or backwards. Corners are
+//! joined only along shared curves (and along sides that are one point): patches that merely touch in a point
+//! stay separate, so that no vertex becomes non-manifold.
 use crate::explicit::{Bezier, DisjointSets, Patch, PatchSide};
 use std::cmp::Ordering;
 
@@ -10,13 +10,13 @@ use std::cmp::Ordering;
 pub(crate) struct PatchEdge {
     /// Corner vertices at its start and end.
     pub(crate) ends: [u32; 2],
-    /// Patch sides that are this curve.
+    /// The patch sides that are this curve.
     pub(crate) uses: Vec<PatchEdgeUse>,
-    /// Fewest segments that keep its vertices apart from those of other curves.
+    /// The fewest segments that keep its vertices apart from those of other curves.
     pub(crate) min_segments: u32,
 }
 
-/// A side of a sheet that is a shared curve, or has it in it.
+/// A side of a sheet that is a shared curve or contains it.
 #[derive(Clone, Copy)]
 pub(crate) struct PatchEdgeUse {
     pub(crate) sheet: u32,
@@ -25,29 +25,30 @@ pub(crate) struct PatchEdgeUse {
     pub(crate) reversed: bool,
 }
 
-/// What a sheet finds on one of its sides.
+/// The boundary along one side of a sheet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SideBoundary {
     /// All control points are equal: the side is its corner vertex.
     Point,
-    /// An edge of the quilt.
+    /// A shared edge.
     Edge { edge: u32, reversed: bool },
-    /// Two edges, each over half of the side, by rising parameter; no tile reaches over its middle.
+    /// Two edges, each over half of the side, by rising parameter; no tile extends across its middle.
     Halves([(u32, bool); 2]),
 }
 
-/// How the two curves meet that meet at the corner of a patch.
+/// How the two boundary curves at a corner of a patch meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PatchCorner {
-    /// Nowhere else.
+    /// They meet nowhere else.
     Plain,
-    /// At the corner of another patch as well: the chord across the corner would be one edge for both patches.
+    /// They also meet at the corner of another patch: the chord across the corner would be one edge for both
+    /// patches.
     Whole,
-    /// They are one curve, folded around the corner: the vertex next to the corner is one for both sides.
+    /// They are one curve, folded at the corner: the vertex next to the corner is the same on both sides.
     Folded,
 }
 
-/// The patches' sides and corners, identified.
+/// The identified sides and corners of all patches.
 pub(crate) struct PatchAdjacency {
     pub(crate) edges: Vec<PatchEdge>,
     /// By patch and side.
@@ -102,8 +103,8 @@ impl PatchAdjacency {
         quilt
     }
 
-    /// A curve that returns to its start needs three segments to be a loop; two curves between the same two
-    /// vertices need two each, or their chords would be one.
+    /// Sets the fewest segments of each edge. A curve that returns to its start needs three segments to be a
+    /// loop; two curves between the same two vertices need two each, or their chords would be one.
     pub(crate) fn set_least_segments(&mut self) {
         let pair = |[a, b]: [u32; 2]| if a < b { [a, b] } else { [b, a] };
         let mut order: Vec<([u32; 2], usize)> = self.edges.iter().map(|e| pair(e.ends)).zip(0..).collect();
@@ -116,13 +117,13 @@ impl PatchAdjacency {
     }
 }
 
-/// How the curves meet at every corner of every patch.
+/// Classifies every corner of every patch by how its curves meet.
 pub(crate) fn classify_corners(seams: &[[SideBoundary; 4]]) -> Vec<[PatchCorner; 4]> {
-    // An end of a curve, numbered; sides run counter-clockwise, so that one starts where the one before it ends.
+    // The number of a curve's end. Sides run counter-clockwise, so each starts where the one before it ends.
     let end = |seam: SideBoundary, side: PatchSide, starts: bool| match seam {
         SideBoundary::Edge { edge, reversed } => Some(2 * edge + u32::from(starts == reversed)),
         SideBoundary::Halves(halves) => {
-            // By rising parameter, which top and left run against.
+            // By rising parameter; top and left run against it.
             let against = !matches!(side, PatchSide::Bottom | PatchSide::Right);
             let (edge, reversed) = halves[usize::from(starts == against)];
             Some(2 * edge + u32::from(starts == reversed))
@@ -173,7 +174,7 @@ fn collect_edges(patches: &[Patch]) -> Vec<PatchEdge> {
     let mut edges: Vec<PatchEdge> = runs
         .map(|run| PatchEdge { ends: [0; 2], uses: run.iter().map(|f| f.1).collect(), min_segments: 1 })
         .collect();
-    // In the order of the input, so that vertices are numbered as the file goes.
+    // In the order of the input, so that vertices are numbered in file order.
     edges.sort_by_key(|edge| (edge.uses[0].sheet, edge.uses[0].side));
     edges
 }

@@ -1,4 +1,5 @@
-//! From finished tiles to one mesh: vertex numbers, and normals that are shared where the surface is smooth.
+//! Assembles finished tiles into one mesh: numbers the vertices and shares normals where the surface is
+//! smooth.
 use super::adjacency::{PatchAdjacency, SideBoundary};
 use super::plan::PatchTile;
 use super::seams::TileSeams;
@@ -7,11 +8,11 @@ use super::tile::{self, PatchTileMesh};
 use crate::explicit::{Attribute, Mesh, PatchSide, face_normal};
 use glam::DVec3;
 
-/// Normals of two patches at one vertex that differ by less than this are one: 1°, far above the rounding of a
-/// smooth joint (1e-8°) and below what shading shows as an edge. cos 1° = 0.99984769….
+/// Normals of two patches at one vertex that differ by less than this are merged: 1°, far above the rounding
+/// of a smooth joint (1e-8°) and below what shading shows as an edge. cos 1° = 0.99984769….
 pub(crate) const COS_SAME_NORMAL: f64 = 0.999_847_695_156_391;
 
-/// A vertex on the border of a sheet as one of its sides sees it.
+/// The normal of a border vertex, as one side of a sheet sees it.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 struct BorderNormal {
     vertex: u32,
@@ -20,8 +21,8 @@ struct BorderNormal {
     normal: [f64; 3],
 }
 
-/// The mesh of all tiles. Vertices on shared curves are one vertex, except where the patches' normals part: there
-/// each smooth group gets its own, tied by `position_id`.
+/// Builds the mesh of all tiles. A vertex on shared curves is one vertex, except where the patches' normals
+/// differ: there each smooth group gets its own vertex, tied by `position_id`.
 pub(crate) fn assemble(
     grounds: &[Subpatch<'_>],
     quilt: &PatchAdjacency,
@@ -57,8 +58,8 @@ pub(crate) fn assemble(
     drop_unreferenced(positions, faces, normals, split_ids)
 }
 
-/// Every vertex on a sheet's border with the normal that the sheet has there; those of the other vertices on borders of tiles go to
-/// `normals`.
+/// The vertices on a sheet's border with the normals of that sheet. The normals of other vertices on borders
+/// of tiles are written to `normals`.
 fn border_normals(
     grounds: &[Subpatch<'_>],
     (quilt, seams): (&PatchAdjacency, &TileSeams),
@@ -84,7 +85,8 @@ fn border_normals(
                     matches!(quilt.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
                 };
                 let before = PatchSide::ALL[(side as usize + 3) % 4];
-                // At a pole every direction meets; the middle of the collapsed side stands for all.
+                // At a pole all directions meet; the normal at the middle of the collapsed side is used for
+                // all.
                 let (u, v) = match (is_corner && is_point(side), is_corner && is_point(before)) {
                     (true, _) => side_parameters(side, 0.5),
                     (_, true) => side_parameters(before, 0.5),
@@ -96,7 +98,7 @@ fn border_normals(
             });
         }
     }
-    // Stable, so that the order of sheets is kept within a vertex.
+    // The sort is stable, so the order of sheets is kept within a vertex.
     seen.sort_by_key(|s| (s.vertex, s.sheet, s.side));
     // Where tiles meet on a border, both begin a side there.
     seen.dedup_by_key(|s| (s.vertex, s.sheet, s.side));
@@ -113,7 +115,7 @@ fn side_parameters(side: PatchSide, along: f64) -> (f64, f64) {
     }
 }
 
-/// Vertices that were split because the normals around them part.
+/// Vertices that are split because the normals around them differ.
 #[derive(Default)]
 struct NormalSplits {
     /// Sorted by (vertex, sheet, side).
@@ -122,8 +124,8 @@ struct NormalSplits {
 }
 
 impl NormalSplits {
-    /// Groups the normals at every vertex; the first group keeps the vertex, every other gets a new one, whose
-    /// original goes to `ids`.
+    /// Groups the normals at every vertex. The first group keeps the vertex; every other group gets a new
+    /// one, whose original vertex is appended to `ids`.
     fn group_normals(
         &mut self,
         seen: Vec<BorderNormal>,
@@ -173,7 +175,8 @@ impl NormalSplits {
     }
 }
 
-/// Gives vertices where the surface has no normal the sum of their faces' normals, or up where that vanishes too.
+/// Gives each vertex without a surface normal the sum of its faces' normals, or the up direction where that
+/// vanishes too.
 pub(crate) fn fill_missing_normals(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
     if normals.iter().all(|n| *n != [0.0; 3]) {
         return;
@@ -189,7 +192,7 @@ pub(crate) fn fill_missing_normals(positions: &[[f64; 3]], faces: &[[u32; 3]], n
     }
 }
 
-/// The mesh without the vertices that no triangle names (a pole's own side leaves some).
+/// Removes vertices that no triangle uses (the collapsed side of a pole leaves some).
 fn drop_unreferenced(
     positions: Vec<[f64; 3]>,
     mut faces: Vec<[u32; 3]>,
@@ -209,7 +212,7 @@ fn drop_unreferenced(
     let kept = |list: Vec<[f64; 3]>| {
         list.into_iter().zip(&used).filter(|(_, used)| **used).map(|(x, _)| x).collect()
     };
-    // An id stays one of the kept vertices: the first kept one of its group.
+    // A position id must be a kept vertex: the first kept one of its group is used.
     let ids = ids.map(|ids| {
         let mut leader = vec![u32::MAX; ids.len()];
         let pairs = ids.iter().enumerate().filter(|(i, _)| used[*i]);
@@ -224,7 +227,7 @@ fn drop_unreferenced(
     mesh_with_normals(kept(positions), faces, kept(normals), ids)
 }
 
-/// The mesh with its normals and what ties its vertices.
+/// The mesh with its normals and position ids.
 pub(crate) fn mesh_with_normals(
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,

@@ -1,11 +1,11 @@
-//! A mesh of sheets within a budget: by a length or pixels, or the best with so many triangles.
+//! Meshes a surface within a budget: a length, pixels, or the best mesh with a given number of triangles.
 use super::mesher::{CertifiedTiles, PatchMesher, TessellationFailure};
 use super::plan::Allowance;
 use super::subpatch::PatchSurface;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 
-/// The mesh of a surface that a budget asks for.
+/// The mesh of a surface that meets a budget.
 pub(crate) fn mesh_within(
     sheets: &dyn PatchSurface,
     budget: &Budget,
@@ -35,7 +35,7 @@ pub(crate) fn mesh_within(
             Failure::Unmet(best) => Ok(*best),
             other => Err(other),
         })?;
-        // A coarser mesh than the plan for the budget may still come out within it.
+        // The bound of the coarser mesh may still meet the budget.
         if best.shape.faces().len() as u64 <= most && meets(&best, budget) {
             return Ok(best);
         }
@@ -43,7 +43,7 @@ pub(crate) fn mesh_within(
     })
 }
 
-/// Refuses an angle that is none.
+/// Refuses an angle that is not in (0°, 180°].
 pub(crate) fn check_angle(budget: &Budget) -> Result<(), TessellationFailure> {
     match budget.angle_deg {
         Some(angle) if !(angle > 0.0 && angle <= 180.0) => {
@@ -64,10 +64,10 @@ pub(crate) fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
         && budget.angle_deg.is_none_or(by_angle)
 }
 
-/// Bytes a triangle, everything counted, at the peak; measured on the teapot at 1e6 triangles.
+/// Peak memory in bytes per triangle, everything included; measured on the teapot at 1e6 triangles.
 const BYTES_PER_TRIANGLE: f64 = 200.0;
 
-/// Says before the work that a budget needs more than the job allows.
+/// Refuses, before the work starts, a budget that needs more than the job allows.
 fn check_limits(
     mesher: &PatchMesher<'_>,
     allowance: &Allowance,
@@ -89,17 +89,19 @@ fn check_limits(
     Ok(())
 }
 
-/// Rungs an octave of the ladder of lengths: neighbours differ by 2.2 %. With 16 the referee found small meshes
-/// whose bound was more than 1.15 times what a length reaches with as many triangles.
+/// Lengths per octave in the geometric series of candidate lengths: neighbours differ by 2.2 %. With 16,
+/// tests found small meshes whose bound was more than 1.15 times what a length reaches with as many
+/// triangles.
 const RUNGS: u32 = 32;
-/// A ladder of 100 octaves reaches below the rounding of any shape.
+/// A series of 100 octaves extends below the rounding of any shape.
 const MOST_RUNGS: u32 = 100 * RUNGS;
-/// How far a count may rise above a finer rung's, seen on coarse meshes; rungs are tried from here down.
+/// How far a count may exceed that of a finer length, as seen on coarse meshes; the search goes down from
+/// there.
 const COUNT_NOISE: u64 = 2;
-/// Meshes below this size have bounds well below their rung, so all coarser rungs are compared.
+/// Meshes below this size have bounds well below their candidate length, so all coarser lengths are compared.
 const SMALL: u64 = 2000;
 
-/// The mesh with the smallest bound among those of the ladder with at most `most` triangles.
+/// The mesh with the smallest bound among those of the series with at most `most` triangles.
 fn within_count(
     mesher: &PatchMesher<'_>,
     asked: &Allowance,
@@ -116,7 +118,7 @@ fn within_count(
             Err(other) => Err(other),
         }
     };
-    // Finer by octaves until even a noisy count cannot fit, then down rung by rung.
+    // Go finer by octaves until even a noisy count cannot fit, then back one length at a time.
     let mut fine = 0;
     while fine < MOST_RUNGS && count(fine)? <= COUNT_NOISE.saturating_mul(most) {
         fine += RUNGS / 4;

@@ -1,54 +1,55 @@
-//! `CellEstimator`: a cheap guess of how many cells a rectangle of a patch needs, from nine places of it.
+//! `CellEstimator`: a cheap estimate of how many cells a rectangle of a patch needs, from nine sample points.
 //!
-//! Only the number of triangles hangs on it, never the bound: [`super::tile`] proves every tile afterwards. At
-//! each place the bound of [`super::derivative_bound`] is split into the part along the surface's normal, which is a quadratic
-//! form in the cell's sides and cheap to follow through many shapes of cells, and the rest, which is computed once
-//! for the cell that suits the rectangle best and taken to grow with the cell's area.
+//! It affects only the number of triangles, never the bound: [`super::tile`] proves every tile afterwards. At
+//! each sample point the bound of [`super::derivative_bound`] is split in two. The part along the surface
+//! normal is a quadratic form in the cell's sides and cheap to evaluate for many cell shapes. The rest is
+//! computed once, for the cell shape that suits the rectangle best, and assumed to grow with the cell's area.
 use super::derivative_bound::{Hessian, across, max_barycentric_quadratic};
 use crate::explicit::Patch;
 use glam::DVec3;
 
-/// Places of a 3 × 3 lattice.
+/// Sample points of a 3 × 3 lattice.
 const PLACES: usize = 9;
 
-/// Shapes of cells that are tried around the balanced one, as factors of its `√(width/height)`. Finer steps won
+/// Cell shapes that are tried around the balanced one, as factors of its `√(width/height)`. Finer steps saved
 /// less than 1 % of the triangles on the teapot and on random patches.
 const STEPS: [f64; 3] = [0.65, 1.0, 1.55];
 
 /// Every step with both diagonals.
 const SHAPES: usize = 2 * STEPS.len();
 
-/// What third derivatives add to the bound, as a share of their products with the sides of a cell. Measured on the cages of the
-/// tests: three times as much takes 8 % more triangles at a thousandth and 14 % at a hundredth, three fifths of it as many and 2 %.
+/// The contribution of third derivatives to the bound, as a fraction of their products with the sides of a
+/// cell. Measured on the cages of the tests: three times as much takes 8 % more triangles at a thousandth and
+/// 14 % at a hundredth, three fifths of it as many and 2 %.
 const SHARE_OF_THIRD: f64 = 0.02;
 
-/// Cells one way of one tile; more are had by halving.
+/// The largest number of cells in one direction of one tile; more are reached by halving the tile.
 const MOST_RATE: f64 = 16_777_216.0;
 
-/// The second derivatives seen along the normal, and what that leaves out, at nine places.
+/// The second derivatives along the normal, and the remainder, at nine sample points.
 pub(crate) struct CellEstimator {
-    /// All lengths here are this many times those of the patch: about 1, so that neither huge nor tiny patches leave
-    /// the range of f64 where four lengths are multiplied.
+    /// All lengths here are those of the patch times this factor. They are about 1, so that neither huge nor
+    /// tiny patches leave the range of f64 where four lengths are multiplied.
     scale: f64,
     uu: [f64; PLACES],
     uv: [f64; PLACES],
     vv: [f64; PLACES],
-    /// By diagonal: what the bound has beyond the normal part, for a cell of area 1.
+    /// By diagonal: the bound beyond the normal part, for a cell of area 1.
     rest: [[f64; PLACES]; 2],
-    /// Guesses of the third derivatives.
+    /// Estimates of the third derivatives.
     third: [f64; 4],
-    /// `√(width/height)` of the cell that bends equally both ways.
+    /// `√(width/height)` of the cell with equal bending in both directions.
     balanced: f64,
 }
 
-/// How many cells (a real number, at least 1), of which shape, and what halving would leave of them.
+/// The estimated number of cells (a real number, at least 1), their shape, and the effect of halving.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellEstimate {
     pub(crate) cells: f64,
     /// `√(width/height)` of a cell, in parameters.
     ratio: f64,
     rising: bool,
-    /// Cells after halving along u and along v, as a share of `cells`.
+    /// Cells after halving along u and along v, as a fraction of `cells`.
     pub(crate) after_halving: [f64; 2],
 }
 
@@ -60,7 +61,7 @@ impl CellEstimate {
     }
 }
 
-/// Cells each way, and the diagonal.
+/// The number of cells along u and v, and the diagonal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TessellationRates {
     pub(crate) n: u32,
@@ -69,7 +70,7 @@ pub(crate) struct TessellationRates {
 }
 
 impl CellEstimator {
-    /// From the control points of the rectangle's part.
+    /// Builds the estimator from the control points of the rectangle's part.
     pub(crate) fn new(part: &Patch) -> Self {
         let scale = power_of_two_over(part.size());
         let places = derivatives(part, scale);
@@ -82,8 +83,8 @@ impl CellEstimator {
             third: third_differences(&places),
             balanced: balanced_aspect(&places),
         };
-        // The balanced cell, but no larger than the rectangle: one that reaches far beyond it would find that sliding
-        // helps less than it does, wherever the surface folds over itself.
+        // The balanced cell, limited to the rectangle: for a cell that extends far beyond it, sliding would
+        // seem to help less than it does wherever the surface folds over itself.
         let square = probe.balanced * probe.balanced;
         let (du, dv) = if square > 1.0 { (1.0, 1.0 / square) } else { (square, 1.0) };
         for (k, (by_u, by_v, hessian)) in places.iter().enumerate() {
@@ -106,12 +107,14 @@ impl CellEstimator {
         probe
     }
 
-    /// The bound along the normal at one place, scaled, for a cell with the squares and product `[du², ±du·dv, dv²]`.
+    /// The bound along the normal at one sample point, scaled, for a cell with the squares and product
+    /// `[du², ±du·dv, dv²]`.
     #[inline(always)]
     fn normal_part(&self, k: usize, [uu, uv, vv]: [f64; 3]) -> f64 {
         let (a, b) = (self.uu[k] * uu, self.vv[k] * vv);
         let (c, a, b) = ((a + self.uv[k] * uv + b).abs(), a.abs(), b.abs());
-        // As `worst_mix`, without branches and with less care: nothing rests on the last digits here.
+        // As `max_barycentric_quadratic`, without branches and less exactly: nothing depends on the last
+        // digits here.
         let most = if a > b { a } else { b };
         let most = if c > most { c } else { most };
         let (x, y, z) = (b + c - a, c + a - b, a + b - c);
@@ -138,8 +141,8 @@ impl CellEstimator {
         largest(&all, 0..PLACES) + self.remainder(du, dv)
     }
 
-    /// The number of cells that meet `tolerance`: at a fixed shape the bound falls with the number of cells, so
-    /// `cells = bound/tolerance` for the best shape.
+    /// The number of cells that meet `tolerance`. At a fixed shape the bound falls with the number of cells,
+    /// so `cells = bound/tolerance` for the best shape.
     pub(crate) fn estimate(&self, tolerance: f64) -> CellEstimate {
         let tolerance = tolerance * self.scale;
         let mut best = [f64::INFINITY; 5];
@@ -172,8 +175,8 @@ impl CellEstimator {
         }
         let (ratio, rising) = shape;
         let scale = (best[0] / tolerance).sqrt();
-        // A direction has at least one cell; then the other alone has to do what is left. Twice, because the
-        // remainder falls with the cube of the cell's size and not with its square.
+        // Each direction has at least one cell; then the other direction alone must make up for it. Done
+        // twice, because the remainder falls with the cube of the cell's size and not with its square.
         let one = |x: f64| if x > 1.0 { x } else { 1.0 };
         let (mut n, mut m) = (one(scale / ratio), one(scale * ratio));
         for _ in 0..2 {
@@ -194,7 +197,7 @@ impl CellEstimator {
         }
     }
 
-    /// The fewest whole cells near what the need says.
+    /// The fewest whole cells near the estimate.
     pub(crate) fn rates(&self, need: &CellEstimate, tolerance: f64) -> TessellationRates {
         let tolerance = tolerance * self.scale;
         let clamp = |x: f64| {
@@ -208,8 +211,8 @@ impl CellEstimator {
         };
         let mut n = clamp((need.cells.sqrt() / need.ratio).floor());
         let mut best: Option<(f64, f64)> = None;
-        // A column too few can need any number of rows, or have no number at all; so columns are added until rows
-        // near the expected number do, and once more.
+        // With one column too few, any number of rows may be needed, or none may be enough. So columns are
+        // added until rows near the expected number suffice, and once more.
         for _ in 0..64 {
             let settled = best.is_some();
             if let Some(m) = self.rows(n, need, tolerance)
@@ -226,7 +229,7 @@ impl CellEstimator {
         TessellationRates { n: n as u32, m: m as u32, rising: need.rising }
     }
 
-    /// The fewest rows that do with `n` columns, if that is at most about twice as many as expected.
+    /// The fewest rows that suffice with `n` columns, if that is at most about twice as many as expected.
     fn rows(&self, n: f64, need: &CellEstimate, tolerance: f64) -> Option<f64> {
         let fits = |m: f64| self.bound(1.0 / n, 1.0 / m, need.rising) <= tolerance;
         let expected = (need.cells / n).ceil();
@@ -248,7 +251,7 @@ fn largest(list: &[f64], range: std::ops::Range<usize>) -> f64 {
     list[range].iter().fold(0.0, |most, x| if *x > most { *x } else { most })
 }
 
-/// The power of two that takes `size` to between 1 and 2, as far as it is a normal number.
+/// The power of two that scales `size` to between 1 and 2, as far as it is a normal number.
 fn power_of_two_over(size: f64) -> f64 {
     let exponent = (size.to_bits() >> 52) as i64 - 1023;
     f64::from_bits(((1023 - exponent.clamp(-1000, 1000)) as u64) << 52)
@@ -286,7 +289,7 @@ fn line([a, b, c, d]: [DVec3; 4]) -> [[DVec3; 3]; 3] {
     ]
 }
 
-/// Third derivatives as differences of second ones across the rectangle.
+/// Third derivatives, as differences of second derivatives across the rectangle.
 fn third_differences(places: &[SampleDerivatives; PLACES]) -> [f64; 4] {
     let most = |step: usize, starts: [usize; 3], pick: fn(&Hessian) -> DVec3| {
         starts.iter().fold(0.0, |most: f64, &start| {
@@ -298,12 +301,13 @@ fn third_differences(places: &[SampleDerivatives; PLACES]) -> [f64; 4] {
     [most(1, rows, |h| h.uu), most(3, columns, |h| h.uu), most(1, rows, |h| h.vv), most(3, columns, |h| h.vv)]
 }
 
-/// `√(width/height)` of the cell whose two sides bend equally where they bend most.
+/// `√(width/height)` of the cell whose two sides have equal maximal bending.
 fn balanced_aspect(places: &[SampleDerivatives; PLACES]) -> f64 {
     let across_sq = |bend: DVec3, chord: DVec3| {
         let (along, chord_sq, bend_sq) = (bend.dot(chord), chord.length_squared(), bend.length_squared());
         let across_sq = bend_sq - if chord_sq > 0.0 { along * along / chord_sq } else { 0.0 };
-        // Not below a hundredth of the whole, where the difference is noise: a shape of cells is all that hangs on it.
+        // At least a hundredth of the whole, below which the difference is noise; only the cell shape depends
+        // on it.
         if across_sq > 1e-4 * bend_sq { across_sq } else { 1e-4 * bend_sq }
     };
     let (u, v) = places.iter().fold((0.0, 0.0), |(u, v): (f64, f64), (by_u, by_v, hessian)| {

@@ -1,11 +1,13 @@
-//! `PatchDerivatives`: how strongly a patch bends over one tile, and the bound on triangles that follows from it.
+//! `PatchDerivatives`: bounds on the derivatives of a patch over one tile, and the distance bound for
+//! triangles.
 //!
-//! **The bound.** Let `S` be the patch over a triangle of its parameter plane with corners `p_i`, `T` the linear
-//! map with `T(p_i) = S(p_i)`, `λ` barycentric coordinates, `d_ij = p_j − p_i`. Let `Q` be the polynomial of degree three that has the
-//! derivatives of `S` up to the third at the middle of the triangle's box, `H` its second derivative (a symmetric bilinear map into space) and `C` its
-//! third. On a side, `Q` is a cubic, which is off its chord by `μ(1−μ)` times half its second derivative in the middle and `(2μ−1)/12` of its third;
-//! inside only a multiple of `λ_1 λ_2 λ_3` is left, which the value at the centroid tells. With `m_ij` the middle of a side and `q_i` the corners as
-//! seen from the centroid,
+//! **The bound.** Let `S` be the patch over a triangle of its parameter plane with corners `p_i`, `T` the
+//! linear map with `T(p_i) = S(p_i)`, `λ` barycentric coordinates, `d_ij = p_j − p_i`. Let `Q` be the
+//! polynomial of degree three that has the derivatives of `S` up to the third at the middle of the triangle's
+//! box, `H` its second derivative (a symmetric bilinear map into space) and `C` its third. On a side, `Q` is
+//! a cubic, whose distance from its chord is `μ(1−μ)` times half its second derivative in the middle and
+//! `(2μ−1)/12` of its third; inside only a multiple of `λ_1 λ_2 λ_3` is left, which the value at the centroid
+//! determines. With `m_ij` the middle of a side and `q_i` the corners relative to the centroid,
 //!
 //! ```text
 //! T(x) − S(x) = Σ_{i<j} λ_i λ_j W_ij + t(x) + R,    W_ij = ½ H(m_ij)[d_ij, d_ij],
@@ -13,44 +15,52 @@
 //! |R| ≤ (du²·δ_uu + 2·du·dv·δ_uv + dv²·δ_vv) / 8 ≤ (4·du³·dv·|S_uuuv| + 6·du²·dv²·|S_uuvv| + 4·du·dv³·|S_uvvv|) / 64,
 //! ```
 //!
-//! `du × dv` the box of the triangle. For the remainder take Taylor's formula for `E = S − Q` around `x`; since `Σ λ_i (p_i − x) = 0`, the triangle is off `E`
-//! by `½ Σ λ_i H̄_i[p_i−x, p_i−x]`, `H̄_i` a mean of the second derivative of `E` over the segment from `x` to `p_i`. `δ` bounds that; `Σ λ_i (u_i−u)² ≤ du²/4` by
-//! Popoviciu, the mixed term by Cauchy and Schwarz. `E` has no derivatives up to the third in the middle, so `δ` is half of the largest fourth ones along
-//! two steps of at most half the box (those by u or v four times are 0). `t` is at most the sum of the `|C[d, d, d]|` times `1/(72√3)`, and a twelfth of
-//! `|C[q_1, q_2, q_3]|`.
+//! `du × dv` the box of the triangle. For the remainder take Taylor's formula for `E = S − Q` around `x`;
+//! since `Σ λ_i (p_i − x) = 0`, the triangle differs from `E` by `½ Σ λ_i H̄_i[p_i−x, p_i−x]`, `H̄_i` a mean
+//! of the second derivative of `E` over the segment from `x` to `p_i`. `δ` bounds that;
+//! `Σ λ_i (u_i−u)² ≤ du²/4` by Popoviciu, the mixed term by Cauchy and Schwarz. The derivatives of `E` up to
+//! the third vanish in the middle, so `δ` is half of the largest fourth derivatives along two steps of at
+//! most half the box (those by u or v four times are 0). `t` is at most the sum of the `|C[d, d, d]|` times
+//! `1/(72√3)`, and a twelfth of `|C[q_1, q_2, q_3]|`.
 //!
 //! **Sliding.** A distance between sets allows any pairing of points that covers both. Pair `S(x)` with
 //! `T(ψ(x))`, `ψ(λ)_k = λ_k (1 + Σ_j ±s_kj λ_j)`, which moves `T` by `Σ λ_i λ_j s_ij (V_j − V_i)`. For
-//! `|s_ij| ≤ 1` it is continuous, maps the triangle into itself, fixes its corners and maps every side to itself;
-//! so on the boundary it has degree 1, and it covers the whole triangle. Choosing `s_ij` removes from `W_ij` its
-//! part along the triangle's own edge `V_j − V_i`: only bending *across* an edge counts. What is left is at most
-//! the maximum of `Σ λ_i λ_j w_ij` with `w_ij = |W_ij across|`, which [`max_barycentric_quadratic`] gives in closed form.
+//! `|s_ij| ≤ 1` it is continuous, maps the triangle into itself, fixes its corners and maps every side to
+//! itself; so on the boundary it has degree 1, and it covers the whole triangle. Choosing `s_ij` removes from
+//! `W_ij` its part along the triangle's own edge `V_j − V_i`: only bending *across* an edge counts. What is
+//! left is at most the maximum of `Σ λ_i λ_j w_ij` with `w_ij = |W_ij across|`, which
+//! [`max_barycentric_quadratic`] gives in closed form.
 //!
-//! The pairing lives on each triangle by itself, so the union over all triangles bounds the two-sided Hausdorff
-//! distance of surface and mesh. A triangle of the parameter plane with two corners in one point of space (at a
-//! pole) has a segment for an image; it is left out of the mesh, and its segment is a side of the triangle next
-//! to it, so both directions still hold.
+//! The pairing is defined on each triangle by itself, so the union over all triangles bounds the two-sided
+//! Hausdorff distance of surface and mesh. A triangle of the parameter plane with two corners at one point of
+//! space (at a pole) has a segment for an image. It is left out of the mesh, and its segment is a side of the
+//! triangle next to it, so both directions still hold.
 //!
-//! Sources: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986 (the bound by
-//! second derivatives); T. Popoviciu, 1935 (the variance of a bounded variable). The sliding is Chordal's own.
+//! Sources: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986 (the
+//! bound by second derivatives); T. Popoviciu, 1935 (the variance of a bounded variable). The sliding is
+//! Chordal's own.
 //!
-//! **Rounding.** Let `P` be the largest coordinate of the patch, `u = 2⁻⁵³`; errors in units of `u·P`, the worst case
-//! being a tile of one cell. A control point of a part is six interpolations deep, 12. A second derivative's control
-//! vectors have coordinates up to 24 (`uu`, `vv`) and 36 (`uv`) and are off by 360 and 540, its values by 624 and 972. Third derivatives have
-//! lengths up to 48·√3 (`uuu`) and 144·√3 (`uuv`) and are off by 1538 and 4864; fourth by 9300 (`uuuv`) and 19,700 (`uuvv`).
-//! Hence half a second derivative along a side is off by less than 3772 as a length, wherever the side lies in the box: along a diagonal of the box its middle is the box's, a
-//! side along the box is half of it away and has only a quarter of `uuv` more, and between those both shrink. `worst_mix` makes at most a third of that, 1258, and
-//! rounds by 144. `t` is off by 0.00802·35,400 + 7200/12 < 900, `R` by (8·9300 + 6·19,700)/64 < 3010, and they round by 200 and 1000. A vertex (Bernstein form
-//! of a part, and a parameter off by `u`, at up to `6·√3·P` a unit) is off by 70, the sum by 200. Together 6782, less than [`ROUNDING`] = 8192·u. A curve's vertex is off by as much of the
-//! *curve's* size, so it is good for all patches that share it. Below the normal numbers a length, the root of a sum of squares, loses
-//! at most `√(3·2⁻¹⁰⁷⁵) < 2⁻⁵³⁶`, a few of which are less than [`UNDERFLOW`].
+//! **Rounding.** Let `P` be the largest coordinate of the patch, `u = 2⁻⁵³`; errors in units of `u·P`, the
+//! worst case being a tile of one cell. A control point of a part is six interpolations deep, 12. A second
+//! derivative's control vectors have coordinates up to 24 (`uu`, `vv`) and 36 (`uv`) and errors of 360 and
+//! 540, its values of 624 and 972. Third derivatives have lengths up to 48·√3 (`uuu`) and 144·√3 (`uuv`) and
+//! errors of 1538 and 4864; fourth ones of 9300 (`uuuv`) and 19,700 (`uuvv`). Hence the error of half a
+//! second derivative along a side is less than 3772 as a length, wherever the side lies in the box: along a
+//! diagonal of the box its middle is the box's, a side along the box is half of it away and has only a
+//! quarter of `uuv` more, and between those both shrink. `max_barycentric_quadratic` makes at most a third of
+//! that, 1258, and rounds by 144. The error of `t` is 0.00802·35,400 + 7200/12 < 900, that of `R` (8·9300 +
+//! 6·19,700)/64 < 3010, and they round by 200 and 1000. The error of a vertex (Bernstein form of a part, and
+//! a parameter off by `u`, at up to `6·√3·P` per unit) is 70, that of the sum 200. Together 6782, less than
+//! [`ROUNDING`] = 8192·u. The error of a curve's vertex is as large in terms of the *curve's* size, so it
+//! holds for all patches that share it. Below the normal numbers a length, the root of a sum of squares,
+//! loses at most `√(3·2⁻¹⁰⁷⁵) < 2⁻⁵³⁶`, a few of which are less than [`UNDERFLOW`].
 use crate::explicit::Patch;
 use glam::DVec3;
 
-/// Rounding of a certified bound, as a share of the largest coordinate; derived above.
+/// Rounding error of a proved bound, as a fraction of the largest coordinate; derived above.
 pub(super) const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 
-/// What underflow adds to it, a length: the root of the smallest normal number, 2⁻⁵¹¹; derived above.
+/// The contribution of underflow, a length: the root of the smallest normal number, 2⁻⁵¹¹; derived above.
 pub(crate) const UNDERFLOW: f64 = f64::from_bits(512 << 52);
 
 /// The length that rounding may add to the distance of a patch from its triangles.
@@ -58,7 +68,7 @@ pub(crate) fn rounding(patch: &Patch) -> f64 {
     ROUNDING * patch.size() + UNDERFLOW
 }
 
-/// The second derivatives at one place: `uu`, `uv`, `vv`.
+/// The second derivatives at one point: `uu`, `uv`, `vv`.
 #[derive(Clone, Copy)]
 pub(crate) struct Hessian {
     pub(crate) uu: DVec3,
@@ -89,11 +99,11 @@ pub(crate) fn across(bend: DVec3, chord: DVec3) -> f64 {
 
 /// The maximum of `a·λ₁λ₂ + b·λ₂λ₃ + c·λ₃λ₁` over the triangle, for `a, b, c ≥ 0`.
 ///
-/// Inside, the critical point has the value `abc/(2(ab+bc+ca) − (a²+b²+c²))` and lies in the triangle exactly when
-/// `a, b, c` obey the triangle inequality; otherwise the maximum is a quarter of the largest, in the middle of its
-/// side. With `a ≥ b ≥ c` the denominator is `(c−(a−b))·(c+(a−b)) + 2c(a+b−c)`, a sum of positive terms, each
-/// computed to a few ulp (`a − b` is exact, because `b ≥ a/2` here), so nothing cancels. No value is above `a/3`, which
-/// is what counts where the denominator underflows.
+/// Inside, the critical point has the value `abc/(2(ab+bc+ca) − (a²+b²+c²))` and lies in the triangle exactly
+/// when `a, b, c` satisfy the triangle inequality; otherwise the maximum is a quarter of the largest, in the
+/// middle of its side. With `a ≥ b ≥ c` the denominator is `(c−(a−b))·(c+(a−b)) + 2c(a+b−c)`, a sum of
+/// positive terms, each computed to a few ulp (`a − b` is exact, because `b ≥ a/2` here), so nothing cancels.
+/// No value is above `a/3`, which is used where the denominator underflows.
 #[inline]
 pub(crate) fn max_barycentric_quadratic(a: f64, b: f64, c: f64) -> f64 {
     let (a, b) = if a < b { (b, a) } else { (a, b) };
@@ -107,7 +117,8 @@ pub(crate) fn max_barycentric_quadratic(a: f64, b: f64, c: f64) -> f64 {
     if inside < a / 3.0 { inside } else { a / 3.0 }
 }
 
-/// The second and third derivatives of one tile's part as polynomials over its unit square, with bounds on the fourth.
+/// The second and third derivatives of one tile's part as polynomials over its unit square, with bounds on
+/// the fourth.
 pub(crate) struct PatchDerivatives {
     uu: [[DVec3; 2]; 4],
     uv: [[DVec3; 3]; 3],
@@ -131,7 +142,7 @@ pub(crate) struct PatchDerivativeRow {
     vvv: [DVec3; 4],
 }
 
-/// The second and third derivatives at one place.
+/// The second and third derivatives at one point.
 #[derive(Clone, Copy)]
 pub(crate) struct ThirdOrderJet {
     pub(crate) second: Hessian,
@@ -142,7 +153,7 @@ pub(crate) struct ThirdOrderJet {
 }
 
 impl ThirdOrderJet {
-    /// Half the second derivative along a step, at a place that is `m` away.
+    /// Half the second derivative along a step, at an offset `(mu, mv)` from the point.
     #[inline]
     pub(crate) fn half_along(&self, [du, dv]: [f64; 2], [mu, mv]: [f64; 2]) -> DVec3 {
         let uu = self.second.uu + (self.uuu * mu + self.uuv * mv);
@@ -160,7 +171,8 @@ impl ThirdOrderJet {
             + self.vvv * (a[1] * b[1] * c[1])
     }
 
-    /// What third derivatives add in a triangle, with corners that are so far away, to what the bends in the middles of its sides say.
+    /// The contribution of third derivatives to the bound of a triangle, beyond that of the second
+    /// derivatives in the middles of its sides. `corners` are offsets from the point.
     #[inline]
     pub(crate) fn third_order_bound(&self, corners: [[f64; 2]; 3]) -> f64 {
         let [a, b, c] = corners;
@@ -176,7 +188,7 @@ impl ThirdOrderJet {
 const CUBIC: f64 = 0.008_02;
 
 impl PatchDerivatives {
-    /// From the control points of the part.
+    /// Computes the derivatives from the control points of the part.
     pub(crate) fn new(part: &Patch) -> Self {
         let q: [[DVec3; 4]; 4] = part.control.map(|row| row.map(DVec3::from));
         let second = |a: DVec3, b: DVec3, c: DVec3| 6.0 * ((a - b) - (b - c));

@@ -1,29 +1,37 @@
-//! A tile on rough ground: two triangles, or a star of them around a vertex in its middle, and the proof of their distance.
+//! A tile on an extraordinary subpatch: two triangles, or a fan around a vertex in its middle, and the proof
+//! of their distance.
 //!
-//! **The proof.** Let `S` be the surface over the tile, a disc, and `M` its triangles, a disc as well; `π` the projection along a
-//! direction `N` into a plane. Every triangle is seen from its front by `N`, and `π` is one to one on `M` (two triangles on either side of
-//! their diagonal, or a star that goes around its middle once); let `P = π(M)`.
+//! **The proof.** Let `S` be the surface over the tile, a disc, and `M` its triangles, a disc as well; `π`
+//! the projection along a direction `N` onto a plane. `N` sees the front of every triangle, and `π` is one to
+//! one on `M` (two triangles on either side of their diagonal, or a fan that goes around its middle once);
+//! let `P = π(M)`.
 //!
-//! *Surface to mesh.* The surface is cut into pieces, each in the convex hull of its control points. For a piece whose image lies in
-//! `P`, each point is above or below some triangle that the image touches, by no more than the largest height of a control point
-//! over that triangle's plane, since a height over a plane is a convex function: `V`. For other pieces the distance to any one triangle is
-//! convex as well, so that the largest distance of its control points from the best triangle is a bound.
+//! *Surface to mesh.* The surface is divided into pieces, each in the convex hull of its control points. For
+//! a piece whose image lies in `P`, each point is above or below some triangle that the image touches, by no
+//! more than the largest height of a control point over that triangle's plane, since a height over a plane is
+//! a convex function: `V`. For other pieces the distance to any one triangle is convex as well, so that the
+//! largest distance of its control points from the best triangle is a bound.
 //!
-//! *Mesh to surface.* Let each side of `M` be the chord of a curve on the border of `S`, within `ε` of it in space and within `δ` in the
-//! plane, both by pairing a point of the curve with the nearest of the chord, which is continuous and covers the chord. Moving `π(∂S)` to `∂P`
-//! along these pairs moves nothing by more than `δ`. So around a point `x` of `P` that is not met on the way the curve `π(∂S)` winds
-//! as often as `∂P` does, once, and `x` is the image of a point of `S`; that is above or below the point of `M` over `x` by at most `V`.
-//! A point `m` of `M` over an `x` that is met is within `δ·sec` of the border of `M`, measured along `M`, whose triangles have a slope of at most
-//! `sec` against the plane, and the border is within `ε` of `S`: within `ε + δ·sec`. Where `P` is convex, more can be said. With the pairs in space
-//! `x` lies on the image of a segment from a point `q` of a chord to its `c` on the curve, and the segment from `π(q)` to `x` in `P`, so that `m` is off the
-//! segment's point over `x` by at most the slopes of both, and off `c` by at most `|q − c|·(1 + tan)`: within `ε·(1 + tan)`, `tan² = sec² − 1`.
-//! Hence the distance is at most the larger of `V` and the smaller of these.
+//! *Mesh to surface.* Let each side of `M` be the chord of a curve on the border of `S`, within `ε` of it in
+//! space and within `δ` in the plane, both by pairing a point of the curve with the nearest of the chord,
+//! which is continuous and covers the chord. Moving `π(∂S)` to `∂P` along these pairs moves nothing by more
+//! than `δ`. So around a point `x` of `P` that is not met on the way the curve `π(∂S)` winds as often as `∂P`
+//! does, once, and `x` is the image of a point of `S`; that is above or below the point of `M` over `x` by at
+//! most `V`. A point `m` of `M` over an `x` that is met is within `δ·sec` of the border of `M`, measured
+//! along `M`, whose triangles have a slope of at most `sec` against the plane, and the border is within `ε`
+//! of `S`: within `ε + δ·sec`. Where `P` is convex, more can be said. With the pairs in space `x` lies on the
+//! image of a segment from a point `q` of a chord to its `c` on the curve, and the segment from `π(q)` to `x`
+//! in `P`, so that `m` is off the segment's point over `x` by at most the slopes of both, and off `c` by at
+//! most `|q − c|·(1 + tan)`: within `ε·(1 + tan)`, `tan² = sec² − 1`. Hence the distance is at most the
+//! larger of `V` and the smaller of these.
 //!
-//! Where this does not apply, both `S` and the vertices of `M` lie in the hull of the ring, whose diagonal is a bound.
+//! Where this does not apply, both `S` and the vertices of `M` lie in the hull of the one-ring, whose
+//! diagonal is a bound.
 //!
-//! **Rounding.** Everything is computed about a corner of the tile. What that, the vertices and the control points are off by is in
-//! [`ExtraordinaryQuad::rounding_error`] and in what each piece says of itself; a triangle's unit normal is off by some roundings times the square of its longest edge
-//! over its doubled area, which tilts its plane, and is added as such.
+//! **Rounding.** Everything is computed relative to a corner of the tile. The errors of that, of the vertices
+//! and of the control points are in [`ExtraordinaryQuad::rounding_error`] and in the rounding bound of each
+//! piece. The error of a triangle's unit normal is some roundings times the square of its longest edge over
+//! its doubled area; it tilts the plane, and is added as such.
 use super::extraordinary::ExtraordinaryQuad;
 use super::plan::PatchTile;
 use super::seams::TileSeams;
@@ -35,14 +43,14 @@ use crate::math::{Box3, PriorityItem};
 use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 
-/// A vertex: where it is in the unit square, and in space.
+/// A vertex with its parameters in the unit square and its position.
 #[derive(Clone, Copy)]
 struct FanTileVertex {
     place: [f64; 2],
     at: [f64; 3],
 }
 
-/// The number of triangles of a tile with so many segments on its sides.
+/// The number of triangles of a tile with these numbers of segments on its sides.
 pub(crate) fn count_triangles(counts: [u32; 4]) -> u64 {
     let border: u64 = counts.iter().map(|count| u64::from(*count)).sum();
     if border == 4 { 2 } else { border }
@@ -99,13 +107,13 @@ pub(crate) fn build(
     }
 }
 
-/// Whether two triangles between its corners are near enough to a square.
+/// Whether the two triangles between the corners of a quad are within the tolerance.
 pub(crate) fn is_flat(rough: &ExtraordinaryQuad, tolerance: f64) -> bool {
     let knots = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
         .map(|place| FanTileVertex { place, at: rough.point(place[0], place[1]) });
     let tip = ExtraordinaryProof { region: rough, sides: &PatchSide::ALL, tolerance, pieces: 0 };
     let [a, b, c, d] = knots.map(|knot| knot.at);
-    // Places that show at once that it is not.
+    // Sample points that can show at once that it is not.
     let pairs = [([0.5, 0.0], [a, b]), ([1.0, 0.5], [b, c]), ([0.5, 1.0], [c, d]), ([0.0, 0.5], [d, a])];
     let is_far =
         |place: [f64; 2], near: &dyn Fn([f64; 3]) -> f64| near(rough.point(place[0], place[1])) > tolerance;
@@ -123,15 +131,15 @@ pub(crate) fn is_flat(rough: &ExtraordinaryQuad, tolerance: f64) -> bool {
 
 struct ExtraordinaryProof<'a> {
     region: &'a ExtraordinaryQuad,
-    /// The side on which the edge from each knot on the border to the next lies.
+    /// The side that contains the edge from each border vertex to the next.
     sides: &'a [PatchSide],
     tolerance: f64,
-    /// How many pieces are looked at even where the tolerance is met.
+    /// The number of pieces that are visited even where the tolerance is met.
     pieces: usize,
 }
 
 impl ExtraordinaryProof<'_> {
-    /// Two triangles between four knots, by the diagonal that is nearer to the surface.
+    /// Two triangles between four vertices, by the diagonal that is nearer to the surface.
     fn two_triangles(&self, knots: &[FanTileVertex]) -> (Vec<[u32; 3]>, f64) {
         let rising = vec![[0, 1, 2], [0, 2, 3]];
         let falling = vec![[0, 1, 3], [1, 2, 3]];
@@ -160,32 +168,34 @@ impl ExtraordinaryProof<'_> {
     }
 }
 
-/// A triangle as the proof needs it.
+/// A triangle with its projection, as the proof needs it.
 struct ProjectedTriangle {
     corners: [[f64; 3]; 3],
     projected: [DVec2; 3],
     normal: DVec3,
     /// The cosine of its slope against the plane.
     cosine: f64,
-    /// By how much its unit normal may be off.
+    /// The error of its unit normal.
     tilt: f64,
 }
 
-/// Triangles that a direction sees from their front, each place once.
+/// Triangles whose fronts a direction sees, so that they project one to one.
 struct RegionHeightField<'a> {
     region: &'a ExtraordinaryQuad,
     origin: DVec3,
     frame: [DVec3; 2],
     faces: Vec<ProjectedTriangle>,
-    /// The knots on the border, in the plane.
+    /// The border vertices in the plane.
     border: Vec<DVec2>,
 }
 
-/// A triangle steeper than this (78°) against the plane proves nothing of use; chosen.
+/// A triangle steeper than this (78°) against the plane gives no useful proof; chosen.
 const LEAST_COSINE: f64 = 0.2;
-/// A triangle whose doubled area is less than this share of the square of its longest edge is no triangle for the proof; chosen.
+/// A triangle whose doubled area is below this fraction of its longest edge squared is degenerate for the
+/// proof; chosen.
 const LEAST_SHAPE: f64 = 1e-6;
-/// Roundings in a unit normal, with room: six products and differences of lengths up to an edge, and the quotient.
+/// Roundings in a unit normal, with a margin: six products and differences of lengths up to an edge, and the
+/// quotient.
 const TILT: f64 = 32.0 * f64::EPSILON;
 
 impl<'a> RegionHeightField<'a> {
@@ -233,13 +243,13 @@ impl<'a> RegionHeightField<'a> {
         (triangles.len() == 2 || graph.winds_once(flat(at[n_border]))).then_some(graph)
     }
 
-    /// Whether the border goes around a place once, given that it turns to the left everywhere as seen from there.
+    /// Whether the border winds around `middle` once, given that it turns left everywhere as seen from there.
     fn winds_once(&self, middle: DVec2) -> bool {
         let is_below = |k: usize| (self.border[k % self.border.len()] - middle).y < 0.0;
         (0..self.border.len()).filter(|k| is_below(*k) && !is_below(k + 1)).count() == 1
     }
 
-    /// Whether the border nowhere turns to the right.
+    /// Whether the border never turns right.
     fn is_convex(&self) -> bool {
         let n = self.border.len();
         (0..n).all(|k| {
@@ -278,7 +288,7 @@ impl<'a> RegionHeightField<'a> {
         Some(if area > border { area } else { border } + tilt)
     }
 
-    /// How far the border's curve is from its chord: in space and in the plane.
+    /// The largest distance of the border's curve from its chord: in space and in the plane.
     fn side_deviation(
         &self,
         tip: &ExtraordinaryProof<'_>,
@@ -325,7 +335,7 @@ impl<'a> RegionHeightField<'a> {
                 RegionBoundary::Patches(patches) => (side_curves(patches, side, span), patches.off),
             };
             for curve in points {
-                // Quarters of a cubic are near their control points.
+                // The quarters of a cubic are close to their control points.
                 for quarter in 0..4 {
                     let begin = 0.25 * f64::from(quarter);
                     let (space, plane) = far(&curve.part(begin, begin + 0.25).control);
@@ -336,7 +346,7 @@ impl<'a> RegionHeightField<'a> {
         Some(most)
     }
 
-    /// The largest height of the surface over the triangles, or distance from them.
+    /// The largest height of the surface over the triangles, or its largest distance from them.
     fn interior_deviation(&self, tip: &ExtraordinaryProof<'_>) -> Option<f64> {
         let tolerance = tip.tolerance;
         let mut open = BinaryHeap::new();
@@ -388,15 +398,16 @@ impl<'a> RegionHeightField<'a> {
         PriorityItem { bound, item: RegionQueueEntry { depth, piece } }
     }
 
-    /// A bound for what lies in the hull of these points.
+    /// A distance bound for a piece in the convex hull of these points.
     fn distance(&self, hull: &[[f64; 3]]) -> f64 {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for point in hull {
             let flat = self.project(self.local(point));
             (low, high) = (low.min(flat), high.max(flat));
         }
-        // As far as rounding may have moved them: a dot product of three has five roundings of at most the largest term. The other share
-        // is chosen, far above the rounding of what is done with the box; a larger box only makes the bound worse.
+        // The slack covers rounding: a dot product of three terms has five roundings of at most the largest
+        // term. The other term is chosen, far above the rounding of the operations on the box; a larger box
+        // only makes the bound worse.
         let reach = low.abs().max(high.abs()).max_element();
         let slack = DVec2::splat(1e-9 * (high - low).length() + 64.0 * f64::EPSILON * reach);
         let (low, high) = (low - slack, high + slack);
@@ -423,7 +434,7 @@ impl<'a> RegionHeightField<'a> {
             }
             most
         };
-        // One that it touches is the nearest, but for what sticks out.
+        // The nearest triangle is one that the box touches, except for parts that extend beyond.
         let beside = match touched.is_empty() {
             true => self.faces.iter().fold(f64::INFINITY, farthest),
             false => touched.into_iter().fold(f64::INFINITY, farthest),
@@ -431,7 +442,7 @@ impl<'a> RegionHeightField<'a> {
         over.max(beside)
     }
 
-    /// Whether a box of the plane lies under the triangles.
+    /// Whether a box of the plane is covered by the triangles.
     fn is_inside(&self, low: DVec2, high: DVec2) -> bool {
         let n = self.border.len();
         let meets = |k: usize| {
@@ -443,7 +454,7 @@ impl<'a> RegionHeightField<'a> {
     }
 }
 
-/// Whether a triangle may have a point in a box; only where it says no it is sure.
+/// Whether a triangle may overlap a box; only `false` is certain.
 fn may_overlap(corners: [DVec2; 3], low: DVec2, high: DVec2) -> bool {
     let [a, b, c] = corners;
     let (least, most) = (a.min(b).min(c), a.max(b).max(c));
@@ -456,8 +467,10 @@ fn may_overlap(corners: [DVec2; 3], low: DVec2, high: DVec2) -> bool {
         let (p, along) = (own[k], own[(k + 1) % 3] - own[k]);
         let across = DVec2::new(-along.y, along.x);
         let side = |q: DVec2| across.dot(q - p);
-        // Everything of the box beyond the line, with room for rounding, and the triangle on it or before.
-        let room = 1e-12 * along.length() * ((high - low).length() + (most - least).length()); // chosen far above rounding
+        // The whole box is beyond the line, with a margin for rounding, and the triangle is on it or before
+        // it.
+        // chosen far above rounding
+        let room = 1e-12 * along.length() * ((high - low).length() + (most - least).length());
         let lone = side(own[(k + 2) % 3]);
         let before = box_corners.iter().all(|corner| side(*corner) < -room) && lone >= 0.0;
         let beyond = box_corners.iter().all(|corner| side(*corner) > room) && lone <= 0.0;
@@ -465,13 +478,14 @@ fn may_overlap(corners: [DVec2; 3], low: DVec2, high: DVec2) -> bool {
     })
 }
 
-/// A hull of the border's curve may be off its chord by this share of a tolerance before it is divided; chosen.
+/// A hull of the border's curve may be this fraction of a tolerance off its chord before it is subdivided;
+/// chosen.
 const FINE: f64 = 0.1;
-/// Divisions after which a piece is taken as it is: 2⁻⁴⁵ of a face is below rounding.
+/// The largest depth of subdivision: 2⁻⁴⁵ of a face is below rounding.
 const DEEPEST: usize = 45;
-/// Pieces that are looked at so that a bound that holds also gets near the truth; chosen.
+/// Pieces that are visited so that a valid bound also becomes tight; chosen.
 const PIECES_FOR_TIGHTNESS: usize = 24;
-/// Pieces after which a bound is what it is; chosen.
+/// The largest number of pieces that are visited; chosen.
 const MOST_PIECES: usize = 400;
 
 enum RegionBoundary<'a> {
@@ -498,7 +512,7 @@ fn quarters_on(side: PatchSide) -> [usize; 2] {
     }
 }
 
-/// The curves of patches along a stretch of a side.
+/// The boundary curves of patches along a span of a side.
 fn side_curves(patches: &LimitPatches, side: PatchSide, [from, to]: [f64; 2]) -> Vec<Bezier<3>> {
     let mut curves = Vec::new();
     for piece in &patches.patches {
@@ -537,7 +551,7 @@ enum RegionPiece<'a> {
     Extraordinary(&'a ExtraordinaryQuad),
 }
 
-/// A piece of the surface, and how often it was divided.
+/// A piece of the surface and its depth of subdivision.
 struct RegionQueueEntry<'a> {
     depth: usize,
     piece: RegionPiece<'a>,

@@ -1,4 +1,4 @@
-//! `PatchMesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
+//! `PatchMesher`: plans tiles for an allowance, proves them, and adds cells until all meet it.
 use super::adjacency::{PatchAdjacency, PatchCorner, SideBoundary};
 use super::assemble;
 use super::cell_estimate::CellEstimator;
@@ -16,7 +16,7 @@ use crate::math::{Box3, sub_down};
 
 pub(crate) type TessellationFailure = Failure<Mesh>;
 
-/// A surface with what is needed to mesh it to any allowance.
+/// A surface with everything that is needed to mesh it within any allowance.
 pub(crate) struct PatchMesher<'a> {
     sheets: &'a dyn PatchSurface,
     adjacency: PatchAdjacency,
@@ -28,9 +28,9 @@ pub(crate) struct TilePlan<'a> {
     pub(crate) subpatches: Vec<Subpatch<'a>>,
     pub(crate) tiles: Vec<PatchTile>,
     pub(crate) seams: TileSeams,
-    /// Fewest cells each way, by sheet, that keep edges of different curves apart.
+    /// The fewest cells in each direction, by sheet, that keep edges of different curves apart.
     pub(crate) min_cells: Vec<u32>,
-    /// By how much the proof of rough grounds came out worse than expected, by sheet, 1 at first.
+    /// By sheet: how much worse the proof of extraordinary subpatches was than expected; 1 at first.
     pub(crate) safety_factors: Vec<f64>,
 }
 
@@ -41,14 +41,15 @@ pub(crate) struct CertifiedTiles<'a> {
     seams: TileSeams,
 }
 
-/// Rounds of asking for more cells; three are usual, and every round adds cells where they lack.
+/// The largest number of refinement rounds; three are usual, and every round adds cells where they are
+/// missing.
 const MOST_ROUNDS: usize = 64;
 
-/// A proof that came out this much worse than its probe will not come out. Its square, where an angle is asked: a triangle that is a millionth as long as
-/// another is off by that much less.
+/// A proof that was this much worse than its estimate will not succeed. Its square where an angle is limited:
+/// a triangle that is a millionth as long as another deviates by that much less.
 const MOST_STRAIN: f64 = 1e6;
 
-/// Tiles at which the distance is measured from below, at two places each: 20 ns a triangle.
+/// Tiles at which the distance is measured from below, at two points each: 20 ns a triangle.
 const SAMPLED_TILES: usize = 12;
 
 impl<'a> PatchMesher<'a> {
@@ -96,7 +97,7 @@ impl<'a> PatchMesher<'a> {
         self.plan_with_safety_factors(allowance, vec![1.0; self.sheets.count()], None)
     }
 
-    /// Sheets of the plan before that are strained as much as they were are taken from it.
+    /// Plans with these safety factors. Sheets whose factor has not changed are taken from the plan `before`.
     fn plan_with_safety_factors(
         &self,
         allowance: &Allowance,
@@ -107,7 +108,7 @@ impl<'a> PatchMesher<'a> {
         let mut cut: Vec<SheetTiles<'a>> = (0..strains.len()).map(|_| Default::default()).collect();
         if let Some(before) = before {
             let is_kept = |sheet: u32| before.safety_factors[sheet as usize] == strains[sheet as usize];
-            // Their grounds follow each other, sheet by sheet.
+            // The subpatches are listed sheet by sheet.
             let mut begin = vec![0; strains.len()];
             for (index, ground) in before.subpatches.into_iter().enumerate() {
                 let own = &mut cut[ground.sheet as usize].0;
@@ -152,7 +153,7 @@ impl<'a> PatchMesher<'a> {
         Ok(self.lay_seams(grounds, tiles, strains))
     }
 
-    /// Tiles with the seams between them.
+    /// Builds the seams between the tiles.
     fn lay_seams(
         &self,
         grounds: Vec<Subpatch<'a>>,
@@ -166,7 +167,7 @@ impl<'a> PatchMesher<'a> {
             let poles = PatchSide::ALL.map(|side| self.has_pole(tile, side));
             tile.corners = std::array::from_fn(|k| match known[k] {
                 kind if kind != PatchCorner::Plain && ends[k] == places[k] => kind,
-                // All vertices of a pole are one: an edge from any of them is one edge.
+                // All vertices of a pole are one, so edges from any of them coincide.
                 _ if poles[k] || poles[(k + 3) % 4] => PatchCorner::Whole,
                 _ => PatchCorner::Plain,
             });
@@ -177,8 +178,8 @@ impl<'a> PatchMesher<'a> {
         TilePlan { subpatches: grounds, tiles, seams, min_cells: least, safety_factors: strains }
     }
 
-    /// The tiles, those cut whose normals still miss what is allowed although they have many cells: they turn in one place of it. `None` where there is
-    /// none.
+    /// The tiles, with those halved whose normals still miss the limit although they have many cells: their
+    /// normals vary in one spot. `None` where there is no such tile.
     fn split_where_normals_deviate(
         &self,
         planned: &TilePlan<'a>,
@@ -198,9 +199,9 @@ impl<'a> PatchMesher<'a> {
         })
     }
 
-    /// Builds and proves every tile; a tile that misses its tolerance gets more cells, and it and its neighbours are
-    /// built again. Then patches whose edges fall together (two chords between the same two vertices, which happens
-    /// when cells are very few) get more cells too.
+    /// Builds and proves every tile. A tile that misses its tolerance gets more cells, and it and its
+    /// neighbours are built again. Then patches with coinciding edges (two chords between the same two
+    /// vertices, which happens when cells are very few) get more cells too.
     pub(crate) fn prove(
         &self,
         mut planned: TilePlan<'a>,
@@ -209,7 +210,8 @@ impl<'a> PatchMesher<'a> {
         let mut done: Vec<Option<PatchTileMesh>> = vec![None; planned.tiles.len()];
         for round in 0..MOST_ROUNDS {
             self.check_cells(&planned.tiles)?;
-            // Those that are no patches first: while one of them has to be divided, the others would be built for nothing.
+            // Extraordinary subpatches first: while one of them has to be divided, the others would be built
+            // in vain.
             self.build_pending(&planned, &mut done, (allowance, SubpatchKind::Extraordinary))?;
             if let Some(strains) = raised_safety_factors(&planned, &done, allowance) {
                 planned = self.plan_with_safety_factors(allowance, strains, Some(planned))?;
@@ -258,11 +260,12 @@ impl<'a> PatchMesher<'a> {
         ))
     }
 
-    /// That no guess of a rate, however wrong, lets the work run away.
+    /// Refuses a plan with too many cells, so that a wrong estimate of a rate cannot let the work run away.
     fn check_cells(&self, tiles: &[PatchTile]) -> Result<(), TessellationFailure> {
         let triangles: f64 = tiles.iter().map(|tile| 2.0 * f64::from(tile.n) * f64::from(tile.m)).sum();
         let limit = self.job.triangle_limit as f64;
-        // Twice, since strips between tiles of unlike rates have more or fewer triangles than the cells there.
+        // Twice, since strips between tiles of different rates have more or fewer triangles than the cells
+        // there.
         if triangles > 2.0 * limit {
             let message =
                 format!("the budget needs about {triangles:.1e} triangles; the limit is {limit:.1e}");
@@ -302,9 +305,9 @@ impl<'a> PatchMesher<'a> {
         Ok(())
     }
 
-    /// More cells for sheets with a triangle that has a vertex twice, a segment that no triangle has, or an edge that
-    /// is not only its own. Whether there was any. Three cells each way with their corners whole are always enough, so
-    /// few are looked at.
+    /// Adds cells to sheets with a triangle that has a vertex twice, a segment that no triangle has, or an
+    /// edge that coincides with another. Returns whether there were any. Three cells in each direction with
+    /// whole corners are always enough, so few tiles are examined.
     fn separate_edges(&self, planned: &mut TilePlan<'_>, done: &mut [Option<PatchTileMesh>]) -> bool {
         let tiles = planned.tiles.iter().zip(done.iter());
         let too_few = tiles.filter(|(_, done)| done.as_ref().is_some_and(|done| done.too_few));
@@ -380,7 +383,7 @@ impl<'a> PatchMesher<'a> {
 }
 
 impl TilePlan<'_> {
-    /// The number of triangles that it will have, unless a proof asks for more.
+    /// The number of triangles of the mesh, unless a proof needs more cells.
     pub(crate) fn count(&self, mesher: &PatchMesher<'_>) -> u64 {
         let per_tile = self.tiles.iter().enumerate().map(|(i, tile)| {
             let counts = PatchSide::ALL.map(|side| self.seams.count(i, side));
@@ -409,7 +412,8 @@ impl CertifiedTiles<'_> {
     }
 }
 
-/// The distance from below and its place: at the middles of the worst triangles and of their sides.
+/// The measured lower bound of the distance and its location: at the middles of the worst triangles and of
+/// their sides.
 fn measure_lower_bound(
     grounds: &[Subpatch<'_>],
     tiles: &[(PatchTile, PatchTileMesh)],
@@ -444,13 +448,13 @@ fn measure_lower_bound(
     }
 }
 
-/// Whether a tile has so few cells that its edges may fall together.
+/// Whether a tile has so few cells that its edges may coincide.
 fn is_coarse(tile: &PatchTile) -> bool {
     tile.n < 3 || tile.m < 3
 }
 
-/// The edges in coarse tiles that may fall together with others, sorted, with their patch, and those of other tiles that
-/// have the same two vertices.
+/// The edges in coarse tiles that may coincide with others, sorted, with their patch, and the edges of other
+/// tiles with the same two vertices.
 fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(u32, u32, u32)> {
     let mut edges: Vec<(u32, u32, u32)> = Vec::new();
     let mut first_inner = planned.seams.positions.len() as u32;
@@ -458,7 +462,7 @@ fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(
         let Some(done) = done.as_ref().filter(|_| is_coarse(tile)) else { continue };
         let border: Vec<u32> =
             tile::border(index, tile, &planned.seams).iter().map(|vertex| vertex.id).collect();
-        // Inner vertices belong to this tile alone: their edges fall together only where its border meets itself.
+        // Inner vertices belong to this tile alone: their edges coincide only where its border meets itself.
         let inner = if has_duplicate(border.clone()) { done.inner.len() } else { 0 };
         let ids: Vec<u32> = border.into_iter().chain((first_inner..).take(inner)).collect();
         first_inner += inner as u32;
@@ -471,7 +475,7 @@ fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(
         }
     }
     edges.sort_unstable();
-    // Other tiles have edges with both ends on their border only on it.
+    // Other tiles have edges with both ends on their border only along it.
     let known = edges.len();
     for (index, tile) in planned.tiles.iter().enumerate().filter(|(_, tile)| known > 0 && !is_coarse(tile)) {
         let pieces = PatchSide::ALL.iter().flat_map(|side| planned.seams.chain(index, *side));
@@ -490,7 +494,7 @@ fn has_duplicate(mut ids: Vec<u32>) -> bool {
     ids.windows(2).any(|pair| pair[0] == pair[1])
 }
 
-/// The pairs of neighbouring vertices on a piece, the smaller first; none on one that is a point.
+/// The pairs of neighbouring vertices on a piece, the smaller first; none where the piece is a point.
 fn segments(piece: &SeamSpan) -> impl Iterator<Item = (u32, u32)> {
     let pair = |k: u32| (piece.vertex(k), piece.vertex(k + 1));
     (0..piece.n).map(pair).filter(|(a, b)| a != b).map(|(a, b)| (a.min(b), a.max(b)))

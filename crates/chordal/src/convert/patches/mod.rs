@@ -1,7 +1,7 @@
-//! The parts of `patches_to_mesh`, in the order in which they run:
-//! [`adjacency`] finds shared curves, [`plan`] cuts patches into tiles and chooses their rates by the bound of
-//! [`derivative_bound`], [`seams`] gives every tile's sides their shared points, [`tile`] triangulates and proves one tile, [`refine`] asks for more where one misses,
-//! [`assemble`] numbers the vertices and computes normals.
+//! The parts of `patches_to_mesh`, in the order in which they run: [`adjacency`] finds shared curves,
+//! [`plan`] splits patches into tiles and chooses their rates by the bound of [`derivative_bound`], [`seams`]
+//! gives the sides of all tiles their shared points, [`tile`] triangulates and proves one tile, [`refine`]
+//! adds cells where a tile misses its tolerance, [`assemble`] numbers the vertices and computes normals.
 pub(super) mod adjacency;
 pub(super) mod assemble;
 pub(super) mod budget;

@@ -1,8 +1,9 @@
-//! `Plan`: how patches are cut into tiles, and into how many cells each tile, so that the fewest triangles meet the budget.
+//! Splits patches into tiles and chooses their tessellation rates, so that few triangles meet the budget.
 //!
 //! A tile is a rectangle of one patch's parameter plane with `n × m` equal cells. The number of cells that a
-//! rectangle needs is about `bound/tolerance`, so a rectangle is halved where its halves together need fewer. None
-//! of this has to be right: [`super::tile`] proves each tile afterwards and asks for more cells where they lack.
+//! rectangle needs is about `bound/tolerance`, so a rectangle is halved where its halves together need fewer.
+//! None of this has to be exact: [`super::tile`] proves each tile afterwards and adds cells where they are
+//! missing.
 use super::adjacency::PatchCorner;
 use super::cell_estimate::{CellEstimate, CellEstimator, TessellationRates};
 use super::subpatch::{Subpatch, SubpatchShape};
@@ -10,25 +11,25 @@ use crate::budget::{Lens, Pixels};
 use crate::explicit::{Patch, PatchSide};
 use crate::math::{Box3, sub_down};
 
-/// What a place of the shape may lose.
+/// The error that is allowed at each place of the shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Allowance {
     pub(crate) length: Option<f64>,
     pub(crate) pixels: Option<(Pixels, Lens)>,
-    /// How far the triangles' unit normals may be from the shape's.
+    /// The largest distance between the unit normals of the triangles and those of the shape.
     pub(crate) normal_deviation: Option<f64>,
 }
 
 impl Allowance {
-    /// A rung, by its number, of a ladder of lengths from four sizes down with so many an octave: exact powers of two, times one of as many
-    /// fixed factors.
+    /// The `k`-th of a geometric series of lengths from four times `size` downwards, with `an_octave` per
+    /// octave: exact powers of two times one of as many fixed factors.
     pub(crate) fn rung(size: f64, (k, an_octave): (u32, u32)) -> Self {
         let step = libm::exp2(-f64::from(k % an_octave) / f64::from(an_octave));
         let length = 4.0 * size * step * libm::exp2(-f64::from(k / an_octave));
         Self { length: Some(length), pixels: None, normal_deviation: None }
     }
 
-    /// The length that may be lost in `place`; `None` where the eye is too close for any.
+    /// The length that is allowed in `place`; `None` where the eye is too close for any.
     pub(crate) fn at(&self, place: &Box3) -> Option<f64> {
         let by_view = match &self.pixels {
             Some((pixels, lens)) => lens.scale_at(place).length_of(*pixels)?,
@@ -44,17 +45,17 @@ impl Allowance {
 pub(crate) enum InfeasibleTolerance {
     /// The eye is so near that no length is small enough.
     TooClose(Box3),
-    /// More and more cells bring no end.
+    /// Adding cells does not converge.
     NoConvergence(Box3),
-    /// Rounding alone loses this length.
+    /// Rounding alone exceeds the tolerance; with the rounding error.
     BelowRounding(Box3, f64),
 }
 
-/// A rectangle of one ground with its cells, in the parameters of the sheet.
+/// A rectangle of one subpatch with its cells, in the parameters of the sheet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PatchTile {
     pub(crate) sheet: u32,
-    /// The ground that it is on, by its number.
+    /// The index of its subpatch.
     pub(crate) subpatch: u32,
     /// Start and end, dyadic numbers.
     pub(crate) u: [f64; 2],
@@ -62,18 +63,19 @@ pub(crate) struct PatchTile {
     /// Cells along u and along v.
     pub(crate) n: u32,
     pub(crate) m: u32,
-    /// Whether cells are cut from their first corner to the opposite one (or between the other two).
+    /// Whether the diagonal of cells runs from their first corner to the opposite one (or between the other
+    /// two).
     pub(crate) rising: bool,
-    /// How its corners are, in the order of the sides that start there.
+    /// The kinds of its corners, in the order of the sides that start there.
     pub(crate) corners: [PatchCorner; 4],
-    /// The length that this place may lose, rounding taken off.
+    /// The allowed length here, less rounding.
     pub(crate) tolerance: f64,
-    /// By how much its proof came out worse than its probe, 1 at first.
+    /// How much worse its proof was than its estimate; 1 at first.
     pub(crate) safety_factor: f64,
 }
 
 impl PatchTile {
-    /// All of a ground as one cell.
+    /// A whole subpatch as one cell.
     fn single_cell(ground: &Subpatch<'_>, tolerance: f64) -> Self {
         let (u, v, corners) = (ground.u, ground.v, [PatchCorner::Plain; 4]);
         let (n, m, rising) = (1, 1, true);
@@ -82,7 +84,7 @@ impl PatchTile {
 }
 
 impl PatchTile {
-    /// Whether a side of it is on the border of its sheet.
+    /// Whether one of its sides is on the border of its sheet.
     pub(crate) fn is_on_border(&self, side: PatchSide) -> bool {
         match side {
             PatchSide::Bottom => self.v[0] == 0.0,
@@ -92,34 +94,35 @@ impl PatchTile {
         }
     }
 
-    /// In which half of a side of its sheet it is, by rising parameter.
+    /// The half of a side of its sheet that contains it, by rising parameter.
     pub(crate) fn half(&self, side: PatchSide) -> usize {
         let span = if matches!(side, PatchSide::Bottom | PatchSide::Top) { self.u } else { self.v };
         usize::from(span[0] >= 0.5)
     }
 }
 
-/// A rectangle with fewer cells is never halved: the stitching would cost what it wins.
+/// A rectangle with fewer cells is never halved: the stitching would cost what it saves.
 const FEWEST_CELLS_TO_HALVE: f64 = 6.0;
 /// A rectangle with more cells is always halved, so that threads can share the work.
 const MOST_CELLS: f64 = 4096.0;
-/// Halving has to save this share of the cells, since tiles of unlike rates cost triangles where they meet.
+/// Halving must reduce the cells to this fraction, since tiles of different rates cost triangles where they
+/// meet.
 const WORTH_HALVING: f64 = 0.93;
 
 /// A direction with fewer cells is not halved.
 const FEWEST_EACH_WAY: f64 = 2.0;
-/// No tile is narrower: one cell of this width bends by less than 60·2⁻⁶⁰ sizes, which is less than rounding. So the
-/// places of tiles, and one minus those, are exact.
+/// The narrowest tile: one cell of this width bends by less than 60·2⁻⁶⁰ sizes, which is less than rounding.
+/// So the parameters of tiles, and one minus those, are exact.
 const NARROWEST: f64 = 1.0 / (1 << 30) as f64;
 
 fn is_broad([from, to]: [f64; 2]) -> bool {
     to - from > NARROWEST
 }
 
-/// Cells one way from which on a tile whose normals turn in one place of it is halved that way; chosen.
+/// A tile whose normals vary in one spot is halved in each direction with at least this many cells; chosen.
 const CELLS_TO_HALVE: u32 = 8;
 
-/// The parts of a tile that is halved each way in which it has many cells.
+/// Halves a tile in each direction in which it has many cells.
 pub(crate) fn split_tile(tile: &PatchTile) -> Vec<PatchTile> {
     let halves = |[from, to]: [f64; 2], n: u32| {
         let middle = 0.5 * (from + to);
@@ -135,14 +138,14 @@ pub(crate) fn split_tile(tile: &PatchTile) -> Vec<PatchTile> {
     parts
 }
 
-/// What a part may lose, rounding taken off.
+/// The allowed length of a part, less rounding.
 pub(crate) fn tolerance(
     place: Box3,
     (allowance, rounding): (&Allowance, f64),
 ) -> Result<f64, InfeasibleTolerance> {
-    // From below, so that tolerance and rounding together never exceed what is allowed.
+    // Rounded down, so that tolerance and rounding together never exceed the allowed length.
     let tolerance = sub_down(allowance.at(&place).ok_or(InfeasibleTolerance::TooClose(place))?, rounding);
-    // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
+    // Where rounding takes most of the budget, noise would decide how many cells are enough.
     if tolerance < rounding {
         Err(InfeasibleTolerance::BelowRounding(place, rounding))
     } else {
@@ -150,7 +153,7 @@ pub(crate) fn tolerance(
     }
 }
 
-/// The tiles of one ground, in the order of a depth-first walk.
+/// The tiles of one subpatch, in the order of a depth-first walk.
 pub(crate) fn split_into_tiles(
     ground: &Subpatch<'_>,
     allowance: &Allowance,
@@ -168,7 +171,8 @@ pub(crate) fn split_into_tiles(
     while let Some(rectangle) = open.pop() {
         if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
             let halves = rectangle.halve(half, context)?;
-            // Guesses on noise need not fall; then halving would go on to the narrowest tiles everywhere.
+            // Estimates that are noise need not fall; then halving would go on to the narrowest tiles
+            // everywhere.
             if halves[0].estimate.cells + halves[1].estimate.cells < 1.2 * rectangle.estimate.cells {
                 open.extend(halves);
                 continue;
@@ -179,7 +183,8 @@ pub(crate) fn split_into_tiles(
     Ok(tiles)
 }
 
-/// About how many triangles a ground needs, without laying them: rectangles are halved only while that pays.
+/// About how many triangles a subpatch needs, without building tiles: rectangles are halved only while that
+/// pays.
 pub(crate) fn estimate(ground: &Subpatch<'_>, allowance: &Allowance) -> Result<f64, InfeasibleTolerance> {
     let context = (allowance, ground.rounding_error());
     let SubpatchShape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
@@ -195,10 +200,10 @@ pub(crate) fn estimate(ground: &Subpatch<'_>, allowance: &Allowance) -> Result<f
     Ok(2.0 * cells)
 }
 
-/// Rectangles of one patch that an estimate looks at before it takes the sum as it stands.
+/// The largest number of rectangles of one patch that an estimate examines.
 const MOST_LOOKS: usize = 256;
 
-/// In which direction a rectangle is halved.
+/// The direction in which a rectangle is halved.
 #[derive(Clone, Copy, PartialEq)]
 enum ParameterAxis {
     U,
@@ -228,8 +233,8 @@ impl TileCandidate {
         Ok(Self { part, u, v, tolerance, estimator: probe, estimate: need })
     }
 
-    /// The halves that need fewer cells, where that is worth it. A direction with one cell has one in each half as
-    /// well, and so twice as many in both, whatever the bound says.
+    /// The direction in which halves need fewer cells, where halving is worth it. A direction with one cell
+    /// has one in each half as well, and so twice as many in both, whatever the bound says.
     fn better_half(&self) -> Option<ParameterAxis> {
         let [wide, tall] = self.estimate.after_halving;
         let [n, m] = self.estimate.each_way();
@@ -241,14 +246,14 @@ impl TileCandidate {
         (self.estimate.cells > FEWEST_CELLS_TO_HALVE && share < WORTH_HALVING).then_some(half)
     }
 
-    /// The halves along the longer row of cells, where there are too many cells for one thread.
+    /// The direction with more cells, where there are too many cells for one thread.
     fn longer_half(&self) -> Option<ParameterAxis> {
         let [n, m] = self.estimate.each_way();
         let (half, span) = if n >= m { (ParameterAxis::U, self.u) } else { (ParameterAxis::V, self.v) };
         (self.estimate.cells > MOST_CELLS && is_broad(span)).then_some(half)
     }
 
-    /// The second half, then the first, which is looked at next.
+    /// The second half, then the first, which is examined next.
     fn halve(
         &self,
         half: ParameterAxis,

@@ -1,4 +1,4 @@
-//! What tiles need that miss what is allowed: more cells, or a finer division of their sheet.
+//! Refines tiles that miss their tolerance: more cells, or a finer subdivision of their sheet.
 use super::cell_estimate::CellEstimator;
 use super::mesher::TilePlan;
 use super::plan::{Allowance, PatchTile};
@@ -7,8 +7,8 @@ use super::tile::PatchTileMesh;
 use crate::explicit::Patch;
 use glam::DVec3;
 
-/// More cells for every tile that misses its tolerance: as many as would have met it if the probe had been
-/// wrong by as much everywhere, and at least one row or column. Whether there was any.
+/// Adds cells to every tile that misses its tolerance: as many as would have met it if the estimate had been
+/// wrong by as much everywhere, and at least one row or column. Returns whether there was any.
 pub(crate) fn refine_missed(
     planned: &mut TilePlan<'_>,
     done: &mut [Option<PatchTileMesh>],
@@ -35,7 +35,7 @@ pub(crate) fn refine_missed(
         let part = ground.tile_patch(patch, tile);
         if by_turn > 0.0 && tile.safety_factor > LARGEST_STRAIN_BY_TURN {
             let [long, tall] = cell(&part, tile);
-            // The longer side of cells twice as fine, or both.
+            // Doubles the cells along their longer side, or along both.
             tile.n *= if tall > 2.0 * long { 1 } else { 2 };
             tile.m *= if long > 2.0 * tall { 1 } else { 2 };
             continue;
@@ -53,10 +53,11 @@ pub(crate) fn refine_missed(
     missed
 }
 
-/// Where a tile strained so much still misses the angle, its cells are of the wrong shape for it: the probe only knows of distances. Chosen.
+/// Where a tile with this safety factor still misses the angle, its cells have the wrong shape: the estimate
+/// only considers distances. Chosen.
 const LARGEST_STRAIN_BY_TURN: f64 = 16.0;
 
-/// How long and how tall the cells of a tile are, from its corners.
+/// The width and height of the cells of a tile, from its corners.
 fn cell(part: &Patch, tile: &PatchTile) -> [f64; 2] {
     let corner = |i: usize, j: usize| DVec3::from(part.control[j][i]);
     let [a, b, c, d] = [corner(0, 0), corner(3, 0), corner(3, 3), corner(0, 3)];
@@ -64,8 +65,9 @@ fn cell(part: &Patch, tile: &PatchTile) -> [f64; 2] {
     [along((b - a).length(), (c - d).length(), tile.n), along((d - a).length(), (c - b).length(), tile.m)]
 }
 
-/// By how much less a tile whose normals miss what is allowed has to lose; 0 where they do not. A triangle's distance falls with the square of its
-/// normal's; not more than twice as many cells each way at once, since in folds normals do not settle.
+/// The factor by which a tile must reduce its distance where its normals miss the limit; 0 where they do not.
+/// A triangle's distance falls with the square of its normal's deviation. At most twice as many cells in each
+/// direction at once, since in folds normals do not converge.
 pub(crate) fn normal_deviation_ratio(done: &PatchTileMesh, allowance: &Allowance) -> f64 {
     match (done.normal_deviation, allowance.normal_deviation) {
         (Some(turn), Some(allowed)) if turn > allowed => {
@@ -76,7 +78,7 @@ pub(crate) fn normal_deviation_ratio(done: &PatchTileMesh, allowance: &Allowance
     }
 }
 
-/// What a tile lies on.
+/// The kind of surface under a tile.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum SubpatchKind {
     Bezier,
@@ -92,7 +94,8 @@ impl SubpatchKind {
     }
 }
 
-/// The strains, more for sheets with rough grounds that miss their tolerance, so that those are divided; `None` where there are none.
+/// The safety factors, raised for sheets whose extraordinary subpatches miss their tolerance, so that those
+/// are subdivided; `None` where there are none.
 pub(crate) fn raised_safety_factors(
     planned: &TilePlan<'_>,
     done: &[Option<PatchTileMesh>],
@@ -112,7 +115,8 @@ pub(crate) fn raised_safety_factors(
             missed = true;
             let by_bound = (bound - rounding) / tile.tolerance;
             let ratio = if by_bound > by_turn { by_bound } else { by_turn };
-            // Not by much at once: a corner that is cut off is off by far more than the next smaller one.
+            // Only a small factor at once: a corner that is cut off deviates by far more than the next
+            // smaller one.
             strains[tile.sheet as usize] *=
                 if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
         }
@@ -120,6 +124,7 @@ pub(crate) fn raised_safety_factors(
     missed.then_some(strains)
 }
 
-/// By how much a sheet is strained whose rough ground missed by little, and otherwise; chosen: a halving brings a factor of 4.
+/// The factor for a sheet whose extraordinary subpatch missed by little, and otherwise; chosen: a halving
+/// brings a factor of 4.
 const LEAST_STRAIN: f64 = 1.25;
 const MOST_STRAIN_AT_ONCE: f64 = 2.0;

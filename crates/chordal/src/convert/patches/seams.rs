@@ -1,17 +1,17 @@
-//! `TileSeams`: the lines between tiles, cut where any tile has a corner, each piece with one rate for both its sides.
+//! `TileSeams`: the lines between tiles, split at every tile corner into pieces with one rate for both sides.
 //!
-//! Because both neighbours take their boundary points from the same piece, there is nothing to crack: no T-junction
-//! can arise, whatever the rates.
+//! Both neighbours take their boundary points from the same piece, so no T-junction and no crack can arise,
+//! whatever the rates.
 use super::adjacency::{PatchAdjacency, SideBoundary};
 use super::plan::PatchTile;
 use super::subpatch::{Subpatch, SubpatchShape};
 use crate::explicit::PatchSide;
 use std::ops::Range;
 
-/// On what a piece lies.
+/// The line on which a piece lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum SeamLine {
-    /// A curve of the quilt, by its own parameter.
+    /// A curve of the adjacency, by its own parameter.
     Edge(u32),
     /// Inside a patch at the `v` with these bits, by `u`.
     AlongU(u32, u64),
@@ -21,15 +21,15 @@ pub(crate) enum SeamLine {
     Point(u32, PatchSide, u32),
 }
 
-/// A stretch of a line with equally spaced points.
+/// A span of a line with equally spaced points.
 #[derive(Clone, Debug)]
 pub(crate) struct SeamSpan {
     pub(crate) line: SeamLine,
-    /// Where it starts and ends on the line.
+    /// Its start and end on the line.
     pub(crate) span: [f64; 2],
     /// The vertices at its start and end.
     pub(crate) nodes: [u32; 2],
-    /// Segments.
+    /// The number of segments.
     pub(crate) n: u32,
     /// The first of the `n − 1` vertices between.
     pub(crate) first: u32,
@@ -38,7 +38,7 @@ pub(crate) struct SeamSpan {
 /// One side of a tile, in its counter-clockwise direction, as pieces; `true` where a piece is run backwards.
 type SeamChain = Range<usize>;
 
-/// All pieces, and which make up the sides of each tile.
+/// All pieces, and which of them make up the sides of each tile.
 pub(crate) struct TileSeams {
     pub(crate) pieces: Vec<SeamSpan>,
     chains: Vec<[SeamChain; 4]>,
@@ -46,7 +46,7 @@ pub(crate) struct TileSeams {
     /// Positions of nodes (first) and of the points between (after them).
     pub(crate) positions: Vec<[f64; 3]>,
     n_nodes: usize,
-    /// Tiles on either side of each piece with the share of the tile's side that it covers.
+    /// The tiles on either side of each piece, with the fraction of the tile's side that it covers.
     demands: Vec<(u32, u32, f64)>,
     min_segments: Vec<(Range<usize>, u32)>,
 }
@@ -61,7 +61,8 @@ struct TileSide {
 }
 
 impl TileSeams {
-    /// Lays the pieces for `tiles`, which lie patch by patch; rates and positions come with [`TileSeams::set_rates`].
+    /// Builds the pieces for `tiles`, which are listed patch by patch; [`TileSeams::set_rates`] sets rates
+    /// and positions.
     pub(crate) fn new(quilt: &PatchAdjacency, tiles: &[PatchTile]) -> Self {
         let mut entries: Vec<TileSide> = Vec::with_capacity(4 * tiles.len());
         for (index, tile) in tiles.iter().enumerate() {
@@ -85,7 +86,7 @@ impl TileSeams {
         seams
     }
 
-    /// Cuts one line at all its entries' ends and links the pieces to the entries.
+    /// Splits one line at all ends of its entries and links the pieces to the entries.
     fn split_line(&mut self, run: &[TileSide], nodes: &mut SeamNodes<'_>) {
         let line = run[0].line;
         let breaks = breakpoints(run);
@@ -126,7 +127,7 @@ impl TileSeams {
         }
     }
 
-    /// Gives every piece the larger rate that its two sides ask for, numbers the points and computes their positions.
+    /// Gives every piece the larger rate of its two sides, numbers the points and computes their positions.
     /// Returns for every tile whether a piece of its border changed.
     pub(crate) fn set_rates(
         &mut self,
@@ -167,7 +168,7 @@ impl TileSeams {
     fn set_positions(&mut self, tiles: &[PatchTile], grounds: &[Subpatch<'_>], quilt: &PatchAdjacency) {
         self.positions[..quilt.corner_positions.len()].copy_from_slice(&quilt.corner_positions);
         let n_corners = quilt.corner_positions.len() as u32;
-        // Any tile on a piece knows where its points are.
+        // Any tile on a piece can compute its points.
         let mut beside = vec![None; self.pieces.len()];
         for &(piece, demand, _) in self.demands.iter().rev() {
             beside[piece as usize] = Some(&tiles[(demand / 2) as usize]);
@@ -199,7 +200,7 @@ impl TileSeams {
             .map(|(p, back)| (&self.pieces[*p as usize], *back))
     }
 
-    /// The segments on the side of a tile.
+    /// The number of segments on a side of a tile.
     pub(crate) fn count(&self, tile: usize, side: PatchSide) -> u32 {
         self.chain(tile, side).map(|(piece, _)| piece.n).sum()
     }
@@ -224,7 +225,7 @@ impl SeamSpan {
     }
 }
 
-/// The points of an edge by its parameter, as a tile on it sees them.
+/// The points of an edge by its parameter, evaluated on a tile next to it.
 fn along_edge<'a>(
     quilt: &PatchAdjacency,
     (tile, ground): (&PatchTile, &'a Subpatch<'_>),
@@ -322,7 +323,7 @@ impl TileSide {
 /// The vertices where pieces meet.
 struct SeamNodes<'a> {
     adjacency: &'a PatchAdjacency,
-    /// By edge: the places strictly between its ends where tiles have corners, with their vertices.
+    /// By edge: the parameters strictly between its ends where tiles have corners, with their vertices.
     on_edges: Vec<Vec<(f64, u32)>>,
     /// Corners of tiles inside patches, sorted, with their vertices.
     inside: Vec<((u32, u64, u64), u32)>,
@@ -356,7 +357,7 @@ impl<'a> SeamNodes<'a> {
         Self { adjacency: quilt, on_edges, inside, count }
     }
 
-    /// The vertex at a break of a line.
+    /// The vertex at a breakpoint of a line.
     fn on(&self, line: SeamLine, at: f64) -> u32 {
         match line {
             SeamLine::Edge(edge) => self.on_edge(edge, at),
@@ -398,7 +399,7 @@ impl<'a> SeamNodes<'a> {
                 self.on_edge(edge, if reversed { 1.0 - along } else { along })
             }
             SideBoundary::Halves(halves) => {
-                // `along` is the side's own; halves go by the rising parameter.
+                // `along` is the side's own parameter; halves are numbered by the rising parameter.
                 let against = matches!(side, PatchSide::Top | PatchSide::Left);
                 let rising = if against { 1.0 - along } else { along };
                 let half = usize::from(rising >= 0.5);

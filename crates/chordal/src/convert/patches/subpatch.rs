@@ -1,4 +1,4 @@
-//! `Subpatch`: what a surface is over a rectangle of one of its sheets.
+//! `Subpatch`: the surface over a rectangle of one of its sheets.
 use super::adjacency::PatchAdjacency;
 use super::derivative_bound::rounding;
 use super::extraordinary::ExtraordinaryQuad;
@@ -7,12 +7,13 @@ use crate::budget::Reference;
 use crate::explicit::{LimitSheet, Patch};
 use crate::math::Box3;
 
-/// A surface as sheets over unit squares that meet along their sides.
+/// A surface made of sheets over unit squares that meet along their sides.
 pub(crate) trait PatchSurface: Sync {
-    /// How many there are.
+    /// The number of sheets.
     fn count(&self) -> usize;
 
-    /// The grounds that a sheet is cut into: no larger than an allowance has use for, by `strain` times where they are no patches.
+    /// The subpatches of a sheet: no larger than an allowance can use, divided by `strain` where they are
+    /// extraordinary.
     fn subpatches(
         &self,
         sheet: usize,
@@ -22,10 +23,10 @@ pub(crate) trait PatchSurface: Sync {
     /// Which sides are the same curve.
     fn adjacency(&self) -> PatchAdjacency;
 
-    /// The longest diagonal of a box around a sheet, and no less than what rounding may lose.
+    /// The longest diagonal of a box around a sheet; at least the length that rounding may lose.
     fn longest_diagonal(&self) -> f64;
 
-    /// What a bound is against.
+    /// The true shape that bounds refer to.
     fn reference(&self) -> Reference;
 
     /// Whether some sheets have texture coordinates.
@@ -45,7 +46,7 @@ pub(crate) struct Subpatch<'a> {
     pub(crate) u: [f64; 2],
     pub(crate) v: [f64; 2],
     pub(crate) shape: SubpatchShape<'a>,
-    /// By how much the shape may be off the surface, a length.
+    /// The largest distance of the shape from the surface.
     pub(crate) off: f64,
 }
 
@@ -55,7 +56,8 @@ pub(crate) enum SubpatchShape<'a> {
 }
 
 impl Subpatch<'_> {
-    /// Where a place of the sheet is in the shape's unit square. Exact at the corners of tiles: those are where halving gets.
+    /// The parameters of a point of the sheet in the shape's unit square. Exact at the corners of tiles,
+    /// which result from halving.
     fn local(&self, u: f64, v: f64) -> (f64, f64) {
         let within = |x: f64, [from, to]: [f64; 2]| (x - from) / (to - from);
         (within(u, self.u), within(v, self.v))
@@ -91,7 +93,7 @@ impl Subpatch<'_> {
         }
     }
 
-    /// What rounding may add to a bound.
+    /// The length that rounding may add to a bound.
     pub(crate) fn rounding_error(&self) -> f64 {
         match &self.shape {
             SubpatchShape::Bezier(patch) => rounding(patch) + self.off,
@@ -100,7 +102,7 @@ impl Subpatch<'_> {
     }
 }
 
-/// Bézier patches, a sheet each.
+/// Bézier patches, one sheet each.
 pub(crate) struct BezierPatches<'a>(pub(crate) &'a [Patch]);
 
 impl PatchSurface for BezierPatches<'_> {
@@ -128,7 +130,8 @@ impl PatchSurface for BezierPatches<'_> {
     }
 
     fn longest_diagonal(&self) -> f64 {
-        // No shorter than what rounding may lose, so that patches that are all but points meet the first rung.
+        // At least what rounding may lose, so that patches that are nearly points meet the first length of
+        // the series.
         let own = |patch: &Patch| {
             let (diagonal, lost) = (patch.bounds().diagonal(), rounding(patch));
             if diagonal > lost { diagonal } else { lost }

@@ -1,4 +1,5 @@
-//! Texture coordinates of a finished mesh: of each vertex those of its place on its sheet, and a row for each side of a seam.
+//! Texture coordinates of a finished mesh: each vertex gets those of its sheet at its parameters, with one
+//! row for each side of a seam.
 use super::plan::PatchTile;
 use super::seams::TileSeams;
 use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
@@ -7,18 +8,19 @@ use crate::budget::{Job, par_map};
 use crate::explicit::{Attribute, Chart, Domain, LimitSheet, LimitSurface, Mesh, PatchSide, Semantic};
 use std::collections::BTreeMap;
 
-/// Texture coordinates at one vertex that differ by no more than this share of the largest are one: chosen, far above the rounding of two
-/// sheets that meet (1e-14) and below what single precision tells apart (6e-8).
+/// Texture coordinates at one vertex that differ by no more than this fraction of the largest are merged:
+/// chosen, far above the rounding of two sheets that meet (1e-14) and below what single precision resolves
+/// (6e-8).
 const SAME: f64 = 1e-10;
 
-/// The sheets of a surface in the plane of textures.
+/// The sheets of a surface in the texture plane.
 pub(crate) struct SheetTexcoords<'a> {
     chart: &'a Chart,
     limit: LimitSurface<'a>,
 }
 
 impl<'a> SheetTexcoords<'a> {
-    /// Those of a cage with that chart: it has the cage's sheets.
+    /// The sheets of a cage with that chart, which correspond to those of the cage.
     pub(crate) fn from_chart(chart: &'a Chart) -> Option<Self> {
         Some(Self { chart, limit: chart.cage().limit().ok()? })
     }
@@ -29,7 +31,7 @@ impl<'a> SheetTexcoords<'a> {
     }
 }
 
-/// The texture coordinates at a place of a sheet.
+/// The texture coordinates at a parameter of a sheet.
 pub(crate) fn at(sheet: Option<&LimitSheet>, [u, v]: [f64; 2]) -> [f64; 2] {
     sheet.and_then(|sheet| sheet.point(u, v).ok()).map_or([0.0; 2], |[x, y, _]| [x, y])
 }
@@ -77,15 +79,16 @@ pub(crate) fn with_texcoords(
     split_by_texcoords(mesh, &corners.concat())
 }
 
-/// The mesh with a row for each of the texture coordinates that its corners have at a vertex, three a triangle: the first keep the vertex,
-/// others get one of their own, tied by `position_id`.
+/// The mesh with one row for each distinct pair of texture coordinates that the corners have at a vertex;
+/// `corners` has three per triangle. The first pair keeps the vertex, each other one gets a vertex of its
+/// own, tied by `position_id`.
 pub(crate) fn split_by_texcoords(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
     let largest =
         corners.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let is_same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME * largest);
     let n = mesh.positions().len();
     let mut rows: Vec<Option<[f64; 2]>> = vec![None; n];
-    // Of vertices with more than one: the others.
+    // Additional vertices, for each vertex with more than one pair.
     let mut more: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut faces = mesh.faces().to_vec();
     let mut source: Vec<u32> = (0..n as u32).collect();

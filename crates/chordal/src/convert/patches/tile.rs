@@ -8,7 +8,7 @@ use super::subpatch::{Subpatch, SubpatchShape};
 use crate::explicit::{Patch, PatchSide, bernstein, face_normal};
 use glam::DVec3;
 
-/// A vertex of a tile: where it is in the tile's unit square and in space.
+/// A vertex of a tile: its parameters in the tile's unit square and its position.
 #[derive(Clone, Copy)]
 struct TileVertex {
     u: f64,
@@ -16,7 +16,7 @@ struct TileVertex {
     at: DVec3,
 }
 
-/// A finished tile. Local vertices: those on the border first, counter-clockwise from the corner (0, 0), then the inner ones row by row.
+/// A finished tile. Local vertices: the border counter-clockwise from corner (0, 0), then inner rows.
 #[derive(Clone)]
 pub(crate) struct PatchTileMesh {
     /// Triangles by local vertices; those that a pole makes degenerate are left out.
@@ -28,10 +28,11 @@ pub(crate) struct PatchTileMesh {
     pub(crate) bound: f64,
     /// The triangle with the largest bound: the patch's parameters at its corners.
     pub(crate) worst: [[f64; 2]; 3],
-    /// How far the triangles' unit normals are from the surface's, if that is asked: the most that was found.
+    /// The largest distance found between the unit normals of the triangles and those of the surface; set
+    /// where the budget limits an angle.
     pub(crate) normal_deviation: Option<f64>,
-    /// Whether there are too few cells: a triangle has the same vertex twice although no pole explains it, or one that
-    /// a pole makes a segment is left out and no other has that segment.
+    /// Whether there are too few cells: a triangle has the same vertex twice although no pole explains it, or
+    /// one that a pole makes a segment is left out and no other has that segment.
     pub(crate) too_few: bool,
 }
 
@@ -39,7 +40,7 @@ pub(crate) struct PatchTileMesh {
 #[derive(Clone, Copy)]
 pub(crate) struct BorderVertex {
     pub(crate) id: u32,
-    /// The side of the *patch* that it lies on, or the one that starts at it where it is a corner; `None` inside.
+    /// The side of the *patch* that it lies on, or that starts at it if it is a corner; `None` inside.
     pub(crate) side: Option<PatchSide>,
     /// On a side of no length.
     pub(crate) pole: bool,
@@ -50,12 +51,12 @@ struct TileTriangulator<'a> {
     border: Vec<TileVertex>,
     /// Start of each side in `border`, and its end.
     sides: [usize; 5],
-    /// The vertex of each knot on the border.
+    /// The shared vertex at each border vertex of the tile.
     shared: Vec<BorderVertex>,
     inner: Vec<TileVertex>,
     normals: Vec<[f64; 3]>,
     tile: &'a PatchTile,
-    /// Cells each way; inner knots are `(n−1) × (m−1)`.
+    /// Cells in each direction; there are `(n−1) × (m−1)` inner vertices.
     n: usize,
     m: usize,
     triangles: Vec<[u32; 3]>,
@@ -109,8 +110,9 @@ pub(crate) fn build(
     }
 }
 
-/// The largest distance between the unit normal of a triangle of a finished tile and that of the surface at one of its corners or in its middle. Triangles
-/// no longer than what the place may lose are left out: nothing of them is seen, and where a surface folds or comes to a point normals never settle.
+/// The largest distance between the unit normal of a triangle of a finished tile and that of the surface at
+/// one of its corners or in its middle. Triangles no longer than the allowed length are left out: they are
+/// not visible, and where a surface folds or comes to a point normals never converge.
 pub(crate) fn normal_deviation(
     (index, tile): (usize, &PatchTile),
     ground: &Subpatch<'_>,
@@ -150,8 +152,8 @@ pub(crate) fn normal_deviation(
     most
 }
 
-/// The number of triangles of a tile with `counts` segments on its sides, of which `poles` have no length:
-/// by Euler, 2·inner + border − 2, less the degenerate ones.
+/// The number of triangles of a tile with `counts` segments on its sides, of which `poles` have no length: by
+/// Euler, 2·inner + border − 2, less the degenerate ones.
 pub(crate) fn count_triangles(tile: &PatchTile, counts: [u32; 4], poles: [bool; 4]) -> u64 {
     let [n, m] = cell_counts(tile, counts).map(u64::from);
     let border: u64 = counts.iter().map(|c| u64::from(*c)).sum();
@@ -159,7 +161,8 @@ pub(crate) fn count_triangles(tile: &PatchTile, counts: [u32; 4], poles: [bool; 
     (2 * (n - 1) * (m - 1) + border - 2).saturating_sub(flat)
 }
 
-/// Cells each way, given the segments on the sides: a tile without inner vertices can only join two opposite sides.
+/// Cells in each direction, given the segments on the sides: a tile without inner vertices can only join two
+/// opposite sides.
 fn cell_counts(tile: &PatchTile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
     if tile.m == 1 && left == 1 && right == 1 {
         [tile.n, 1]
@@ -170,7 +173,7 @@ fn cell_counts(tile: &PatchTile, [bottom, right, top, left]: [u32; 4]) -> [u32; 
     }
 }
 
-/// Where the inner vertices are in the tile's unit square, with so many segments on its sides.
+/// The parameters of the inner vertices in the tile's unit square, for these segment counts of its sides.
 pub(super) fn inner_places(tile: &PatchTile, counts: [u32; 4]) -> impl Iterator<Item = [f64; 2]> {
     let [n, m] = cell_counts(tile, counts);
     let at = |k: u32, n: u32| f64::from(k) / f64::from(n);
@@ -186,14 +189,14 @@ pub(crate) fn border(index: usize, tile: &PatchTile, seams: &TileSeams) -> Vec<B
     list
 }
 
-/// Tells `visit` the place in the tile and the vertex of every point on one side but the last.
+/// Calls `visit` with the parameters in the tile and the vertex of every point on one side but the last.
 pub(super) fn walk_side(
     index: usize,
     tile: &PatchTile,
     (side, seams): (PatchSide, &TileSeams),
     mut visit: impl FnMut(f64, f64, BorderVertex),
 ) {
-    // Where the tile's side begins and ends on its line, by the rising parameter of the tile.
+    // The start and end of the tile's side on its line, by the rising parameter of the tile.
     let mut ends = [f64::NAN; 2];
     for (piece, backwards) in seams.chain(index, side) {
         let [from, to] = if backwards { [piece.span[1], piece.span[0]] } else { piece.span };
@@ -217,7 +220,7 @@ pub(super) fn walk_side(
     }
 }
 
-/// The side of the patch on which a place on the tile's border lies; a corner counts to the side that starts there.
+/// The side of the patch at a point of the tile's border; a corner belongs to the side that starts there.
 fn side_of_patch(tile: &PatchTile, u: f64, v: f64) -> Option<PatchSide> {
     let ends = |x: f64, [a, b]: [f64; 2]| (x == 0.0 && a == 0.0, x == 1.0 && b == 1.0);
     let ((left, right), (bottom, top)) = (ends(u, tile.u), ends(v, tile.v));
@@ -248,7 +251,7 @@ impl TileTriangulator<'_> {
         (self.n, self.m) = (n, m);
         self.triangles.reserve(2 * (n - 1) * (m - 1) + self.border.len());
         self.add_inner_vertices(part);
-        // Folded corners need the freedom of a strip on the side that ends there.
+        // A folded corner needs a strip on the side that ends there.
         let folded = |side: PatchSide| {
             n > 2 && m > 2 && self.tile.corners[(side as usize + 1) % 4] == PatchCorner::Folded
         };
@@ -267,7 +270,7 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// The inner knots with their normals, row by row.
+    /// Adds the inner vertices with their normals, row by row.
     fn add_inner_vertices(&mut self, part: &Patch) {
         let (n, m) = (self.n, self.m);
         let q = part.control.map(|row| row.map(DVec3::from));
@@ -293,7 +296,8 @@ impl TileTriangulator<'_> {
                 let by_u = rise[0] * (3.0 * s * s) + rise[1] * (6.0 * s * u) + rise[2] * (3.0 * u * u);
                 let normal = by_u.cross(by_v);
                 let length_sq = normal.length_squared();
-                // Far from underflow and from vanishing tangents the plain quotient is right; else ask the patch.
+                // Far from underflow and from vanishing tangents the plain quotient is accurate; otherwise
+                // evaluate the patch.
                 let floor = 64.0 * f64::EPSILON * size;
                 let sound = length_sq > f64::MIN_POSITIVE * 1e60
                     && by_u.length_squared() > floor * floor
@@ -327,8 +331,8 @@ impl TileTriangulator<'_> {
         if id < self.border.len() { self.border[id] } else { self.inner[id - self.border.len()] }
     }
 
-    /// The local vertex at grid place `(i, j)`; on the border only where that side has as many segments as the tile
-    /// has cells, or at a corner.
+    /// The local vertex at grid position `(i, j)`; on the border only where that side has as many segments as
+    /// the tile has cells, or at a corner.
     fn grid_id(&self, i: usize, j: usize) -> u32 {
         let (n, m) = (self.n, self.m);
         let border = if j == 0 && i < n {
@@ -345,8 +349,8 @@ impl TileTriangulator<'_> {
         border as u32
     }
 
-    /// Equal cells, each cut along the tile's diagonal, over columns `i` and rows `j`; where that leaves out the
-    /// outermost ones, strips out to whatever points the side has.
+    /// Adds equal cells over columns `i` and rows `j`, each split along the tile's diagonal. Where the range
+    /// leaves out the outermost rows or columns, strips connect the grid to the points of that side.
     fn grid(&mut self, i: [usize; 2], j: [usize; 2]) {
         let (n, m) = (self.n, self.m);
         let (du, dv) = (1.0 / n as f64, 1.0 / m as f64);
@@ -380,7 +384,7 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// Where two stitched sides meet, the corner is joined to the inner corner `inner`, or cut off, whichever bends
+    /// Where two stitched sides meet, joins the corner to vertex `inner` or cuts it off, whichever bends
     /// less.
     fn cut_corner(&mut self, outer: &mut [Vec<u32>; 4], side: usize, inner: u32) {
         let next = (side + 1) % 4;
@@ -398,7 +402,7 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// Whether the cell is cut from its first corner to the opposite one.
+    /// Whether the cell's diagonal runs from its first corner to the opposite one.
     fn is_rising(&self, i: usize, j: usize) -> bool {
         let (right, top) = (i + 1 == self.n, j + 1 == self.m);
         let [first, second, third, fourth] = self.tile.corners.map(|corner| corner != PatchCorner::Plain);
@@ -447,9 +451,10 @@ impl TileTriangulator<'_> {
         self.emit(second, bounds[1] + jet.third_order_bound(twists[1]) + remainder);
     }
 
-    /// Triangles between two chains that run the same way, the second on the left of the first: at every step the
-    /// cross edge that bends less. A corner where the first starts or ends is joined to the inner vertex next to it, when it
-    /// must not be cut off, and a folded one where it ends to two, so that its own neighbour sees only the other one.
+    /// Adds the triangles between two chains that run in the same direction, the second on the left of the
+    /// first: at every step the cross edge that bends less. Where the first chain starts or ends at a corner
+    /// that must not be cut off, that corner is joined to the inner vertex next to it. A folded corner at its
+    /// end is joined to two, so that its neighbour only connects to the other one.
     fn strip(&mut self, outer: &[u32], inner: &[u32]) {
         let (mut i, mut j) = (0, 0);
         let last = inner.len() - 1;
@@ -487,7 +492,7 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// How much an edge between two knots bends; where nothing bends, how long it is: only its order counts.
+    /// The bending across an edge; where nothing bends, its length: only the order matters.
     fn bend_across_edge(&self, a: u32, b: u32) -> (f64, f64) {
         let (a, b) = (self.vertex(a), self.vertex(b));
         let (du, dv) = (b.u - a.u, b.v - a.v);
@@ -536,8 +541,9 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// Whether the image of a triangle that was left out is no side of one that is there. With three cells each way
-    /// no row of cells lies between two poles and every pole has an inner vertex in sight, so this cannot happen.
+    /// Whether the image of an omitted triangle is not a side of a kept one. With three cells in each
+    /// direction no row of cells lies between two poles and every pole sees an inner vertex: this cannot
+    /// happen.
     fn has_gap(&self) -> bool {
         if self.degenerate.is_empty() || self.n > 2 && self.m > 2 {
             return false;
@@ -551,7 +557,7 @@ impl TileTriangulator<'_> {
             [[a, b], [b, c], [c, a]].map(|[a, b]| if a < b { [a, b] } else { [b, a] })
         };
         let mut seen: Vec<_> = self.triangles.iter().flat_map(sides).collect();
-        // A point is covered by a segment that has it.
+        // A point is covered by a segment that contains it.
         seen.extend(self.triangles.as_flattened().iter().map(|&local| [key(local); 2]));
         seen.sort_unstable();
         let has = |side: &[(bool, u32); 2]| seen.binary_search(side).is_ok();
@@ -567,7 +573,7 @@ impl TileTriangulator<'_> {
     }
 }
 
-/// How one cell is cut, and the derivatives at its middle.
+/// The diagonal of one cell, and the derivatives at its middle.
 struct CellJet {
     jet: ThirdOrderJet,
     remainder: f64,

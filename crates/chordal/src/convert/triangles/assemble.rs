@@ -1,4 +1,4 @@
-//! From proved leaves to one mesh: normals that are shared where the surface is smooth.
+//! Assembles proved leaves into one mesh, with normals shared where the surface is smooth.
 use super::mesher::CertifiedLeaves;
 use crate::budget::{Job, par_map};
 use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
@@ -6,10 +6,11 @@ use crate::convert::patches::texcoords;
 use crate::explicit::Mesh;
 use glam::DVec3;
 
-/// A vertex as a sheet sees it, and the corner of the leaf that it is there.
+/// A vertex, a sheet, and the corner of a leaf of the sheet at that vertex.
 type SheetVertex = (u32, u32, u32);
 
-/// The mesh of all leaves. Where the normals of sheets part at a vertex each smooth group gets its own, tied by `position_id`.
+/// The mesh of all leaves. Where the normals of sheets differ at a vertex, each smooth group gets its own
+/// vertex, tied by `position_id`.
 pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
     let CertifiedLeaves { cells, vertices, leaves, texcoords } = proved;
     let sheet_of = |leaf: usize| cells[leaves[leaf].0.cell as usize].sheet;
@@ -28,7 +29,7 @@ pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
     let mut positions: Vec<[f64; 3]> = vertices.iter().map(|vertex| vertex.at).collect();
     let mut ids: Vec<u32> = (0..positions.len() as u32).collect();
     let mut sums = vec![DVec3::ZERO; positions.len()];
-    // The vertex that each one of `seen` becomes.
+    // The final vertex of each entry of `seen`.
     let mut becomes: Vec<u32> = seen.iter().map(|seen| seen.0).collect();
     let mut begin = 0;
     for run in seen.chunk_by(|a, b| a.0 == b.0) {

@@ -1,4 +1,5 @@
-//! A mesh of a limit surface over triangles within a budget: by a length or pixels, or the best with so many triangles.
+//! Meshes a limit surface of triangles within a budget: a length, pixels, or the best mesh with a given
+//! number of triangles.
 use super::assemble::assemble;
 use super::mesher::{CertifiedLeaves, LoopMesher};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
@@ -9,12 +10,12 @@ use crate::convert::patches::plan::Allowance;
 use crate::explicit::Mesh;
 use crate::math::sub_down;
 
-/// Bytes a triangle, everything counted, at the peak: 500 were measured on a torus at 5e5 triangles.
+/// Peak memory in bytes per triangle, everything included: 500 were measured on a torus at 5e5 triangles.
 const BYTES_PER_TRIANGLE: f64 = 700.0;
-/// Leaves at which the distance is measured from below, at two places each.
+/// Leaves at which the distance is measured from below, at two points each.
 const SAMPLED_LEAVES: usize = 12;
 
-/// The mesh that a budget asks for.
+/// The mesh that meets a budget.
 pub(crate) fn mesh_within(
     mesher: &LoopMesher<'_>,
     budget: &Budget,
@@ -57,7 +58,7 @@ pub(crate) fn mesh_within(
     Err(Failure::Unmet(Box::new(best)))
 }
 
-/// Triangles that a job allows.
+/// The number of triangles that a job allows.
 fn triangle_limit(job: &Job) -> u64 {
     job.triangle_limit.min((job.memory_limit as f64 / BYTES_PER_TRIANGLE) as u64)
 }
@@ -67,12 +68,12 @@ fn too_many(needed: f64, limit: f64) -> TessellationFailure {
     Failure::refused(RefusalCode::TooManyTriangles, message)
 }
 
-/// Rungs an octave of the ladder of lengths: neighbours differ by 4.4 %.
+/// Lengths per octave in the geometric series of candidate lengths: neighbours differ by 4.4 %.
 const RUNGS: u32 = 16;
-/// A ladder of 100 octaves reaches below the rounding of any shape.
+/// A series of 100 octaves extends below the rounding of any shape.
 const MOST_RUNGS: u32 = 100 * RUNGS;
 
-/// The finest mesh of the ladder with at most `most` triangles.
+/// The finest mesh of the series with at most `most` triangles.
 fn within_count(
     mesher: &LoopMesher<'_>,
     asked: &Allowance,
@@ -95,7 +96,7 @@ fn within_count(
         };
         return Err(Failure::Unmet(Box::new(finish(&proved, asked, job))));
     };
-    // By octaves until there are too many, then between, as if counts rose with every rung.
+    // By octaves until there are too many triangles, then by bisection, as if counts were monotone.
     let (mut low, mut high) = (0, MOST_RUNGS);
     for k in (RUNGS..MOST_RUNGS).step_by(RUNGS as usize) {
         match on(k)? {
@@ -136,7 +137,8 @@ fn finish(proved: &CertifiedLeaves<'_>, allowance: &Allowance, job: &Job) -> Bou
     Bounded { shape: mesh, bound }
 }
 
-/// The distance from below and its place: at the middles of the worst triangles and of their sides that bend most.
+/// The measured lower bound of the distance and its location: at the middles of the worst triangles and of
+/// their sides that bend most.
 fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Option<[f64; 3]>) {
     let mut order: Vec<usize> = (0..proved.leaves.len()).collect();
     order.sort_by(|a, b| proved.leaves[*b].1.bound.total_cmp(&proved.leaves[*a].1.bound).then(a.cmp(b)));

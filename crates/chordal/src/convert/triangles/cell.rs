@@ -1,4 +1,5 @@
-//! `LoopCell`: a triangle of a sheet on which the surface is one polynomial, or none yet.
+//! `LoopCell`: a triangle of a sheet on which the surface is one polynomial, or is not yet subdivided into
+//! polynomials.
 use crate::convert::patches::derivative_bound::UNDERFLOW;
 use crate::explicit::cage::limit::{ExtraordinaryTriangle, LimitQuartic, TrianglePatchTree};
 use crate::math::Box3;
@@ -7,9 +8,9 @@ use crate::math::Box3;
 pub(crate) struct LoopCell<'a> {
     pub(crate) sheet: u32,
     pub(crate) shape: LoopCellShape<'a>,
-    /// Where it begins on its sheet.
+    /// Its origin on the sheet.
     pub(crate) begin: [f64; 2],
-    /// Its width as a share of the sheet's; negative where it is turned by half.
+    /// Its width as a fraction of the sheet's; negative where it is rotated by half a turn.
     pub(crate) scale: f64,
 }
 
@@ -19,9 +20,11 @@ pub(crate) enum LoopCellShape<'a> {
     Extraordinary(&'a ExtraordinaryTriangle),
 }
 
-/// Rounding of what is computed from a polynomial, as a share of its largest coordinate; derived in [`super::derivative_bound`].
+/// Rounding of values computed from a polynomial, as a fraction of its largest coordinate; derived in
+/// [`super::derivative_bound`].
 const ROUNDING: f64 = 4096.0 * f64::EPSILON;
-/// And what each point of a ring adds where a limit is reached by ninety rounds, of two roundings a point each.
+/// The additional rounding per point of a one-ring where a limit is reached after ninety rounds, of two
+/// roundings per point each.
 const ROUNDING_BY_POINT: f64 = 256.0 * f64::EPSILON;
 
 impl<'a> LoopCellShape<'a> {
@@ -32,7 +35,7 @@ impl<'a> LoopCellShape<'a> {
         }
     }
 
-    /// Points whose convex hull the surface is in.
+    /// Points whose convex hull contains the surface.
     pub(crate) fn hull(&self) -> &'a [[f64; 3]] {
         match self {
             Self::Polynomial(polynomial) => &polynomial.quartic.control,
@@ -40,7 +43,7 @@ impl<'a> LoopCellShape<'a> {
         }
     }
 
-    /// What rounding may add to a bound, and by how much a vertex may be off.
+    /// The length that rounding may add to a bound, and the error of a vertex.
     pub(crate) fn rounding_error(&self) -> f64 {
         let points = self.hull();
         let larger = |most: f64, x: &f64| if x.abs() > most { x.abs() } else { most };
@@ -54,7 +57,7 @@ impl<'a> LoopCellShape<'a> {
         }
     }
 
-    /// Coordinates are checked before to be so small that nothing overflows.
+    /// Coordinates are checked beforehand to be so small that nothing overflows.
     pub(crate) fn point(&self, [u, v]: [f64; 2]) -> [f64; 3] {
         match self {
             Self::Polynomial(polynomial) => polynomial.quartic.point([u, v]),
@@ -75,7 +78,7 @@ impl<'a> LoopCell<'a> {
         Box3::from_points(self.shape.hull())
     }
 
-    /// The quarters of one that is no polynomial; empty where coordinates overflow.
+    /// The quarters of an extraordinary cell; empty where coordinates overflow.
     pub(crate) fn quarters(&self) -> Vec<Self> {
         let LoopCellShape::Extraordinary(rough) = self.shape else { return Vec::new() };
         let Ok(quarters) = rough.quarters() else { return Vec::new() };
@@ -88,7 +91,7 @@ impl<'a> LoopCell<'a> {
         quarters.iter().zip(begins).map(part).collect()
     }
 
-    /// Where a place of it is on its sheet.
+    /// The sheet parameters of a point of the cell.
     pub(crate) fn to_sheet(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| self.begin[k] + self.scale * place[k])
     }

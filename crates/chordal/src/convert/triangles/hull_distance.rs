@@ -1,21 +1,28 @@
-//! How far a surface over a triangle is from the flat triangle between three vertices: by distances of control points.
+//! `FlatTriangle`: bounds the distance of a surface over a triangle from the flat triangle between three
+//! vertices, by distances of control points.
 //!
-//! Let `S` be the surface, a disc with its border in three curves, `M` the triangle between its corners, `π` the projection into the plane of `M`.
+//! Let `S` be the surface, a disc with its border in three curves, `M` the triangle between its corners, `π`
+//! the projection into the plane of `M`.
 //!
-//! *Surface to mesh.* The distance from the convex `M` is a convex function, so over a piece of `S` in the hull of control points it is no more than the
-//! largest distance of these: `V` over all pieces.
+//! *Surface to mesh.* The distance from the convex `M` is a convex function, so over a piece of `S` in the
+//! hull of control points it is no more than the largest distance of these: `V` over all pieces.
 //!
-//! *Mesh to surface.* Let a side of `M` be within `ε` of its curve in space and within `δ` in the plane, both by pairing a point of the
-//! curve with the nearest of the side, which is continuous and covers the side. Moving `π(∂S)` to `∂M` along these pairs moves nothing by more than
-//! `δ`. So around a point `x` of `M` that is farther than `δ` from each side the curve `π(∂S)` winds once, as `∂M` does: `x` is the projection of a
-//! point of `S`, whose distance from `M` is its height over `x`, at most `V`. Any other `x` is within `δ` of a side's point, and that within `ε` of `S`.
+//! *Mesh to surface.* Let a side of `M` be within `ε` of its curve in space and within `δ` in the plane, both
+//! by pairing a point of the curve with the nearest of the side, which is continuous and covers the side.
+//! Moving `π(∂S)` to `∂M` along these pairs moves nothing by more than `δ`. So around a point `x` of `M` that
+//! is farther than `δ` from each side the curve `π(∂S)` winds once, as `∂M` does: `x` is the projection of a
+//! point of `S`, whose distance from `M` is its height over `x`, at most `V`. Any other `x` is within `δ` of
+//! a side's point, and that is within `ε` of `S`.
 //!
-//! So the distance both ways is at most the larger of `V` and the largest `ε + δ` of a side. Pieces and curves are divided, the worst first, until that is within
-//! a tolerance or some point of the surface shows that it is not.
+//! So the distance in both directions is at most the larger of `V` and the largest `ε + δ` of a side. Pieces
+//! and curves are subdivided, the worst first, until that is within a tolerance or some point of the surface
+//! shows that it is not.
 //!
-//! **Rounding.** Vertices off by `e` move the ends of curves by as much, which adds `e` to each of `V`, `ε`, `δ` and leaves `e` of a side's ends
-//! uncovered: [`LoopLeaf`](super::leaf::LoopLeaf) adds `4 e`. The distance from `M` is rounded up; those from sides are sums of three products about a corner, off by
-//! some roundings of the distance from there, [`NEAR_SIDE`]. The unit normal is off by some roundings times the square of the longest side over twice the area.
+//! **Rounding.** Vertices off by `e` move the ends of curves by as much, which adds `e` to each of `V`, `ε`,
+//! `δ` and leaves `e` of a side's ends uncovered: [`LoopLeaf`](super::leaf::LoopLeaf) adds `4 e`. The
+//! distance from `M` is rounded up; those from sides are sums of three products relative to a corner, off by
+//! some roundings of the distance from there, [`NEAR_SIDE`]. The unit normal is off by some roundings times
+//! the square of the longest side over twice the area.
 use super::cell::LoopCellShape;
 use crate::check::distance_up;
 use crate::explicit::cage::limit::Quartic;
@@ -23,18 +30,21 @@ use crate::math::PriorityItem;
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
-/// Pieces after which a bound is what it is; chosen.
+/// The largest number of pieces that are visited; chosen.
 const MOST_PIECES: usize = 300;
-/// Divisions after which a piece is taken as it is: 2⁻⁴⁵ of a face is below rounding.
+/// The largest depth of subdivision: 2⁻⁴⁵ of a face is below rounding.
 const DEEPEST: usize = 45;
-/// A triangle with less area than this share of its longest side's square has no plane for the proof; chosen.
+/// A triangle with less area than this fraction of its longest side squared has no plane for the proof;
+/// chosen.
 const LEAST_SHAPE: f64 = 1e-6;
-/// Roundings in a unit normal, with room: six products and differences of lengths up to a side, and the quotient.
+/// Roundings in a unit normal, with a margin: six products and differences of lengths up to a side, and the
+/// quotient.
 const TILT: f64 = 32.0 * f64::EPSILON;
-/// Roundings of a distance from a side, of the distance from the corner: two dot products, a quotient, a length; with room.
+/// Roundings of a distance from a side, relative to the distance from the corner: two dot products, a
+/// quotient, a length; with a margin.
 const NEAR_SIDE: f64 = 64.0 * f64::EPSILON;
 
-/// A piece of the surface: a polynomial and by how much it is off, or none yet.
+/// A piece of the surface: a polynomial with its error, or an extraordinary piece that is not yet subdivided.
 pub(crate) enum LoopPiece<'a> {
     Quartic(Box<Quartic>, f64),
     Extraordinary(LoopCellShape<'a>),
@@ -43,21 +53,21 @@ pub(crate) enum LoopPiece<'a> {
 /// A flat triangle.
 pub(crate) struct FlatTriangle {
     corners: [[f64; 3]; 3],
-    /// Its unit normal and by how much that may be off.
+    /// Its unit normal and the error of that normal.
     normal: Option<(DVec3, f64)>,
-    /// That a bound is to be within.
+    /// The tolerance that a bound should meet.
     tolerance: f64,
 }
 
-/// A piece with how often it was divided.
+/// A piece and its depth of subdivision.
 struct LoopQueueEntry<T> {
     piece: T,
     depth: usize,
-    /// No bound can be less.
+    /// A lower limit for every bound of the piece.
     least: f64,
 }
 
-/// A side's curve, or a piece of the surface that it is on.
+/// A side's curve, or a piece of the surface that contains it.
 enum LoopSideCurve<'a> {
     Quartic([[f64; 3]; 5], f64),
     Extraordinary(LoopCellShape<'a>),
@@ -73,7 +83,8 @@ impl FlatTriangle {
         Self { corners, normal, tolerance }
     }
 
-    /// A bound both ways; above the tolerance it only says that this was not shown.
+    /// A bound in both directions; a value above the tolerance only says that the tolerance could not be
+    /// proved.
     pub(crate) fn bound(&self, piece: LoopPiece<'_>) -> f64 {
         let mut most = 0.0_f64;
         for side in 0..3 {
@@ -143,12 +154,13 @@ impl FlatTriangle {
         PriorityItem { bound, item: LoopQueueEntry { piece, depth, least } }
     }
 
-    /// How far a side's curve is from its chord, in space and in the plane together.
+    /// The distance of a side's curve from its chord, in space and in the plane together.
     fn side_distance(&self, side: usize, curve: LoopSideCurve<'_>) -> f64 {
         let mut open = BinaryHeap::new();
         open.push(self.queue_curve(side, curve, 0));
         let (mut space, mut plane) = (0.0_f64, 0.0_f64);
-        // The sum of what is largest in space and what is largest in the plane may be of two pieces; all that are left are taken in then.
+        // The largest distances in space and in the plane may belong to two pieces, so all pieces that are
+        // left are included then.
         let take =
             |item: &LoopQueueEntry<(LoopSideCurve<'_>, [f64; 2])>, space: &mut f64, plane: &mut f64| {
                 (*space, *plane) = (space.max(item.piece.1[0]), plane.max(item.piece.1[1]));
@@ -163,7 +175,7 @@ impl FlatTriangle {
             let depth = item.depth + 1;
             match item.piece.0 {
                 LoopSideCurve::Quartic(points, off) => {
-                    // Divided until little is left to gain.
+                    // Subdivided until little is left to gain.
                     if depth > HALVINGS {
                         take(
                             &LoopQueueEntry {
@@ -236,16 +248,16 @@ impl FlatTriangle {
                 let flat = from - normal * from.dot(normal);
                 to_segment(flat, b - a) + slack + 3.0 * tilt * from.length()
             });
-            // A projection onto a plane with the side moves nothing away from it.
+            // A projection onto a plane that contains the side moves nothing away from it.
             most = [most[0].max(space), most[1].max(if plane < space { plane } else { space })];
         }
         most
     }
 }
 
-/// Less than a distance that was computed is the distance; chosen far above rounding.
+/// A computed distance times this is a lower bound of the exact one; chosen far above rounding.
 const ALMOST: f64 = 1.0 - 1e-9;
-/// A curve may be off its side by this share of a tolerance before it is divided; chosen.
+/// A curve may be this fraction of a tolerance off its side before it is subdivided; chosen.
 const FINE: f64 = 0.1;
 /// Halvings of a quartic, after which it is within a percent or so of its control points; chosen.
 const HALVINGS: usize = 3;

@@ -1,4 +1,5 @@
-//! `LoopLeaf`: a triangle of the mesh, the part of a cell that it stands for, and the proof of how far both are apart.
+//! `LoopLeaf`: a triangle of the mesh, the part of a cell that it approximates, and the proof of the distance
+//! between the two.
 use super::cell::{LoopCell, LoopCellShape};
 use super::derivative_bound::SecondDerivativeBound;
 use super::hull_distance::{FlatTriangle, LoopPiece};
@@ -9,56 +10,58 @@ use crate::math::Box3;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoopVertex {
     pub(crate) at: [f64; 3],
-    /// How far it may be from its place of the surface.
+    /// The largest distance from its point of the surface.
     pub(crate) off: f64,
 }
 
 #[derive(Clone, Copy)]
 pub(crate) struct LoopLeaf {
-    /// Its number.
+    /// The index of its cell.
     pub(crate) cell: u32,
     /// Its corners in the cell.
     pub(crate) places: [[f64; 2]; 3],
     pub(crate) vertices: [u32; 3],
-    /// Which line each side is on, the first from the first corner to the second: an edge of the cage, or the inside of a sheet. Two lines may
-    /// have parts between the same vertices.
+    /// The line of each side, the first from the first corner to the second: an edge of the cage, or the
+    /// inside of a sheet. Two lines may have parts between the same vertices.
     pub(crate) lines: [u32; 3],
 }
 
-/// What is found out about a leaf.
+/// The result of certifying a leaf.
 #[derive(Clone, Copy)]
 pub(crate) struct LeafBound {
-    /// How far the surface and the triangle are apart at most; where the tolerance is not met, perhaps only what made that sure.
+    /// An upper bound of the distance between surface and triangle; where the tolerance is not met, possibly
+    /// only a value that shows that.
     pub(crate) bound: f64,
     pub(crate) is_met: bool,
     /// How much each side bends.
     pub(crate) sides: [f64; 3],
-    /// Where it is.
+    /// The bounding box of the part.
     pub(crate) place: Box3,
 }
 
-/// A bound by second derivatives that is missed by more than this factor will hardly be met by heights; chosen.
+/// A bound by second derivatives that misses the tolerance by more than this factor will hardly be met by
+/// heights; chosen.
 const WORTH_A_LOOK: f64 = 4.0;
 
 impl LoopLeaf {
-    /// All of a cell.
+    /// A leaf that covers a whole cell.
     pub(crate) fn whole_cell(cell: u32, vertices: [u32; 3], lines: [u32; 3]) -> Self {
         Self { cell, places: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], vertices, lines }
     }
 
-    /// A side's middle.
+    /// The middle of a side.
     pub(crate) fn middle(&self, side: usize) -> [f64; 2] {
         let ([a, b], [c, d]) = (self.places[side], self.places[(side + 1) % 3]);
         [0.5 * (a + c), 0.5 * (b + d)]
     }
 
-    /// The side by its line and its vertices, the lower first.
+    /// The key of a side: its line and its vertices, the lower first.
     pub(crate) fn side(&self, side: usize) -> [u32; 3] {
         let (a, b) = (self.vertices[side], self.vertices[(side + 1) % 3]);
         if a < b { [self.lines[side], a, b] } else { [self.lines[side], b, a] }
     }
 
-    /// How wide it is in its sheet, by its longer extent.
+    /// Its width in its sheet, by its longer extent.
     pub(crate) fn width(&self, cell: &LoopCell<'_>) -> f64 {
         let extent = |k: usize| {
             let all = self.places.map(|place| place[k]);
@@ -67,14 +70,15 @@ impl LoopLeaf {
         extent(0).max(extent(1)) * cell.scale.abs()
     }
 
-    /// How far it is from its part of a polynomial by second derivatives, without rounding.
+    /// The distance from its part of a polynomial by second derivatives, without rounding.
     pub(crate) fn second_derivative_bound(&self, cell: &LoopCell<'_>, vertices: &[LoopVertex]) -> f64 {
         let LoopCellShape::Polynomial(polynomial) = cell.shape else { return 0.0 };
         let corners = self.vertices.map(|vertex| vertices[vertex as usize].at);
         SecondDerivativeBound::from_quartic(&polynomial.quartic.part(self.places), &corners).bound
     }
 
-    /// How far it is from its part of the surface, and whether that is within an allowance; where no mesh can be, what is known all the same.
+    /// The distance from its part of the surface, and whether that is within an allowance; where no mesh can
+    /// meet it, also what is known anyway.
     pub(crate) fn certify(
         &self,
         cell: &LoopCell<'_>,
@@ -83,7 +87,7 @@ impl LoopLeaf {
     ) -> Result<LeafBound, Box<(InfeasibleTolerance, LeafBound)>> {
         let own = self.vertices.map(|vertex| vertices[vertex as usize]);
         let off = own.iter().fold(0.0_f64, |most, vertex| most.max(vertex.off));
-        // The proofs say where each of these comes from.
+        // The proofs derive each of these terms.
         let lost = 2.0 * cell.shape.rounding_error() + 4.0 * off;
         let corners = own.map(|vertex| vertex.at);
         match cell.shape {
@@ -110,7 +114,7 @@ impl LoopLeaf {
                 let mut found = LeafBound { bound: reach + lost, is_met: false, sides: [1.0; 3], place };
                 let tolerance =
                     tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
-                // The surface and its vertices are in the hull.
+                // The hull contains the surface and its vertices.
                 found.is_met = reach <= tolerance;
                 if !found.is_met {
                     let bound =

@@ -9,15 +9,15 @@ use crate::explicit::{LimitSheet, LimitSurface};
 use crate::math::{Orientation, orient2d};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A limit surface over triangles, with the leaves that are one for each sheet.
+/// A limit surface of triangles, with one initial leaf per sheet.
 pub(crate) struct LoopMesher<'a> {
     cells: Vec<LoopCell<'a>>,
     leaves: Vec<LoopLeaf>,
     vertices: Vec<LoopVertex>,
-    /// Lines up to this one are edges of the cage.
+    /// Lines below this number are edges of the cage.
     pub(crate) n_edges: u32,
     job: &'a Job,
-    /// The same sheets in the plane of textures.
+    /// The same sheets in the texture plane.
     pub(crate) texcoords: Option<&'a SheetTexcoords<'a>>,
 }
 
@@ -29,19 +29,20 @@ pub(crate) struct CertifiedLeaves<'a> {
     pub(crate) texcoords: Option<&'a SheetTexcoords<'a>>,
 }
 
-/// Passes after which nothing more will come; each makes the worst leaf half as wide, one way or the other.
+/// The largest number of passes; each halves the width of the worst leaf in one direction.
 const MOST_PASSES: usize = 400;
-/// Leaves are no narrower the longer way: 2⁻⁴⁰ of a sheet is no length that anybody has. The other way places may round in the end, by less than is allowed for.
+/// The narrowest leaf, in its longer direction: 2⁻⁴⁰ of a sheet is below any useful length. In the other
+/// direction parameters may round in the end, by less than is allowed for.
 const NARROWEST: f64 = 1.0 / (1_u64 << 40) as f64;
-/// Times that diagonals between new leaves are changed after each pass; chosen.
+/// Rounds of flipping diagonals between new leaves after each pass; chosen.
 const FLIPS: usize = 2;
-/// A diagonal is changed where the worse of both leaves comes out better by this factor; chosen.
+/// A diagonal is flipped where the worse of both leaves improves by this factor; chosen.
 const WORTH_A_FLIP: f64 = 0.97;
-/// Of a leaf that misses its tolerance by this factor, more sides than the worst are split at once; chosen.
+/// A leaf that misses its tolerance by this factor has more than its worst side split at once; chosen.
 const FAR_OFF: f64 = 8.0;
-/// Those that bend at least by this share of the worst; chosen.
+/// Those sides whose bending is at least this fraction of the worst; chosen.
 const ALSO_BENT: f64 = 0.6;
-/// A side that is also that of a leaf that is no polynomial counts for so much less: all of that leaf's sides would be split; chosen.
+/// The weight of a side shared with an extraordinary leaf: all sides of that leaf would be split; chosen.
 const UNWANTED: f64 = 0.5;
 
 impl<'a> LoopMesher<'a> {
@@ -77,7 +78,8 @@ impl<'a> LoopMesher<'a> {
         Self { cells, leaves, vertices, texcoords: None, n_edges, job }
     }
 
-    /// The longest diagonal of a sheet's hull, and no less than what rounding may lose; 1 where all sheets are points.
+    /// The longest diagonal of a sheet's hull, at least what rounding may lose; 1 where all sheets are
+    /// points.
     pub(crate) fn longest_diagonal(&self) -> f64 {
         let longest = self.cells.iter().fold(0.0_f64, |most, cell| {
             most.max(cell.bounding_box().diagonal()).max(cell.shape.rounding_error())
@@ -85,7 +87,7 @@ impl<'a> LoopMesher<'a> {
         if longest > 0.0 { longest } else { 1.0 }
     }
 
-    /// About how many triangles an allowance needs at least, as far as that is seen from the sheets as wholes.
+    /// About how many triangles an allowance needs at least, estimated from whole sheets.
     pub(crate) fn estimate(&self, allowance: &Allowance) -> Result<f64, TessellationFailure> {
         let of_leaf = |leaf: &LoopLeaf| -> Result<f64, InfeasibleTolerance> {
             let cell = &self.cells[leaf.cell as usize];
@@ -100,7 +102,8 @@ impl<'a> LoopMesher<'a> {
             if matches!(cell.shape, LoopCellShape::Extraordinary(_)) {
                 return Ok(1.0);
             }
-            // A side that bends by w is cut into √(w / 4 tolerances); two ways are enough to count.
+            // A side that bends by w is cut into √(w / 4 tolerances) parts; two directions are enough to
+            // count.
             let cuts = sides.map(|bend| {
                 let cuts = (0.25 * bend / allowed).sqrt();
                 if cuts > 1.0 { cuts } else { 1.0 }
@@ -113,7 +116,8 @@ impl<'a> LoopMesher<'a> {
         parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse_tolerance)?))
     }
 
-    /// Splits sides until every leaf is within its allowance; `None` where that takes more than `most` triangles.
+    /// Splits sides until every leaf is within its allowance; `None` where that takes more than `most`
+    /// triangles.
     pub(crate) fn refine(
         &self,
         allowance: &Allowance,
@@ -170,7 +174,7 @@ fn too_small() -> TessellationFailure {
     Failure::refused(RefusalCode::BelowPrecision, message)
 }
 
-/// Sides that are to be split, by line and vertices, and the vertex that comes there.
+/// The sides to split, by line and vertices, and the new vertex of each.
 type SideSplits = BTreeMap<[u32; 3], u32>;
 
 struct LoopRefinement<'a> {
@@ -181,7 +185,7 @@ struct LoopRefinement<'a> {
 }
 
 impl<'a> LoopRefinement<'a> {
-    /// Finds out about leaves that are new.
+    /// Certifies new leaves.
     fn certify_new(&mut self, allowance: &Allowance, job: &Job) -> Result<(), TessellationFailure> {
         let open: Vec<usize> = (0..self.leaves.len()).filter(|i| self.leaves[*i].1.is_none()).collect();
         let found = par_map(job, &open, |_, i| {
@@ -204,8 +208,9 @@ impl<'a> LoopRefinement<'a> {
         Ok(())
     }
 
-    /// The sides to be split. Of leaves that are no polynomial all or none; of others that are far from near enough those that bend most. Of the rest
-    /// one side each, the worst first, and no other side of its neighbour's in the same pass: that may be enough for both.
+    /// The sides to split. Of extraordinary leaves all sides or none; of other leaves that are far off, those
+    /// that bend most. Of the remaining leaves one side each, the worst first, and no other side of its
+    /// neighbour in the same pass: that may be enough for both.
     fn sides_to_split(&self, allowance: &Allowance) -> SideSplits {
         let mut marked = SideSplits::new();
         let is_rough =
@@ -214,7 +219,7 @@ impl<'a> LoopRefinement<'a> {
             self.leaves.iter().map(|(leaf, _)| leaf).filter(|leaf| is_rough(leaf)).collect();
         let rough_sides: BTreeSet<[u32; 3]> =
             rough.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
-        // By how much, from whom, and which side.
+        // The factor, the leaf, and the side.
         let mut wanted: Vec<(f64, usize, [u32; 3])> = Vec::new();
         for (index, (leaf, found)) in self.leaves.iter().enumerate() {
             let Some(found) = found.as_ref().filter(|found| !found.is_met) else { continue };
@@ -269,7 +274,7 @@ impl<'a> LoopRefinement<'a> {
 
     /// Splits these sides in the middle.
     fn split(&mut self, mut marked: SideSplits, job: &Job) {
-        // Each vertex from the first leaf that has its side.
+        // Each vertex is computed from the first leaf with its side.
         let mut made: Vec<(usize, usize)> = Vec::with_capacity(marked.len());
         for (index, (leaf, _)) in self.leaves.iter().enumerate() {
             for side in 0..3 {
@@ -304,7 +309,7 @@ impl<'a> LoopRefinement<'a> {
         }
     }
 
-    /// Changes diagonals between new leaves of one cell where that brings them nearer to the surface.
+    /// Flips diagonals between new leaves of one cell where that brings them nearer to the surface.
     fn flip(&mut self, job: &Job) {
         let mut owners: BTreeMap<[u32; 3], Vec<(usize, usize)>> = BTreeMap::new();
         for (index, (leaf, found)) in self.leaves.iter().enumerate() {
@@ -337,7 +342,7 @@ impl<'a> LoopRefinement<'a> {
         }
     }
 
-    /// Two leaves with the other diagonal between them, where that is better, and by which factor.
+    /// Two leaves with the flipped diagonal, where that is better, and the factor of improvement.
     fn flip_if_better(&self, [(first, s), (second, t)]: [(usize, usize); 2]) -> Option<(f64, [LoopLeaf; 2])> {
         let (one, two) = (&self.leaves[first].0, &self.leaves[second].0);
         let inside = self.interior_line(one);
@@ -383,7 +388,7 @@ impl<'a> LoopRefinement<'a> {
         self.n_edges + self.cells[leaf.cell as usize].sheet
     }
 
-    /// The quarters of a leaf that is all of a cell that is no polynomial.
+    /// Splits a leaf that covers a whole extraordinary cell into quarters.
     fn quarter(&mut self, leaf: &LoopLeaf, [ab, bc, ca]: [u32; 3]) {
         let ([a, b, c], [l, m, n]) = (leaf.vertices, leaf.lines);
         let i = self.interior_line(leaf);
@@ -400,7 +405,7 @@ impl<'a> LoopRefinement<'a> {
         }
     }
 
-    /// Halves a leaf at the middle of the side that bends most, and its halves where they have to be.
+    /// Halves a leaf at the middle of the side that bends most, and its halves where they must be split.
     fn halve(&mut self, leaf: LoopLeaf, new: [Option<u32>; 3], bends: [f64; 3]) {
         let worst =
             (0..3).filter(|side| new[*side].is_some()).reduce(|a, b| if bends[b] > bends[a] { b } else { a });

@@ -1,5 +1,7 @@
-//! The parts of `cage_to_mesh` for Loop's scheme: [`cell`] is a place of the surface, [`leaf`] a triangle over it, [`derivative_bound`] and [`hull_distance`] prove
-//! how far both are apart, [`mesher`] splits edges until all leaves are near enough, [`assemble`] gives vertices their normals, [`budget`] keeps a budget.
+//! The parts of `cage_to_mesh` for Loop subdivision: [`cell`] is a part of the surface, [`leaf`] a triangle
+//! over it, [`derivative_bound`] and [`hull_distance`] prove the distance between the two, [`mesher`] splits
+//! edges until all leaves are within tolerance, [`assemble`] computes vertex normals, [`budget`] applies a
+//! budget.
 pub(super) mod assemble;
 pub(super) mod budget;
 pub(super) mod cell;

@@ -1,4 +1,4 @@
-//! Building the tree: top down, each node cut where the surface area heuristic is least over bins.
+//! Building the tree: top down, with each node split where the binned surface area heuristic is least.
 use super::frame::{BvhFrame, down, up};
 use super::sah_split::{BvhPrimitive, PrimitiveBounds, cut};
 use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, NONE, WIDTH};
@@ -6,13 +6,13 @@ use crate::budget::{Job, par_map, par_map_owned};
 use crate::explicit::Mesh;
 use crate::math::{Box3, sub_down, sub_up};
 
-/// Triangles in a leaf, at most. Measured on 1 M triangles: from 2 to 8 queries differ by less than the
+/// The most triangles in a leaf. Measured on 1 M triangles: from 2 to 8 queries differ by less than the
 /// machine's noise, and 4 needs a quarter less memory than 2.
 pub(super) const LEAF_SIZE: usize = 4;
-/// Depth in nodes to which the heuristic decides; below, nodes are cut in equal quarters, 16 levels of which
-/// are enough for 2³² triangles.
+/// The depth in nodes up to which the heuristic decides. Below, nodes are split into equal quarters, 16
+/// levels of which are enough for 2³² triangles.
 pub(super) const DEEPEST_BY_COST: u32 = 24;
-/// Subtrees above this size are worth a task of their own.
+/// Subtrees above this size are separate tasks.
 const TASK: usize = 1 << 14;
 
 /// The tree over all faces; `None` when the job is cancelled.
@@ -54,7 +54,7 @@ fn used_bounds(mesh: &Mesh) -> Box3 {
     bounds
 }
 
-/// The boxes of the chunk of faces that begins with `from`.
+/// The boxes of the chunk of faces that starts at `from`.
 fn prims(mesh: &Mesh, frame: &BvhFrame, from: usize) -> Vec<BvhPrimitive> {
     let to = mesh.faces().len().min(from + TASK);
     (from..to).map(|face| prim(mesh, frame, face)).collect()
@@ -78,7 +78,7 @@ fn prim(mesh: &Mesh, frame: &BvhFrame, face: usize) -> BvhPrimitive {
     )
 }
 
-/// A run of triangles in the tree: what it holds, where it starts in the order of the leaves, how deep it is.
+/// A run of triangles in the tree: its bounds, its start in the order of the leaves, and its depth.
 #[derive(Clone, Copy)]
 struct BuildRange {
     extent: PrimitiveBounds,
@@ -123,7 +123,7 @@ fn subtree(prims: &mut [BvhPrimitive], place: BuildRange, job: &Job) -> Vec<BvhN
     nodes
 }
 
-/// Appends the nodes over `prims`, the root first; its index.
+/// Appends the nodes over `prims`, the root first, and returns the root's index.
 fn emit(prims: &mut [BvhPrimitive], place: BuildRange, nodes: &mut Vec<BvhNode>) -> u32 {
     let index = nodes.len();
     let parts = quarter(prims, place);
@@ -136,7 +136,7 @@ fn emit(prims: &mut [BvhPrimitive], place: BuildRange, nodes: &mut Vec<BvhNode>)
     index as u32
 }
 
-/// The node over `parts`, each as if it were a leaf.
+/// The node over `parts`, with all of them as leaves.
 fn node(parts: &[BuildRecord]) -> BvhNode {
     let mut node =
         BvhNode { bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], child: [NONE; WIDTH] };
@@ -151,8 +151,8 @@ fn node(parts: &[BuildRecord]) -> BvhNode {
     node
 }
 
-/// Cuts `prims` into up to four parts, always the part with the largest surface next: a box more in a node
-/// costs nothing, so even leaves are cut while there is room.
+/// Splits `prims` into up to four parts, always the one with the largest surface next. Another box in a node
+/// costs nothing, so even leaves are split while lanes are free.
 fn quarter(prims: &mut [BvhPrimitive], place: BuildRange) -> Vec<BuildRecord<'_>> {
     let mut parts = Vec::with_capacity(WIDTH);
     parts.push(BuildRecord { prims, place: BuildRange { depth: place.depth + 1, ..place } });
@@ -180,7 +180,7 @@ fn largest(parts: &[BuildRecord], depth: u32) -> Option<usize> {
     let splittable = parts.iter().enumerate().filter(|(_, part)| part.prims.len() > 1);
     splittable
         .map(|(i, part)| (i, part.prims.len() > LEAF_SIZE, size(part)))
-        // What must be cut before what may be, then the largest; the first of equals.
+        // Parts that must be split before those that may be, then the largest; the first of equals.
         .reduce(|a, b| if (b.1, b.2) > (a.1, a.2) { b } else { a })
         .map(|(i, ..)| i)
 }
@@ -207,7 +207,7 @@ fn in_leaf_order(
         });
         triangles.push(BvhTriangle { corners: indices, face: prim.face() });
     }
-    // A run ends where the next begins.
+    // A run ends where the next starts.
     for child in nodes.iter().flat_map(|n| n.child).filter(|c| c & LEAF != 0 && *c != NONE) {
         if let Some(before) = (child & !LEAF).checked_sub(1) {
             triangles[before as usize].face |= LAST;

@@ -1,39 +1,38 @@
-//! The nearest triangle to a point.
+//! Closest-point queries.
 use super::frame::{BvhFrame, down, up};
 use super::triangle;
 use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, STACK, WIDTH};
 use crate::math::{add_up, div_down, div_up, exponent, power_of_two, sub_down};
 
-/// The point of a mesh that is nearest to another.
+/// The closest point of a mesh to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshClosestPoint {
-    /// The nearest point, rounded.
+    /// The closest point, rounded.
     pub point: [f64; 3],
-    /// The face that it lies on; the lowest of those that are equally near.
+    /// The face that contains it; the lowest of equally close ones.
     pub face: u32,
-    /// Its weights of the face's corners: ≥ 0, together 1 up to rounding.
+    /// The barycentric coordinates in the face: ≥ 0, with sum 1 up to rounding.
     pub barycentric: [f64; 3],
     /// The squared distance, rounded; 0 below 1e-162 and ∞ above 1e154 (see [`Bvh::closest_distance_up`]).
     pub distance_sq: f64,
 }
 
-/// Local extents from the middle of the mesh up to which f32 decides between boxes; further out, where they
-/// would look all the same to it, f64 does.
+/// Distance from the middle of the mesh, in local extents, up to which f32 decides between boxes. Farther out
+/// f32 could not distinguish them, and f64 decides.
 const FAR: f64 = 64.0;
 
-/// How far off boxes are to a query, in local units squared: never too far by more than its `limit` allows
-/// for.
+/// The squared distances of boxes to a query, in local units: too large by no more than `limit` allows for.
 trait BoxDistance {
-    /// A square of a distance.
+    /// A squared distance.
     type Square: Copy + PartialOrd;
-    /// Larger than any distance, so that every box is looked into.
+    /// Larger than any distance, so that every box is opened.
     const ALL: Self::Square;
     fn squares(&self, node: &BvhNode) -> [Self::Square; WIDTH];
-    /// Boxes further off than this hold no triangle that is computed to be as near as `best_sq`.
+    /// Boxes farther away than this contain no triangle whose computed squared distance is at most `best_sq`.
     fn limit(&self, best_sq: f64) -> Self::Square;
 }
 
-/// A query near the mesh, local, rounded down and up to f32.
+/// A query near the mesh in local coordinates, rounded down and up to f32.
 struct NearQuery {
     low: [f32; 3],
     high: [f32; 3],
@@ -72,7 +71,7 @@ impl BoxDistance for NearQuery {
     }
 }
 
-/// A query far from the mesh, in coordinates in which its own distance is about 1.
+/// A query far from the mesh, in coordinates where its own distance is about 1.
 struct FarQuery {
     q: [f64; 3],
     middle: [f64; 3],
@@ -109,12 +108,12 @@ impl BoxDistance for FarQuery {
     }
 }
 
-/// A query in the coordinates that suit its distance: scaled, and shrunk where it is far.
+/// A query in coordinates that suit its distance: scaled, and shrunk where it is far.
 struct ClosestQuery {
     q: [f64; 3],
-    /// From the world to these coordinates: a power of two.
+    /// The scale from world to these coordinates, a power of two.
     scale: f64,
-    /// From scaled coordinates to these: a power of two, 1 when near.
+    /// The scale from scaled coordinates to these, a power of two, 1 when near.
     shrink: f64,
 }
 
@@ -129,7 +128,8 @@ impl ClosestQuery {
         if off <= FAR {
             return Some(Self { q: frame.scaled(p), scale: frame.scale, shrink: 1.0 });
         }
-        // Where the scaled point overflows the mesh is a point to it, and exponents alone tell how far it is.
+        // Where the scaled point overflows, the mesh is a point relative to it, and exponents alone give the
+        // distance.
         let scale = exponent(frame.scale) - 1;
         let away = if off.is_finite() { exponent(off) } else { exponent(largest(p)) + scale };
         let scale = power_of_two(scale - away);
@@ -166,7 +166,7 @@ fn box_distance_sq(q: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
     square
 }
 
-/// The triangle with the least value so far.
+/// The closest triangle so far.
 #[derive(Clone, Copy)]
 struct ClosestTriangle {
     row: u32,
@@ -175,13 +175,13 @@ struct ClosestTriangle {
 }
 
 impl Bvh {
-    /// The point of the mesh that is nearest to `p`; `None` without faces or when `p` is not finite.
+    /// The closest point of the mesh to `p`; `None` without faces or when `p` is not finite.
     ///
-    /// The distance is off by a few units in the last place of the larger of the distance and the extent of
-    /// the mesh around the nearest face, whatever the shape of the triangles. Of equally near faces (rounded
-    /// distances compared exactly) it is the lowest.
+    /// The error of the distance is a few units in the last place of the larger of the distance and the
+    /// extent of the mesh around the nearest face, whatever the shape of the triangles. Of equally close
+    /// faces (rounded distances compared exactly) the lowest is returned.
     ///
-    /// Cost: O(log n) for points near the mesh; the farther away, the more triangles are equally near, and
+    /// Cost: O(log n) for points near the mesh. The farther away, the more triangles are equally close, and
     /// from about 10¹² extents on all are.
     #[must_use]
     pub fn closest_point(&self, p: [f64; 3]) -> Option<MeshClosestPoint> {
@@ -197,7 +197,7 @@ impl Bvh {
         Some(MeshClosestPoint { point, face: least.face, barycentric: near.barycentric, distance_sq })
     }
 
-    /// A bound from below on the distance from `p` to the mesh that no rounding can break: every triangle is
+    /// A proved lower bound for the distance from `p` to the mesh, with rounding included: every triangle is
     /// at least this far. `None` as for [`Bvh::closest_point`].
     ///
     /// It is below the true distance by a few units in the last place of the distance to the farthest corner
@@ -212,14 +212,14 @@ impl Bvh {
             lowest = if down < lowest { down } else { lowest };
             down * down
         })?;
-        // What underflowed on the way to these coordinates is less than the smallest normal number.
+        // The error of underflow in these coordinates is less than the smallest normal number.
         let local = sub_down(lowest, f64::MIN_POSITIVE);
         let down = div_down(local, query.scale);
         Some(if down > 0.0 { down } else { 0.0 })
     }
 
-    /// A bound from above on the distance from `p` to the mesh that no rounding can break: there is a point
-    /// of the mesh that is at most this far. `None` as for [`Bvh::closest_point`].
+    /// A proved upper bound for the distance from `p` to the mesh, with rounding included: some point of the
+    /// mesh is at most this far. `None` as for [`Bvh::closest_point`].
     #[must_use]
     pub fn closest_distance_up(&self, p: [f64; 3]) -> Option<f64> {
         let query = ClosestQuery::new(&self.frame, p)?;
@@ -241,7 +241,7 @@ impl Bvh {
         Some((least, triangle::closest_point(query.q, corners)))
     }
 
-    /// The triangle of least `square` (of the triangle), and of those the lowest face.
+    /// The triangle with the least `square`, and of those the lowest face.
     fn closest_row(
         &self,
         query: &ClosestQuery,
@@ -251,9 +251,9 @@ impl Bvh {
         self.closest_row_from(query, unknown, square)
     }
 
-    /// The distance from `p` to the mesh, rounded as in [`Bvh::closest_point`], and the row of the triangle
-    /// that has it. A row that may be near saves time and changes nothing: the search leaves out only what is
-    /// certainly farther.
+    /// The distance from `p` to the mesh, rounded as in [`Bvh::closest_point`], and the row of the closest
+    /// triangle. The hint `row` should be near: it saves time and does not affect the answer, because the
+    /// search skips only triangles that are certainly farther.
     pub(crate) fn distance_with_hint(&self, p: [f64; 3], row: u32) -> Option<(f64, u32)> {
         let query = ClosestQuery::new(&self.frame, p)?;
         let square = |triangle: &BvhTriangle| {
@@ -261,7 +261,7 @@ impl Bvh {
         };
         let first = self.triangles.get(row as usize)?;
         let start = ClosestTriangle { row, face: first.face & !LAST, square: square(first) };
-        // The box of one triangle is smaller than that of its leaf, and quicker than the triangle.
+        // The box of one triangle is smaller than that of its leaf, and faster to test than the triangle.
         let mut best = start.square;
         let least = self.closest_row_from(&query, start, |triangle| {
             // As in [`NearQuery::limit`], with the same slack, which is more than f64 needs, near and far.
@@ -277,20 +277,19 @@ impl Bvh {
         Some((least.square.sqrt() / query.scale, least.row))
     }
 
-    /// Bounds from below and above on the distance from `p` to the triangle of a row that no rounding can
-    /// break.
+    /// Proved lower and upper bounds for the distance from `p` to the triangle of a row, rounding included.
     pub(crate) fn distance_bounds(&self, p: [f64; 3], row: u32) -> Option<[f64; 2]> {
         let query = ClosestQuery::new(&self.frame, p)?;
         let corners = query.corners(self, &self.triangles[row as usize]);
         let near = triangle::closest_point(query.q, corners);
-        // As in the two functions above.
+        // As in `closest_distance_down` and `closest_distance_up`.
         let down = sub_down(triangle::distance_down(query.q, corners, f64::INFINITY), f64::MIN_POSITIVE);
         let up = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
         let down = div_down(down, query.scale);
         Some([if down > 0.0 { down } else { 0.0 }, div_up(up, query.scale)])
     }
 
-    /// The corners and the face of a row, in the mesh's own coordinates.
+    /// The corners and the face of a row, in the coordinates of the mesh.
     pub(crate) fn triangle_of(&self, row: u32) -> ([[f64; 3]; 3], u32) {
         let triangle = &self.triangles[row as usize];
         let corners = self.corners_of(triangle).map(|p| p.map(|x| x / self.frame.scale));
@@ -323,7 +322,7 @@ impl Bvh {
         }
         let mut best = start;
         let mut limit = if best.square < f64::INFINITY { sight.limit(best.square) } else { S::ALL };
-        // Waiting children, the nearest on top.
+        // Pending children, the nearest on top.
         let mut stack = [(S::ALL, 0_u32); STACK];
         let mut height = 1;
         while height > 0 {

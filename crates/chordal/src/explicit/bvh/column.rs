@@ -1,4 +1,4 @@
-//! The triangles above a point, and those about a box.
+//! Queries for the triangles above a point and for those that meet a box.
 use super::frame::{down, up};
 use super::{Bvh, BvhNode, LAST, LEAF, NONE, STACK, WIDTH};
 use crate::math::Box3;
@@ -20,8 +20,8 @@ impl Bvh {
         self.visit_faces(meets, visit);
     }
 
-    /// Calls `visit` with every face that may have a point in common with `bounds`, and some others, in the
-    /// order of the tree.
+    /// Calls `visit` with every face that may share a point with `bounds`, and some others, in the order of
+    /// the tree.
     pub(crate) fn faces_in_box(&self, bounds: &Box3, visit: impl FnMut(u32)) {
         let low = self.frame.local(self.frame.scaled(bounds.min))[0].map(down);
         let high = self.frame.local(self.frame.scaled(bounds.max))[1].map(up);
@@ -31,7 +31,7 @@ impl Bvh {
         self.visit_faces(meets, visit);
     }
 
-    /// Calls `visit` with the faces below every box that `meets` lets in.
+    /// Calls `visit` with the faces in every box that `meets` accepts.
     fn visit_faces(&self, meets: impl Fn(&BvhNode, usize) -> bool, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {
             return;

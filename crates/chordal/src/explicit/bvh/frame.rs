@@ -1,8 +1,8 @@
-//! `BvhFrame`: the coordinates in which a [`Bvh`](super::Bvh) keeps its boxes.
+//! `BvhFrame`: the coordinates of the boxes of a [`Bvh`](super::Bvh).
 use crate::math::{Box3, exponent, power_of_two, sub_down, sub_up};
 
 /// World → scaled: times a power of two, which changes no digit. Scaled → local: minus the middle of the
-/// mesh. In local coordinates the mesh lies within `[−1, 1]³`, wherever and however large it is.
+/// mesh. In local coordinates the mesh lies within `[−1, 1]³`, at any position and scale.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BvhFrame {
     /// A power of two.
@@ -12,16 +12,16 @@ pub(super) struct BvhFrame {
 }
 
 impl BvhFrame {
-    /// The frame of what lies in `bounds`, which is not empty.
+    /// The frame of a mesh within `bounds`, which are not empty.
     pub fn from_bounds(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
         let centre = bounds.centre();
-        // A mesh without extent is given that of the rounding of its place, so that scaled coordinates stay
+        // A mesh without extent gets that of the rounding of its position, so that scaled coordinates stay
         // finite.
         let rounding = centre.iter().map(|c| c.abs() * f64::EPSILON);
         let extent = half.chain(rounding).fold(0.0, |most, x| if x > most { x } else { most });
-        // Beyond 2^±900 a scale and its inverse leave no room for distances that are larger or smaller than
+        // Beyond 2^±900 a scale and its inverse leave no range for distances that are larger or smaller than
         // the mesh.
         let scale = power_of_two(-(exponent(extent) + 1).clamp(-900, 900));
         Self { scale, middle: centre.map(|c| c * scale) }
@@ -33,7 +33,7 @@ impl BvhFrame {
         p.map(|x| x * self.scale)
     }
 
-    /// The local coordinates of a scaled point, from below and above.
+    /// Lower and upper bounds for the local coordinates of a scaled point.
     #[inline]
     pub fn local(&self, scaled: [f64; 3]) -> [[f64; 3]; 2] {
         [

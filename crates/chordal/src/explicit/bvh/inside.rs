@@ -1,4 +1,4 @@
-//! `Enclosure`: whether points are inside a mesh, closed, open or broken, and how sure that is.
+//! `Enclosure`: point location in a mesh, closed, open or broken, with its certainty.
 use super::batch::each;
 use super::winding::{ClusterMoments, WindingNumber, leaf_rows, moments};
 use super::{Bvh, LEAF, NONE, STACK, WIDTH};
@@ -7,42 +7,42 @@ use crate::explicit::{Mesh, Topology, Twin, Twins};
 use crate::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 use std::borrow::Cow;
 
-/// On which side of a mesh a point is.
+/// The location of a point relative to a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PointLocation {
-    /// The mesh winds around it, counter-clockwise being outward.
+    /// The mesh winds around it, with outward faces counter-clockwise.
     Inside,
-    /// The mesh does not.
+    /// The mesh does not wind around it.
     Outside,
     /// On a triangle, exactly.
     On,
-    /// The mesh is open, and hides between a quarter and three quarters of what can be seen from there.
+    /// The mesh is open, and covers between a quarter and three quarters of the directions from there.
     Ambiguous,
 }
 
-/// A side, and the winding number that says so.
+/// A location, and the winding number that decides it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Containment {
-    /// The side.
+    /// The location.
     pub side: PointLocation,
-    /// A whole number without error for closed meshes; NaN on the surface, where there is none.
+    /// An exact integer for closed meshes; NaN on the surface, where it is undefined.
     pub winding: WindingNumber,
 }
 
-/// A mesh that points can be inside of.
+/// A mesh prepared for point location.
 ///
-/// *Closed* means that at every edge, by position, as many triangles run one way as the other: then the
-/// winding number is a whole number, the same all over each cell of space, whatever else is wrong with the
+/// *Closed* means that at every edge, by position, the half-edges in both directions are equally many. Then
+/// the winding number is an integer, the same all over each cell of space, whatever else is wrong with the
 /// mesh (self-intersections, doubled walls, more than two triangles at an edge). It is counted along a
-/// vertical ray by exact predicates, with a symbolic shift where the ray meets an edge or a corner. So for
-/// closed meshes every answer is exact (but for coordinates so much smaller than the mesh that a power of two
-/// makes them subnormal). For all others the generalized winding number decides.
+/// vertical ray by exact predicates, with a symbolic perturbation where the ray meets an edge or a corner. So
+/// for closed meshes every answer is exact (but for coordinates so much smaller than the mesh that a power of
+/// two makes them subnormal). For all others the generalized winding number decides.
 ///
-/// The winding number counts with the direction of triangles: a closed mesh that is inside out winds −1 times
-/// around what it encloses, which is [`PointLocation::Outside`]. Two walls around a point, both outward, are
-/// 2, which is [`PointLocation::Inside`].
+/// The winding number depends on the orientation of triangles. A closed mesh that is inside out winds −1
+/// times around the points it encloses, which is [`PointLocation::Outside`]. Two walls around a point, both
+/// outward, are 2, which is [`PointLocation::Inside`].
 ///
-/// Cost: 120 bytes for each of four children of each node, about 80 bytes a triangle; O(n) time.
+/// Cost: 120 bytes for each of four children of each node, about 80 bytes per triangle; O(n) time.
 ///
 /// ```
 /// use chordal::{Job, Mesh, explicit::{Bvh, Enclosure, PointLocation}};
@@ -68,7 +68,7 @@ pub struct Enclosure<'a> {
     moments: Cow<'a, WindingMoments>,
 }
 
-/// What an [`Enclosure`] knows beside the tree: for who keeps both.
+/// The data of an [`Enclosure`] besides the tree, for callers that keep both.
 #[derive(Clone, Debug)]
 pub(crate) struct WindingMoments {
     moments: Vec<[ClusterMoments; WIDTH]>,
@@ -76,18 +76,18 @@ pub(crate) struct WindingMoments {
 }
 
 impl WindingMoments {
-    /// As [`Enclosure::new`].
+    /// The moments of the tree over `mesh`, as in [`Enclosure::new`].
     pub(crate) fn new(mesh: &Mesh, bvh: &Bvh) -> Self {
         Self { moments: moments(bvh), is_closed: is_closed(mesh) }
     }
 
-    /// The enclosure; `bvh` is the tree that this was made with.
+    /// The enclosure; `bvh` is the tree that the moments belong to.
     pub(crate) fn enclosure<'a>(&'a self, bvh: &'a Bvh) -> Enclosure<'a> {
         Enclosure { bvh, moments: Cow::Borrowed(self) }
     }
 }
 
-/// How far off a winding number may be where it decides on a side: it keeps a half from a quarter.
+/// The largest error of a winding number that decides on a location: it separates a half from a quarter.
 const DECIDES: f64 = 1.0 / 16.0;
 
 impl<'a> Enclosure<'a> {
@@ -97,28 +97,29 @@ impl<'a> Enclosure<'a> {
         Self { bvh, moments: Cow::Owned(WindingMoments::new(mesh, bvh)) }
     }
 
-    /// Whether at every edge as many triangles run one way as the other, so that every answer is exact.
+    /// Whether the half-edges in both directions are equally many at every edge, so that every answer is
+    /// exact.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.moments.is_closed
     }
 
-    /// How often the mesh winds around `p`, off by `within` at most; by more only where rounding alone costs
-    /// more, as it does within some roundings of an edge. `None` without faces, and when `p` is not finite.
+    /// The winding number of the mesh around `p`, off by `within` at most; by more only where rounding alone
+    /// exceeds it, as within some roundings of an edge. `None` without faces, and when `p` is not finite.
     ///
-    /// Far clusters are summed by two moments each, with a bound on the rest; clusters are opened until the
-    /// bound is below `within`. Time: about 30 µs for 1/16 on a million triangles, 250 for 1/100; in the end
-    /// it is that of [`Bvh::winding_number_plain`].
+    /// Far clusters are summed by two moments each, with a bound for the remainder; clusters are opened until
+    /// the bound is below `within`. Time: about 30 µs for 1/16 on a million triangles, 250 for 1/100; in the
+    /// end it is that of [`Bvh::winding_number_plain`].
     #[must_use]
     pub fn winding_number(&self, p: [f64; 3], within: f64) -> Option<WindingNumber> {
         let q = self.bvh.scaled_query(p)?;
         Some(self.bvh.winding_by(&self.moments.moments, q, within))
     }
 
-    /// On which side `p` is; outside without faces, and when `p` is not finite.
+    /// The location of `p`; outside without faces, and when `p` is not finite.
     ///
-    /// Exact for closed meshes, in O(√n) time as a rule: one vertical ray, 1 to 3 µs on a million triangles.
-    /// For open ones inside is a winding number above 3/4, outside one below 1/4, and between them is
+    /// Exact for closed meshes, usually in O(√n) time: one vertical ray, 1 to 3 µs on a million triangles.
+    /// For open ones inside is a winding number above 3/4, outside one below 1/4, and the range between is
     /// ambiguous.
     #[must_use]
     pub fn inside(&self, p: [f64; 3]) -> Containment {
@@ -150,14 +151,14 @@ impl<'a> Enclosure<'a> {
         Containment { side, winding }
     }
 
-    /// [`Enclosure::inside`] for many points, in order, on the threads of `job`; the same answers.
+    /// [`Enclosure::inside`] for many points, in order, on the threads of `job`. The answers are the same.
     #[must_use]
     pub fn inside_all(&self, points: &[[f64; 3]], job: &Job) -> Vec<Containment> {
         each(points, job, |p| Some(self.inside(*p))).into_iter().flatten().collect()
     }
 }
 
-/// Whether at every edge, by position, as many half-edges run one way as the other.
+/// Whether at every edge, by position, the half-edges in both directions are equally many.
 fn is_closed(mesh: &Mesh) -> bool {
     let Some(ids) = Topology::Positions.ids(mesh) else { return false };
     let twins = Twins::with_ids(mesh, Some(&ids));
@@ -172,8 +173,8 @@ fn is_closed(mesh: &Mesh) -> bool {
 }
 
 impl Bvh {
-    /// How often triangles above `q` wind around it: those that are met from behind count 1, from the front
-    /// −1. `None` where `q` is on one. Scaled coordinates.
+    /// The winding number around `q` by the triangles above it: those that are met from behind count 1, from
+    /// the front −1. `None` where `q` is on one. Scaled coordinates.
     fn winding_above(&self, q: [f64; 3]) -> Option<i32> {
         let [low, high] = self.frame.local(q);
         let mut stack = [0_u32; STACK];
@@ -204,7 +205,7 @@ impl Bvh {
     }
 }
 
-/// 1 where the vertical ray from `q` leaves through the triangle's front, −1 where it comes in, 0 where it
+/// 1 where the vertical ray from `q` leaves through the triangle's front, −1 where it enters, 0 where it
 /// misses; `None` where `q` is on it.
 fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     let [a, b, c] = corners;
@@ -224,7 +225,7 @@ fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     if facing == Orientation::Flat {
         return Some(0);
     }
-    // The ray is shifted by ε along x and ε² along y, so that it meets no edge.
+    // The ray is perturbed by ε along x and ε² along y, so that it meets no edge.
     let side = |from: [f64; 3], to: [f64; 3]| match orient2d(flat(from), flat(to), flat(q)) {
         Orientation::Flat if from[1] != to[1] => {
             if to[1] < from[1] {
@@ -240,7 +241,7 @@ fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     if side(a, b) != facing || side(b, c) != facing || side(c, a) != facing {
         return Some(0);
     }
-    // What faces up has `q` behind it when it is above.
+    // A triangle that faces up has `q` behind it when it is above.
     let is_above = orient3d(a, b, c, q) == facing.flipped();
     Some(match (is_above, facing) {
         (false, _) => 0,
@@ -249,7 +250,8 @@ fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     })
 }
 
-/// Whether `q` is on the triangle, exactly: in its plane, and in its shadow on all three planes of the axes.
+/// Whether `q` is on the triangle, exactly: in its plane, and within its projections onto all three
+/// coordinate planes.
 fn is_on(corners: [[f64; 3]; 3], q: [f64; 3]) -> bool {
     let [a, b, c] = corners;
     orient3d(a, b, c, q) == Orientation::Flat

@@ -1,4 +1,4 @@
-//! `Bvh`: a tree of boxes over the triangles of a mesh, for nearest points and rays.
+//! `Bvh`: a bounding volume hierarchy over the triangles of a mesh, for closest points and rays.
 mod batch;
 mod build;
 mod closest;
@@ -23,13 +23,13 @@ pub use inside::{Containment, Enclosure, PointLocation};
 pub use ray::{Hit, HitSides, Ray};
 pub use winding::WindingNumber;
 
-/// The weights of the point of a triangle that is nearest to `q`: ≥ 0, together 1 up to rounding.
+/// The barycentric coordinates of the closest point of a triangle to `q`: ≥ 0, with sum 1 up to rounding.
 #[inline]
 pub(crate) fn closest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
     triangle::closest_point(q, corners).barycentric
 }
 
-/// The square of the distance from a point to a triangle, up to rounding.
+/// The squared distance from a point to a triangle, up to rounding.
 #[inline]
 pub(crate) fn distance_sq_to_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     triangle::closest_point(q, corners).distance_sq
@@ -37,22 +37,22 @@ pub(crate) fn distance_sq_to_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> f6
 
 /// Children of a node. Four f32 fill one SSE, NEON or WASM register.
 const WIDTH: usize = 4;
-/// Marks a child that is a run of triangles.
+/// Marks a child that is a leaf, a run of triangles.
 const LEAF: u32 = 1 << 31;
 /// Marks the last triangle of such a run.
 const LAST: u32 = 1 << 31;
-/// No child; its box is inverted, so that nothing meets it.
+/// No child; its box is inverted, so that no query meets it.
 const NONE: u32 = u32::MAX;
-/// Places on a traversal's stack. The build stops splitting by cost at [`build::DEEPEST_BY_COST`] and from
-/// there on cuts in equal quarters, so no path is longer than 24 + 16 nodes, each of which leaves at most 3
-/// waiting.
+/// The size of a traversal's stack. The build stops splitting by cost at [`build::DEEPEST_BY_COST`] and from
+/// there on splits into equal quarters, so no path is longer than 24 + 16 nodes, each of which leaves at most
+/// 3 pending.
 const STACK: usize = 128;
 
-/// Two cache lines: four boxes in local f32 coordinates, rounded outward, and what they hold.
+/// A node of two cache lines: four boxes in local f32 coordinates, rounded outward, and their children.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct BvhNode {
-    /// By axis and end (low, high): one number a child.
+    /// By axis and end (low, high): one number per child.
     bounds: [[[f32; WIDTH]; 2]; 3],
     /// A node, or with [`LEAF`] the first of a run of triangles, or [`NONE`].
     child: [u32; WIDTH],
@@ -65,16 +65,16 @@ struct BvhTriangle {
     face: u32,
 }
 
-/// A tree of boxes over the triangles of a mesh: the one that every query shares.
+/// A bounding volume hierarchy over the triangles of a mesh, shared by all queries.
 ///
 /// Nodes have four children with boxes in f32, rounded outward, relative to the mesh's middle and extent, so
-/// that neither a far offset nor a strange scale costs precision. Coordinates stay f64 and queries compute in
-/// f64: what they return is the minimum over all triangles of the same arithmetic on each, as a plain loop
-/// would find it. Triangles without area count as segments or points for distances, and are never hit by
-/// rays.
+/// that neither a far offset nor an unusual scale costs precision. Coordinates stay f64 and queries compute
+/// in f64: the answer is the minimum over all triangles of the same arithmetic on each, as in a plain loop.
+/// Triangles without area count as segments or points for distances, and are never hit by rays.
 ///
-/// The tree is the same on any number of threads. Cost: O(n log n) time; in memory about 18 bytes a triangle
-/// for nodes, 16 for the triangles and 24 for each position; while building, about 90 more a triangle.
+/// The tree is the same on any number of threads. Cost: O(n log n) time; in memory about 18 bytes per
+/// triangle for nodes, 16 for the triangles and 24 for each position; while building, about 90 more per
+/// triangle.
 ///
 /// ```
 /// use chordal::{Job, Mesh, explicit::{Bvh, Ray}};
@@ -96,20 +96,20 @@ pub struct Bvh {
     bounds: Box3,
     /// `bounds` in local coordinates, rounded outward.
     local: Box3,
-    /// The root is the first; empty for a mesh without faces.
+    /// The nodes, the root first; empty for a mesh without faces.
     nodes: Vec<BvhNode>,
-    /// In the order of the leaves.
+    /// The triangles in the order of the leaves.
     triangles: Vec<BvhTriangle>,
     /// Scaled positions, in the order in which the leaves first use them.
     corners: Vec<[f64; 3]>,
 }
 
 impl Bvh {
-    /// The tree over all faces of `mesh`.
+    /// Builds the tree over all faces of `mesh`.
     ///
     /// # Errors
-    /// [`JobError::Refused`] for 2³¹ faces and more, or where about 130 bytes a face and 28 a position exceed
-    /// the job's memory limit; [`JobError::Cancelled`] when the job was.
+    /// [`JobError::Refused`] for 2³¹ faces and more, or where about 130 bytes per face and 28 per position
+    /// exceed the job's memory limit; [`JobError::Cancelled`] when the job was cancelled.
     pub fn build(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let n = mesh.faces().len();
         let refused = |code, message| Err(JobError::Refused(Refusal { code, message }));
@@ -140,7 +140,7 @@ impl Bvh {
         self.triangles.len()
     }
 
-    /// The bytes that the tree holds.
+    /// The bytes of memory that the tree holds.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<BvhNode>()
@@ -151,7 +151,7 @@ impl Bvh {
     /// The scaled corners of a triangle.
     #[inline]
     fn corners_of(&self, triangle: &BvhTriangle) -> [[f64; 3]; 3] {
-        // Spelled out: `map` is not always inlined, and this is the innermost loop of every query.
+        // Written out: `map` is not always inlined, and this is the innermost loop of every query.
         let [a, b, c] = triangle.corners;
         [self.corners[a as usize], self.corners[b as usize], self.corners[c as usize]]
     }
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
     use crate::math::{sub_down, sub_up};
 
-    /// Checks everything below a child and adds up what its leaves hold: faces, and the deepest path.
+    /// Checks the whole subtree of a child, collects the faces of its leaves and returns its depth.
     fn check(bvh: &Bvh, node: &BvhNode, lane: usize, faces: &mut Vec<u32>) -> usize {
         let child = node.child[lane];
         let mut first = child & !LEAF;
@@ -197,7 +197,7 @@ mod tests {
     fn boxes_enclose_what_is_below_them_and_leaves_hold_each_face_once() {
         let heights = |i: u32| libm::sin(f64::from(i * i)) * 1e-3;
         let smooth = (0..40_000).map(|i| [f64::from(i % 200), f64::from(i / 200), heights(i)]);
-        // Every vertex half as far as the one before: no balanced tree is the cheapest.
+        // Each vertex half as far as the one before: no balanced tree is the cheapest.
         let shrinking = (0..900).map(|i| [libm::ldexp(1.0, -i), libm::ldexp(1.5, -i), 0.1]);
         let equal = (0..30_000).map(|i| [7.0, f64::from(i % 3), f64::from(i % 2)]);
         let cases: [Vec<[f64; 3]>; 3] = [smooth.collect(), shrinking.collect(), equal.collect()];

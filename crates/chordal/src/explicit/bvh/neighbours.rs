@@ -1,4 +1,4 @@
-//! All triangles near a point.
+//! Queries for all triangles near a point.
 use super::frame::{down, up};
 use super::{Bvh, LEAF, NONE, STACK, WIDTH};
 use crate::math::{add_up, mul_up, sub_down, sub_up};
@@ -11,7 +11,7 @@ impl Bvh {
             return;
         }
         let [low, high] = self.frame.local(self.frame.scaled(p));
-        // Scaled by a power of two; what underflows is less than the smallest normal number.
+        // Scaled by a power of two; the error of underflow is less than the smallest normal number.
         let reach = add_up(mul_up(radius, self.frame.scale), f64::MIN_POSITIVE);
         let low = low.map(|x| down(sub_down(x, reach)));
         let high = high.map(|x| up(sub_up(x, -reach)));

@@ -2,21 +2,21 @@
 use super::{Bvh, BvhNode, LAST, LEAF, NONE, WIDTH};
 use crate::budget::{Job, par_map};
 
-/// A child of a node, by the node and the lane: its box stands there.
+/// A child, and its box, by node and lane.
 type BvhChild = (u32, u8);
 
-/// From so many pairs of children on each is a task of its own. Enough for the tasks to even out on many
-/// threads; a constant, so that the work is cut alike on any number of them.
+/// The number of pairs of children to which the work is split into tasks. Enough for an even load on many
+/// threads; a constant, so that the split is the same on any number of them.
 const TASKS: usize = 256;
-/// Pairs of nodes between two looks at whether the job is cancelled: some hundred microseconds.
+/// Pairs of nodes between two checks for cancellation: some hundred microseconds.
 const PATIENCE: u32 = 1 << 12;
 
 /// The box of a triangle in scaled coordinates: low, high.
 type TriangleBox = [[f64; 3]; 2];
 
 impl Bvh {
-    /// Every triangle in the order of the leaves: rows of its corners, below [`Bvh::n_corners`], and its
-    /// face. Rows stand for rows of the mesh's positions.
+    /// All triangles in the order of the leaves: rows of corners, below [`Bvh::n_corners`], and the face.
+    /// Each row corresponds to one row of the mesh's positions.
     pub(crate) fn leaf_triangles(&self) -> impl ExactSizeIterator<Item = ([u32; 3], u32)> {
         self.triangles.iter().map(|triangle| (triangle.corners, triangle.face & !LAST))
     }
@@ -26,9 +26,8 @@ impl Bvh {
         self.corners.len()
     }
 
-    /// Calls `meet` with the slots of every two triangles whose boxes have a point in common, each pair once.
-    /// The results of the tasks come in an order that does not depend on threads; `None` when the job is
-    /// cancelled.
+    /// Calls `meet` with the slots of every two triangles whose boxes share a point, each pair once. The
+    /// order of the tasks' results does not depend on threads; `None` when the job is cancelled.
     pub(crate) fn pairs<R: Default + Send>(
         &self,
         job: &Job,
@@ -84,7 +83,7 @@ impl Bvh {
         self.child(child) & LEAF != 0
     }
 
-    /// Goes one level down: appends the pairs of children to `below`, or calls `meet` for the triangles of
+    /// Descends one level: appends the pairs of children to `below`, or calls `meet` for the triangles of
     /// leaves.
     #[inline]
     fn open(&self, [a, b]: [BvhChild; 2], below: &mut Vec<[BvhChild; 2]>, mut meet: impl FnMut([u32; 2])) {
@@ -104,7 +103,7 @@ impl Bvh {
         }
     }
 
-    /// The pairs among the children of one node.
+    /// Appends the pairs among the children of one node.
     fn within(&self, node: u32, below: &mut Vec<[BvhChild; 2]>) {
         let children = &self.nodes[node as usize];
         for lane in (0..WIDTH as u8).filter(|lane| children.child[*lane as usize] != NONE) {
@@ -115,7 +114,7 @@ impl Bvh {
         }
     }
 
-    /// The pairs of one child with those of a node.
+    /// Appends the pairs of one child with those of a node.
     #[inline]
     fn across(&self, child: BvhChild, node: u32, below: &mut Vec<[BvhChild; 2]>) {
         let meets =
@@ -149,7 +148,7 @@ impl Bvh {
         }
     }
 
-    /// The boxes of the run of triangles that begins there.
+    /// The boxes of the run of triangles that starts at `start`.
     #[inline]
     fn boxes(&self, start: u32) -> LeafBoxes {
         let mut boxes = LeafBoxes { n: 0, bounds: [[[0.0; 3]; 2]; super::build::LEAF_SIZE] };
@@ -181,7 +180,7 @@ fn overlap(a: &TriangleBox, b: &TriangleBox) -> bool {
     along(0) & along(1) & along(2)
 }
 
-/// Which boxes of `other` meet that of one lane of `node`. The box of no child meets none.
+/// The boxes of `other` that meet that of one lane of `node`. The box of a missing child meets none.
 #[inline(always)]
 fn overlapping_lanes(node: &BvhNode, lane: usize, other: &BvhNode) -> [bool; WIDTH] {
     let mut meets = [true; WIDTH];
@@ -199,7 +198,7 @@ mod tests {
     use super::*;
     use crate::explicit::Mesh;
 
-    /// The pairs of faces whose boxes meet, found by looking at all.
+    /// The pairs of faces whose boxes meet, found by testing all.
     fn all_pairs(mesh: &Mesh) -> Vec<[u32; 2]> {
         let bounds = |face: usize| crate::math::Box3::from_points(&mesh.corners(face));
         let n = mesh.faces().len();

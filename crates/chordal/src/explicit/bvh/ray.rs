@@ -1,4 +1,4 @@
-//! The first triangle that a ray meets, without gaps between triangles that share an edge or a corner.
+//! Watertight ray queries: no gaps between triangles that share an edge or a corner.
 use super::frame::{down, up};
 use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, STACK, WIDTH};
 use crate::math::{Box3, exponent, power_of_two};
@@ -6,9 +6,9 @@ use crate::math::{Box3, exponent, power_of_two};
 /// The points `origin + t · direction` for `t_min ≤ t ≤ t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where `t = 0` is.
+    /// The point at `t = 0`.
     pub origin: [f64; 3],
-    /// What `t` counts; of any length but 0.
+    /// The step for `t = 1`; of any length but 0.
     pub direction: [f64; 3],
     /// The least `t`, ≥ 0.
     pub t_min: f64,
@@ -17,7 +17,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// From `origin` on without end.
+    /// The ray from `origin` without end.
     #[must_use]
     pub fn new(origin: [f64; 3], direction: [f64; 3]) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
@@ -30,20 +30,20 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The place on the ray, rounded.
+    /// The parameter on the ray, rounded.
     pub t: f64,
     /// The face; the lowest of those that are met at the same `t`.
     pub face: u32,
-    /// The weights of the face's corners: ≥ 0, together 1 up to rounding.
+    /// The barycentric coordinates in the face: ≥ 0, with sum 1 up to rounding.
     pub barycentric: [f64; 3],
-    /// Whether the ray comes from the front: from where the corners run counter-clockwise.
+    /// Whether the ray comes from the front, where the corners appear counter-clockwise.
     pub front: bool,
 }
 
-/// Which sides of triangles a ray meets.
+/// The sides of triangles that a ray can hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum HitSides {
     /// Both.
@@ -66,7 +66,8 @@ impl HitSides {
     }
 }
 
-/// What of a ray the test with a triangle needs: the axes permuted and sheared so that the ray is the z axis.
+/// The data of a ray for the test with a triangle: the axes permuted and sheared so that the ray is the z
+/// axis.
 ///
 /// Source: S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, 2013.
 struct ShearedRay {
@@ -75,7 +76,7 @@ struct ShearedRay {
     shear: [f64; 3],
 }
 
-/// A ray's place and weights on a triangle, in scaled coordinates.
+/// A ray's parameter and barycentric coordinates on a triangle, in scaled coordinates.
 #[derive(Clone, Copy)]
 struct TriangleHit {
     t: f64,
@@ -87,7 +88,7 @@ impl ShearedRay {
     fn new(origin: [f64; 3], direction: [f64; 3]) -> Self {
         let z = (1..3).fold(0, |z, k| if direction[k].abs() > direction[z].abs() { k } else { z });
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        // A swap keeps the sense of rotation when the ray runs against its axis.
+        // A swap preserves the orientation when the ray runs against its axis.
         if direction[z] < 0.0 {
             (x, y) = (y, x);
         }
@@ -95,11 +96,11 @@ impl ShearedRay {
         Self { origin, axes: [x, y, z], shear }
     }
 
-    /// The meeting with a triangle for `least ≤ t ≤ most`.
+    /// The intersection with a triangle for `least ≤ t ≤ most`.
     ///
-    /// Each corner is projected by itself, and the edge functions compare two rounded products each: since
-    /// rounding is monotonic they never have the wrong sign, at worst they are 0, and then exact arithmetic
-    /// decides. So triangles that share projected corners leave no gap between them.
+    /// Each corner is projected independently, and the edge functions compare two rounded products each.
+    /// Since rounding is monotonic, they never have the wrong sign; at worst they are 0, and then exact
+    /// arithmetic decides. So triangles that share projected corners leave no gap between them.
     #[inline]
     fn intersect(&self, corners: [[f64; 3]; 3], least: f64, most: f64) -> Option<TriangleHit> {
         let [ix, iy, iz] = self.axes;
@@ -137,14 +138,14 @@ fn exact_cross(p: [f64; 3], q: [f64; 3]) -> f64 {
     robust::orient2d(coord(p), coord(q), robust::Coord { x: 0.0, y: 0.0 })
 }
 
-/// What of a ray the test with boxes needs, local, in f32 and rounded so that no box is missed.
+/// The data of a ray for the test with boxes: local, in f32 and rounded so that no box is missed.
 struct RaySlabs {
-    /// By axis: the end of the box (low 0, high 1) where the ray goes in.
+    /// By axis: the end of the box (low 0, high 1) where the ray enters.
     enter: [usize; 3],
-    /// The origin, towards the ray's end and against it.
+    /// The origin, rounded towards the ray's end and against it.
     ahead: [f32; 3],
     behind: [f32; 3],
-    /// The inverse direction, its size rounded down and up.
+    /// The inverse direction, its magnitude rounded down and up.
     inverse_down: [f32; 3],
     inverse_up: [f32; 3],
 }
@@ -154,7 +155,7 @@ struct RaySlabs {
 const SLACK: f32 = 1.0 + 1.0 / (1 << 20) as f32;
 
 impl RaySlabs {
-    /// `origin` is local and exact to `error`; `inverse` is that of a direction whose largest component is
+    /// `origin` is local and exact to `error`. `inverse` belongs to a direction whose largest component is
     /// between 1 and 2, without negative zeros.
     #[inline]
     fn new(origin: [f64; 3], inverse: [f64; 3], error: f64) -> Self {
@@ -180,7 +181,7 @@ impl RaySlabs {
         slabs
     }
 
-    /// Where the ray goes into each box, at most `limit`; ∞ where it misses.
+    /// The entry parameter for each box, at most `limit`; ∞ where the ray misses.
     #[inline]
     fn enter(&self, node: &BvhNode, limit: f32) -> [f32; WIDTH] {
         let mut enter = [0.0_f32; WIDTH];
@@ -191,7 +192,7 @@ impl RaySlabs {
             for lane in 0..WIDTH {
                 let t = (first[lane] - self.ahead[k]) * self.inverse_down[k];
                 enter[lane] = if t > enter[lane] { t } else { enter[lane] };
-                // NaN, from 0·∞ in the plane of a slab, keeps what was there.
+                // NaN, from 0·∞ in the plane of a slab, leaves the value unchanged.
                 let t = (second[lane] - self.behind[k]) * self.inverse_up[k] * SLACK;
                 leave[lane] = if t < leave[lane] { t } else { leave[lane] };
             }
@@ -204,7 +205,7 @@ impl RaySlabs {
 struct LocalRay {
     sheared: ShearedRay,
     slabs: RaySlabs,
-    /// Scaled `t` at which the ray comes near the mesh: where the slabs' own `t` starts.
+    /// Scaled `t` at which the ray enters the vicinity of the mesh: the origin of the slabs' own `t`.
     start: f64,
     /// World `t` per scaled `t`.
     unit: f64,
@@ -213,12 +214,12 @@ struct LocalRay {
 }
 
 impl Bvh {
-    /// The first triangle that the ray meets; `None` when there is none, for a direction that is 0 or not
+    /// The first triangle that the ray hits. `None` when there is none, for a direction that is 0 or not
     /// finite, and for an origin that is not finite or beyond 10³⁰⁰ extents.
     ///
-    /// It is watertight: a ray through an edge or a corner that triangles share meets one of them, unless the
-    /// mesh has its outline there. Front and back count alike; see [`Hit::front`]. Triangles without area are
-    /// never met.
+    /// The query is watertight: a ray through an edge or a corner that triangles share hits one of them,
+    /// unless it is on the silhouette of the mesh. Front and back count alike; see [`Hit::front`]. Triangles
+    /// without area are never hit.
     ///
     /// Source: S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, 2013, in f64, with exact
     /// signs in place of a wider fallback.
@@ -227,7 +228,7 @@ impl Bvh {
         self.first_hit_on(ray, HitSides::Both)
     }
 
-    /// [`Bvh::first_hit`] among the triangles that the ray meets on one of `sides`; it goes through all
+    /// [`Bvh::first_hit`] among the triangles that the ray hits on one of `sides`; it passes through all
     /// others.
     #[must_use]
     pub fn first_hit_on(&self, ray: &Ray, sides: HitSides) -> Option<Hit> {
@@ -256,7 +257,7 @@ impl Bvh {
         })
     }
 
-    /// Whether the ray meets any triangle: what a shadow asks; cheaper than [`Bvh::first_hit`].
+    /// Whether the ray hits any triangle, as for shadow rays; cheaper than [`Bvh::first_hit`].
     #[must_use]
     pub fn any_hit(&self, ray: &Ray) -> bool {
         let Some(mut cast) = self.cast(ray) else { return false };
@@ -276,7 +277,7 @@ impl Bvh {
         if self.nodes.is_empty() || !usable {
             return None;
         }
-        // Powers of two bring the direction to a size between 1 and 2; two steps, since one may overflow. A
+        // Powers of two scale the direction to a size between 1 and 2; two steps, since one may overflow. A
         // zero loses its sign.
         let shift = 1 - exponent(size);
         let [half, rest] = [shift / 2, shift - shift / 2].map(power_of_two);
@@ -288,8 +289,8 @@ impl Bvh {
             return None;
         }
         let inverse = direction.map(|x| 1.0 / x);
-        // The projected corners of triangles, the origin and where it comes near are off by a few units of
-        // 2⁻⁵³ of the way between them.
+        // The projected corners of triangles, the origin and the entry point are off by a few units of 2⁻⁵³
+        // of the distance between them.
         let error = (largest(local) + 4.0) * (1.0 / (1_u64 << 46) as f64);
         let start = start(&self.local, error, local, inverse)?;
         let nearer: [f64; 3] = std::array::from_fn(|k| local[k] + start * direction[k]);
@@ -303,13 +304,13 @@ impl Bvh {
         })
     }
 
-    /// Visits triangles whose boxes the ray meets before `cast.most`, nearest boxes first, until `visit` says
-    /// true.
+    /// Visits triangles whose boxes the ray meets before `cast.most`, nearest boxes first, until `visit`
+    /// returns true.
     #[inline]
     fn traverse(&self, cast: &mut LocalRay, mut visit: impl FnMut(&mut LocalRay, &BvhTriangle) -> bool) {
         let limit_of = |cast: &LocalRay| {
             let limit = (cast.most - cast.start) as f32;
-            // Both ends of the slack: `t` was rounded, and so is where a box begins.
+            // Slack at both ends: `t` was rounded, and so is the entry into a box.
             if limit < f32::MAX { limit * (SLACK * SLACK) + f32::EPSILON } else { f32::MAX }
         };
         let mut limit = limit_of(cast);
@@ -354,7 +355,7 @@ impl Bvh {
     }
 }
 
-/// The `t ≥ 0` at which a ray comes into a box widened by `error`, 0 from within; `None` when it never does.
+/// The `t ≥ 0` at which a ray enters a box widened by `error`, 0 from within; `None` when it never does.
 #[inline]
 fn start(bounds: &Box3, error: f64, origin: [f64; 3], inverse: [f64; 3]) -> Option<f64> {
     let (mut enter, mut leave) = (0.0, f64::INFINITY);
@@ -362,7 +363,7 @@ fn start(bounds: &Box3, error: f64, origin: [f64; 3], inverse: [f64; 3]) -> Opti
         let low = (bounds.min[k] - error - origin[k]) * inverse[k];
         let high = (bounds.max[k] + error - origin[k]) * inverse[k];
         let (first, second) = if inverse[k] < 0.0 { (high, low) } else { (low, high) };
-        // NaN, from 0·∞ in the plane of a slab, keeps what was there.
+        // NaN, from 0·∞ in the plane of a slab, leaves the value unchanged.
         enter = if first > enter { first } else { enter };
         leave = if second < leave { second } else { leave };
     }

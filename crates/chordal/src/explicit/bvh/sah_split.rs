@@ -1,14 +1,14 @@
-//! Cutting a run of triangles in two where the surface area heuristic is least.
+//! Splitting a run of triangles in two where the surface area heuristic is least.
 
-/// Up to here triangles are sorted along one axis and every cut is tried; above, they are binned.
+/// Up to this number triangles are sorted along one axis and every split is tried; above, they are binned.
 const SORTED: usize = 8;
-/// Up to here fewer bins are filled: their sweep would cost more than the triangles.
+/// Up to this number fewer bins are used: their sweep would cost more than the triangles.
 const FEW: usize = 64;
-/// Bins an axis. Measured: 32 gain 1 % in queries.
+/// Bins per axis. Measured: 32 gain 1 % in queries.
 const BINS: usize = 16;
-/// Bins an axis for few triangles.
+/// Bins per axis for few triangles.
 const FEW_BINS: usize = 8;
-/// A box in local f32 coordinates. The fourth lane carries nothing; it makes a row one register.
+/// A box in local f32 coordinates. The fourth lane is unused; it makes a row one register.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Box32 {
     pub low: [f32; 4],
@@ -31,7 +31,7 @@ impl Box32 {
         [self.high[0] - self.low[0], self.high[1] - self.low[1], self.high[2] - self.low[2]]
     }
 
-    /// Half the surface; 0 when empty.
+    /// Half the surface area; 0 when empty.
     #[inline]
     pub fn area(&self) -> f32 {
         let [x, y, z] = self.sides();
@@ -50,7 +50,7 @@ impl Box32 {
     }
 }
 
-/// The box of one triangle. Its fourth lanes hold the two halves of the face's number, as numbers.
+/// The box of one triangle. Its fourth lanes hold the two halves of the face index, as numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BvhPrimitive {
     pub bounds: Box32,
@@ -67,7 +67,7 @@ impl BvhPrimitive {
         self.bounds.low[3] as u32 | (self.bounds.high[3] as u32) << 16
     }
 
-    /// Twice the middle of the box; the fourth lane carries nothing.
+    /// Twice the centre of the box; the fourth lane is meaningless.
     #[inline(always)]
     fn doubled_centre(&self) -> [f32; 4] {
         let Box32 { low, high } = &self.bounds;
@@ -75,7 +75,7 @@ impl BvhPrimitive {
     }
 }
 
-/// What is known of a run of triangles: the box around them, and the box around their doubled middles.
+/// The bounds of a run of triangles: the box around them, and the box around their doubled centres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitiveBounds {
     pub bounds: Box32,
@@ -99,8 +99,8 @@ impl PrimitiveBounds {
     }
 }
 
-/// Reorders two or more triangles and cuts them in two: the length of the first part, and both extents.
-/// With their extent by cost, without in two halves as they lie.
+/// Reorders two or more triangles and splits them in two. Returns the length of the first part, and the
+/// bounds of both. With `extent` the split is by cost, without it into halves in the present order.
 pub(super) fn cut(
     prims: &mut [BvhPrimitive],
     extent: Option<&PrimitiveBounds>,
@@ -122,9 +122,9 @@ pub(super) fn cut(
     (half, [PrimitiveBounds::new(&prims[..half]), PrimitiveBounds::new(&prims[half..])])
 }
 
-/// Sorts few triangles along an axis and takes the cheapest of all cuts.
+/// Sorts few triangles along an axis and takes the cheapest of all splits.
 fn sorted(prims: &mut [BvhPrimitive], axis: usize) -> (usize, [PrimitiveBounds; 2]) {
-    // By insertion: stable, and quick for so few.
+    // Insertion sort: stable, and fast for so few.
     for i in 1..prims.len() {
         let mut j = i;
         while j > 0 && prims[j].doubled_centre()[axis] < prims[j - 1].doubled_centre()[axis] {
@@ -150,7 +150,7 @@ fn sorted(prims: &mut [BvhPrimitive], axis: usize) -> (usize, [PrimitiveBounds; 
     best
 }
 
-/// Cuts below bin `below` of `axis`.
+/// A split below bin `below` of `axis`.
 #[derive(Clone, Copy)]
 struct SplitPlane {
     axis: usize,
@@ -169,14 +169,13 @@ impl BinMapping {
     fn new(middles: &Box32, n: usize) -> Self {
         let factor = |k: usize| {
             let factor = (n - 1) as f32 / (middles.high[k] - middles.low[k]);
-            // Where all middles coincide, or nearly, one bin takes them all.
+            // Where all centres coincide, or nearly, one bin takes them all.
             if factor < f32::MAX { factor } else { 0.0 }
         };
         Self { from: middles.low, factor: [factor(0), factor(1), factor(2), 0.0] }
     }
 
-    /// The bin by axis. Added to 2²³, a number below 2²³ is rounded to a whole one that stands in the low
-    /// bits.
+    /// The bin by axis. Added to 2²³, a number below 2²³ is rounded to an integer in the low bits.
     #[inline(always)]
     fn bin_of(&self, middles: [f32; 4]) -> [u32; 4] {
         const WHOLE: f32 = (1 << 23) as f32;
@@ -194,7 +193,8 @@ struct SahBin {
     n: u32,
 }
 
-/// The plane between bins with the least `area · count` on both sides; `None` when all middles coincide.
+/// The plane between bins with the least sum of `area · count` over both sides; `None` when all centres
+/// coincide.
 fn best_plane<const N: usize>(prims: &[BvhPrimitive], middles: &Box32) -> Option<SplitPlane> {
     let bins = BinMapping::new(middles, N);
     let mut filled = [[SahBin { bounds: Box32::EMPTY, n: 0 }; N]; 3];
@@ -217,7 +217,7 @@ fn best_plane<const N: usize>(prims: &[BvhPrimitive], middles: &Box32) -> Option
     best.map(|(_, plane)| plane)
 }
 
-/// The cheapest place between bins, where there is one with triangles on both sides.
+/// The cheapest split between bins, if one has triangles on both sides.
 fn sweep<const N: usize>(bins: &[SahBin; N]) -> Option<(f32, usize)> {
     let mut right = [0.0_f32; N];
     let (mut bounds, mut n) = (Box32::EMPTY, 0);
@@ -239,7 +239,7 @@ fn sweep<const N: usize>(bins: &[SahBin; N]) -> Option<(f32, usize)> {
     best
 }
 
-/// Moves what lies below the plane to the front.
+/// Moves the triangles below the plane to the front.
 fn part_at(prims: &mut [BvhPrimitive], plane: SplitPlane) -> (usize, [PrimitiveBounds; 2]) {
     let is_left = |prim: &BvhPrimitive| plane.bins.bin_of(prim.doubled_centre())[plane.axis] < plane.below;
     let (mut left, mut right) = (PrimitiveBounds::EMPTY, PrimitiveBounds::EMPTY);

@@ -1,24 +1,23 @@
-//! The point of one triangle that is nearest to a query, and bounds on its distance that hold whatever the
-//! rounding.
+//! The closest point of one triangle to a query, and bounds for its distance that include all rounding.
 use crate::math::{
     add_down, add_up, div_down, div_up, exponent, mul_down, mul_up, power_of_two, sqrt_up, sub_down, sub_up,
 };
 use glam::DVec3;
 
-/// Nearest point of a triangle.
+/// The closest point of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleClosestPoint {
-    /// Weights of the corners: ≥ 0, together 1 up to rounding.
+    /// Barycentric coordinates: ≥ 0, with sum 1 up to rounding.
     pub barycentric: [f64; 3],
     pub distance_sq: f64,
 }
 
-/// A triangle is thin when its doubled area squared is below this share of its longest edge to the fourth:
-/// the areas by which the closed form decides lose up to the inverse of that in precision. 1/64 is an aspect
+/// A triangle is thin when its squared doubled area is below this fraction of its longest edge to the fourth.
+/// The areas by which the closed form decides lose up to the inverse of that in precision. 1/64 is an aspect
 /// of 1:8.
 const THIN: f64 = 1.0 / 64.0;
 
-/// The point of the triangle nearest to `q`, any triangle.
+/// The closest point of a triangle of any shape to `q`.
 ///
 /// The error of the distance is a few units in the last place of the distance to the farthest corner. Source
 /// of the regions: C. Ericson, *Real-Time Collision Detection*, 2005, 5.1.5; the corners first, then thin
@@ -27,7 +26,8 @@ const THIN: f64 = 1.0 / 64.0;
 pub(super) fn closest_point(q: [f64; 3], corners: [[f64; 3]; 3]) -> TriangleClosestPoint {
     let [a, b, c] = [DVec3::from(corners[0]), DVec3::from(corners[1]), DVec3::from(corners[2])];
     let q = DVec3::from(q);
-    // Edges from the corners themselves: from differences to a far `q` they would carry its rounding.
+    // Edges are differences of the corners: as differences of offsets from a far `q` they would include its
+    // rounding.
     let (ab, ac) = (b - a, c - a);
     let (aq, bq, cq) = (q - a, q - b, q - c);
     let (d1, d2) = (ab.dot(aq), ac.dot(aq));
@@ -55,8 +55,8 @@ pub(super) fn closest_point(q: [f64; 3], corners: [[f64; 3]; 3]) -> TriangleClos
     TriangleClosestPoint { barycentric, distance_sq: (aq * u + bq * v + cq * w).length_squared() }
 }
 
-/// The weights of the nearest point from the dot products of `ab` and `ac` with the offsets of `q` from the
-/// three corners, none of which is nearest; `None` where the areas contradict each other.
+/// The barycentric coordinates of the closest point, which is not a corner, from the dot products of `ab` and
+/// `ac` with the offsets of `q` from the three corners; `None` where the areas contradict each other.
 #[inline]
 fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
     let vc = d1 * d4 - d3 * d2;
@@ -81,9 +81,9 @@ fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
     (u >= 0.0 && v >= 0.0 && w >= 0.0).then_some([u, v, w])
 }
 
-/// A triangle in a frame of its own: the longest edge along x. However thin it is, the triangle with corners
-/// `(0, 0)`, `(length, 0)` and `apex` is within a few units in the last place of the longest edge of the true
-/// one.
+/// A triangle in a frame of its own, with the longest edge along x. However thin it is, the triangle with
+/// corners `(0, 0)`, `(length, 0)` and `apex` is within a few units in the last place of the longest edge of
+/// the true one.
 struct ThinTriangle {
     /// The corners: start and end of the longest edge, apex.
     order: [usize; 3],
@@ -94,7 +94,7 @@ struct ThinTriangle {
     apex: [f64; 2],
 }
 
-/// `v` less what of it lies along the unit vectors `axes`; twice, since the first time leaves its rounding.
+/// `v` minus its components along the unit vectors `axes`; twice, since the first time leaves its rounding.
 fn reject(v: DVec3, axes: &[DVec3]) -> DVec3 {
     let once = |v: DVec3| axes.iter().fold(v, |v, axis| v - *axis * axis.dot(v));
     once(once(v))
@@ -124,7 +124,7 @@ impl ThinTriangle {
         }
     }
 
-    /// The barycentric weights of the nearest point.
+    /// The barycentric coordinates of the closest point.
     fn closest_point(&self, q: DVec3) -> [f64; 3] {
         let to = q - self.start;
         let at = [to.dot(self.x), to.dot(self.y)];
@@ -160,12 +160,13 @@ impl ThinTriangle {
     }
 }
 
-/// A bound from below on the distance between `q` and the triangle: true whatever was rounded on the way.
-/// Where it is sure to be at least `enough`, some bound that is at least that.
+/// A proved lower bound for the distance between `q` and the triangle, rounding included. Where that is sure
+/// to be at least `enough`, it may be any bound that is at least `enough`.
 ///
 /// For any direction `u`, the whole triangle is at least `min (q − corner)·u / |u|` away: it lies beyond that
-/// plane. The directions are from the nearest point to `q`, and `q`'s part across the edge or face on which
-/// that lies; they only decide how sharp the bound is, and the arithmetic after them is rounded downwards.
+/// plane. The directions are the one from the closest point to `q`, and `q`'s component perpendicular to the
+/// edge or face of the closest point. They only affect how tight the bound is; the arithmetic after them is
+/// rounded downwards.
 pub(super) fn distance_down(q: [f64; 3], corners: [[f64; 3]; 3], enough: f64) -> f64 {
     let barycentric = closest_point(q, corners).barycentric;
     let p = [DVec3::from(corners[0]), DVec3::from(corners[1]), DVec3::from(corners[2])];
@@ -185,8 +186,8 @@ pub(super) fn distance_down(q: [f64; 3], corners: [[f64; 3]; 3], enough: f64) ->
 /// [`plane_separation`] in a third of its time and with a wider margin, for `offsets` that are each off by
 /// one rounding.
 fn plane_separation_estimate(offsets: [DVec3; 3], u: DVec3) -> f64 {
-    // Each of the three terms has seen at most five roundings of 2⁻⁵³, and their sizes' sum is low by as
-    // many: 2⁻⁵⁰.
+    // Each of the three terms has had at most five roundings of 2⁻⁵³, and their sizes' sum is low by as many:
+    // 2⁻⁵⁰.
     const SHARE: f64 = 4.0 * f64::EPSILON;
     let along = |offset: DVec3| offset.dot(u) - offset.abs().dot(u.abs()) * SHARE;
     let [a, b, c] = [along(offsets[0]), along(offsets[1]), along(offsets[2])];
@@ -198,10 +199,10 @@ fn plane_separation_estimate(offsets: [DVec3; 3], u: DVec3) -> f64 {
     if far > 0.0 && u.length_squared() > MIN_SQUARE { far * (1.0 - SHARE) } else { 0.0 }
 }
 
-/// Squares above this have lost nothing to underflow that counts.
+/// Squares above this have lost nothing significant to underflow.
 const MIN_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
-/// Unit vectors that span the edge or face in whose inside a point lies, and a corner of it.
+/// Unit vectors that span the edge or face whose interior contains a point, and one of its corners.
 struct ClosestFeature {
     from: usize,
     axes: [DVec3; 2],
@@ -221,9 +222,10 @@ fn closest_feature(p: [DVec3; 3], barycentric: [f64; 3]) -> ClosestFeature {
     }
 }
 
-/// How far the triangle lies from `q` beyond the plane across `u`, from below; 0 when it does not.
+/// A lower bound for the distance of the triangle from `q` beyond the plane perpendicular to `u`; 0 when it
+/// is not beyond.
 fn plane_separation(q: [f64; 3], corners: [[f64; 3]; 3], u: DVec3) -> f64 {
-    // A power of two keeps squares in range and changes no direction.
+    // A power of two keeps squares in range and does not change the direction.
     let u = (u * power_of_two(-exponent(u.abs().max_element()))).to_array();
     let along = |corner: [f64; 3]| {
         (0..3).fold(0.0, |sum, k| {
@@ -237,7 +239,7 @@ fn plane_separation(q: [f64; 3], corners: [[f64; 3]; 3], u: DVec3) -> f64 {
     if least > 0.0 { div_down(least, sqrt_up(square)) } else { 0.0 }
 }
 
-/// A bound from above on the distance between `q` and the triangle: the true distance to the point with these
+/// An upper bound for the distance between `q` and the triangle: the true distance to the point with these
 /// weights, which are ≥ 0 and are divided by their exact sum.
 pub(super) fn distance_up(q: [f64; 3], corners: [[f64; 3]; 3], barycentric: [f64; 3]) -> f64 {
     let mut square = 0.0;

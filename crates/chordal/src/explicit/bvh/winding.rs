@@ -1,7 +1,7 @@
-//! The generalized winding number: how often a mesh, open or broken as it may be, winds around a point.
+//! The generalized winding number of a mesh, open or broken as it may be, around a point.
 //!
-//! A triangle winds around a point by the share of directions that it covers. Clusters of triangles far away
-//! are summed by their first two moments; what that leaves out is bounded, cluster by cluster, by the third
+//! The winding number of a triangle is the fraction of directions that it covers. Far clusters of triangles
+//! are summed by their first two moments; the remainder is bounded, cluster by cluster, by the third
 //! derivative of `1/r`: for all x of a cluster around `c` with `|x − c| ≤ r`, seen from a distance `R`,
 //! Taylor's remainder is at most `½·|x − c|²·6/(R − r)⁴`, and the solid angle has a factor of `1/4π`. (For a
 //! harmonic function the third derivative as a form is largest along one direction, where it is
@@ -15,17 +15,17 @@ use super::{Bvh, LAST, LEAF, NONE, STACK, WIDTH};
 use crate::math::{difference, dot, length};
 use std::f64::consts::PI;
 
-/// How often a surface winds around a point: 1 inside a closed outward one, 0 outside, anything between where
-/// it is open.
+/// The winding number of a surface around a point: 1 inside a closed outward one, 0 outside, anything between
+/// where it is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindingNumber {
     /// The number.
     pub value: f64,
-    /// How far it is off at most: what clusters leave out, and an allowance for every rounding.
+    /// An upper bound for its error: the remainders of clusters, and an allowance for every rounding.
     pub off_at_most: f64,
 }
 
-/// What a cluster of triangles looks like from far away, in scaled coordinates.
+/// The far-field moments of a cluster of triangles, in scaled coordinates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClusterMoments {
     /// The centroid of the area.
@@ -50,7 +50,7 @@ impl ClusterMoments {
         let squares = [a, b, c].map(|p| dot(difference(p, centre), difference(p, centre)));
         let most = squares.into_iter().fold(0.0, |m, s| if s > m { s } else { m });
         let area = length(normal);
-        // ∫|x − centre|² over a triangle is a twelfth of its area times the squares of its corners'
+        // ∫|x − centre|² over a triangle is a twelfth of its area times the sum of its corners' squared
         // distances.
         let second = area * (squares[0] + squares[1] + squares[2]) / 12.0;
         Self { centre, area, normal, tensor: [0.0; 6], second, radius: grown(most.sqrt()) }
@@ -87,7 +87,8 @@ impl ClusterMoments {
         whole
     }
 
-    /// The winding number of a cluster that is far enough for an opening of `1 / closeness`, and its error.
+    /// The winding number of a cluster and its error; `None` unless the cluster is far enough for an opening
+    /// of `1 / closeness`.
     #[inline]
     fn winding_from(&self, q: [f64; 3], closeness: f64) -> Option<[f64; 2]> {
         let d = difference(self.centre, q);
@@ -108,7 +109,7 @@ impl ClusterMoments {
         let cube = square * away;
         let value = (dot(self.normal, d) + trace - 3.0 * along / square) / cube;
         let remainder = 3.0 * self.second / (gap * gap) / (gap * gap);
-        // A few dozen roundings of sums over the cluster, none of whose terms is above its area over the gap
+        // A few dozen roundings of sums over the cluster, none of whose terms exceeds its area over the gap
         // squared.
         const ROUNDING: f64 = 256.0 * f64::EPSILON;
         let rounding = ROUNDING * self.area / (gap * gap);
@@ -116,13 +117,13 @@ impl ClusterMoments {
     }
 }
 
-/// A length after some roundings, from above.
+/// An upper bound for a length after some roundings.
 fn grown(x: f64) -> f64 {
     // Eight roundings of half a unit are allowed for.
     x * (1.0 + 4.0 * f64::EPSILON)
 }
 
-/// The share of directions that a triangle covers, negative from behind, and how far it may be off.
+/// The fraction of directions that a triangle covers, negative from behind, and its largest error.
 #[inline]
 fn triangle_winding(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
     let [a, b, c] = corners.map(|p| difference(p, q));
@@ -132,8 +133,8 @@ fn triangle_winding(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
         + a[2] * (b[0] * c[1] - b[1] * c[0]);
     let size = la * lb * lc;
     let base = size + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    // Some 16 roundings of half a unit in each of the two, of terms that are at most 4 · size together, turn
-    // the angle by that over their length; beyond a full turn nothing is known.
+    // Some 16 roundings of half a unit in each of the two, of terms that are at most 4 · size together,
+    // rotate the angle by that over their length; beyond a full turn nothing is known.
     const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
     let reach = (det * det + base * base).sqrt();
     let off = ROUNDINGS * size / reach;
@@ -142,7 +143,7 @@ fn triangle_winding(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
     [libm::atan2(det, base) / (2.0 * PI), off + f64::EPSILON]
 }
 
-/// The moments of everything below each child of each node.
+/// The moments of the subtree of each child of each node.
 pub(super) fn moments(bvh: &Bvh) -> Vec<[ClusterMoments; WIDTH]> {
     let mut all = vec![[ClusterMoments::default(); WIDTH]; bvh.nodes.len()];
     // Children come after their parents.
@@ -177,10 +178,10 @@ pub(super) fn leaf_rows(bvh: &Bvh, child: u32) -> impl Iterator<Item = u32> + '_
     first..=first + n.unwrap_or(0) as u32
 }
 
-/// Errors are summed up to 2³² at a time, each sum rounded by half a unit of 2⁻⁵²: less than 2⁻²⁰ of it.
+/// Up to 2³² errors are summed at a time, each sum rounded by half a unit of 2⁻⁵²: less than 2⁻²⁰ of it.
 const SUMMED: f64 = 1.0 + 1.0 / (1 << 20) as f64;
-/// Clusters are summed from four radii away at first, and from twice as far each time that this is not
-/// enough.
+/// Clusters are summed from four radii away at first, and from twice as far each time that the bound is too
+/// large.
 const CLOSENESS: f64 = 4.0;
 /// From here on all triangles are summed one by one.
 const CLOSEST: f64 = 128.0;
@@ -188,7 +189,7 @@ const CLOSEST: f64 = 128.0;
 impl Bvh {
     /// The winding number of all triangles around `p`, one by one: the oracle of
     /// [`super::Enclosure::winding_number`]. `None` without faces, and when `p` is not finite. Time O(n),
-    /// about 50 ns a triangle.
+    /// about 50 ns per triangle.
     #[must_use]
     pub fn winding_number_plain(&self, p: [f64; 3]) -> Option<WindingNumber> {
         let q = self.scaled_query(p)?;
@@ -196,7 +197,7 @@ impl Bvh {
         Some(total(sum))
     }
 
-    /// `p` in scaled coordinates, if that says anything.
+    /// `p` in scaled coordinates; `None` without nodes or when it is not finite.
     pub(super) fn scaled_query(&self, p: [f64; 3]) -> Option<[f64; 3]> {
         let q = self.frame.scaled(p);
         (!self.nodes.is_empty() && q.iter().all(|x| x.is_finite())).then_some(q)
@@ -225,7 +226,7 @@ impl Bvh {
         let (mut value, mut off) = (0.0, 0.0);
         let mut add = |[v, o]: [f64; 2]| {
             value += v;
-            // Half a unit of the partial sum is what adding rounds.
+            // Adding rounds by half a unit of the partial sum.
             off += o + f64::EPSILON * f64::abs(value);
         };
         while height > 0 {
@@ -252,7 +253,7 @@ impl Bvh {
     }
 }
 
-/// A sum of many terms, each with its own error; what summing them rounds is added.
+/// The sum of many terms, each with its own error; the rounding of the sum is added.
 fn total(terms: impl Iterator<Item = [f64; 2]>) -> WindingNumber {
     let (mut value, mut off) = (0.0_f64, 0.0);
     for [v, o] in terms {

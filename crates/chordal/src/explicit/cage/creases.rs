@@ -1,5 +1,4 @@
-//! Sharpness over the rounds of grids: which points follow which rule, with which shares. Nothing here has a
-//! position.
+//! Sharpness over the rounds on grids: the rules of points and their weights, independent of positions.
 use super::edges::{csr_lists, csr_row};
 use super::quads::NONE;
 use super::stencils::StencilWeights;
@@ -7,21 +6,21 @@ use super::vertex_rule::{RuleBlend, crease_weight, decrement_sharpness, subdivid
 use super::{CreasingMethod, INFINITELY_SHARP};
 use std::collections::BTreeMap;
 
-/// The shares of one round.
+/// The weights of one round.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StencilTable {
-    /// Vertices of quads that are not smooth throughout, in ascending order.
+    /// Vertices that do not follow the smooth rule alone, in ascending order.
     pub vertices: Vec<(u32, StencilWeights)>,
-    /// Edges of quads of which some point is not, in ascending order.
+    /// Edges with a point that does not, in ascending order.
     pub edges: Vec<(u32, EdgeStencil)>,
 }
 
-/// The share of the crease in what comes to lie along an edge.
+/// The weights of the crease rule for the new points along an edge.
 #[derive(Clone, Debug)]
 pub(super) enum EdgeStencil {
-    /// In points between parts, and in the middles of parts.
+    /// One weight for points between parts, one for midpoints of parts.
     Even { points: f64, middles: f64 },
-    /// In one after the other: a middle first.
+    /// One weight per point, a midpoint first.
     Each(Vec<f64>),
 }
 
@@ -40,23 +39,24 @@ impl EdgeSharpness {
     }
 }
 
-/// How sharp everything is, at some round.
+/// The sharpness of all edges and vertices at some round.
 pub(super) struct GridSharpness<'a> {
-    /// Of edges of the first round, or, for Loop, of the cage: where they begin and end.
+    /// The ends of the edges of the first round or, for Loop, of the cage.
     ends: &'a [[u32; 2]],
     creasing: CreasingMethod,
-    /// Parts of an edge.
+    /// The number of parts of an edge.
     n: usize,
     edges: BTreeMap<u32, EdgeSharpness>,
     vertices: BTreeMap<u32, f64>,
-    /// Vertices without faces, on sharp edges or sharp themselves, ascending; and the edges of each.
+    /// Vertices that have no face, lie on sharp edges or are sharp, ascending; and the edges of each.
     special: Vec<u32>,
     vertex_edge_ends: Vec<u32>,
     vertex_edges: Vec<u32>,
 }
 
 impl<'a> GridSharpness<'a> {
-    /// From edges and vertices with a sharpness above 0, of so many vertices and edges with these ends.
+    /// From the edges and vertices with a sharpness above 0, the number of all vertices and the ends of all
+    /// edges.
     pub fn new(
         creasing: CreasingMethod,
         (n_vertices, all_ends): (usize, &'a [[u32; 2]]),
@@ -96,7 +96,7 @@ impl<'a> GridSharpness<'a> {
         })
     }
 
-    /// The shares of the next round, after which all is as sharp as it is left.
+    /// Returns the weights of the next round and lowers the sharpness to what is left after it.
     pub fn next(&mut self) -> StencilTable {
         let mut rules = StencilTable::default();
         for (place, vertex) in self.special.iter().enumerate() {
@@ -172,7 +172,7 @@ impl<'a> GridSharpness<'a> {
         self.edges.get(&edge).map_or(0.0, |parts| parts.at(part))
     }
 
-    /// Those vertices that are sharp, in ascending order.
+    /// The sharp vertices, in ascending order.
     pub fn vertices(&self) -> Vec<(u32, f64)> {
         self.vertices.iter().map(|(v, sharp)| (*v, *sharp)).collect()
     }

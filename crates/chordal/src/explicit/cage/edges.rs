@@ -1,20 +1,20 @@
-//! The edges of a cage, numbered as its faces come to them.
+//! The edges of a cage, numbered in the order of their first corners.
 use super::Cage;
 
-/// Edges, with the faces on them.
+/// The edges of a cage, with the faces of each.
 #[derive(Clone, Debug)]
 pub(crate) struct CageEdges {
-    /// The lower vertex first.
+    /// The ends, the lower vertex first.
     pub ends: Vec<[u32; 2]>,
-    /// The edge from each corner to the next of its face.
+    /// For each corner the edge to the next corner of its face.
     pub of_corner: Vec<u32>,
-    /// Where the faces of each edge end in `faces`.
+    /// The end of each edge's faces in `faces`.
     face_ends: Vec<u32>,
     /// Faces, in ascending order within an edge.
     faces: Vec<u32>,
-    /// Edges that other than two faces use, or two that are wound against each other there.
+    /// Edges with more than two faces, or with two of opposite orientations.
     pub non_manifold: Vec<bool>,
-    /// Edges by their ends, for those who look for one.
+    /// Edges sorted by their ends, for lookups.
     sorted: Vec<([u32; 2], u32)>,
 }
 
@@ -23,11 +23,11 @@ impl CageEdges {
         Self::with_classes(cage, |_| 0)
     }
 
-    /// Where sides with the same ends are one edge only when what is said of their corners is the same: in a
-    /// round of Loop's scheme two edges may end alike.
+    /// Sides with the same ends are one edge only when their corners have the same class: in a round of
+    /// Loop's scheme two edges may have the same ends.
     pub fn with_classes(cage: &Cage, class: impl Fn(u32) -> u32 + Copy) -> Self {
         let halves = CageHalfEdges::new(cage, class);
-        // Numbers in the order of the first corner.
+        // Edges are numbered in the order of the first corner.
         let mut counts = vec![0_u32; cage.corners.len()];
         halves.runs(class).for_each(|(_, run)| counts[run[0].1 as usize] = run.len() as u32);
         let mut number_of = vec![0; cage.corners.len()];
@@ -76,15 +76,15 @@ impl CageEdges {
         self.sorted.binary_search_by_key(&ends, |entry| entry.0).ok().map(|k| self.sorted[k].1)
     }
 
-    /// The sharp ones by their ends, from the sharpness of each.
+    /// The sharp edges by their ends, from the sharpness of each edge.
     pub fn sharp_edges(&self, sharpness: &[f64]) -> Vec<([u32; 2], f64)> {
         let all = self.sorted.iter().map(|(ends, edge)| (*ends, sharpness[*edge as usize]));
         all.filter(|(_, sharp)| *sharp > 0.0).collect()
     }
 }
 
-/// Half-edges by the lower of their vertices: where those of each vertex end, and of each the other vertex,
-/// its corner, and whether it runs upwards; in that order.
+/// Half-edges by their lower vertex: the end of each vertex's list, and for each half-edge the other vertex,
+/// its corner, and whether it runs upwards; sorted in that order.
 struct CageHalfEdges {
     ends: Vec<u32>,
     all: Vec<(u32, u32, bool)>,
@@ -110,7 +110,7 @@ impl CageHalfEdges {
         Self { ends, all }
     }
 
-    /// Halves of one edge, with the lower of its ends, in ascending order.
+    /// The half-edges of each edge, with the lower of its ends, in ascending order.
     fn runs(&self, class: impl Fn(u32) -> u32 + Copy) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
         let of = move |low: usize| {
             csr_row(&self.ends, &self.all, low).chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
@@ -128,7 +128,7 @@ fn face_of_corners(cage: &Cage) -> Vec<u32> {
     faces
 }
 
-/// Edges around each vertex, and faces around it.
+/// The edges and the faces around each vertex.
 #[derive(Clone, Debug)]
 pub(super) struct VertexIncidence {
     edge_ends: Vec<u32>,
@@ -161,7 +161,8 @@ pub(super) fn csr_row<'a, T>(ends: &[u32], all: &'a [T], which: usize) -> &'a [T
     &all[start as usize..ends[which] as usize]
 }
 
-/// Lists of what belongs to each of `n`, in the order in which it comes: where each ends, and all.
+/// Lists of the items of each of `n` owners, in input order (compressed rows): the end of each list, and all
+/// items.
 pub(super) fn csr_lists<T: Copy + Default>(
     n: usize,
     pairs: impl Iterator<Item = (u32, T)> + Clone,

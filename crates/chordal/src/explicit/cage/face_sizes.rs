@@ -1,7 +1,7 @@
-//! Where the corners of each face end, in no memory where all faces have as many.
+//! The ranges of the corners of faces, without memory per face where all have the same size.
 use std::ops::Range;
 
-/// One form for the same faces: those of one size, and there are some, are `Even`.
+/// A unique form: one or more faces of equal size are always `Even`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum FaceSizes {
     Even { size: usize, n: usize },
@@ -9,7 +9,7 @@ pub(super) enum FaceSizes {
 }
 
 impl FaceSizes {
-    /// From where each ends.
+    /// From the end of each face's corners.
     pub fn from_ends(ends: Vec<u32>) -> Self {
         let size = ends.first().map_or(0, |end| *end as usize);
         let is_even = ends.iter().enumerate().all(|(face, end)| *end as usize == (face + 1) * size);

@@ -1,6 +1,5 @@
-//! Rounds over quads as grids: after the first round each face is a quad, and later rounds make a grid of
-//! each, with all that is sharp or irregular on the borders of grids. So inside of a grid there is nothing to
-//! look up.
+//! Rounds over quads as grids: after the first round each face is a quad, and later rounds turn each into a
+//! grid. All that is sharp or irregular lies on the borders of grids, so the interior needs no lookups.
 use super::creases::{EdgeStencil, StencilTable};
 use super::quads::{NONE, QuadTopology};
 use super::rows::{GridBorders, LineStencil, between, divide, moved, spread};
@@ -8,19 +7,18 @@ use super::values::{Real, WideSum, add, chunks, scaled};
 use crate::budget::{Job, par_map_owned};
 use crate::math::simd::{Kernel, dispatch, isa};
 
-/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly.
-/// Chosen.
+/// Points per task, about: enough to outweigh its start, few enough for an even load. Chosen.
 const TASK: usize = 1 << 14;
 
-/// What stands at the points of grids: vertices, n − 1 points along each edge, (n − 1)² inside of each quad.
+/// The values at the points of grids: vertices, n − 1 points along each edge, (n − 1)² inside each quad.
 pub(super) struct QuadGridLevel<'a, T, const K: usize> {
     pub quads: &'a QuadTopology,
-    /// Parts of an edge.
+    /// The number of parts of an edge.
     pub n: usize,
     pub values: &'a [[T; K]],
 }
 
-/// How many points there are.
+/// The number of points.
 pub(super) fn n_points(quads: &QuadTopology, n: usize) -> usize {
     quads.n_vertices + quads.ends.len() * (n - 1) + quads.edges.len() * (n - 1) * (n - 1)
 }
@@ -31,13 +29,13 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         self.values[vertex as usize]
     }
 
-    /// The points along an edge without its ends.
+    /// The points along an edge, without its ends.
     #[inline(always)]
     fn along(&self, edge: u32) -> &[[T; K]] {
         &self.values[self.quads.n_vertices + edge as usize * (self.n - 1)..][..self.n - 1]
     }
 
-    /// The points inside of a quad.
+    /// The points inside a quad.
     #[inline(always)]
     fn inside(&self, quad: usize) -> &[[T; K]] {
         let n = self.n - 1;
@@ -62,7 +60,7 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         self.on_edge(edge, if begins { 1 } else { self.n - 1 })
     }
 
-    /// The point of a grid one step in from a corner both ways.
+    /// The point of a grid diagonally next to a corner.
     #[inline(always)]
     fn diagonal(&self, corner: u32) -> [T; K] {
         let (quad, k) = (corner as usize / 4, corner as usize % 4);
@@ -76,7 +74,7 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         }
     }
 
-    /// All of an edge.
+    /// All points of an edge.
     fn whole(&self, edge: u32, out: &mut Vec<[T; K]>) {
         let ends = self.quads.ends[edge as usize];
         out.clear();
@@ -85,13 +83,13 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         out.push(self.vertex(ends[1]));
     }
 
-    /// The row of a grid beside one of its sides, the way in which the edge runs: its ends, and the rest,
+    /// The row of a grid next to one of its sides, in the direction of the edge: its ends, and the rest,
     /// gathered where it is a column.
     #[inline(always)]
     fn beside<'b>(&'b self, side: u32, gathered: &'b mut Vec<[T; K]>) -> ([[T; K]; 2], &'b [[T; K]]) {
         let (quad, k, n) = (side as usize / 4, side as usize % 4, self.n);
         let edges = self.quads.edges[quad];
-        // The sides that it begins and ends on, and where on them.
+        // The edges that contain its ends, and the positions on them.
         let (from, to) = if k % 2 == 0 { (edges[3], edges[1]) } else { (edges[0], edges[2]) };
         let place = if k == 0 || k == 3 { 1 } else { n - 1 };
         let ends = [self.on_edge(from, place), self.on_edge(to, place)];
@@ -112,13 +110,13 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         (ends, rest)
     }
 
-    /// The points after a round: twice as many parts along each edge.
+    /// The points after a round, with twice as many parts along each edge.
     pub fn divide(&self, rules: &StencilTable, weights: LineStencil<T>, job: &Job, out: &mut [[T; K]]) {
         let (vertices, rest) = out.split_at_mut(self.quads.n_vertices);
         let wide = 2 * self.n - 1;
         let (along, inside) = rest.split_at_mut(self.quads.ends.len() * wide);
         let few = TASK.div_ceil(wide);
-        // Bilinear: nothing that is there moves.
+        // Bilinear: existing points do not move.
         if weights[1] == T::default() {
             vertices.copy_from_slice(&self.values[..vertices.len()]);
         } else {
@@ -149,8 +147,8 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         }
     }
 
-    /// A vertex with quads all around it, by the smooth rule: of n corners, 1 − 7/(4n) of itself, 3/(2n²) of
-    /// its edges' next points and 1/(4n²) of the points across. Each edge is that of two corners.
+    /// The smooth rule for a vertex surrounded by quads: for n corners, 1 − 7/(4n) of itself, 3/(2n²) of the
+    /// next points on its edges and 1/(4n²) of the diagonal points. Each edge belongs to two corners.
     fn smooth(&self, vertex: usize) -> [T; K] {
         let around = self.quads.corners_at(vertex);
         let (mut edges, mut across) = (WideSum::ZERO, WideSum::ZERO);
@@ -165,7 +163,7 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
     }
 }
 
-/// The points along some edges.
+/// Kernel for the points along a range of edges.
 struct GridEdgeKernel<'a, T, const K: usize> {
     level: &'a QuadGridLevel<'a, T, K>,
     rules: &'a StencilTable,
@@ -194,7 +192,7 @@ impl<T: Real, const K: usize> Kernel for GridEdgeKernel<'_, T, K> {
                 spread(weights, &row, out);
             }
             let sides = level.quads.sides[edge];
-            // Where there are not two it is sharp throughout.
+            // An edge without two sides is sharp throughout.
             if matches!(along, Some(EdgeStencil::Even { points, middles }) if *points >= 1.0 && *middles >= 1.0)
                 || sides[1] == NONE
             {
@@ -223,7 +221,7 @@ impl<T: Real, const K: usize> Kernel for GridEdgeKernel<'_, T, K> {
     }
 }
 
-/// The points inside of some quads.
+/// Kernel for the points inside a range of quads.
 struct GridFaceKernel<'a, T, const K: usize> {
     level: &'a QuadGridLevel<'a, T, K>,
     weights: LineStencil<T>,
@@ -248,7 +246,7 @@ impl<T: Real, const K: usize> Kernel for GridFaceKernel<'_, T, K> {
     }
 }
 
-/// The corners of the faces of some quads: rows of grids, row by row.
+/// The corners of the faces of a range of quads: grid after grid, row by row.
 pub(super) fn corners(quads: &QuadTopology, n: usize, (first, out): (usize, &mut [u32])) {
     let inside = quads.n_vertices + quads.ends.len() * (n - 1);
     let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);

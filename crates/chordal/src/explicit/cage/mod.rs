@@ -1,4 +1,4 @@
-//! `Cage`: a polygon mesh with what subdivision asks of it.
+//! `Cage`: a control mesh of polygons with tags for subdivision.
 mod creases;
 pub(crate) mod edges;
 mod face_sizes;
@@ -21,49 +21,49 @@ use std::fmt;
 pub use texcoords::{Chart, CornerTexcoords, LinearTexcoords};
 pub use values::Real;
 
-/// By which rules a cage is refined.
+/// The rules by which a cage is refined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scheme {
     /// Any polygons; every round makes quads. The limit is a bicubic B-spline where four quads meet at each
     /// vertex.
     #[default]
     CatmullClark,
-    /// Triangles; every round cuts each into four. The limit is a quartic box spline where six meet.
+    /// Triangles; every round splits each into four. The limit is a quartic box spline where six meet.
     Loop,
-    /// Any polygons, cut into quads and left as they are.
+    /// Any polygons, split into quads without smoothing.
     Bilinear,
 }
 
-/// What becomes of the border of an open cage.
+/// The treatment of the border of an open cage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Boundary {
-    /// Faces with a vertex on the border carry no surface; they shape that of the others.
+    /// Faces with a vertex on the border have no surface; they shape that of the others.
     None,
-    /// The border is a smooth curve, its corners rounded.
+    /// The border is a smooth curve with rounded corners.
     #[default]
     EdgeOnly,
-    /// The border is a smooth curve through those of its vertices that one face alone uses.
+    /// The border is a smooth curve that interpolates its vertices with only one face.
     EdgeAndCorner,
 }
 
-/// How the sharpness of an edge that is no longer than some rounds falls.
+/// How a semi-sharp edge loses its sharpness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CreasingMethod {
-    /// By 1 a round, on each edge by itself.
+    /// By 1 per round, on each edge independently.
     #[default]
     Uniform,
-    /// By 1 a round, with a quarter of the others' around the same vertex: it changes smoothly along a
-    /// crease.
+    /// By 1 per round, with a quarter of the mean of the others around the same vertex: it changes smoothly
+    /// along a crease.
     Chaikin,
 }
 
-/// A sharpness from which on it never falls. The number is OpenSubdiv's.
+/// Sharpness from this value on never decreases. The number is OpenSubdiv's.
 pub const INFINITELY_SHARP: f64 = 10.0;
 
-/// A polygon mesh that stands for the smooth surface to which its refinement converges.
+/// A polygon mesh that controls the smooth surface to which its refinement converges.
 ///
-/// Faces are lists of three vertices or more, counter-clockwise from their front. Edges and vertices may be
-/// sharp: for as many rounds as their sharpness says, a fraction counting as part of a round, and for ever
+/// Faces are lists of three or more vertices, counter-clockwise seen from their front. Edges and vertices may
+/// be sharp: for as many rounds as their sharpness, where a fraction counts as part of a round, and forever
 /// from [`INFINITELY_SHARP`] on.
 ///
 /// ```
@@ -85,7 +85,7 @@ pub const INFINITELY_SHARP: f64 = 10.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cage {
     positions: Vec<[f64; 3]>,
-    /// How many corners each face has.
+    /// The number of corners of each face.
     sizes: FaceSizes,
     corners: Vec<u32>,
     scheme: Scheme,
@@ -93,11 +93,11 @@ pub struct Cage {
     creasing: CreasingMethod,
     /// Edges with their sharpness, above 0: the lower vertex first, in ascending order.
     creases: Vec<([u32; 2], f64)>,
-    /// Vertices with theirs, in ascending order.
+    /// Vertices with their sharpness, in ascending order.
     sharp_vertices: Vec<(u32, f64)>,
     /// Faces without surface, in ascending order.
     holes: Vec<u32>,
-    /// Whether it came from a round, in which what is a corner by nature was listed as one.
+    /// Whether it is the result of a round, which has listed all corners that are sharp by topology.
     is_refined: bool,
     texcoords: Option<CornerTexcoords>,
 }
@@ -106,8 +106,8 @@ impl Cage {
     /// A Catmull–Clark cage without creases.
     ///
     /// # Errors
-    /// [`InvalidCage`] when a coordinate is not finite, an index out of range, a face has fewer than three
-    /// vertices or one twice, or there are too many to count in 31 bits.
+    /// [`InvalidCage`] when a coordinate is not finite, an index is out of range, a face has fewer than three
+    /// vertices or repeats one, or there are too many to count in 31 bits.
     pub fn new<F: AsRef<[u32]>>(
         positions: Vec<[f64; 3]>,
         faces: impl IntoIterator<Item = F>,
@@ -148,10 +148,10 @@ impl Cage {
         Ok(cage)
     }
 
-    /// The same cage by another scheme.
+    /// The same cage with another scheme.
     ///
     /// # Errors
-    /// [`InvalidCage::NotTriangles`] for [`Scheme::Loop`] where a face is none.
+    /// [`InvalidCage::NotTriangles`] for [`Scheme::Loop`] where a face is not a triangle.
     pub fn with_scheme(mut self, scheme: Scheme) -> Result<Self, InvalidCage> {
         if scheme == Scheme::Loop
             && let Some(face) = self.faces().position(|of| of.len() != 3)
@@ -176,12 +176,11 @@ impl Cage {
         self
     }
 
-    /// The same cage with these edges as sharp as said, and no others. Of an edge that comes twice the last
-    /// counts.
+    /// The same cage with these creases only. If an edge occurs twice, the last one counts.
     ///
     /// # Errors
-    /// [`InvalidCage::NoSuchEdge`] where no face has it, and [`InvalidCage::Sharpness`] where it is negative
-    /// or NaN.
+    /// [`InvalidCage::NoSuchEdge`] for an edge of no face, and [`InvalidCage::Sharpness`] where it is
+    /// negative or NaN.
     pub fn with_creases(mut self, creases: &[([u32; 2], f64)]) -> Result<Self, InvalidCage> {
         let edges = CageEdges::new(&self);
         let mut sharpness = vec![0.0; edges.ends.len()];
@@ -193,8 +192,7 @@ impl Cage {
         Ok(self)
     }
 
-    /// The same cage with these vertices as sharp as said, and no others. Of one that comes twice the last
-    /// counts.
+    /// The same cage with these sharp vertices only. If a vertex occurs twice, the last one counts.
     ///
     /// # Errors
     /// [`InvalidCage::NoSuchVertex`], and [`InvalidCage::Sharpness`] where it is negative or NaN.
@@ -210,7 +208,7 @@ impl Cage {
         Ok(self)
     }
 
-    /// The same cage whose faces of these numbers carry no surface, and shape that of the others.
+    /// The same cage with these faces as its holes: they have no surface, but shape that of the others.
     ///
     /// # Errors
     /// [`InvalidCage::NoSuchFace`].
@@ -224,28 +222,28 @@ impl Cage {
         Ok(self)
     }
 
-    /// The same cage as one that came from a round: what is a corner by nature is one where it is listed, and
-    /// only there.
+    /// The same cage, treated as the result of a round: vertices that are corners by topology are corners
+    /// only where they are listed.
     #[must_use]
     pub fn with_corners_listed(mut self) -> Self {
         self.is_refined = true;
         self
     }
 
-    /// Whether what is a corner by nature is one only where it is listed, as in a cage that came from a
-    /// round.
+    /// Whether vertices that are corners by topology are corners only where they are listed, as in the result
+    /// of a round.
     #[must_use]
     pub fn lists_corners(&self) -> bool {
         self.is_refined
     }
 
-    /// n × 3.
+    /// The coordinates, n × 3.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
 
-    /// How many faces there are, with holes.
+    /// The number of faces, including holes.
     #[must_use]
     pub fn n_faces(&self) -> usize {
         self.sizes.len()
@@ -260,18 +258,18 @@ impl Cage {
         &self.corners[self.sizes.range(face)]
     }
 
-    /// Where the corners of a face begin.
+    /// The index of the first corner of a face.
     pub(crate) fn begin(&self, face: usize) -> usize {
         self.sizes.range(face).start
     }
 
-    /// All faces, with holes, in order.
+    /// All faces, including holes, in order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
         (0..self.n_faces()).map(|face| self.face(face))
     }
 
     /// Edges with their sharpness: the lower vertex first, in ascending order. The border is not listed: it
-    /// always is sharp.
+    /// is always sharp.
     #[must_use]
     pub fn creases(&self) -> &[([u32; 2], f64)] {
         &self.creases
@@ -289,33 +287,33 @@ impl Cage {
         &self.holes
     }
 
-    /// The rules.
+    /// The refinement rules.
     #[must_use]
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }
 
-    /// What becomes of its border.
+    /// The treatment of the border.
     #[must_use]
     pub fn boundary(&self) -> Boundary {
         self.boundary
     }
 
-    /// How sharpness falls.
+    /// The rule by which sharpness decreases.
     #[must_use]
     pub fn creasing(&self) -> CreasingMethod {
         self.creasing
     }
 }
 
-/// Vertices, and corners of faces, that there may be: half-edges are counted in 31 bits.
+/// The most vertices, and corners of faces: half-edges are counted in 31 bits.
 const MOST: usize = (1 << 31) - 4;
 
 fn checked(sharp: f64) -> Result<f64, InvalidCage> {
     if sharp >= 0.0 { Ok(sharp) } else { Err(InvalidCage::Sharpness { sharp }) }
 }
 
-/// Why polygons are no cage.
+/// Why polygons do not form a cage.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InvalidCage {
     /// A coordinate is NaN or infinite.
@@ -323,13 +321,13 @@ pub enum InvalidCage {
         /// The vertex.
         row: usize,
     },
-    /// A face has an index that no vertex has.
+    /// A face refers to a vertex that does not exist.
     IndexOutOfRange {
         /// The face.
         face: usize,
         /// The index.
         index: u32,
-        /// How many vertices there are.
+        /// The number of vertices.
         limit: u32,
     },
     /// A face has fewer than three vertices.
@@ -337,14 +335,14 @@ pub enum InvalidCage {
         /// The face.
         face: usize,
     },
-    /// A face has a vertex twice.
+    /// A face repeats a vertex.
     VertexTwice {
         /// The face.
         face: usize,
         /// The vertex.
         index: u32,
     },
-    /// Loop subdivision of a face that is no triangle.
+    /// Loop subdivision of a face that is not a triangle.
     NotTriangles {
         /// The face.
         face: usize,
@@ -354,36 +352,36 @@ pub enum InvalidCage {
         /// Its vertices.
         ends: [u32; 2],
     },
-    /// A sharp vertex that there is not.
+    /// A sharp vertex that does not exist.
     NoSuchVertex {
-        /// Its number.
+        /// Its index.
         index: u32,
     },
-    /// A hole that there is not.
+    /// A hole that does not exist.
     NoSuchFace {
-        /// Its number.
+        /// Its index.
         face: u32,
     },
     /// A sharpness that is negative or NaN.
     Sharpness {
-        /// It.
+        /// The value.
         sharp: f64,
     },
-    /// Not as many values as vertices.
+    /// The numbers of values and vertices differ.
     WrongCount {
-        /// How many there are to be.
+        /// The expected number.
         expected: usize,
-        /// How many there are.
+        /// The actual number.
         found: usize,
     },
-    /// Not as many rows of texture coordinates as corners.
+    /// The numbers of rows of texture coordinates and of corners differ.
     WrongCorners {
-        /// How many corners there are.
+        /// The number of corners.
         expected: usize,
-        /// How many rows.
+        /// The number of rows.
         found: usize,
     },
-    /// A corner names texture coordinates that there are not.
+    /// A corner refers to texture coordinates that do not exist.
     NoSuchTexcoord {
         /// The row.
         row: u32,
@@ -395,9 +393,9 @@ pub enum InvalidCage {
     },
     /// More than can be counted.
     TooMany {
-        /// Of what.
+        /// The kind of elements.
         what: &'static str,
-        /// How many there may be.
+        /// The largest allowed number.
         most: usize,
     },
 }

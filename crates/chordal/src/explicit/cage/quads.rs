@@ -1,24 +1,24 @@
-//! The quads of the first round by their edges, made from the cage without looking at them: each begins at
-//! its vertex of the cage, so that all edges run the way in which rows and columns of the grids on both their
-//! sides count.
+//! `QuadTopology`: the quads of the first round with their edges, made directly from the cage. Each starts at
+//! its vertex of the cage, so that all edges have the direction of the rows and columns of the grids on both
+//! their sides.
 use super::Cage;
 use super::edges::{CageEdges, csr_lists, csr_row};
 
-/// No side.
+/// Marks a missing side.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Quads. Row 0 of a grid runs from a vertex of the cage to the middle of an edge, its column 0 to that of
-/// the edge before it, and the last point of its last row is the middle of the face.
+/// The quads of the first round. Row 0 of a grid runs from a vertex of the cage to the midpoint of an edge,
+/// its column 0 to that of the previous edge, and the last point of its last row is the face point.
 #[derive(Clone, Debug)]
 pub(super) struct QuadTopology {
     pub n_vertices: usize,
-    /// The vertices of each, counter-clockwise from that of the cage.
+    /// The vertices of each quad, counter-clockwise from that of the cage.
     pub corners: Vec<[u32; 4]>,
-    /// The edges of each: row 0, the last column, the last row, column 0.
+    /// The edges of each quad: row 0, the last column, the last row, column 0.
     pub edges: Vec<[u32; 4]>,
-    /// Where each edge begins and ends: the lower vertex first.
+    /// The ends of each edge, the lower vertex first.
     pub ends: Vec<[u32; 2]>,
-    /// Of each edge the first two sides that it is, as 4 × quad + side.
+    /// The first two sides of each edge, as 4 × quad + side.
     pub sides: Vec<[u32; 2]>,
     /// Corners of quads at each vertex, as 4 × quad + corner.
     vertex_corner_ends: Vec<u32>,
@@ -28,7 +28,7 @@ pub(super) struct QuadTopology {
 }
 
 impl QuadTopology {
-    /// Edges are numbered in the order in which the quads come to them.
+    /// Edges are numbered in the order in which the quads first use them.
     pub fn new(cage: &Cage, edges: &CageEdges) -> Self {
         let (n_vertices, n_edges) = (cage.positions.len() as u32, edges.ends.len() as u32);
         let n = cage.corners.len();
@@ -76,7 +76,7 @@ impl QuadTopology {
         quads
     }
 
-    /// The number of an edge: the one it has, or the next.
+    /// The index of an edge: the known one, or the next.
     fn number(&mut self, number: u32, ends: [u32; 2]) -> u32 {
         if number != NONE {
             return number;
@@ -86,7 +86,7 @@ impl QuadTopology {
         (self.ends.len() - 1) as u32
     }
 
-    /// Corners at a vertex.
+    /// The corners at a vertex.
     pub fn corners_at(&self, vertex: usize) -> &[u32] {
         csr_row(&self.vertex_corner_ends, &self.vertex_corners, vertex)
     }

@@ -1,4 +1,4 @@
-//! `Refinement`: some rounds of a cage made ready, for positions that move.
+//! `Refinement`: several precomputed rounds of a cage, for moving positions.
 use super::creases::{GridSharpness, StencilTable};
 use super::edges::{CageEdges, VertexIncidence};
 use super::grids::{QuadGridLevel, corners, n_points};
@@ -10,22 +10,21 @@ use super::values::{Real, chunks};
 use super::{Cage, Chart, CornerTexcoords, FaceSizes, InvalidCage, MOST, Scheme};
 use crate::budget::{Job, par_map_owned};
 
-/// Faces of the result that one task of a thread numbers, about. Chosen.
+/// Faces per task, about, when corners are numbered. Chosen.
 const TASK: usize = 1 << 14;
 
 impl Cage {
-    /// The cage after some rounds; none gives the cage itself.
+    /// The cage after some rounds; zero rounds give the cage itself.
     ///
-    /// The faces are the same as by [`Cage::refined`] so many times, and so are the vertices, but for
-    /// rounding and the order after the second round: first the vertices of the first round, under their
-    /// numbers; then for each of its edges the points along it, from its lower vertex; then for each of its
-    /// faces the points inside, row by row, rows running from its first vertex to its second. Faces follow
-    /// those of the first round, row by row as well. Loop's scheme has the vertices, edges and faces of the
-    /// cage itself instead of the first round's; in rows of triangles those that stand on a row take turns
-    /// with those that hang from the next.
+    /// The faces and vertices are those of repeated [`Cage::refined`], but for rounding and, after the second
+    /// round, the order. First come the vertices of the first round, with the same indices; then for each of
+    /// its edges the points along it, from its lower vertex; then for each of its faces the points inside,
+    /// row by row, with rows from its first vertex to its second. Faces follow the order of the first round,
+    /// row by row as well. For Loop's scheme the vertices, edges and faces of the cage itself take the place
+    /// of the first round's; in rows of triangles upright and inverted ones alternate.
     ///
-    /// Where an interior vertex has two triangles alone, the edges across from it stay two here, as they are;
-    /// by [`Cage::refined`] again and again they become one after the first round, since they end alike.
+    /// Where an interior vertex has only two triangles, the edges opposite to it stay two here, as they are;
+    /// repeated [`Cage::refined`] merges them after the first round, since they have the same ends.
     ///
     /// It runs on all threads; [`Cage::refinement`] and [`Refinement::refined`] take a job.
     ///
@@ -37,22 +36,22 @@ impl Cage {
         self.refinement(rounds)?.refined(&self.positions, &Job::default())
     }
 
-    /// Some rounds made ready: all that does not depend on positions.
+    /// Precomputes everything in some rounds that does not depend on positions.
     ///
     /// *Cost.* In proportion to the corners of the cage, whatever the number of rounds: some 0.1 µs each.
     ///
     /// # Errors
-    /// [`InvalidCage::TooMany`] when the result could not be counted.
+    /// [`InvalidCage::TooMany`] when the result would have too many corners.
     pub fn refinement(&self, rounds: u32) -> Result<Refinement, InvalidCage> {
         Refinement::new(self, rounds)
     }
 }
 
-/// Some rounds of a cage made ready: for positions that move, and whatever else stands at its vertices.
+/// Several precomputed rounds of a cage: for moving positions, and any other values at its vertices.
 ///
-/// Faces, creases and the rules of all points are worked out once, on the cage and its first round alone:
-/// nothing here grows with the number of rounds but the sharpness along creases that end in between. About
-/// 200 bytes a corner of the cage.
+/// Faces, creases and the rules of all points are computed once, on the cage and its first round alone. Only
+/// the sharpness along creases that end in between grows with the number of rounds. About 200 bytes per
+/// corner of the cage.
 ///
 /// ```
 /// use chordal::budget::Job;
@@ -76,26 +75,26 @@ impl Cage {
 #[derive(Clone, Debug)]
 pub struct Refinement {
     rounds: RefinementRounds,
-    /// The result, without positions, and without faces where there are grids; of no round, the cage.
+    /// The result without positions, and without faces where there are grids; after zero rounds, the cage.
     result: Cage,
-    /// The chart of the cage with rounds of its own, and how many.
+    /// The chart of the cage with its own refinement, and the number of rounds.
     chart: Option<Box<(Chart, Refinement, u32)>>,
 }
 
-/// What is ready, by what comes after the other.
+/// The precomputed data, by the kind of rounds.
 #[derive(Clone, Debug)]
 enum RefinementRounds {
     None,
     One(RefinementStencils),
-    /// After the first round grids over its quads.
+    /// The first round, then grids over its quads.
     Quads(RefinementStencils, QuadTopology, Vec<StencilTable>),
-    /// Loop's: grids over the triangles of the cage.
+    /// Loop's scheme: grids over the triangles of the cage.
     Triangles(TriangleTopology, Vec<StencilTable>),
 }
 
 impl Refinement {
     fn new(cage: &Cage, rounds: u32) -> Result<Self, InvalidCage> {
-        // Where there are no faces vertices stay, and what sharpness falls is gone after ten rounds.
+        // Without faces the vertices do not move, and finite sharpness is gone after ten rounds.
         let rounds = if cage.corners.is_empty() && rounds > 12 { 12 } else { rounds };
         // Every round makes four corners of one.
         let n_corners = (0..rounds).try_fold(cage.corners.len(), |n, _| n.checked_mul(4));
@@ -118,7 +117,7 @@ impl Refinement {
         Ok(Self { chart, ..of_cage })
     }
 
-    /// Without texture coordinates.
+    /// The refinement without texture coordinates.
     fn for_positions(
         cage: &Cage,
         rounds: u32,
@@ -175,13 +174,13 @@ impl Refinement {
         let rules = (0..rounds).map(|_| creases.next()).collect();
         let n = 1_usize << rounds;
         let creased = part_creases(&creases, n, all, listed.into_iter());
-        // Of the next round there are four parts of each hole.
+        // The tags list four parts for each hole, those after one round.
         let holes = tags.holes.iter().step_by(4).flat_map(|part| parts(part / 4, n)).collect();
         let result = Cage { creases: creased, sharp_vertices: creases.vertices(), holes, ..tags };
         Self { rounds: RefinementRounds::Triangles(triangles, rules), result, chart: None }
     }
 
-    /// How many vertices the cage has.
+    /// The number of vertices of the cage.
     #[must_use]
     pub fn n_controls(&self) -> usize {
         match &self.rounds {
@@ -191,7 +190,7 @@ impl Refinement {
         }
     }
 
-    /// How many vertices the result has.
+    /// The number of vertices of the result.
     #[must_use]
     pub fn n_points(&self) -> usize {
         match &self.rounds {
@@ -202,7 +201,7 @@ impl Refinement {
         }
     }
 
-    /// How many faces the result has, with holes.
+    /// The number of faces of the result, including holes.
     #[must_use]
     pub fn n_faces(&self) -> usize {
         match &self.rounds {
@@ -213,7 +212,7 @@ impl Refinement {
     }
 
     /// The corners of all faces of the result, one after the other: four each, but three for Loop, and those
-    /// of the cage itself after no round. They do not change as the cage moves.
+    /// of the cage itself after zero rounds. They do not depend on positions.
     #[must_use]
     pub fn corners(&self, job: &Job) -> Vec<u32> {
         let (size, n) = match &self.rounds {
@@ -233,19 +232,19 @@ impl Refinement {
         out
     }
 
-    /// What stands at the vertices of the result, in their order, from what stands at those of the cage: K
-    /// numbers each.
+    /// Values at the vertices of the result, in their order, from values at those of the cage, with K numbers
+    /// each.
     ///
-    /// Of the positions of a cage in f64 it makes, bit for bit, those of its [`Cage::refined_times`], on any
-    /// number of threads. The job says how many; it is not asked whether it is cancelled.
+    /// For the f64 positions of a cage the result equals [`Cage::refined_times`] bit for bit, on any number
+    /// of threads. The job sets their number; its cancellation is ignored.
     ///
-    /// *Cost.* 8 K bytes a point of the result (4 K in f32), and a third as much again while it runs, for the
-    /// rounds before: a level of n quads holds 24 bytes a point in f64 and 12 in f32, and there are about as
-    /// many points as quads. Its indices are 16 bytes a quad.
+    /// *Cost.* 8 K bytes per point of the result (4 K in f32), and a third more while it runs, for the
+    /// previous rounds: a level of n quads holds 24 bytes per point in f64 and 12 in f32, and there are about
+    /// as many points as quads. Its indices take 16 bytes per quad.
     ///
     /// # Errors
     /// [`InvalidCage::WrongCount`], and [`InvalidCage::NotFinite`] where a number is NaN or infinite, or
-    /// grows so on the way.
+    /// overflows on the way.
     pub fn evaluate<T: Real, const K: usize>(
         &self,
         values: &[[T; K]],
@@ -256,10 +255,10 @@ impl Refinement {
         Ok(out)
     }
 
-    /// [`Refinement::evaluate`] into memory that is there; what it holds after an error is not said.
+    /// [`Refinement::evaluate`] into existing memory; its content after an error is unspecified.
     ///
     /// # Errors
-    /// As for [`Refinement::evaluate`], of both counts.
+    /// As for [`Refinement::evaluate`], for both counts.
     pub fn evaluate_into<T: Real, const K: usize>(
         &self,
         values: &[[T; K]],
@@ -275,12 +274,12 @@ impl Refinement {
         if let Some(row) = values.iter().position(|p| !is_finite(p)) {
             return Err(InvalidCage::NotFinite { row });
         }
-        // A pool is entered once for all rounds, but not for one thread, which needs none.
+        // The pool is entered once for all rounds; one thread needs none.
         match job.threads {
             1 => self.apply_rounds(values, job, out),
             _ => job.run(|| self.apply_rounds(values, job, out)),
         }
-        // Shares are from 0 to 1 and add up to 1, so that what is far from the largest number stays so.
+        // Weights are from 0 to 1 and add up to 1, so that numbers far below the largest one stay so.
         if !values.iter().all(|p| p.iter().all(|x| x.is_safe_to_sum()))
             && let Some(row) = out.iter().position(|p| !is_finite(p))
         {
@@ -313,12 +312,12 @@ impl Refinement {
         }
     }
 
-    /// The texture coordinates of the result, if the cage has any. They do not change as the cage moves.
+    /// The texture coordinates of the result, if the cage has any. They do not depend on positions.
     ///
     /// *Cost.* As for [`Refinement::evaluate`] and [`Refinement::corners`].
     ///
     /// # Errors
-    /// [`InvalidCage::TexcoordNotFinite`] where one grows beyond the range of numbers on the way.
+    /// [`InvalidCage::TexcoordNotFinite`] where one overflows on the way.
     pub fn texcoords(&self, job: &Job) -> Result<Option<CornerTexcoords>, InvalidCage> {
         let Some(chart) = &self.chart else { return Ok(self.result.texcoords.clone()) };
         let (chart, own, rounds) = &**chart;
@@ -326,7 +325,7 @@ impl Refinement {
         Ok(Some(chart.texcoords(*rounds, values, own.corners(job))))
     }
 
-    /// The cage after the rounds, where its vertices are here, with its texture coordinates.
+    /// The refined cage for these positions, with its texture coordinates.
     ///
     /// # Errors
     /// As for [`Refinement::evaluate`].
@@ -345,8 +344,8 @@ impl Refinement {
     }
 }
 
-/// Rounds over grids, the last one into `out`: of the parts along an edge and the values before, with its
-/// rules.
+/// Rounds over grids, the last one into `out`. `round` gets the parts along an edge, the values before and
+/// the weights.
 fn apply_grid_rounds<T: Real, const K: usize>(
     rules: &[StencilTable],
     (values, out): (&[[T; K]], &mut [[T; K]]),
@@ -369,7 +368,7 @@ fn parts(face: u32, n: usize) -> std::ops::Range<u32> {
     face * n..(face + 1) * n
 }
 
-/// The parts of these edges that are sharp, where each has n of them.
+/// The sharp parts of these edges, each of which has n parts.
 fn part_creases(
     creases: &GridSharpness,
     n: usize,

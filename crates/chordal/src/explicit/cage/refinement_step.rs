@@ -1,5 +1,4 @@
-//! One round of refinement, for any polygons and tags: the plain version, which faster ones are compared
-//! with.
+//! One round of refinement for any polygons and tags: the plain version, the reference for the fast ones.
 use super::super::DisjointSets;
 use super::edges::{CageEdges, VertexIncidence};
 use super::vertex_rule::{
@@ -10,16 +9,16 @@ use super::{Boundary, Cage, Chart, CreasingMethod, FaceSizes, INFINITELY_SHARP, 
 impl Cage {
     /// The cage after one round: the same limit surface, about four times as many faces.
     ///
-    /// Its vertices are those of the cage, moved, under their numbers; then one for each edge, in the order
-    /// in which faces, corner by corner, come to them; then, but for Loop, one for each face. Its faces
-    /// follow those of the cage: for each corner of one, in order, the part at that corner, which begins
-    /// there; for Loop the part between them comes last. The border, and edges that more than two faces
-    /// share, are sharp by nature, and are so without being listed as creases.
+    /// Its vertices are those of the cage, moved, with the same indices; then one for each edge, in the order
+    /// of the first corner; then, except for Loop, one for each face. Its faces follow those of the cage: for
+    /// each corner of a face, in order, the part at that corner, which starts there; for Loop the central
+    /// part comes last. The border, and edges with more than two faces, are sharp by topology, without being
+    /// listed as creases.
     ///
-    /// *Cost.* Some hundred bytes a corner while it runs.
+    /// *Cost.* Some hundred bytes per corner while it runs.
     ///
     /// # Errors
-    /// [`InvalidCage::TooMany`] when the next round could not be counted, [`InvalidCage::NotFinite`] where
+    /// [`InvalidCage::TooMany`] when the result would have too many corners, [`InvalidCage::NotFinite`] where
     /// coordinates overflow.
     pub fn refined(&self) -> Result<Self, InvalidCage> {
         if 4 * self.corners.len() > MOST {
@@ -31,7 +30,7 @@ impl Cage {
         self.refined_by(&edges, &around, &sharp)
     }
 
-    /// The same from what is known of its edges.
+    /// The same with known edges, incidence and sharpness.
     pub(super) fn refined_by(
         &self,
         edges: &CageEdges,
@@ -60,7 +59,7 @@ impl Cage {
         Ok(Self { positions, sizes, corners, texcoords: texcoords.transpose()?, ..round.tags() })
     }
 
-    /// What is known of the next round without positions and faces.
+    /// The next round without positions and faces.
     pub(super) fn next_tags(
         &self,
         edges: &CageEdges,
@@ -70,7 +69,7 @@ impl Cage {
         RefinementStep { cage: self, edges, incidence: around, sharp }.tags()
     }
 
-    /// The next round with its vertices at zero.
+    /// The next round with all positions zero.
     pub(super) fn next_topology(
         &self,
         edges: &CageEdges,
@@ -85,7 +84,7 @@ impl Cage {
     }
 }
 
-/// An error of a chart as one of its cage.
+/// Turns an error of a chart into one of its cage.
 pub(super) fn as_texcoord_error(error: InvalidCage) -> InvalidCage {
     match error {
         InvalidCage::NotFinite { row } => InvalidCage::TexcoordNotFinite { row },
@@ -93,7 +92,7 @@ pub(super) fn as_texcoord_error(error: InvalidCage) -> InvalidCage {
     }
 }
 
-/// How sharp everything is, with what is so by nature.
+/// The sharpness of all edges and vertices, including sharpness by topology.
 pub(super) struct CageSharpness {
     pub edges: Vec<f64>,
     pub vertices: Vec<f64>,
@@ -121,7 +120,7 @@ impl CageSharpness {
         Self { edges: of_edges, vertices: of_vertices }
     }
 
-    /// What is left of an edge's sharpness on its half at a vertex.
+    /// The sharpness left on the half of an edge at a vertex.
     pub fn subdivided(
         &self,
         creasing: CreasingMethod,
@@ -133,8 +132,8 @@ impl CageSharpness {
     }
 }
 
-/// Whether a vertex stays where it is by what is around it: a corner of the border, where that is asked for,
-/// and where surfaces meet in a point or in other than one straight seam.
+/// Whether a vertex is fixed by the topology around it: a corner of the border, if the boundary rule says so,
+/// or a point where surfaces meet in a point or in anything but one straight seam.
 fn is_corner(cage: &Cage, edges: &CageEdges, around: &VertexIncidence, vertex: usize) -> bool {
     let (of_edges, of_faces) = (around.edges(vertex), around.faces(vertex));
     if of_faces.len() == 1 && of_edges.len() == 2 {
@@ -147,14 +146,14 @@ fn is_corner(cage: &Cage, edges: &CageEdges, around: &VertexIncidence, vertex: u
     is_many && !is_seam
 }
 
-/// Whether a face carries no surface.
+/// Whether a face has no surface.
 pub(super) fn is_hole(cage: &Cage, (edges, around): (&CageEdges, &VertexIncidence), face: usize) -> bool {
     let on_border = |v: &u32| around.edges(*v as usize).iter().any(|e| edges.faces(*e as usize).len() == 1);
     let border = cage.boundary == Boundary::None && cage.face(face).iter().any(on_border);
     border || cage.holes.binary_search(&(face as u32)).is_ok()
 }
 
-/// How many groups of faces there are around a vertex that hang together by edges at it.
+/// The number of fans around a vertex: groups of faces connected by edges at it.
 pub(super) fn n_fans(edges: &CageEdges, around: &VertexIncidence, vertex: usize) -> usize {
     let faces = around.faces(vertex);
     // They are in ascending order.
@@ -180,7 +179,7 @@ impl RefinementStep<'_> {
         self.cage.positions[vertex as usize]
     }
 
-    /// The middles of faces.
+    /// The centroids of the faces.
     fn face_points(&self) -> Vec<CagePoint> {
         let centre = |of: &[u32]| {
             let share = 1.0 / of.len() as f64;
@@ -239,7 +238,7 @@ impl RefinementStep<'_> {
         self.at(if a as usize == vertex { b } else { a })
     }
 
-    /// What is left of an edge's sharpness on its half at a vertex.
+    /// The sharpness left on the half of an edge at a vertex.
     fn half_sharpness(&self, edge: usize, vertex: usize) -> f64 {
         let sharpness = self.sharp.edges[edge];
         if sharpness > 0.0 {
@@ -279,7 +278,7 @@ impl RefinementStep<'_> {
         (FaceSizes::uniform(size, corners.len() / size), corners)
     }
 
-    /// All but positions and faces.
+    /// All except positions and faces.
     fn tags(&self) -> Cage {
         let cage = self.cage;
         Cage {
@@ -289,7 +288,7 @@ impl RefinementStep<'_> {
             holes: self.holes(),
             creases: self.creases(),
             sharp_vertices: self.sharp_vertices(),
-            // Those that carry none are holes now.
+            // The faces without surface are holes now.
             boundary: if cage.boundary == Boundary::None { Boundary::EdgeOnly } else { cage.boundary },
             is_refined: true,
             texcoords: None,
@@ -311,7 +310,7 @@ impl RefinementStep<'_> {
         holes
     }
 
-    /// Halves of creases, at their vertex each.
+    /// The halves of creases, each at its vertex.
     fn creases(&self) -> Vec<([u32; 2], f64)> {
         let n_vertices = self.cage.positions.len() as u32;
         let mut creases = Vec::new();
@@ -335,7 +334,7 @@ impl RefinementStep<'_> {
     }
 }
 
-/// The share of each of `n` neighbours in a vertex of Loop's scheme.
+/// The weight of each of `n` neighbours in a vertex of Loop's scheme.
 pub(super) fn loop_weight(n: usize) -> f64 {
     let n = n as f64;
     let turn = 0.375 + 0.25 * crate::math::elementary::cos(std::f64::consts::TAU / n);
@@ -346,7 +345,7 @@ pub(super) fn loop_weight(n: usize) -> f64 {
 struct CageVertex<'a> {
     round: &'a RefinementStep<'a>,
     vertex: usize,
-    /// The middles of all faces.
+    /// The centroids of all faces.
     middles: &'a [CagePoint],
 }
 

@@ -1,11 +1,11 @@
-//! Rows of grids: loops without branches over what lies in a row in memory. The cubic B-spline's rules are
-//! taken along columns and then along rows, which is the same surface for a quarter of the sums.
+//! Rows of grids: loops without branches over contiguous memory. The cubic B-spline's rules are applied along
+//! columns and then along rows, which is the same surface for a quarter of the sums.
 use super::values::{Real, mid};
 
-/// The shares of a point itself and of each of its two neighbours along a line.
+/// The weights of a point itself and of each of its two neighbours along a line.
 pub(super) type LineStencil<T> = [T; 2];
 
-/// The middles between two rows.
+/// The midpoints between two rows.
 #[inline(always)]
 pub(super) fn middles<T: Real, const K: usize>(a: &[[T; K]], b: &[[T; K]], out: &mut [[T; K]]) {
     let half = T::from_f64(0.5);
@@ -15,7 +15,7 @@ pub(super) fn middles<T: Real, const K: usize>(a: &[[T; K]], b: &[[T; K]], out: 
     }
 }
 
-/// A row between two others, after a round.
+/// A row after a round, from itself and its two neighbours.
 #[inline(always)]
 pub(super) fn between<T: Real, const K: usize>(
     [own, side]: LineStencil<T>,
@@ -29,7 +29,7 @@ pub(super) fn between<T: Real, const K: usize>(
     }
 }
 
-/// What is between the ends of a row after a round: a middle first.
+/// The points between the ends of a row after a round, a midpoint first.
 #[inline(always)]
 pub(super) fn spread<T: Real, const K: usize>(weights: LineStencil<T>, row: &[[T; K]], out: &mut [[T; K]]) {
     let Some((first, out)) = out.split_first_mut() else { return };
@@ -40,7 +40,7 @@ pub(super) fn spread<T: Real, const K: usize>(weights: LineStencil<T>, row: &[[T
     }
 }
 
-/// A point between two others, after a round.
+/// A point after a round, from itself and its two neighbours.
 #[inline(always)]
 pub(super) fn moved<T: Real, const K: usize>(
     [own, side]: LineStencil<T>,
@@ -57,7 +57,7 @@ pub(super) struct GridBorders<'a, T, const K: usize> {
     pub corners: [[T; K]; 4],
 }
 
-/// The points inside of a grid after a round, row by row, from those before and its borders before.
+/// The points inside a grid after a round, row by row, from those before and the borders before.
 #[inline(always)]
 pub(super) fn divide<T: Real, const K: usize>(
     weights: LineStencil<T>,

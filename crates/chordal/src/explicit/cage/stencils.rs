@@ -1,5 +1,5 @@
-//! One round of Catmull–Clark over any polygons, or of bilinear ones, made ready: who is averaged with which
-//! shares, whatever stands at the vertices.
+//! One precomputed round of Catmull–Clark or bilinear refinement over any polygons: stencil weights that do
+//! not depend on the values at the vertices.
 use super::edges::{CageEdges, VertexIncidence};
 use super::refinement_step::CageSharpness;
 use super::values::{Real, WideSum, add, chunks, mid, scaled};
@@ -7,10 +7,10 @@ use super::vertex_rule::{RuleBlend, VertexRule, crease_weight};
 use super::{Cage, FaceSizes, Scheme};
 use crate::budget::{Job, par_map_owned};
 
-/// Vertices, edges or faces that one task of a thread does: enough to be worth one. Chosen.
+/// Vertices, edges or faces per task: enough to outweigh its start. Chosen.
 const TASK: usize = 4096;
 
-/// The shares of three rules in what becomes of a vertex.
+/// The weights of the three rules in the new point of a vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StencilWeights {
     pub corner: f64,
@@ -40,8 +40,8 @@ impl StencilWeights {
 }
 
 impl StencilWeights {
-    /// What becomes of a vertex, from where it is, the next point along an edge of it, and where the smooth
-    /// rule takes it.
+    /// The new point of a vertex, from its position, the next points along its edges and the point of the
+    /// smooth rule.
     #[inline(always)]
     pub fn apply<T: Real, const K: usize>(
         &self,
@@ -60,18 +60,18 @@ impl StencilWeights {
     }
 }
 
-/// The topology of a round and its shares.
+/// The topology of a round and its weights.
 #[derive(Clone, Debug)]
 pub(super) struct RefinementStencils {
     n_vertices: usize,
     edges: CageEdges,
     incidence: VertexIncidence,
-    /// For each corner its vertex; and how many each face has.
+    /// The vertex of each corner, and the size of each face.
     corners: Vec<u32>,
     sizes: FaceSizes,
-    /// Vertices that are not smooth throughout, in ascending order.
+    /// Vertices that do not follow the smooth rule alone, in ascending order.
     special: Vec<(u32, StencilWeights)>,
-    /// Edges that are not, with the share of their middle.
+    /// Edges that do not, with the weight of their midpoint.
     creased: Vec<(u32, f64)>,
 }
 
@@ -117,7 +117,7 @@ impl RefinementStencils {
         self.n_vertices + self.edges.ends.len() + self.sizes.len()
     }
 
-    /// What stands at the vertices after the round: those of vertices, edges and faces.
+    /// The values after the round: for vertices, edges and faces.
     pub fn apply<T: Real, const K: usize>(&self, values: &[[T; K]], job: &Job, out: &mut [[T; K]]) {
         let (vertices, rest) = out.split_at_mut(self.n_vertices);
         let (edges, middles) = rest.split_at_mut(self.edges.ends.len());

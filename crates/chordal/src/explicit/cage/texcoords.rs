@@ -1,20 +1,20 @@
-//! `CornerTexcoords`: texture coordinates at the corners of a cage's faces, and `Chart`: the same as a cage
-//! of their own.
+//! `CornerTexcoords`: texture coordinates at the corners of a cage's faces, and `Chart`: the same as a
+//! separate cage.
 //!
-//! Their topology is their own: two faces hang together across an edge where their corners name the same rows
-//! at both ends of it, and are parted by a seam elsewhere. So they are a second cage, flat, with the faces of
-//! the first over other vertices: one for each pair of a vertex and a row that a corner there names. Its
-//! border is the border of the first and the seams. What is sharp in the first is so in the second where they
-//! agree, and a rule says which vertices of the second's border stay where they are.
+//! They have their own topology: two faces are connected across an edge where their corners refer to the same
+//! rows at both ends of it, and are separated by a seam elsewhere. So they form a second, flat cage with the
+//! same faces over other vertices: one for each pair of a vertex and a row that a corner there refers to. Its
+//! border is the border of the first and the seams. Sharpness carries over to the second cage where the two
+//! agree, and a rule determines which vertices of the second's border are fixed.
 //!
 //! Source: the rules are those of OpenSubdiv for face-varying data (its
-//! `Sdc::Options::FVarLinearInterpolation`, and `vtr/fvarLevel.cpp` for what they mean).
+//! `Sdc::Options::FVarLinearInterpolation`, and `vtr/fvarLevel.cpp` for their meaning).
 use super::edges::{CageEdges, VertexIncidence, csr_lists, csr_row};
 use super::refinement_step::{CageSharpness, is_hole, n_fans};
 use super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Scheme};
 
-/// Texture coordinates with a topology of their own: corners of neighbouring faces that name the same row
-/// hang together there, others are parted by a seam.
+/// Texture coordinates with their own topology: corners of neighbouring faces that refer to the same row are
+/// connected, others are separated by a seam.
 ///
 /// ```
 /// use chordal::explicit::{Cage, CornerTexcoords, LinearTexcoords};
@@ -34,15 +34,14 @@ use super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Scheme};
 pub struct CornerTexcoords {
     /// n × 2, finite.
     pub values: Vec<[f64; 2]>,
-    /// One a corner of the cage, face by face: a row of `values`, or [`CornerTexcoords::NONE`].
+    /// One row of `values`, or [`CornerTexcoords::NONE`], for each corner of the cage, face by face.
     pub corners: Vec<u32>,
-    /// Where they are interpolated linearly when they are refined.
+    /// Where refinement interpolates linearly.
     pub linear: LinearTexcoords,
 }
 
 impl CornerTexcoords {
-    /// The row of a corner that names none. A face with such a corner has no texture coordinates after a
-    /// round.
+    /// Marks a corner without texture coordinates. A face with such a corner has none after a round.
     pub const NONE: u32 = u32::MAX;
 
     fn check(&self, n_corners: usize) -> Result<(), InvalidCage> {
@@ -60,8 +59,8 @@ impl CornerTexcoords {
     }
 }
 
-/// Where refinement interpolates texture coordinates linearly, so that they stay where they are: the rules of
-/// OpenSubdiv's `Sdc::Options::FVarLinearInterpolation`, in the numbers of the tag
+/// Where refinement interpolates texture coordinates linearly, so that they are fixed: the rules of
+/// OpenSubdiv's `Sdc::Options::FVarLinearInterpolation`, numbered as in the tag
 /// `facevaryinginterpolateboundary`.
 ///
 /// The *border* is that of the texture coordinates: seams and the border of the cage.
@@ -69,9 +68,9 @@ impl CornerTexcoords {
 pub enum LinearTexcoords {
     /// 0: nowhere.
     None,
-    /// 1: at corners of their borders, which one face alone has.
+    /// 1: at corners of their borders, which have only one face.
     CornersOnly,
-    /// 2: also where more than two pieces meet, or a piece comes back to one vertex.
+    /// 2: also where more than two pieces meet, or one piece meets a vertex twice.
     CornersPlus1,
     /// 3: also where a seam ends within the surface, and on the other side of a corner.
     CornersPlus2,
@@ -83,12 +82,12 @@ pub enum LinearTexcoords {
 }
 
 impl LinearTexcoords {
-    /// All, by their numbers.
+    /// All, in the order of their numbers.
     pub const ALL: [Self; 6] =
         [Self::None, Self::CornersOnly, Self::CornersPlus1, Self::CornersPlus2, Self::Boundaries, Self::All];
 }
 
-/// The texture coordinates of a cage as a cage of their own in the plane z = 0, with the same faces.
+/// The texture coordinates of a cage as a separate cage in the plane z = 0, with the same faces.
 ///
 /// Its limit surface has a sheet for each of the cage's, in the same order, whose points are the texture
 /// coordinates there.
@@ -109,12 +108,12 @@ impl LinearTexcoords {
 pub struct Chart {
     cage: Cage,
     linear: LinearTexcoords,
-    /// Faces that have none, in ascending order.
+    /// Faces without texture coordinates, in ascending order.
     bare: Vec<u32>,
 }
 
 impl Cage {
-    /// The same cage with texture coordinates at its corners instead of any that it had.
+    /// The same cage with these texture coordinates at its corners, which replace any others.
     ///
     /// # Errors
     /// [`InvalidCage::WrongCorners`], [`InvalidCage::NoSuchTexcoord`] and [`InvalidCage::TexcoordNotFinite`].
@@ -124,21 +123,21 @@ impl Cage {
         Ok(self)
     }
 
-    /// Texture coordinates at its corners.
+    /// The texture coordinates at its corners.
     #[must_use]
     pub fn texcoords(&self) -> Option<&CornerTexcoords> {
         self.texcoords.as_ref()
     }
 
-    /// Its texture coordinates as a cage of their own, if it has any.
+    /// Its texture coordinates as a separate cage, if it has any.
     ///
-    /// Edges and vertices of the chart are as sharp as those of the cage where the two have the same; seams
-    /// and the border are sharp for ever, as a border is; a vertex that the cage keeps where it is, is kept
-    /// by the chart. Which others are, the rule says. It is as OpenSubdiv does it, but for what would not
-    /// outlive a round (of two pieces that keep each other, where both are creased) and for what is no
-    /// surface there: where edges of more than two faces are cut, or pieces come back to a vertex, the chart
-    /// decides. By [`CreasingMethod::Chaikin`](super::CreasingMethod::Chaikin) sharpness evens out within the
-    /// chart.
+    /// Edges and vertices of the chart are as sharp as those of the cage where the two coincide. Seams and
+    /// the border are sharp forever, as borders are. A vertex that the cage fixes is fixed in the chart; the
+    /// rule determines the others. This follows OpenSubdiv, except where its treatment would not persist
+    /// beyond a round (of two pieces that fix each other, where both are creased) and where there is no
+    /// surface: where edges of more than two faces are cut, or one piece meets a vertex twice, the chart
+    /// decides. With [`CreasingMethod::Chaikin`](super::CreasingMethod::Chaikin) sharpness evens out within
+    /// the chart.
     ///
     /// *Cost.* As for [`Cage::refined`].
     #[must_use]
@@ -152,14 +151,14 @@ impl Cage {
 }
 
 impl Chart {
-    /// The vertices of the chart, as x and y, and its faces in the order of the cage's.
+    /// The chart's vertices with texture coordinates as x and y, and its faces in the order of the cage's.
     #[must_use]
     pub fn cage(&self) -> &Cage {
         &self.cage
     }
 
-    /// Whether a face has texture coordinates, at all of its corners: where not, what stands in the chart
-    /// means nothing.
+    /// Whether a face has texture coordinates at all of its corners; otherwise its values in the chart are
+    /// meaningless.
     #[must_use]
     pub fn has_face(&self, face: usize) -> bool {
         self.bare.binary_search(&(face as u32)).is_err()
@@ -179,7 +178,7 @@ impl Chart {
                 bare.push(face as u32);
             }
         }
-        // A vertex for each pair, so that a row which several vertices name comes apart.
+        // One vertex for each pair, so that a row used by several vertices is split.
         let pairs = || rows.iter().copied().zip(cage.corners.iter().copied());
         let mut vertices: Vec<(u32, u32)> = pairs().collect();
         vertices.sort_unstable();
@@ -200,7 +199,7 @@ impl Chart {
             creases: Vec::new(),
             sharp_vertices: Vec::new(),
             holes: (0..cage.n_faces() as u32).filter(is_hole).collect(),
-            // What stays by nature is listed here, once for all rounds.
+            // Vertices fixed by topology are listed here, once for all rounds.
             is_refined: true,
             texcoords: None,
         };
@@ -229,8 +228,8 @@ impl Chart {
         Self { cage: flat, linear, bare }
     }
 
-    /// As texture coordinates again, after some rounds: from what stands at the vertices of the refined chart
-    /// and from its corners.
+    /// Converts back to texture coordinates after some rounds, from the values and the corners of the refined
+    /// chart.
     pub(super) fn texcoords(
         &self,
         rounds: u32,
@@ -238,7 +237,7 @@ impl Chart {
         mut corners: Vec<u32>,
     ) -> CornerTexcoords {
         if !self.bare.is_empty() {
-            // Each corner becomes four in each round, and those of a face follow each other.
+            // Each corner becomes four in each round, and those of a face are consecutive.
             let grown = |corner: usize| corner << (2 * rounds);
             for face in &self.bare {
                 let of = self.cage.sizes.range(*face as usize);
@@ -249,13 +248,13 @@ impl Chart {
         CornerTexcoords { values, corners, linear: self.linear }
     }
 
-    /// What stands at its vertices.
+    /// The values at its vertices.
     pub(super) fn values(&self) -> Vec<[f64; 2]> {
         self.cage.positions.iter().map(|p| [p[0], p[1]]).collect()
     }
 }
 
-/// Drops rows that no corner names.
+/// Removes rows that no corner refers to.
 fn drop_unused_rows(values: &mut Vec<[f64; 2]>, corners: &mut [u32]) {
     let mut is_named = vec![false; values.len()];
     for row in corners.iter() {
@@ -283,20 +282,20 @@ struct ChartSharpness<'a> {
     own_incidence: &'a VertexIncidence,
 }
 
-/// What is around a vertex of the chart.
+/// The surroundings of a vertex of the chart.
 struct ChartSpan {
     vertex: u32,
     n_faces: usize,
-    /// It has faces that do not hang together, or are parted by an edge that is sharp for ever.
+    /// Its faces are not all connected, or are separated by an edge that is sharp forever.
     is_parted: bool,
-    /// Faces that do not hang together.
+    /// Its faces are not all connected.
     is_many: bool,
-    /// For how many rounds edges between its faces keep it, 0 for none.
+    /// The number of rounds for which edges between its faces fix it, 0 for none.
     rounds: f64,
 }
 
 impl ChartSharpness<'_> {
-    /// How sharp the edges of the chart are that are no border of it: as sharp as those of the cage.
+    /// The sharpness of the chart's edges that are not on its border: that of the cage's edges.
     fn edges(&self) -> Vec<f64> {
         let mut sharp = vec![0.0; self.own.ends.len()];
         for (edge, own) in self.edges.of_corner.iter().zip(&self.own.of_corner) {
@@ -308,7 +307,7 @@ impl ChartSharpness<'_> {
     }
 
     fn creases(&self, linear: LinearTexcoords, sharp: Vec<f64>) -> Vec<f64> {
-        // In triangles that stay as they are nothing moves.
+        // In triangles with linear interpolation nothing moves.
         if linear == LinearTexcoords::All { vec![INFINITELY_SHARP; sharp.len()] } else { sharp }
     }
 
@@ -362,7 +361,7 @@ impl ChartSharpness<'_> {
         }
     }
 
-    /// Adds those of a vertex of the cage that stay where they are.
+    /// Adds the chart's vertices at a vertex of the cage that are sharp or fixed.
     fn add_sharp_vertices(
         &self,
         vertex: usize,
@@ -390,7 +389,7 @@ impl ChartSharpness<'_> {
                 found.push((span.vertex, INFINITELY_SHARP));
                 continue;
             }
-            // Of two pieces, as long as creases keep one of them the other is kept as well.
+            // Of two pieces, as long as creases fix one of them, the other is fixed as well.
             let longest = match spans {
                 [a, b] if is_tied => {
                     if a.rounds > b.rounds {
@@ -411,8 +410,8 @@ impl ChartSharpness<'_> {
     }
 }
 
-/// The sharpness of a vertex that stays for as long as some edges of these sharpnesses are left: the rounds
-/// before the last, and the mean of what is left for that one.
+/// The sharpness of a vertex that is fixed as long as any edge with these sharpnesses is sharp: the number of
+/// rounds before the last, plus the mean of what is left for that one.
 fn lasting_sharpness(sharp: impl Iterator<Item = f64> + Clone) -> f64 {
     let ends = sharp.filter(|sharp| *sharp > 0.0 && *sharp < INFINITELY_SHARP);
     let most = ends.clone().fold(0.0, |most, sharp| if sharp > most { sharp } else { most });

@@ -6,26 +6,25 @@ use super::refinement_step::loop_weight;
 use super::values::{Real, WideSum, add, chunks, mid, scaled};
 use crate::budget::{Job, par_map_owned};
 
-/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly.
-/// Chosen.
+/// Points per task, about: enough to outweigh its start, few enough for an even load. Chosen.
 const TASK: usize = 1 << 14;
 
-/// No face.
+/// Marks a missing face.
 const NONE: u32 = u32::MAX;
 
-/// Triangles by their edges.
+/// Triangles with their edges.
 #[derive(Clone, Debug)]
 pub(super) struct TriangleTopology {
     pub n_vertices: usize,
     corners: Vec<[u32; 3]>,
-    /// From each corner to the next.
+    /// For each corner the edge to the next one.
     edges: Vec<[u32; 3]>,
-    /// The lower vertex first.
+    /// The ends of each edge, the lower vertex first.
     pub ends: Vec<[u32; 2]>,
-    /// Of each edge the first two sides that it is, as 3 × triangle + side.
+    /// The first two sides of each edge, as 3 × triangle + side.
     sides: Vec<[u32; 2]>,
     incidence: VertexIncidence,
-    /// The share of a neighbour by the number of neighbours.
+    /// The weight of a neighbour by the number of neighbours.
     loop_weights: Vec<f64>,
 }
 
@@ -47,7 +46,7 @@ impl TriangleTopology {
             ends: edges.ends,
             sides,
             incidence: around,
-            // One edge alone is never smooth; none has no share.
+            // A single edge never follows the smooth rule; without edges there is no weight.
             loop_weights: (0..=most).map(|n| if n == 0 { 0.0 } else { loop_weight(n) }).collect(),
         }
     }
@@ -56,12 +55,12 @@ impl TriangleTopology {
         self.corners.len()
     }
 
-    /// How many points there are with n parts along an edge.
+    /// The number of points with n parts along an edge.
     pub fn n_points(&self, n: usize) -> usize {
         self.n_vertices + self.ends.len() * (n - 1) + self.corners.len() * n_inside(n)
     }
 
-    /// The number of a point of a side, so many parts from where the side begins.
+    /// The index of a point of a side, `part` parts from the start of the side.
     fn on_side(&self, (face, side): (usize, usize), n: usize, part: usize) -> usize {
         let edge = self.edges[face][side] as usize;
         let ends = self.ends[edge];
@@ -73,7 +72,7 @@ impl TriangleTopology {
         }
     }
 
-    /// The number of a point of a grid: so many steps along the first side, and rows from it.
+    /// The index of a point of a grid: steps along the first side, and rows from it.
     fn index(&self, face: usize, n: usize, (column, row): (usize, usize)) -> usize {
         if row == 0 {
             self.on_side((face, 0), n, column)
@@ -89,8 +88,7 @@ impl TriangleTopology {
         }
     }
 
-    /// The corners of the faces of some triangles: row by row, those that stand on a row in turn with those
-    /// that hang between them.
+    /// The corners of the faces of a range of triangles: row by row, upright and inverted ones alternating.
     pub fn faces(&self, n: usize, (first, out): (usize, &mut [u32])) {
         let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);
         for (k, mut out) in out.chunks_exact_mut(3 * n * n).enumerate() {
@@ -124,12 +122,12 @@ impl TriangleTopology {
     }
 }
 
-/// Points inside of a triangle with n parts along an edge.
+/// The number of points inside a triangle with n parts along an edge.
 fn n_inside(n: usize) -> usize {
     (n - 1) * n.saturating_sub(2) / 2
 }
 
-/// What stands at the points: vertices, n − 1 along each edge, and those inside of each triangle, row by row.
+/// The values at the points: vertices, n − 1 along each edge, and those inside each triangle, row by row.
 pub(super) struct TriangleGridLevel<'a, T, const K: usize> {
     pub triangles: &'a TriangleTopology,
     pub n: usize,
@@ -137,7 +135,7 @@ pub(super) struct TriangleGridLevel<'a, T, const K: usize> {
 }
 
 impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
-    /// The points after a round: twice as many parts along each edge.
+    /// The points after a round, with twice as many parts along each edge.
     pub fn divide(&self, rules: &StencilTable, job: &Job, out: &mut [[T; K]]) {
         let (vertices, rest) = out.split_at_mut(self.triangles.n_vertices);
         let wide = 2 * self.n - 1;
@@ -185,7 +183,7 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
         WideSum::ZERO.plus(1.0 - edges.len() as f64 * share, self.values[vertex]).plus(share, sum.0).value()
     }
 
-    /// The points along some edges.
+    /// The points along a range of edges.
     fn edges(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
         let (n, triangles) = (self.n, self.triangles);
         let all = &rules.edges;
@@ -208,7 +206,7 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
             let [a, b] = &beside;
             for (place, out) in out.iter_mut().enumerate() {
                 let i = place / 2 + place % 2;
-                // Where there are not two sides it is sharp throughout.
+                // An edge without two sides is sharp throughout.
                 let share = match along {
                     None => 0.0,
                     Some(_) if is_alone => 1.0,
@@ -240,7 +238,7 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
         }
     }
 
-    /// The n points beside a side, the way in which its edge runs.
+    /// The n points next to a side, in the direction of its edge.
     fn beside(&self, side: u32, out: &mut Vec<[T; K]>) {
         let (face, k, n) = (side as usize / 3, side as usize % 3, self.n);
         let triangles = self.triangles;
@@ -258,7 +256,7 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
         }
     }
 
-    /// The points inside of some triangles.
+    /// The points inside a range of triangles.
     fn faces(&self, first: usize, out: &mut [[T; K]]) {
         let (n, triangles) = (self.n, self.triangles);
         let mut rows: [Vec<[T; K]>; 3] = [const { Vec::new() }; 3];
@@ -288,7 +286,7 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
                     std::mem::swap(below, low);
                     std::mem::swap(low, high);
                     fill(y / 2 + 1, high);
-                    // Along the row `low`, middles first.
+                    // Along the row `low`, midpoints first.
                     for (k, out) in of_row.iter_mut().enumerate() {
                         let c = k / 2 + k % 2;
                         *out = match k % 2 {
@@ -314,13 +312,13 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
     }
 }
 
-/// The new point on an edge between two, with those across.
+/// The new point on an edge, from its ends and the opposite vertices.
 #[inline(always)]
 fn edge_point<T: Real, const K: usize>(ends: [[T; K]; 2], across: [[T; K]; 2]) -> [T; K] {
     add(scaled(T::from_f64(0.75), mid(ends[0], ends[1])), T::from_f64(0.25), mid(across[0], across[1]))
 }
 
-/// A point with six around it after a round.
+/// A point with six neighbours after a round.
 #[inline(always)]
 fn vertex_point<T: Real, const K: usize>(here: [T; K], [a, b, c, d, e, f]: [[T; K]; 6]) -> [T; K] {
     let sum = std::array::from_fn(|k| (a[k] + b[k]) + (c[k] + d[k]) + (e[k] + f[k]));

@@ -1,4 +1,4 @@
-//! What may stand at the vertices of a cage: some numbers each, in single or double precision.
+//! `Real`: the numbers that may be values at the vertices of a cage, in single or double precision.
 use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
@@ -12,7 +12,7 @@ pub trait Real:
     /// The same number.
     #[doc(hidden)]
     fn to_f64(self) -> f64;
-    /// Whether neither it nor sums of as many as there can be overflow.
+    /// Whether neither it nor sums of as many as possible can overflow.
     #[doc(hidden)]
     fn is_safe_to_sum(self) -> bool;
     /// Whether it is neither NaN nor infinite.
@@ -26,8 +26,8 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
-/// A share of the largest number: there are fewer than 2^31 vertices, and so no more around one. Some room is
-/// left.
+/// A fraction of the largest number: there are fewer than 2^31 vertices, and so no more around one. A margin
+/// is left.
 const CALM: f64 = 1.0 / (1_u64 << 40) as f64;
 
 macro_rules! real {
@@ -57,7 +57,7 @@ macro_rules! real {
 }
 real!(f32, f64);
 
-/// `sum` and a share of `p`.
+/// `sum` plus a multiple of `p`.
 #[inline(always)]
 pub(super) fn add<T: Real, const K: usize>(sum: [T; K], share: T, p: [T; K]) -> [T; K] {
     std::array::from_fn(|k| sum[k] + share * p[k])
@@ -68,7 +68,7 @@ pub(super) fn scaled<T: Real, const K: usize>(share: T, p: [T; K]) -> [T; K] {
     p.map(|x| share * x)
 }
 
-/// A sum over as many as there are, in f64 also for f32: around a pole of hundreds of faces its roundings
+/// A sum of any number of terms, in f64 also for f32: around a pole of hundreds of faces roundings of f32
 /// would add up to 2e-5.
 #[derive(Clone, Copy)]
 pub(super) struct WideSum<const K: usize>(pub [f64; K]);
@@ -88,14 +88,14 @@ impl<const K: usize> WideSum<K> {
     }
 }
 
-/// The mean of two.
+/// The mean of two points.
 #[inline(always)]
 pub(super) fn mid<T: Real, const K: usize>(a: [T; K], b: [T; K]) -> [T; K] {
     let half = T::from_f64(0.5);
     std::array::from_fn(|k| half * (a[k] + b[k]))
 }
 
-/// `parts` of about `size` items each, with where they begin.
+/// Chunks of `size` items each (the last may be shorter), with the index of the first.
 pub(super) fn chunks<T>(all: &mut [T], size: usize) -> Vec<(usize, &mut [T])> {
     all.chunks_mut(size).enumerate().map(|(k, part)| (k * size, part)).collect()
 }

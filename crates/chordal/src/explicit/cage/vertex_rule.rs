@@ -1,4 +1,4 @@
-//! Sharpness: which rule a vertex follows, and what is left of it after a round.
+//! Sharpness: the rule of a vertex, and the sharpness left after a round.
 //!
 //! Source: T. DeRose, M. Kass, T. Truong, *Subdivision surfaces in character animation*, 1998; where that
 //! leaves a choice (several sharpnesses that end in one round, Chaikin's rule) it is that of OpenSubdiv's
@@ -7,18 +7,18 @@ use super::{CreasingMethod, INFINITELY_SHARP};
 
 pub(super) type CagePoint = [f64; 3];
 
-/// By what a vertex is shaped.
+/// The subdivision rule of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum VertexRule {
-    /// All around it. The end of a crease is as well.
+    /// The smooth rule, from all neighbours. The end of a crease follows it as well.
     Smooth,
-    /// The two neighbours along its crease, by their edges.
+    /// The crease rule, from the two neighbours along the crease, given by their edges.
     Crease([u32; 2]),
-    /// Nothing.
+    /// The corner rule: the vertex is fixed.
     Corner,
 }
 
-/// The rule of a vertex of that sharpness with these sharp edges.
+/// The rule of a vertex with this sharpness and these sharp edges.
 fn rule(sharpness: f64, sharp_edges: impl Iterator<Item = u32>) -> VertexRule {
     if sharpness > 0.0 {
         return VertexRule::Corner;
@@ -38,7 +38,7 @@ fn rule(sharpness: f64, sharp_edges: impl Iterator<Item = u32>) -> VertexRule {
     }
 }
 
-/// What is left of a sharpness after a round, by itself.
+/// The sharpness left after a round, without the influence of other edges.
 pub(super) fn decrement_sharpness(sharpness: f64) -> f64 {
     if sharpness >= INFINITELY_SHARP {
         sharpness
@@ -49,8 +49,8 @@ pub(super) fn decrement_sharpness(sharpness: f64) -> f64 {
     }
 }
 
-/// What is left of the sharpness of an edge at one of its ends, around which there are edges that are this
-/// sharp, with it.
+/// The sharpness of an edge left at one of its ends. `around` is the sharpness of all edges there, including
+/// itself.
 pub(super) fn subdivide_sharpness(
     creasing: CreasingMethod,
     sharpness: f64,
@@ -71,8 +71,8 @@ pub(super) fn subdivide_sharpness(
     if left > 0.0 { left } else { 0.0 }
 }
 
-/// The share of the rule that ends, where a vertex goes from one to another: the mean of what ends, at
-/// most 1.
+/// The weight of the first rule where a vertex changes from one rule to another: the mean of the sharpnesses
+/// that end, at most 1.
 fn fractional_weight(of: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (before, after) in of {
@@ -85,7 +85,7 @@ fn fractional_weight(of: impl Iterator<Item = (f64, f64)>) -> f64 {
     if share < 1.0 { share } else { 1.0 }
 }
 
-/// What a vertex follows in a round: a share of the rule before it and the rest of the rule after it.
+/// The rule of a vertex in a round: a fraction of the rule before it and the rest of the rule after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RuleBlend {
     pub share: f64,
@@ -93,7 +93,7 @@ pub(super) struct RuleBlend {
 }
 
 impl RuleBlend {
-    /// Of a vertex of that sharpness, whose edges are this sharp.
+    /// For a vertex with this sharpness, and edges with theirs.
     pub fn new(creasing: CreasingMethod, own: f64, edges: impl Iterator<Item = (u32, f64)> + Clone) -> Self {
         let left = |sharp: f64| subdivide_sharpness(creasing, sharp, edges.clone().map(|(_, sharp)| sharp));
         let before = rule(own, edges.clone().filter_map(|(edge, sharp)| (sharp > 0.0).then_some(edge)));
@@ -111,22 +111,22 @@ impl RuleBlend {
     }
 }
 
-/// A vertex with what is around it.
+/// A vertex with its neighbourhood.
 pub(super) trait SubdivisionVertex {
-    /// Where it is.
+    /// Its position.
     fn position(&self) -> CagePoint;
     /// Its own sharpness.
     fn sharpness(&self) -> f64;
-    /// Its edges by numbers, with their sharpness.
+    /// The indices of its edges, with their sharpness.
     fn edges(&self) -> impl Iterator<Item = (u32, f64)> + Clone;
-    /// Where one of these edges leads.
+    /// The position of the other end of one of these edges.
     fn other_end(&self, edge: u32) -> CagePoint;
-    /// By the smooth rule.
+    /// Its position by the smooth rule.
     fn smooth(&self) -> CagePoint;
-    /// How sharpness falls.
+    /// The rule by which sharpness decreases.
     fn creasing(&self) -> CreasingMethod;
 
-    /// What is left of an edge's sharpness on its half here.
+    /// The sharpness left on the half of an edge here.
     fn subdivided_sharpness(&self, sharpness: f64) -> f64 {
         subdivide_sharpness(self.creasing(), sharpness, self.edges().map(|(_, sharp)| sharp))
     }
@@ -142,7 +142,7 @@ pub(super) trait SubdivisionVertex {
         }
     }
 
-    /// Where it is after a round.
+    /// Its position after a round.
     fn vertex_point(&self) -> CagePoint {
         let RuleBlend { share, rules: [before, after] } =
             RuleBlend::new(self.creasing(), self.sharpness(), self.edges());
@@ -153,13 +153,14 @@ pub(super) trait SubdivisionVertex {
     }
 }
 
-/// The share of the middle in what comes to lie on an edge of that sharpness, whose halves keep some of it or
-/// not.
+/// The weight of the midpoint in the new point of an edge with this sharpness; `halves` is the sharpness left
+/// on its halves.
 pub(super) fn crease_weight(sharpness: f64, halves: [f64; 2]) -> f64 {
     if sharpness >= 1.0 || sharpness > 0.0 && halves.iter().all(|half| *half > 0.0) { 1.0 } else { sharpness }
 }
 
-/// The middle of an edge between `a` and `b` of that sharpness, whose halves keep some of it or not.
+/// The new point of an edge between `a` and `b` with this sharpness; `halves` is the sharpness left on its
+/// halves.
 pub(super) fn edge_point(
     [a, b]: [CagePoint; 2],
     sharpness: f64,
@@ -178,7 +179,7 @@ pub(super) fn plus(sum: CagePoint, share: f64, p: CagePoint) -> CagePoint {
     [0, 1, 2].map(|k| sum[k] + share * p[k])
 }
 
-/// `share` of the first and the rest of the second.
+/// The weighted mean: `share` of the first and the rest of the second.
 fn blend(share: f64, first: CagePoint, second: CagePoint) -> CagePoint {
     [0, 1, 2].map(|k| share * first[k] + (1.0 - share) * second[k])
 }

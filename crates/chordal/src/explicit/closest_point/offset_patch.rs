@@ -6,10 +6,10 @@
 //! control points `c`. With `n` from the query to the nearest known point, the error is of the order of the
 //! square of the piece's size.
 //!
-//! **By convexity.** Let `H` be the second derivative of `D`: `H_uu = |Q_u|² + Q·Q_uu`, `H_vv` alike, `H_uv =
-//! Q_u·Q_v + Q·Q_uv`. Where `H_uu ≥ a > 0`, `H_vv ≥ c > 0` and `|H_uv| ≤ b` all over the square, `2b|xy| ≤
-//! b·(x²√(a/c) + y²√(c/a))` gives, with `κ = 1 − b/√(ac)` where that is above 0, for any two parameter points
-//! that are `(x, y)` apart
+//! **By convexity.** Let `H` be the second derivative of `D`: `H_uu = |Q_u|² + Q·Q_uu`, `H_vv` alike,
+//! `H_uv = Q_u·Q_v + Q·Q_uv`. Where `H_uu ≥ a > 0`, `H_vv ≥ c > 0` and `|H_uv| ≤ b` all over the square,
+//! `2b|xy| ≤ b·(x²√(a/c) + y²√(c/a))` gives, with `κ = 1 − b/√(ac)` where that is above 0, for any two
+//! parameter points that are `(x, y)` apart
 //!
 //! `D ≥ D₀ + (g_u·x + κ·a·x²/2) + (g_v·y + κ·c·y²/2)`,
 //!

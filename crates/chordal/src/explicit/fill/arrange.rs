@@ -1,8 +1,7 @@
-//! `arrange`: contours led through the cells of the grid where they meet, so that they meet only at its
-//! points.
+//! `arrange`: snap rounding of contours, which reroutes them to meet only at grid points.
 //!
 //! A cell is hot when a corner lies in it or two segments cross in it. Each segment becomes the chain of the
-//! middles of the hot cells that it passes, in order. Then no two segments cross any more, and each contour
+//! centres of the hot cells that it passes, in order. Then no two segments cross any more, and each contour
 //! can be deformed into its chain without any point of it leaving its cell.
 //!
 //! Source: J. D. Hobby, *Practical segment intersection with finite precision output*, 1999.
@@ -16,7 +15,7 @@ use crate::budget::Job;
 pub(crate) struct GridEdge {
     pub from: GridPoint,
     pub to: GridPoint,
-    /// How often contours of each kind run along it, those that run back taken off. Not 0.
+    /// The number of contours of each kind along it, minus those in the other direction. Not 0.
     pub winding: WindingPair,
 }
 
@@ -30,20 +29,20 @@ pub(crate) struct GridContour {
 /// Why there is no arrangement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ArrangeError {
-    /// More pairs of segments lie close together than are looked at.
+    /// More pairs of segments lie close together than the limit.
     TooManyPairs,
-    /// The job was asked to stop.
+    /// The job was cancelled.
     Cancelled,
 }
 
-/// Pairs of close segments that are looked at for each segment, and for all at least. Outlines of glyphs and
-/// maps have fewer than 10 each; at 20 ns a pair the least is about a second.
+/// The most pairs of close segments that are tested: per segment, and the least total limit. Outlines of
+/// glyphs and maps have fewer than 10 per segment; at 20 ns a pair the total is about a second.
 const PAIRS_EACH: u64 = 2_000;
 const PAIRS_ALL: u64 = 50_000_000;
 
-/// The edges of closed contours that meet only at their ends, in order.
+/// The edges of closed contours, in order, which meet only at their ends.
 pub(crate) fn arrange(contours: &[GridContour], job: &Job) -> Result<Vec<GridEdge>, ArrangeError> {
-    // Sides on each other count once, however many there are.
+    // Overlapping equal sides are merged, however many there are.
     let sides = summed(sides_of(contours));
     let segments: Vec<[GridPoint; 2]> = sides.iter().map(|side| [side.from, side.to]).collect();
     let mut hot = crossings(&segments, job)?;
@@ -58,7 +57,7 @@ pub(crate) fn arrange(contours: &[GridContour], job: &Job) -> Result<Vec<GridEdg
             return Err(ArrangeError::Cancelled);
         }
         chain.clear();
-        // In half steps, so that the borders of cells are whole numbers.
+        // In half steps, so that the borders of cells are integers.
         let doubled = [doubled(*a), doubled(*b)];
         cells.along(doubled, |cell| {
             let cell = hot[cell as usize];
@@ -92,7 +91,7 @@ fn around(cell: GridPoint) -> GridBox {
     GridBox { min: middle.map(|x| x - 1), max: middle.map(|x| x + 1) }
 }
 
-/// The cells in which the insides of two segments cross.
+/// The cells in which the interiors of two segments cross.
 fn crossings(segments: &[[GridPoint; 2]], job: &Job) -> Result<Vec<GridPoint>, ArrangeError> {
     let tree = GridBoxTree::new(segments.iter().map(|[a, b]| GridBox::around(*a, *b)).collect());
     let most = PAIRS_ALL.max(PAIRS_EACH.saturating_mul(segments.len() as u64));
@@ -111,7 +110,7 @@ fn crossings(segments: &[[GridPoint; 2]], job: &Job) -> Result<Vec<GridPoint>, A
     stop.map_or(Ok(found), Err)
 }
 
-/// The cell in which two segments cross, where each has the other's ends strictly on both sides.
+/// The cell in which two segments cross, where each strictly separates the other's ends.
 fn crossing([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> Option<GridPoint> {
     let parts = |[a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]| {
         let sides = (side(a, b, c), side(a, b, d));
@@ -121,7 +120,7 @@ fn crossing([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> Option<GridPoint>
         return None;
     }
     let [from_a, from_b] = [turn(c, d, a), turn(c, d, b)];
-    // a + (b − a)·s with s = from_a / (from_a − from_b), between 0 and 1, rounded to the middle of its cell.
+    // a + (b − a)·s with s = from_a / (from_a − from_b), between 0 and 1, rounded to the centre of its cell.
     let (over, under) = (from_a, from_a - from_b);
     let (over, under) = if under < 0 { (-over, -under) } else { (over, under) };
     let rounded = |k: usize| {
@@ -131,15 +130,16 @@ fn crossing([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> Option<GridPoint>
     Some([rounded(0), rounded(1)])
 }
 
-/// Whether a segment, in half steps, passes a cell, which has its left and lower border and not the others.
+/// Whether a segment, in half steps, passes a cell, which includes its left and lower border and not the
+/// others.
 fn passes([a, b]: [GridPoint; 2], cell: GridPoint) -> bool {
     let square = around(cell);
     let GridBox { min, max } = square;
     if !square.meets(&GridBox::around(a, b)) {
         return false;
     }
-    // Ends lie on even numbers and borders on odd ones, so that where boxes meet their insides do. Then the
-    // segment passes the inside unless all corners are on one side; and of the border, it can only touch a
+    // Ends lie on even numbers and borders on odd ones, so that where boxes meet their interiors do. Then the
+    // segment passes the interior unless all corners are on one side; on the border it can only touch a
     // corner.
     let at_lower = side(a, b, min);
     let sides = [at_lower, side(a, b, [max[0], min[1]]), side(a, b, [min[0], max[1]]), side(a, b, max)];
@@ -147,13 +147,13 @@ fn passes([a, b]: [GridPoint; 2], cell: GridPoint) -> bool {
     left && right || at_lower.is_eq()
 }
 
-/// How far along a segment a cell is, in no unit. Cells that a segment passes lie in both coordinates in its
-/// direction.
+/// The position of a cell along a segment, without a unit. Along each axis, cells that a segment passes lie
+/// in its direction.
 fn along([a, b]: [GridPoint; 2], cell: GridPoint) -> i128 {
     (0..2).map(|k| i128::from(b[k] - a[k]) * i128::from(cell[k] - a[k])).sum()
 }
 
-/// An edge on which contours run so often from the first point to the second.
+/// An edge with this winding in the direction from the first point to the second.
 fn directed([a, b]: [GridPoint; 2], winding: WindingPair) -> GridEdge {
     if a < b {
         GridEdge { from: a, to: b, winding }
@@ -162,7 +162,7 @@ fn directed([a, b]: [GridPoint; 2], winding: WindingPair) -> GridEdge {
     }
 }
 
-/// Edges between the same points as one, without those that cancel out.
+/// Merges edges between the same points, and removes those that cancel.
 fn summed(mut edges: Vec<GridEdge>) -> Vec<GridEdge> {
     edges.sort_unstable();
     edges.dedup_by(|next, kept| {
@@ -185,7 +185,7 @@ mod tests {
         arrange(&contours.iter().map(first).collect::<Vec<_>>(), &Job::default())
     }
 
-    /// Whether two edges meet anywhere but at common ends.
+    /// Whether two edges meet anywhere except at common ends.
     fn collide(one: &GridEdge, other: &GridEdge) -> bool {
         let (a, b, c, d) = (one.from, one.to, other.from, other.to);
         let inside = |p: GridPoint, [a, b]: [GridPoint; 2]| {
@@ -210,7 +210,7 @@ mod tests {
             (state >> 20) as i64 % n
         };
         for round in 0..2000 {
-            // Small grids have many points on lines and crossings close to each other.
+            // Small grids have many collinear points and nearby crossings.
             let size = [4, 9, 30, 1000, 1 << 35][round % 5];
             let n = 3 + below(12);
             let contour: Vec<GridPoint> =
@@ -220,7 +220,7 @@ mod tests {
                 assert!(one.from < one.to);
                 assert!(!edges[..i].iter().any(|other| collide(one, other)), "{contour:?}");
             }
-            // What runs into a point runs out of it.
+            // In- and outgoing windings are equal at every point.
             let mut sums = std::collections::BTreeMap::new();
             for edge in &edges {
                 *sums.entry(edge.from).or_insert(0) += edge.winding[0];

@@ -1,10 +1,9 @@
-//! `MonotoneChains`: rows of points from low to high, that are joined and split anywhere without being
-//! copied.
+//! `MonotoneChains`: sequences of points from low to high that are joined and split anywhere without copying.
 
-/// No link.
+/// Marks a missing link.
 const NONE: u32 = u32::MAX;
 
-/// A row of one point or more, by the ends of a linked list, and which of its points is the rightmost.
+/// A chain of one or more points: the ends of a linked list, and its rightmost point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MonotoneChain {
     lowest: u32,
@@ -19,7 +18,7 @@ struct ChainNode {
     above: u32,
 }
 
-/// The links of all chains. Those that are dropped are used again.
+/// The links of all chains. Removed links are reused.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MonotoneChains {
     links: Vec<ChainNode>,
@@ -36,7 +35,7 @@ impl MonotoneChains {
         (self.links.len() - 1) as u32
     }
 
-    /// The chain of one point.
+    /// A chain of one point.
     pub fn one(&mut self, point: u32) -> MonotoneChain {
         let link = self.link(ChainNode { point, below: NONE, above: NONE });
         MonotoneChain { lowest: link, highest: link, rightmost: link }
@@ -54,35 +53,35 @@ impl MonotoneChains {
         (below != NONE).then(|| [point, self.links[below as usize].point])
     }
 
-    /// Takes the lowest of several points away.
+    /// Removes the lowest of several points.
     pub fn drop_lowest(&mut self, chain: &mut MonotoneChain) {
         self.free.push(chain.lowest);
         chain.lowest = self.links[chain.lowest as usize].above;
         self.links[chain.lowest as usize].below = NONE;
     }
 
-    /// Takes the highest of several points away.
+    /// Removes the highest of several points.
     pub fn drop_highest(&mut self, chain: &mut MonotoneChain) {
         self.free.push(chain.highest);
         chain.highest = self.links[chain.highest as usize].below;
         self.links[chain.highest as usize].above = NONE;
     }
 
-    /// Adds the new rightmost point below all others.
+    /// Appends the new rightmost point at the lower end.
     pub fn add_lowest(&mut self, chain: &mut MonotoneChain, point: u32) {
         let link = self.link(ChainNode { point, below: NONE, above: chain.lowest });
         self.links[chain.lowest as usize].below = link;
         (chain.lowest, chain.rightmost) = (link, link);
     }
 
-    /// Adds the new rightmost point above all others.
+    /// Appends the new rightmost point at the upper end.
     pub fn add_highest(&mut self, chain: &mut MonotoneChain, point: u32) {
         let link = self.link(ChainNode { point, below: chain.highest, above: NONE });
         self.links[chain.highest as usize].above = link;
         (chain.highest, chain.rightmost) = (link, link);
     }
 
-    /// What is below and what is above the rightmost point, which both parts have.
+    /// Splits a chain into the parts below and above the rightmost point, which both parts contain.
     pub fn split(&mut self, chain: MonotoneChain) -> (MonotoneChain, MonotoneChain) {
         let MonotoneChain { lowest, highest, rightmost } = chain;
         let ChainNode { point, above, .. } = self.links[rightmost as usize];
@@ -99,7 +98,7 @@ impl MonotoneChains {
         (MonotoneChain { lowest, highest: rightmost, rightmost }, upper)
     }
 
-    /// One chain of two that share the point between them, which is the rightmost.
+    /// Joins two chains at their common point, which is the rightmost.
     pub fn merge(&mut self, lower: MonotoneChain, upper: MonotoneChain) -> MonotoneChain {
         let above = self.links[upper.lowest as usize].above;
         self.free.push(upper.lowest);

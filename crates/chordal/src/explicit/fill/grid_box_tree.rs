@@ -1,10 +1,10 @@
-//! `GridBoxTree`: boxes in a balanced tree, for pairs that overlap and for what is near a segment.
+//! `GridBoxTree`: a balanced tree of boxes, for overlapping pairs and for queries by segment.
 use super::snap_grid::{GridPoint, side};
 
-/// Items in one leaf: below this a plain scan is as fast.
+/// Items per leaf: below this a linear scan is as fast.
 const LEAF: usize = 8;
 
-/// A box on the grid, both ends included.
+/// A box on the grid, borders included.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GridBox {
     pub min: GridPoint,
@@ -29,7 +29,7 @@ impl GridBox {
         (0..2).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
-    /// Whether all of it lies strictly on one side of the line through two points.
+    /// Whether the box lies strictly on one side of the line through two points.
     fn is_beside(&self, [a, b]: [GridPoint; 2]) -> bool {
         let [l, h] = [self.min, self.max];
         let sides = [[l[0], l[1]], [h[0], l[1]], [l[0], h[1]], [h[0], h[1]]].map(|corner| side(a, b, corner));
@@ -37,7 +37,7 @@ impl GridBox {
     }
 }
 
-/// A balanced tree: node i has the children 2i + 1 and 2i + 2, and half of its items each.
+/// A balanced tree: node i has the children 2i + 1 and 2i + 2, each with half of its items.
 #[derive(Debug)]
 pub(super) struct GridBoxTree {
     boxes: Vec<GridBox>,
@@ -99,7 +99,7 @@ impl GridBoxTree {
         Self::halves(part).into_iter().for_each(|half| self.fill(half));
     }
 
-    /// Tells `each` all pairs of items whose boxes meet; it stops the search by returning false.
+    /// Calls `each` with all pairs of items whose boxes meet; returning false stops the search.
     pub fn pairs(&self, mut each: impl FnMut(u32, u32) -> bool) {
         let mut open = vec![(self.root(), self.root())];
         while let Some((a, b)) = open.pop() {
@@ -131,7 +131,7 @@ impl GridBoxTree {
         }
     }
 
-    /// Tells `each` all items whose boxes meet that of a segment and are not beside its line.
+    /// Calls `each` with all items whose boxes meet that of a segment, except in nodes beside its line.
     pub fn along(&self, segment: [GridPoint; 2], mut each: impl FnMut(u32)) {
         let around = GridBox::around(segment[0], segment[1]);
         let mut open = vec![self.root()];

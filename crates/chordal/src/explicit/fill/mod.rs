@@ -1,4 +1,4 @@
-//! Filling contours: a grid of exact numbers, contours made to meet only at its points, and a sweep that
+//! Filling contours: snap rounding to a grid, so that they meet only at its points, and a sweep that
 //! triangulates.
 pub(crate) mod arrange;
 mod chains;
@@ -12,10 +12,10 @@ use snap_grid::{GridPoint, turn};
 use std::cmp::Ordering;
 use sweep::{InsideRule, SweepEdge, SweepPoint, sweep};
 
-/// Triangles whose corners are points in a list.
+/// Triangles over a list of points.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct FillTriangles {
-    /// Corners; each is one of the ends of edges.
+    /// The corners; each is an end of an edge.
     pub points: Vec<GridPoint>,
     /// Counter-clockwise, all with area.
     pub triangles: Vec<[u32; 3]>,
@@ -28,10 +28,10 @@ impl SweepPoint for GridPoint {
     }
 }
 
-/// The triangles of what edges enclose by a rule. Edges are in order and meet only at their ends.
+/// Triangulates the region that edges enclose by a rule. Edges are in order and meet only at their ends.
 ///
-/// None if edges crossed or the triangles' area were not exactly that of what the edges enclose, which would
-/// be a fault of this folder.
+/// None if edges cross or the triangles' area is not exactly that of the enclosed region, which would be a
+/// fault of this folder.
 pub(crate) fn fill(edges: &[GridEdge], rule: InsideRule) -> Option<FillTriangles> {
     let mut points: Vec<GridPoint> = edges.iter().flat_map(|edge| [edge.from, edge.to]).collect();
     points.sort_unstable();
@@ -53,7 +53,7 @@ fn twice_area_of(filled: &FillTriangles) -> i128 {
     filled.triangles.iter().map(corners).map(|[a, b, c]| turn(a, b, c)).sum()
 }
 
-/// Of a border with its inside on the left of edges whose winding is 1.
+/// Twice the area within a border; the inside is on the left of edges with winding 1.
 fn twice_area_within(points: &[GridPoint], border: &[SweepEdge]) -> i128 {
     let cross = |a: GridPoint, b: GridPoint| {
         i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0])
@@ -120,7 +120,7 @@ mod tests {
         assert_eq!(filled(&[vec![[0, 0], [1, 0]]], FillRule::NonZero), FillTriangles::default());
     }
 
-    /// How often contours wind around a point that is on none of them.
+    /// The winding number of contours around a point that is on none of them.
     fn winding(contours: &[Vec<GridPoint>], p: GridPoint) -> i32 {
         let sides = contours.iter().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)));
         sides.fold(0, |sum, (a, b)| {
@@ -153,13 +153,13 @@ mod tests {
             for rule in [FillRule::NonZero, FillRule::EvenOdd] {
                 let made = filled(&contours, rule);
                 for _ in 0..50 {
-                    // Odd places of a grid twice as fine lie on no point of it.
+                    // Odd coordinates of a grid twice as fine lie on no point of it.
                     let p = [2 * below(size) + 1, 2 * below(size) + 1];
                     let double = |q: GridPoint| q.map(|x| 2 * x);
                     let doubled: Vec<Vec<GridPoint>> =
                         contours.iter().map(|c| c.iter().map(|q| double(*q)).collect()).collect();
                     let near = doubled.iter().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)));
-                    // Chains leave their segments by at most half a diagonal of a cell.
+                    // Chains deviate from their segments by at most half a diagonal of a cell.
                     if near.into_iter().any(|(a, b)| distance_sq(*a, *b, p) <= 2.1) {
                         continue;
                     }

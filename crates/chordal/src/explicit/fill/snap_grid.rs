@@ -1,4 +1,4 @@
-//! `SnapGrid`: whole numbers for points of the plane, so fine that rounding to them is far below any budget.
+//! `SnapGrid`: integer coordinates for the plane, so fine that rounding to them is far below any budget.
 use crate::math::mul_up;
 use std::cmp::Ordering;
 
@@ -9,12 +9,12 @@ pub(crate) type GridPoint = [i64; 2];
 /// 2^127.
 const BITS: i32 = 36;
 
-/// A square grid whose points are numbers exactly.
+/// A square grid whose points are exact in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SnapGrid {
     /// A power of two.
     step: f64,
-    /// In steps.
+    /// The origin, in steps.
     origin: GridPoint,
 }
 
@@ -24,43 +24,44 @@ impl SnapGrid {
         let more = |a: f64, b: f64| if a > b { a } else { b };
         let extent = more(high[0] - low[0], high[1] - low[1]);
         let reach = low.iter().chain(&high).fold(0.0, |most, x| more(most, x.abs()));
-        // Coordinates are below 2^53 steps, so that numbers are exact, and the box is at most 2^BITS wide.
+        // Coordinates are below 2^53 steps, so that they are exact in f64, and the box is at most 2^BITS
+        // wide.
         let exponent = (exponent(extent) + 1 - BITS).max(exponent(reach) + 1 - 52).max(-1022);
         let step = f64::from_bits(((exponent + 1023) as u64) << 52);
         let middle = |k: usize| (low[k] / 2.0 + high[k] / 2.0) / step;
         Self { step, origin: [middle(0).round() as i64, middle(1).round() as i64] }
     }
 
-    /// The nearest point of the grid.
+    /// The nearest grid point.
     pub fn snap(&self, p: [f64; 2]) -> GridPoint {
-        // The quotient by a power of two is exact, and so is its nearest whole number.
+        // The quotient by a power of two is exact, and so is its nearest integer.
         [0, 1].map(|k| (p[k] / self.step).round() as i64 - self.origin[k])
     }
 
-    /// The numbers of a point, exactly.
+    /// The exact coordinates of a grid point.
     pub fn restore(&self, p: GridPoint) -> [f64; 2] {
         [0, 1].map(|k| (p[k] + self.origin[k]) as f64 * self.step)
     }
 
-    /// How far a contour may be from where it was: half a diagonal of a cell when its corners are snapped,
-    /// and once more when it is led through the cells where contours meet.
+    /// The largest distance that a contour moves: half a diagonal of a cell when its corners are snapped, and
+    /// again when it is rerouted through the hot cells.
     pub fn moved_at_most(&self) -> f64 {
         mul_up(std::f64::consts::SQRT_2.next_up(), self.step)
     }
 }
 
-/// The power of two below a number, at least that of the smallest normal one.
+/// The exponent of the power of two below a number, at least that of the smallest normal one.
 fn exponent(x: f64) -> i32 {
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }
 
-/// Twice the area of the triangle, positive where its corners turn left.
+/// Twice the area of the triangle, positive for a left turn.
 pub(crate) fn turn(a: GridPoint, b: GridPoint, c: GridPoint) -> i128 {
     let d = |p: GridPoint, k: usize| i128::from(p[k] - a[k]);
     d(b, 0) * d(c, 1) - d(b, 1) * d(c, 0)
 }
 
-/// On which side of the line from `a` to `b` lies `c`: left is greater.
+/// The side of the line from `a` to `b` on which `c` lies: left is greater.
 #[inline]
 pub(crate) fn side(a: GridPoint, b: GridPoint, c: GridPoint) -> Ordering {
     // Differences are exact in f64 up to 2^53; the products and their difference lose three units of 2⁻⁵³ of

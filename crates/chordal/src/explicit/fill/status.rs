@@ -1,18 +1,19 @@
 //! `SweepStatus`: the edges that a sweep line crosses, from the lowest to the highest.
 use std::cmp::Ordering;
 
-/// Edges in one block, at most. Measured: from 64 to 512 make no difference; one memory page moves at once.
+/// The most edges of one block. Measured: values from 64 to 512 make no difference; one memory page moves at
+/// once.
 const MOST: usize = 256;
 
-/// A list in order, in blocks none of which is empty: a search takes O(log n) steps, and a change moves one
-/// block, and the list of blocks when one is cut or taken out, which is n / 256² moves a change in the mean.
+/// An ordered list in non-empty blocks. A search takes O(log n) steps. A change moves one block, and the list
+/// of blocks when one is split or removed, which is n / 256² moves per change on average.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SweepStatus {
     blocks: Vec<Vec<u32>>,
     spare: Vec<Vec<u32>>,
 }
 
-/// Between two edges, or at an end: before edge `row` of a block.
+/// A position between two edges, or at an end: before edge `row` of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct StatusPosition {
     block: usize,
@@ -20,12 +21,12 @@ pub(super) struct StatusPosition {
 }
 
 impl SweepStatus {
-    /// Takes out the edges on which the point lies, in order, and says where they were. `side` is on which
-    /// side of an edge the point lies; greater is above.
+    /// Removes the edges on which the point lies, in order, and returns their position. `side` is the side of
+    /// an edge on which the point lies; greater is above.
     pub fn take(&mut self, side: impl Fn(u32) -> Ordering, taken: &mut Vec<u32>) -> StatusPosition {
         taken.clear();
         let is_below = |edge: &u32| side(*edge) == Ordering::Greater;
-        // The block before the first one that begins at the point or above.
+        // The block before the first one that starts at the point or above.
         let block = self.blocks.partition_point(|block| is_below(&block[0])).saturating_sub(1);
         let row = self.blocks.get(block).map_or(0, |rows| rows.partition_point(is_below));
         let mut place = StatusPosition { block, row };
@@ -44,7 +45,7 @@ impl SweepStatus {
         place
     }
 
-    /// The same place, named by the edge after it where there is one.
+    /// The same position, given by the edge after it if there is one.
     fn settled(&self, place: StatusPosition) -> StatusPosition {
         match self.blocks.get(place.block) {
             Some(rows) if place.row == rows.len() => StatusPosition { block: place.block + 1, row: 0 },
@@ -52,7 +53,7 @@ impl SweepStatus {
         }
     }
 
-    /// The edge below a place.
+    /// The edge below a position.
     pub fn before(&self, place: StatusPosition) -> Option<u32> {
         if place.row > 0 {
             return Some(self.blocks[place.block][place.row - 1]);
@@ -60,16 +61,16 @@ impl SweepStatus {
         self.blocks[..place.block].last().and_then(|rows| rows.last()).copied()
     }
 
-    /// The edge above a place.
+    /// The edge above a position.
     pub fn at(&self, place: StatusPosition) -> Option<u32> {
         self.blocks.get(place.block).map(|rows| rows[place.row])
     }
 
-    /// Puts edges in at a place, in order.
+    /// Inserts edges at a position, in order.
     pub fn insert(&mut self, place: StatusPosition, edges: &[u32]) {
         let StatusPosition { mut block, mut row } = place;
         if row == 0 && block > 0 {
-            // At the end of the block before: the last place of all is in no block.
+            // At the end of the previous block: the position after the last edge is in no block.
             block -= 1;
             row = self.blocks[block].len();
         }
@@ -108,7 +109,7 @@ mod tests {
             assert_eq!(taken, expected);
             assert_eq!(status.before(place), low.checked_sub(1).map(|k| plain[k]));
             assert_eq!(status.at(place), plain.get(low).copied());
-            // First it grows, then it shrinks.
+            // The list first grows, then shrinks.
             let copies =
                 if round < 20_000 { [1, 2, 700][round % 100 / 98 + usize::from(round == 77)] } else { 0 };
             let edges = vec![value; copies];

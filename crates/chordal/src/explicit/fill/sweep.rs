@@ -1,13 +1,13 @@
-//! `sweep`: triangles of what edges enclose, from left to right. Every decision is exact.
+//! `sweep`: a sweep-line triangulation of the region enclosed by edges, from left to right. Every decision is
+//! exact.
 //!
-//! Between two neighbouring edges that the sweep line crosses lies an interval, inside or outside. Each one
-//! inside keeps the chain of points to its left up to which it is triangulated; a point that the line comes
-//! to is joined with all points of its chains that it sees.
+//! Between two neighbouring edges on the sweep line lies an interval, inside or outside. Each inside interval
+//! keeps the monotone chain of points that bounds its triangulated part on the left. A new point is joined to
+//! all visible points of its chains.
 //!
-//! Edges are given as pairs of points. Where a point lies on an edge that does not end there, or edges lie on
-//! each other, they are cut at that point, which moves nothing. Neighbours are tested for crossing whenever
-//! two edges become neighbours (Shamos and Hoey): so what comes back without an error was made of edges that
-//! do not cross.
+//! Edges are given as pairs of points. Where a point lies on an edge that does not end there, or edges
+//! overlap, they are split at that point, which moves nothing. Edges are tested for crossing whenever they
+//! become neighbours (Shamos and Hoey): so a result without an error comes from edges that do not cross.
 //!
 //! Sources: S. Hertel, K. Mehlhorn, *Fast triangulation of simple polygons*, 1983; M. Shamos, D. Hoey,
 //! *Geometric intersection problems*, 1976.
@@ -16,30 +16,31 @@ use super::status::SweepStatus;
 use crate::explicit::FillRule;
 use std::cmp::Ordering;
 
-/// What the sweep asks of points.
+/// The predicate of the sweep's points.
 pub(crate) trait SweepPoint: Copy {
-    /// On which side of the line from `a` to `b` lies `c`: left is greater. Exact.
+    /// The side of the line from `a` to `b` on which `c` lies: left is greater. Exact.
     fn turn(a: Self, b: Self, c: Self) -> Ordering;
 }
 
-/// An edge between two of the points, which are in order: from the earlier one to the later one.
+/// An edge between two points, from the earlier to the later one in the sweep's order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SweepEdge {
     pub from: u32,
     pub to: u32,
-    /// How often contours of the first and of the second kind run along it, those that run back taken off.
+    /// The numbers of contours of the first and of the second kind along it, minus those in the other
+    /// direction.
     pub winding: WindingPair,
 }
 
-/// How often contours of two kinds wind around something.
+/// Winding numbers of contours of two kinds.
 pub(crate) type WindingPair = [i32; 2];
 
-/// What is inside.
+/// The rule for what is inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum InsideRule {
-    /// By the contours of the first kind.
+    /// By a fill rule, for contours of the first kind.
     Fill(FillRule),
-    /// What contours of the first kind wind around and those of the second kind, the holes, do not.
+    /// Inside contours of the first kind and outside those of the second kind, the holes.
     LessHoles,
 }
 
@@ -52,32 +53,32 @@ impl InsideRule {
     }
 }
 
-/// Two edges cross in a point that is no end of either.
+/// Two edges cross at a point that is not an end of either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct EdgeCrossing;
 
-/// What a sweep found.
+/// The result of a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct SweepResult {
     /// Indices of points; counter-clockwise, all with area.
     pub triangles: Vec<[u32; 3]>,
-    /// The edges between inside and outside; the winding of the first kind is 1 where inside is on their
+    /// The edges between inside and outside. The winding of the first kind is 1 where the inside is on their
     /// left, −1 where it is on their right.
     pub border: Vec<SweepEdge>,
-    /// Points where more than two edges meet, or that lie inside one.
+    /// The number of points where more than two edges meet, or that lie inside an edge.
     pub touching: usize,
-    /// Edges, or parts, that lie on others.
+    /// The number of edges, or parts, that overlap others.
     pub overlapping: usize,
-    /// Edges, or parts, with the same on both sides.
+    /// The number of edges, or parts, with inside or outside on both sides.
     pub useless: usize,
-    /// Edges, or parts, beside what contours wind around backwards.
+    /// The number of edges, or parts, next to a region with a negative winding number.
     pub backwards: usize,
 }
 
-/// The triangles of what `edges` enclose. `points` differ and are in order, by x and then y.
+/// Triangulates the region that `edges` enclose. `points` are distinct and sorted by x, then y.
 ///
 /// # Errors
-/// [`EdgeCrossing`], as soon as one is seen.
+/// [`EdgeCrossing`], as soon as one is found.
 pub(crate) fn sweep<P: SweepPoint>(
     points: &[P],
     edges: Vec<SweepEdge>,
@@ -90,7 +91,7 @@ pub(crate) fn sweep<P: SweepPoint>(
     let triangles = if useless == 0 {
         first.triangles
     } else {
-        // Edges with the same on both sides would only cost triangles.
+        // Edges with the same on both sides would only add triangles.
         let mut again = Sweep::new(points, border.clone(), InsideRule::Fill(FillRule::NonZero));
         again.run()?;
         again.triangles
@@ -101,7 +102,7 @@ pub(crate) fn sweep<P: SweepPoint>(
     Ok(SweepResult { triangles, border, touching, overlapping, useless, backwards })
 }
 
-/// No edge.
+/// Marks a missing edge.
 const NONE: u32 = u32::MAX;
 
 struct Sweep<'a, P> {
@@ -113,7 +114,7 @@ struct Sweep<'a, P> {
     next: Vec<u32>,
     /// The edges that the line crosses, from the lowest to the highest.
     active: SweepStatus,
-    /// For each edge the winding numbers below and above it; `None` while it has not been reached.
+    /// For each edge the winding numbers below and above it; `None` until the line reaches it.
     sides: Vec<Option<[WindingPair; 2]>>,
     /// For each active edge the chain of the interval above it, where that is inside.
     above: Vec<Option<MonotoneChain>>,
@@ -121,7 +122,7 @@ struct Sweep<'a, P> {
     left: Vec<u32>,
     right: Vec<u32>,
     triangles: Vec<[u32; 3]>,
-    /// Edges that there were, parts counted, those that cancelled out left out.
+    /// The number of edges, parts included, without those that cancelled out.
     n_edges: usize,
     touching: usize,
     overlapping: usize,
@@ -147,7 +148,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
             touching: 0,
             overlapping: 0,
         };
-        // Backwards, so that lists run in the order of the edges.
+        // In reverse, so that lists have the order of the edges.
         (0..n as u32).rev().for_each(|edge| sweep.start(edge));
         sweep
     }
@@ -173,9 +174,9 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         P::turn(self.points[a as usize], self.points[b as usize], self.points[c as usize])
     }
 
-    /// Moves the line over a point: edges that end there leave, those that start there come.
+    /// Moves the line over a point: removes the edges that end there and adds those that start there.
     fn process_point(&mut self, at: u32) -> Result<(), EdgeCrossing> {
-        // 1. What ends here, or passes and is cut here.
+        // 1. Find the edges that end here, and split those that pass.
         let (points, edges) = (self.points, &self.edges);
         let here = points[at as usize];
         let side = |edge: u32| {
@@ -198,7 +199,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
             return Ok(());
         }
         self.touching += usize::from(is_passed || self.left.len() + self.right.len() > 2);
-        // 2. The intervals on the left end.
+        // 2. Close the intervals on the left.
         let low = self.active.before(place);
         let below = low.and_then(|low| self.above[low as usize].take());
         let outermost = self.left.pop();
@@ -218,7 +219,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
             }
             None => self.split(below, at),
         };
-        // 3. Those on the right begin.
+        // 3. Open those on the right.
         if self.right.is_empty() {
             if let Some(low) = low {
                 self.above[low as usize] =
@@ -240,7 +241,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         high.map_or(Ok(()), |high| self.expect_apart(highest, high))
     }
 
-    /// Gathers the edges that start at a point.
+    /// Collects the edges that start at a point.
     fn gather_starting(&mut self, at: u32) {
         self.right.clear();
         let mut edge = self.first[at as usize];
@@ -267,8 +268,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         index
     }
 
-    /// Puts the edges that start at a point in order from the lowest to the highest, and those on each other
-    /// into one.
+    /// Sorts the edges that start at a point from the lowest to the highest, and merges overlapping ones.
     fn sort_right(&mut self, at: u32) {
         if self.right.len() < 2 {
             return;
@@ -278,7 +278,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         let to = |edge: u32| edges[edge as usize].to;
         let place = |edge: u32| points[to(edge) as usize];
         let turn = |a: u32, b: u32| P::turn(points[at as usize], place(a), place(b));
-        // The next one is to the left of the one before; of those on each other the shortest comes first.
+        // Each edge is to the left of the one before; of overlapping ones the shortest comes first.
         right.sort_unstable_by(|a, b| turn(*a, *b).reverse().then(to(*a).cmp(&to(*b))));
         let is_tied = |pair: &[u32]| turn(pair[0], pair[1]) == Ordering::Equal;
         if right.windows(2).any(is_tied) {
@@ -308,7 +308,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         *right = kept;
     }
 
-    /// Gives the edges that start at a point their winding numbers and chains.
+    /// Sets the winding numbers and chains of the edges that start at a point.
     fn begin(&mut self, at: u32, low: Option<u32>, above: Option<MonotoneChain>) {
         let known = low.and_then(|low| self.sides[low as usize]);
         let mut winding = known.map_or([0; 2], |[_, above]| above);
@@ -326,8 +326,8 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         }
     }
 
-    /// Refuses two neighbours that cross further to the right. Where one only touches the other, the line
-    /// will come to the point.
+    /// Rejects two neighbours that cross farther to the right. If one only touches the other, the line will
+    /// reach that point.
     fn expect_apart(&self, low: u32, high: u32) -> Result<(), EdgeCrossing> {
         let (low, high) = (self.edges[low as usize], self.edges[high as usize]);
         let crosses = match low.to.cmp(&high.to) {
@@ -338,7 +338,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         if crosses { Err(EdgeCrossing) } else { Ok(()) }
     }
 
-    /// Cuts a triangle off if it has area.
+    /// Adds a triangle if it has area.
     fn cut_triangle(&mut self, [a, b, c]: [u32; 3]) -> bool {
         let has_area = self.turn(a, b, c) == Ordering::Greater;
         if has_area {
@@ -347,8 +347,8 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         has_area
     }
 
-    /// The lower edge of an interval ends at a point. Where the upper one ends there too, it sees all of the
-    /// chain.
+    /// The lower edge of an interval ends at a point. Where the upper one ends there too, the whole chain is
+    /// visible.
     fn join_at_bottom(&mut self, mut chain: MonotoneChain, at: u32) -> MonotoneChain {
         while let Some([a, b]) = self.chains.lowest(&chain) {
             if !self.cut_triangle([at, b, a]) {
@@ -372,7 +372,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         chain
     }
 
-    /// A point inside an interval, where edges start: it is joined with the rightmost point to its left.
+    /// A point inside an interval, where edges start: it is joined to the rightmost point to its left.
     fn split(
         &mut self,
         chain: Option<MonotoneChain>,

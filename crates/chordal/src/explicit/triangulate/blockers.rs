@@ -1,7 +1,7 @@
-//! `Blockers`: the corners that can lie inside an ear, in a tree that finds those near a triangle.
+//! `Blockers`: a tree of the corners that can lie inside an ear, for queries by triangle.
 use super::turn;
 
-/// Points in one leaf: below this a plain scan is as fast.
+/// Points per leaf: below this a linear scan is as fast.
 const LEAF: usize = 8;
 /// Marks a corner that blocks nothing.
 const NONE: u32 = u32::MAX;
@@ -14,18 +14,18 @@ struct BlockerNode {
 }
 
 /// A balanced tree over the corners that were reflex or straight at the start. Its shape never changes;
-/// corners only leave it.
+/// corners are only removed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blockers {
     items: Vec<u32>,
     nodes: Vec<BlockerNode>,
-    /// For every corner of the polygon its leaf, or `NONE`.
+    /// For each corner of the polygon its leaf, or `NONE`.
     leaf_of: Vec<u32>,
     stack: Vec<(u32, u32, u32)>,
 }
 
 impl Blockers {
-    /// The tree over `items`, corners of `points`.
+    /// Builds the tree over `items`, corners of `points`.
     pub(super) fn build(&mut self, points: &[[f64; 2]], items: impl Iterator<Item = u32>) {
         self.items.clear();
         self.items.extend(items);
@@ -67,7 +67,7 @@ impl Blockers {
         2 * node + 1 >= self.nodes.len()
     }
 
-    /// Takes a corner out; harmless when it is not in.
+    /// Removes a corner; does nothing when it is not in the tree.
     pub(super) fn remove(&mut self, corner: u32) {
         let leaf = std::mem::replace(&mut self.leaf_of[corner as usize], NONE);
         if leaf == NONE {
@@ -83,8 +83,8 @@ impl Blockers {
         }
     }
 
-    /// Whether `blocks` holds for any corner that is still in and may lie in the closed triangle; `work`
-    /// counts down with every step, and at zero the answer is no.
+    /// Whether `blocks` holds for any remaining corner that may lie in the closed triangle. `work` counts
+    /// down with every step; at zero the answer is no.
     pub(super) fn any(
         &mut self,
         points: &[[f64; 2]],
@@ -135,11 +135,11 @@ fn apart([a_min, a_max]: [[f64; 2]; 2], [b_min, b_max]: [[f64; 2]; 2]) -> bool {
     (0..2).any(|k| a_max[k] < b_min[k] || b_max[k] < a_min[k])
 }
 
-/// Whether the box lies wholly to the right of one side of the counter-clockwise triangle.
+/// Whether the box lies entirely to the right of one side of the counter-clockwise triangle.
 fn beside([min, max]: [[f64; 2]; 2], triangle: [[f64; 2]; 3]) -> bool {
     (0..3).any(|k| {
         let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
-        // The corner of the box that lies furthest to the left of a → b.
+        // The corner of the box farthest to the left of a → b.
         let corner = [if b[1] > a[1] { min[0] } else { max[0] }, if b[0] > a[0] { max[1] } else { min[1] }];
         turn(a, b, corner) < 0.0
     })

@@ -1,43 +1,43 @@
-//! `EarClipper`: cuts the ears off one flat polygon until a triangle is left.
+//! `EarClipper`: cuts ears off one flat polygon until a triangle is left.
 use super::blockers::Blockers;
 use super::turn;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// Steps a corner may cost in the search for blocked ears. Outlines from the field take 20 to 60; at 1,024 a
-/// hostile polygon still costs only some microseconds a corner. Beyond, ears are cut unseen and the folds
-/// counted.
+/// The budget of steps per corner in the search for blocked ears. Real-world outlines take 20 to 60; at 1,024
+/// a hostile polygon still costs only some microseconds per corner. Beyond it, ears are cut untested and the
+/// folds counted.
 const WORK_PER_CORNER: u64 = 1024;
 
-/// Which ears may be cut.
+/// The test that an ear has to pass.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum EarRule {
-    /// No corner in the closed ear, those that coincide with its ends excepted.
+    /// No corner in the closed ear, except those that coincide with its own corners.
     Strict,
     /// No corner in the open ear: for polygons that touch themselves.
     Touching,
 }
 
-/// A corner with the number of times that its neighbours had changed when it was queued; a newer number makes
-/// the entry stale.
+/// A corner with its version when it was queued. The version counts changes of its neighbours; a newer one
+/// makes the entry stale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct QueuedEar {
     corner: u32,
     version: u32,
 }
 
-/// The remaining ring of corners, and what waits to be looked at.
+/// The remaining ring of corners, and the queues of candidates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EarClipper {
     prev: Vec<u32>,
     next: Vec<u32>,
     version: Vec<u32>,
-    /// Where the outline turns back on itself. These go first: while they stand, the corners at their foot
-    /// look like ears and are none.
+    /// Corners where the outline reverses. These go first: until they are gone, the corners at the base of a
+    /// spike look like ears and are none.
     spikes: Vec<QueuedEar>,
     strict: VecDeque<QueuedEar>,
     touching: VecDeque<QueuedEar>,
-    /// By area, smallest first: what is cut when nothing is an ear.
+    /// By area, smallest first: cut when no ear is left.
     forced: BinaryHeap<Reverse<(u64, QueuedEar)>>,
     stuck: bool,
     /// A corner of the ring.
@@ -47,8 +47,8 @@ pub(super) struct EarClipper {
 }
 
 impl EarClipper {
-    /// Appends the n − 2 triangles of the counter-clockwise polygon and returns how many of them lie face
-    /// down.
+    /// Appends the n − 2 triangles of the counter-clockwise polygon and returns the number that face
+    /// backwards.
     pub(super) fn cut(&mut self, points: &[[f64; 2]], out: &mut Vec<[u32; 3]>) -> usize {
         self.start(points);
         let (mut left, mut folded) = (points.len(), 0);
@@ -103,16 +103,17 @@ impl EarClipper {
         turn(points[a as usize], points[b as usize], points[c as usize])
     }
 
-    /// Whether the outline turns back, or stands still, at a corner where it turns neither left nor right.
+    /// Whether the outline reverses, or has a side of length zero, at a corner that turns neither left nor
+    /// right.
     fn is_spike(&self, points: &[[f64; 2]], corner: u32) -> bool {
         let [a, b, c] =
             [self.prev[corner as usize], corner, self.next[corner as usize]].map(|i| points[i as usize]);
-        // Straight on means that each coordinate goes on the way it came.
+        // It goes straight on if each coordinate continues in the same direction.
         (0..2).any(|k| (b[k] >= a[k] && c[k] < b[k]) || (b[k] <= a[k] && c[k] > b[k])) || a == b || b == c
     }
 
-    /// The next corner to cut: a spike, an ear, else one that only touches, else the smallest that is not
-    /// face down.
+    /// The next corner to cut: a spike, else a strict ear, else a touching one, else the smallest triangle
+    /// that does not face backwards.
     fn pop(&mut self, points: &[[f64; 2]]) -> u32 {
         while let Some(entry) = self.spikes.pop() {
             if self.is_current(entry) {
@@ -156,7 +157,7 @@ impl EarClipper {
         let entry = QueuedEar { corner, version };
         let area = self.turn_at(points, corner);
         self.touching.push_back(entry);
-        // Positive numbers order like their bits; those that are face down come after all others.
+        // Positive numbers sort like their bits; triangles that face backwards come after all others.
         let rank = if area >= 0.0 { area.abs().to_bits() } else { u64::MAX };
         self.forced.push(Reverse((rank, entry)));
     }
@@ -181,8 +182,8 @@ impl EarClipper {
             if rule == EarRule::Strict && p != a && p != b && p != c {
                 return true;
             }
-            // On the border of the ear it blocks if one of its own edges runs into the ear. Inside there is
-            // no side to test, and it always blocks.
+            // A corner on the boundary of the ear blocks it if one of its own edges enters the ear. A corner
+            // inside has no side to test, and always blocks.
             let enters =
                 |q: [f64; 2]| (0..3).all(|k| sides[k] > 0.0 || turn([a, b, c][k], [b, c, a][k], q) > 0.0);
             enters(at(prev[i as usize])) || enters(at(next[i as usize]))
@@ -195,7 +196,7 @@ impl EarClipper {
         self.next[a as usize] = c;
         self.prev[c as usize] = a;
         self.anchor = c;
-        // The last version: no entry can have it, so that none of this corner is current any more.
+        // The last version, which no entry can have: all entries of this corner become stale.
         self.version[ear as usize] = u32::MAX;
         self.blockers.remove(ear);
         for corner in [a, c] {

@@ -1,4 +1,4 @@
-//! Polygons with holes into triangles: exact decisions, a check, and a word on every repair.
+//! Triangulation of polygons with holes: exact decisions, a check, and a report of every repair.
 use super::{along_axis, along_normal, newell, scale_of, seen_axes};
 use crate::budget::Job;
 use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
@@ -13,58 +13,57 @@ use std::fmt;
 /// The triangles of a polygon with holes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PolygonTriangles<P> {
-    /// Counter-clockwise as the outer contour's normal sees them. Indices of corners: those of the outer
-    /// contour first, then those of the holes one after the other, then `added`.
+    /// Counter-clockwise about the normal of the outer contour. Indices of corners: first those of the outer
+    /// contour, then those of the holes one after the other, then `added`.
     pub triangles: Vec<[u32; 3]>,
-    /// Points that no contour has: where sides cross.
+    /// New points, where sides cross.
     pub added: Vec<P>,
-    /// What had to be done to the contours; nothing for simple ones that keep apart.
+    /// The repairs of the contours; none for simple, disjoint contours.
     pub repairs: Vec<ContourRepair>,
-    /// How far corners are from the plane that was fitted to the outer contour, at most, rounded; 0 in the
-    /// plane.
+    /// The largest distance of a corner from the plane fitted to the outer contour, rounded; 0 in the plane.
     pub warp: f64,
 }
 
 impl<P> PolygonTriangles<P> {
-    /// Whether the contours were simple, apart, and the holes inside. Then there are n + 2h − 2 triangles,
-    /// all with area, that cover what the contours enclose once.
+    /// Whether the contours were simple and disjoint, and the holes inside. Then n + 2h − 2 triangles, all
+    /// with area, cover the enclosed region once.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.repairs.is_empty()
     }
 }
 
-/// What was wrong with contours, and was done about it. All but the last keep every corner where it is, and
-/// all but the last three keep the area: that of the outer contour less those of the holes.
+/// A defect of the contours and its repair. All but the last keep every corner in its position. All but the
+/// last three keep the area: that of the outer contour minus those of the holes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContourRepair {
-    /// So many contours have fewer than three different corners. They enclose nothing and were left out.
+    /// This many contours have fewer than three distinct corners. They enclose nothing and are ignored.
     Empty(usize),
-    /// So many corners have the position of an earlier one, which stands for them; those that only close
-    /// their contour are not counted.
+    /// This many corners coincide with an earlier one, which replaces them. Corners that only close their
+    /// contour are not counted.
     Repeated(usize),
-    /// At so many points contours touch themselves or each other. Sides were cut there.
+    /// Contours touch themselves or each other at this many points. Sides are split there.
     Touching(usize),
-    /// So many sides, or parts, lie on others: spikes, and contours that share sides. They count as one, or
-    /// as none where they run against each other. What a contour runs around twice counts once.
+    /// This many sides, or parts, lie on others: spikes, and contours that share sides. They count as one, or
+    /// as none where they run in opposite directions. A region that a contour winds around twice counts once.
     Overlapping(usize),
-    /// So many sides, or parts, do not part inside from outside: those of holes outside or in another hole,
-    /// and those that a hole shares with what is around it. They were left out.
+    /// This many sides, or parts, do not separate inside from outside: those of holes outside or in another
+    /// hole, and those that a hole shares with its surroundings. They are ignored.
     Outside(usize),
-    /// So many sides, or parts, run backwards around what they enclose: a contour crosses itself at a corner.
-    /// What they enclose counts as well.
+    /// This many sides, or parts, run backwards around the region they enclose: a contour crosses itself at a
+    /// corner. The region they enclose counts as well.
     Backwards(usize),
-    /// Sides cross. They were led through the crossings, rounded to a grid of 2⁻³⁶ of the polygon's size, and
-    /// what contours wind around less what holes wind around was filled.
+    /// Sides cross. They are rerouted through the crossings, rounded to a grid of 2⁻³⁶ of the polygon's size.
+    /// The filled region is the one that the outer contour winds around and the holes do not.
     Crossing {
-        /// How far a side may have moved.
+        /// The largest distance by which a side may have moved.
         moved_at_most: f64,
-        /// Triangles that corners lying closer than that turned over.
+        /// The number of triangles that face backwards because corners lie closer than that.
         folded: usize,
     },
 }
 
-/// Why there are no triangles.
+/// Why a polygon cannot be triangulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InvalidPolygon {
     /// A coordinate is NaN or infinite.
@@ -74,11 +73,11 @@ pub enum InvalidPolygon {
         /// The corner.
         corner: usize,
     },
-    /// More corners than 2³⁰.
+    /// There are more than 2³⁰ corners.
     TooManyCorners(usize),
-    /// So many sides lie across each other that their crossings are not counted.
+    /// There are too many crossings of sides to compute.
     TooManyCrossings,
-    /// The triangles do not cover what the contours enclose: a fault in this library that its check found.
+    /// The triangles do not cover the enclosed region: a fault in this library that its check found.
     Fault,
 }
 
@@ -101,7 +100,7 @@ impl fmt::Display for InvalidPolygon {
 
 impl std::error::Error for InvalidPolygon {}
 
-/// Corners that are cut at once, at most: sides may be cut in two, and are counted in 32 bits.
+/// The most corners of one polygon: sides may be split in two, and are counted in 32 bits.
 const MOST: usize = 1 << 30;
 
 /// A corner in the plane (`[f64; 2]`) or in space (`[f64; 3]`).
@@ -113,21 +112,21 @@ impl ContourCorner for [f64; 3] {}
 mod sealed {
     use std::borrow::Cow;
 
-    /// How a polygon is seen in a plane.
+    /// Projections of a polygon to a plane.
     pub trait Flatten: Sized {
-        /// What is known of a polygon: where it lies.
+        /// The data of a projection.
         type Frame;
 
         fn is_finite(&self) -> bool;
-        /// Of all corners, `outer` of which belong to the outer contour.
+        /// The frame of all corners, the first `outer` of which belong to the outer contour.
         fn frame(all: &[Self], outer: usize) -> Self::Frame;
-        /// All corners as seen without changing a coordinate, but for a power of two.
+        /// The projection of all corners along an axis, with coordinates unchanged but for a power of two.
         fn along_axis<'a>(all: &'a [Self], frame: &Self::Frame) -> Cow<'a, [[f64; 2]]>;
-        /// As seen from straight above, where that is something else.
+        /// The projection along the normal, where it differs.
         fn along_normal(all: &[Self], frame: &Self::Frame) -> Option<Vec<[f64; 2]>>;
-        /// The point of the polygon's plane that is seen exactly at `p`.
+        /// The point of the polygon's plane that projects exactly to `p`.
         fn lift(p: [f64; 2], frame: &Self::Frame) -> Self;
-        /// The power of two, and how far corners are from the plane.
+        /// The power of two, and the largest distance of a corner from the plane.
         fn scale_and_warp(frame: &Self::Frame) -> [f64; 2];
     }
 }
@@ -195,18 +194,18 @@ impl sealed::Flatten for [f64; 3] {
     }
 }
 
-/// The plane through the middle of an outer contour, in scaled coordinates.
+/// The plane through the centroid of an outer contour's corners, in scaled coordinates.
 #[derive(Clone, Copy)]
 pub struct FittedPlane {
     scale: f64,
     /// Twice the vector area of the outer contour.
     newell: [f64; 3],
-    /// What is seen as x and y.
+    /// The axes that become x and y.
     axes: [usize; 2],
     middle: [f64; 3],
     /// Of length 1, or 0 for a contour without area.
     normal: [f64; 3],
-    /// Not scaled.
+    /// In unscaled coordinates.
     warp: f64,
 }
 
@@ -226,14 +225,14 @@ impl FittedPlane {
         dot(difference(p, self.middle), self.normal)
     }
 
-    /// The point that is seen at `p` along the largest axis of the normal.
+    /// The point of the plane that projects to `p` along the largest axis of the normal.
     fn lift(&self, p: [f64; 2]) -> [f64; 3] {
         let [u, v] = self.axes;
         let w = 3 - u - v;
         let mut lifted = self.middle;
         (lifted[u], lifted[v]) = (p[0], p[1]);
         let off = self.height(lifted) / self.normal[w];
-        // Without a normal there is no slope to follow.
+        // Without a normal there is no plane to lift to.
         if off.is_finite() {
             lifted[w] -= off;
         }
@@ -244,8 +243,8 @@ impl FittedPlane {
 impl SweepPoint for [f64; 2] {
     #[inline]
     fn turn(a: Self, b: Self, c: Self) -> Ordering {
-        // Shewchuk's first filter with 4·2⁻⁵³ for his (3 + 16·2⁻⁵³)·2⁻⁵³. Above 2⁻⁹⁰⁰ what underflows is
-        // below that.
+        // Shewchuk's first filter with 4·2⁻⁵³ for his (3 + 16·2⁻⁵³)·2⁻⁵³. Above 2⁻⁹⁰⁰ the error of underflow
+        // is below that.
         const SHARE: f64 = 2.0 * f64::EPSILON;
         const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
         let (left, right) = ((a[0] - c[0]) * (b[1] - c[1]), (a[1] - c[1]) * (b[0] - c[0]));
@@ -261,26 +260,26 @@ impl SweepPoint for [f64; 2] {
     }
 }
 
-/// The triangles of a polygon with holes, in the plane or in space, however its contours run and whatever
-/// they do.
+/// Triangulates a polygon with holes, in the plane or in space, with contours of any direction and with any
+/// defects.
 ///
-/// Every decision is exact. Contours that are simple, apart and properly nested give n + 2h − 2 triangles on
-/// their n corners, that cover what lies inside `outer` and outside all `holes` once: the sweep proves that
-/// no two sides cross, every triangle has area and is counter-clockwise, and their number and the sum of
-/// their areas are checked. Anything else still gives triangles that cover, once, what the contours enclose,
-/// and is told in [`PolygonTriangles::repairs`].
+/// Every decision is exact. Contours that are simple, disjoint and properly nested give n + 2h − 2 triangles
+/// on their n corners, which cover the region inside `outer` and outside all `holes` once. The sweep proves
+/// that no two sides cross and that every triangle has area and is counter-clockwise; the number of triangles
+/// and the sum of their areas are checked. All other contours still give triangles that cover the enclosed
+/// region once, and [`PolygonTriangles::repairs`] reports their defects.
 ///
-/// A polygon in space is seen along the largest axis of its normal, which changes no coordinate; where its
-/// sides cross in that view, also along its normal (rounded). [`PolygonTriangles::warp`] says how far it is
-/// from flat.
+/// A polygon in space is projected along the largest axis of its normal, which changes no coordinate. Where
+/// its sides cross in that projection, the one along its normal (rounded) is tried too.
+/// [`PolygonTriangles::warp`] is its deviation from a plane.
 ///
 /// `outer` and `holes`: corners in order, in either direction, the last one joined to the first. A contour
-/// may also end with its first corner once more, as some files have it; n does not count that one, and no
-/// triangle has it. Time O(n log n) and about 0.5 µs a corner as long as nothing crosses, O((n + k) log n)
-/// for k crossings; memory about 150 bytes a corner.
+/// may also repeat its first corner at the end, as in some files; n does not count that one, and no triangle
+/// uses it. Time O(n log n) and about 0.5 µs per corner without crossings, O((n + k) log n) with k crossings;
+/// memory about 150 bytes per corner.
 ///
 /// # Errors
-/// [`InvalidPolygon`]: a coordinate that is not finite, more than 2³⁰ corners, too many crossings to count.
+/// [`InvalidPolygon`]: a coordinate that is not finite, more than 2³⁰ corners, too many crossings.
 ///
 /// ```
 /// use chordal::explicit::triangulate::{ContourRepair, polygon_with_holes};
@@ -330,7 +329,7 @@ pub fn polygon_with_holes<P: ContourCorner, H: AsRef<[P]>>(
     if let Some(flat) = triangulate_exactly(&seen, &ends)? {
         return Ok(done(flat));
     }
-    // A bent polygon may cross itself in one view and not in the other.
+    // A non-planar polygon may intersect itself in one projection and not in the other.
     if let Some(above) = P::along_normal(&all, &frame)
         && let Some(flat) = triangulate_exactly(&above, &ends)?
     {
@@ -339,7 +338,7 @@ pub fn polygon_with_holes<P: ContourCorner, H: AsRef<[P]>>(
     triangulate_snapped(&seen, &ends, scale).map(done)
 }
 
-/// What is found in the plane.
+/// The result in the plane.
 #[derive(Default)]
 struct PlaneTriangles {
     triangles: Vec<[u32; 3]>,
@@ -347,23 +346,23 @@ struct PlaneTriangles {
     repairs: Vec<ContourRepair>,
 }
 
-/// The contour that ends at place `k` of the list of ends.
+/// The corners of contour `k`, from the list of ends.
 fn contour(ends: &[usize], k: usize) -> std::ops::Range<usize> {
     (if k == 0 { 0 } else { ends[k - 1] })..ends[k]
 }
 
-/// Corners that differ, in the order of the sweep.
+/// Distinct corners in the order of the sweep.
 struct SortedCorners {
     points: Vec<[f64; 2]>,
-    /// The first corner at each of them.
+    /// For each of them the first corner there.
     corner: Vec<u32>,
-    /// For each corner its place among them.
+    /// For each corner its rank among them.
     rank: Vec<u32>,
 }
 
 impl SortedCorners {
     fn new(corners: &[[f64; 2]]) -> Self {
-        // Bits that order like the numbers do; 0 and −0 are one number.
+        // Bits that sort like the numbers; 0 and −0 are one number.
         let key = |x: f64| {
             let bits = (x + 0.0).to_bits();
             if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
@@ -388,7 +387,7 @@ impl SortedCorners {
         sites
     }
 
-    /// The sides of all contours; those of no length are left out.
+    /// The sides of all contours, without those of length zero.
     fn edges(&self, ends: &[usize], turned: &[bool]) -> Vec<SweepEdge> {
         let mut edges = Vec::with_capacity(self.rank.len());
         for (k, &turned) in turned.iter().enumerate() {
@@ -408,7 +407,7 @@ impl SortedCorners {
         edges
     }
 
-    /// How many contours end with their first corner once more.
+    /// The number of contours that repeat their first corner at the end.
     fn n_closing(&self, ends: &[usize]) -> usize {
         let is_closed = |k: &usize| {
             let ranks = &self.rank[contour(ends, *k)];
@@ -417,7 +416,7 @@ impl SortedCorners {
         (0..ends.len()).filter(is_closed).count()
     }
 
-    /// How many contours have fewer than three different corners.
+    /// The number of contours with fewer than three distinct corners.
     fn n_empty(&self, ends: &[usize]) -> usize {
         let is_empty = |k: &usize| {
             let ranks = &self.rank[contour(ends, *k)];
@@ -429,7 +428,7 @@ impl SortedCorners {
     }
 }
 
-/// Whether each contour runs clockwise: by its area, and where that may be all rounding, by its turn at the
+/// Whether each contour runs clockwise: by its area, or, where that may be all rounding, by its turn at the
 /// leftmost corner, which is right for simple contours.
 fn clockwise(corners: &[[f64; 2]], ends: &[usize]) -> Vec<bool> {
     let scale = super::unit_scale(corners);
@@ -444,7 +443,7 @@ fn clockwise(corners: &[[f64; 2]], ends: &[usize]) -> Vec<bool> {
             sum += s - t;
             size += s.abs() + t.abs();
         }
-        // Five roundings a term, and one a sum, each of at most 2⁻⁵³ of the sum of the sizes.
+        // Five roundings per term, and one per sum, each of at most 2⁻⁵³ of the sum of the sizes.
         if sum.abs() > (points.len() + 8) as f64 * f64::EPSILON * size {
             sum < 0.0
         } else {
@@ -454,7 +453,7 @@ fn clockwise(corners: &[[f64; 2]], ends: &[usize]) -> Vec<bool> {
     (0..ends.len()).map(of).collect()
 }
 
-/// Whether a contour turns right at the leftmost of its corners, the lowest of several.
+/// Whether a contour turns right at its leftmost corner, the lowest of several.
 fn turns_right(points: &[[f64; 2]]) -> bool {
     let n = points.len();
     let is_before = |a: [f64; 2], b: [f64; 2]| a[0] < b[0] || a[0] == b[0] && a[1] < b[1];
@@ -466,7 +465,7 @@ fn turns_right(points: &[[f64; 2]]) -> bool {
     }
 }
 
-/// The triangles on the corners themselves; `None` when sides cross.
+/// The triangulation on the corners themselves; `None` when sides cross.
 fn triangulate_exactly(
     corners: &[[f64; 2]],
     ends: &[usize],
@@ -498,7 +497,7 @@ fn triangulate_exactly(
     Ok(Some(PlaneTriangles { triangles, added: Vec::new(), repairs }))
 }
 
-/// Whether the areas of the triangles add up to what the border encloses, but for rounding.
+/// Whether the areas of the triangles add up to the area within the border, but for rounding.
 fn areas_agree(points: &[[f64; 2]], triangles: &[[u32; 3]], border: &[SweepEdge]) -> bool {
     let Some(origin) = border.first().map(|edge| points[edge.from as usize]) else {
         return triangles.is_empty();
@@ -521,20 +520,20 @@ fn areas_agree(points: &[[f64; 2]], triangles: &[[u32; 3]], border: &[SweepEdge]
         covered += s - t;
         size += s.abs() + t.abs();
     }
-    // Five roundings a term, and one a sum; sums of n terms lose at most n units of 2⁻⁵³ of the sum of their
-    // sizes.
+    // Five roundings per term, and one per sum; sums of n terms lose at most n units of 2⁻⁵³ of the sum of
+    // their sizes.
     let n = (border.len() + triangles.len() + 8) as f64;
     // Areas beyond the range of f64 are not compared.
     !size.is_finite() || (inside - covered).abs() <= n * f64::EPSILON * size + f64::MIN_POSITIVE
 }
 
-/// The triangles on a grid through all crossings.
+/// The triangulation on a snap-rounding grid, through all crossings.
 fn triangulate_snapped(
     corners: &[[f64; 2]],
     ends: &[usize],
     scale: f64,
 ) -> Result<PlaneTriangles, InvalidPolygon> {
-    // The grid takes numbers up to 1e150.
+    // The grid accepts numbers up to 1e150.
     let shrink = super::unit_scale(corners);
     let small: Vec<[f64; 2]> = corners.iter().map(|p| p.map(|x| x * shrink)).collect();
     let less = |a: f64, b: f64| if a < b { a } else { b };
@@ -558,7 +557,7 @@ fn triangulate_snapped(
     })?;
     let FillTriangles { points, triangles } =
         fill(&edges, InsideRule::LessHoles).ok_or(InvalidPolygon::Fault)?;
-    // Points of the grid where corners lie are the first of these, all others are new.
+    // Grid points at corners are named after the first corner there; all others are new.
     let mut known: Vec<_> = snapped.iter().copied().zip(0_u32..).collect();
     known.sort_unstable();
     known.dedup_by_key(|(p, _)| *p);

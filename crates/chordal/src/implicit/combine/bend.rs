@@ -1,4 +1,4 @@
-//! Shapes twisted and bent: turned about z by an angle that grows along an axis.
+//! Twisted and bent shapes: turned about z by an angle that grows along an axis.
 use super::sweep::farthest;
 use super::transform::bounds_at_most;
 use crate::implicit::shapes::{InvalidShape, finite};
@@ -6,11 +6,11 @@ use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up, mul_up, sqrt_up};
 
 impl Field {
-    /// The shape turned about the z axis by `radians` more with each unit of height.
+    /// The shape twisted about the z axis: turned by `radians` more per unit of height.
     ///
-    /// The value is a bound where the shape's box is finite around the axis: it is divided by the most that
-    /// the twist stretches anything as far off the axis as the box reaches, and points further off take the
-    /// value of the nearest point there. Otherwise it is a sign.
+    /// The value is a bound where the shape's box is finite around the axis. It is divided by the largest
+    /// stretch of the twist as far from the axis as the box reaches; points farther away take the value of
+    /// the nearest point there. Otherwise the value is a sign only.
     ///
     /// # Errors
     /// When the number is not finite.
@@ -19,8 +19,8 @@ impl Field {
         Ok(self.turning(2, radians))
     }
 
-    /// The shape bent: turned about the z axis by `radians` more with each unit along x, so that a rod along
-    /// x becomes a spiral. As a distance like [`Field::twisted`].
+    /// The shape bent: turned about the z axis by `radians` more per unit along x, so that a rod along x
+    /// becomes a spiral. Its distance quality is as for [`Field::twisted`].
     ///
     /// # Errors
     /// When the number is not finite.
@@ -50,11 +50,10 @@ impl Field {
         if !reach.is_finite() || reach == 0.0 || self.bounds().is_empty() {
             return plain.known_distance(Distance::SIGN).known_bounds(bounds);
         }
-        // Just beyond the box, where nothing is inside; a twist keeps points as far from the axis as they
-        // are.
+        // Just beyond the box, where nothing is inside. A twist keeps the distance of points from the axis.
         let rim = add_up(reach, mul_up(reach, 1.0 / 1024.0));
-        // A turn by an angle with the slope k, at a distance r from the axis, stretches by at most (kr +
-        // √(k²r² + 4))/2 where the angle grows along the axis itself, and by at most 1 + kr in any direction.
+        // A turn by an angle of slope k stretches, at a distance r from the axis, by at most (kr + √(k²r² +
+        // 4))/2 where the angle grows along the axis itself, and by at most 1 + kr in any direction.
         let pull = mul_up(radians.abs(), rim);
         let stretch = if axis == 2 {
             0.5 * add_up(pull, sqrt_up(add_up(mul_up(pull, pull), 4.0)))

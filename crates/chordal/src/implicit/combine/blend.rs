@@ -8,10 +8,10 @@ const BLEND: &str = "a blend";
 
 impl Field {
     /// The union with its seam filled: `min(a, b) − h²/(4·radius)` with `h = max(radius − |a − b|, 0)`. It
-    /// holds both shapes, reaches at most a quarter of `radius` further, and is their union where they are
-    /// `radius` apart.
+    /// contains both shapes, extends at most a quarter of `radius` beyond them, and equals their union where
+    /// they are `radius` apart.
     ///
-    /// The value is a bound: the gradient is a weighted mean of both gradients. That needs both to be
+    /// The value is a bound, because its gradient is a weighted mean of both gradients. Both values must be
     /// distances or bounds outside.
     ///
     /// # Errors
@@ -29,8 +29,8 @@ impl Field {
         let blend = Self::from_parts(value, &[&first, &second]);
         // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where
         // these are creases, there are signs without them, and the blend's own surface is kept away from
-        // there: by a half of what they are farther apart, with a smooth start. Its slope is below theirs, so
-        // the sum grows with both.
+        // there: by half of what they are farther apart, with a smooth start. The slope of this term is below
+        // theirs, so the sum grows with both.
         let start = 0.25 * radius;
         let away = |a: &Expr, b: &Expr| {
             let beyond = (a - b).abs() - (radius + start);
@@ -60,7 +60,7 @@ impl Field {
             .smooth_union(&other.complement(), radius)
             .map_err(complement_error)?
             .complement();
-        // It only takes away.
+        // It only removes points.
         Ok(both.known_bounds(self.intersection(other).bounds()))
     }
 

@@ -1,11 +1,11 @@
-//! A shape cut off at a box.
+//! Shapes clipped to a box.
 use super::common;
 use crate::implicit::{Expr, Field};
 use crate::math::Box3;
 
 impl Field {
-    /// The part of the shape within a box, closed by the sides of the box that it may reach. What is left of
-    /// the value is a sign. With a box that has no end the shape stays as it is there.
+    /// The part of the shape within a box, closed by the sides of the box that it may reach. The value
+    /// becomes a sign only. Along infinite sides of the box the shape is not cut.
     ///
     /// ```
     /// use chordal::implicit::{Expr, Field};
@@ -22,19 +22,19 @@ impl Field {
         self.within(region, 3)
     }
 
-    /// [`Field::clipped`] along x and y alone: for a shape of the plane, which stays one. Its box ends along
-    /// z as the region does.
+    /// [`Field::clipped`] along x and y alone: for a planar shape, which stays planar. Its bounds end along z
+    /// where the region does.
     #[must_use]
     pub fn cropped(&self, region: Box3) -> Self {
         self.within(region, 2)
     }
 
-    /// Cut off along so many axes.
+    /// Clips along the first `axes` axes.
     fn within(&self, region: Box3, axes: usize) -> Self {
         let known = self.bounds();
         let mut sign = self.sign().clone();
         for (k, axis) in Expr::axes().iter().enumerate().take(axes) {
-            // The field comes second, so that where it has no value there is none, which is outside.
+            // The field comes second: where it is undefined, so is the result, which counts as outside.
             if region.min[k] > known.min[k] {
                 sign = (Expr::constant(region.min[k]) - axis).max(&sign);
             }
@@ -42,7 +42,7 @@ impl Field {
                 sign = (axis - region.max[k]).max(&sign);
             }
         }
-        // What the value was worth as a distance is not asked of it any more.
+        // The value is worth nothing as a distance any more.
         Self::from_parts(sign, &[self]).known_bounds(common(known, region))
     }
 }

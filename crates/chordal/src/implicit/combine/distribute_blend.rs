@@ -1,19 +1,19 @@
-//! Blends of minima and maxima as minima and maxima of blends.
+//! Rewrites blends of minima and maxima as minima and maxima of blends.
 //!
 //! A smooth minimum grows with both of its operands, so `smin(max(p, q), b) = max(smin(p, b), smin(q, b))`,
-//! and so for minima. What is left below is smooth, and its creases are where the pieces meet: a fillet along
-//! a polyhedron has some of its own.
+//! and likewise for minima. The pieces that are left are smooth, and the creases are where they meet: a
+//! fillet along a polyhedron has creases of its own.
 use crate::implicit::Expr;
 use crate::implicit::expr::ExprKind;
 use crate::implicit::op::{Binary, Unary};
 
-/// Pieces of one expression at most; what would have more stays as it is. Chosen: a blend of two polyhedra.
+/// The most pieces of one expression; what would have more stays as it is. Chosen: a blend of two polyhedra.
 const MOST_PIECES: usize = 128;
-/// Parts of an expression that are looked at for one choice at most. Chosen: chains of blends grow by one at
-/// a time, and each is looked at again.
+/// The most nodes that are visited in search of one minimum or maximum. Chosen: chains of blends grow by one
+/// at a time, and each is visited again.
 const MOST_LOOKS: usize = 256;
 
-/// Which values are to stay what they are; of the others the sign is enough.
+/// The values that must be kept; for all others the sign is enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ExactSign {
     Positive,
@@ -30,13 +30,13 @@ impl ExactSign {
         }
     }
 
-    /// For an operand with the same sign.
+    /// For an operand that is multiplied by `k`.
     fn times(self, k: f64) -> Self {
         if k < 0.0 { self.mirrored() } else { self }
     }
 }
 
-/// The smaller or the larger of two.
+/// A minimum or maximum of two expressions.
 struct Extremum {
     is_min: bool,
     parts: [Expr; 2],
@@ -48,15 +48,15 @@ impl Extremum {
         Self { parts: [map(a), map(b)], ..self }
     }
 
-    /// The same below an operation that falls where its operand grows.
+    /// The same below a decreasing operation.
     fn flipped(self) -> Self {
         Self { is_min: !self.is_min, ..self }
     }
 }
 
-/// A blend of two expressions as minima and maxima of blends of their pieces. It is to grow with both
-/// operands, and its sign is that of the whole wherever both are above 0; where one is below, the signs of
-/// pieces say no more than that. None where both are one piece.
+/// A blend of two expressions as minima and maxima of blends of their pieces. The blend must grow with both
+/// operands. The result has its sign wherever both are above 0; where one is below, the signs of the pieces
+/// say no more than that. None if both are one piece.
 pub(super) fn distribute_blend(a: &Expr, b: &Expr, blend: &dyn Fn(&Expr, &Expr) -> Expr) -> Option<Expr> {
     let mut left = MOST_PIECES;
     let whole = distribute([a, b], blend, &mut left);
@@ -86,11 +86,11 @@ fn distribute([a, b]: [&Expr; 2], blend: &dyn Fn(&Expr, &Expr) -> Expr, left: &m
     if choice.is_min { p.min(&q) } else { p.max(&q) }
 }
 
-/// An expression as a choice whose value it has where that is kept, and whose sign everywhere.
+/// An expression as a minimum or maximum: the same sign everywhere, the same value where that is kept.
 fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extremum> {
     *looks = looks.checked_sub(1)?;
     match expr.kind() {
-        // The box or the ball that a bound is held to is beyond its surface, and not worth pieces of its own.
+        // The box or ball that limits a bound lies beyond its surface, and is not worth pieces of its own.
         ExprKind::Binary(Binary::Max, a, b) if is_bounding_term(b) => {
             Some(find_extremum(a, kept, looks)?.map(|part| part.max(b)))
         }
@@ -105,7 +105,7 @@ fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extr
             Some(find_extremum(below, kept, looks)?.map(|part| part.with_axes(at.clone())))
         }
         ExprKind::Binary(Binary::SmoothMin, a, b) => {
-            // It is not above either: where it is above 0 both are.
+            // A smooth minimum is above neither operand: where it is above 0 both are.
             let of_parts = if kept == ExactSign::Positive { ExactSign::Positive } else { ExactSign::All };
             let blend = |part: &Expr, other: &Expr| Expr::binary(Binary::SmoothMin, part, other);
             match find_extremum(a, of_parts, looks) {
@@ -123,7 +123,7 @@ fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extr
     }
 }
 
-/// Whether it is a coordinate or a length less a number, or a number less a coordinate.
+/// Whether it is a coordinate or a length minus a number, or a number minus a coordinate.
 fn is_bounding_term(expr: &Expr) -> bool {
     let ExprKind::Binary(Binary::Sub, a, b) = expr.kind() else { return false };
     matches!(
@@ -133,7 +133,7 @@ fn is_bounding_term(expr: &Expr) -> bool {
     )
 }
 
-/// A choice below an operation with a constant.
+/// A minimum or maximum below an operation with a constant.
 fn with_constant(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extremum> {
     let ExprKind::Binary(op, a, b) = expr.kind() else { return None };
     let (op, constant, below, is_first) = match (a.kind(), b.kind()) {
@@ -156,9 +156,9 @@ fn with_constant(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extr
     Some(if falls { below.flipped() } else { below })
 }
 
-/// The largest of the distances from sides, if two terms are the parts of the distance from their box: the
-/// length of those above 0, and the largest where none is. It is the whole where that is not above 0, and has
-/// its sign.
+/// The largest of the signed distances to sides, if two terms are the parts of the distance to their box: the
+/// length of those above 0, and the largest where none is. It equals the whole where that is not above 0, and
+/// has its sign.
 fn largest_side<'a>(root: &'a Expr, inside: &'a Expr) -> Option<&'a Expr> {
     let is_zero = |expr: &Expr| matches!(expr.kind(), ExprKind::Const(k) if *k == 0.0);
     let (ExprKind::Unary(Unary::Sqrt, sum), ExprKind::Binary(Binary::Min, largest, zero)) =
@@ -238,12 +238,12 @@ mod tests {
     #[test]
     fn polyhedra_are_blended_plane_by_plane() {
         let blend = octahedron(0.7).unwrap().smooth_union(&sphere(0.5).unwrap(), 0.2).unwrap();
-        // Eight planes and the ball, and a blend of it with each plane.
+        // Eight planes, the ball, and a blend of the ball with each plane.
         assert_eq!(Csg::from_expr(blend.sign()).primitives().len(), 17);
-        // Where a box is cut, in its inside, its sides are one piece each.
+        // Where a box is cut, in its inside, each of its sides is a piece.
         let cut = cuboid([1.0; 3]).unwrap().smooth_difference(&sphere(0.5).unwrap(), 0.2).unwrap();
         assert_eq!(Csg::from_expr(cut.sign()).primitives().len(), 13);
-        // The distance from a box is smooth outside.
+        // The distance to a box is smooth outside.
         let grown = cuboid([1.0; 3]).unwrap().smooth_union(&sphere(0.5).unwrap(), 0.2).unwrap();
         assert_eq!(Csg::from_expr(grown.sign()).primitives().len(), 8);
     }

@@ -1,8 +1,8 @@
-//! Shapes made of shapes: union, intersection, difference; blends; transforms; offsets; repetition.
+//! Combinations of shapes: union, intersection, difference, blends, transforms, offsets, repetition.
 //!
-//! Every operation carries five things through: the value, the expression for the sign, what the value is
-//! worth as a distance, the box, and what was promised of the parts. What needs a distance refuses a field
-//! that has only a sign ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
+//! Every operation computes five things: the value, the sign's expression, the distance quality, the bounding
+//! box, and the promises about its operands. Operations that need a distance refuse a field that has only a
+//! sign ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
 mod bend;
 mod blend;
 mod clip;
@@ -21,7 +21,7 @@ use super::field::Field;
 use crate::math::{Box3, add_up, sub_down};
 
 impl Field {
-    /// All points of both: `min(a, b)`. Outside it is as good a distance as both are, inside a bound.
+    /// The union: `min(a, b)`. Outside, the value is as good a distance as both are; inside, a bound.
     ///
     /// ```
     /// use chordal::implicit::shapes::{cuboid, cylinder};
@@ -42,13 +42,13 @@ impl Field {
         }
     }
 
-    /// All points of both at once: `max(a, b)`. Inside it is as good a distance as both are, outside a bound.
+    /// The intersection: `max(a, b)`. Inside, the value is as good a distance as both are; outside, a bound.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         let both = Self::from_parts(self.expr().max(other.expr()), &[self, other])
             .known_distance(self.distance().intersection(other.distance()))
             .known_bounds(common(self.bounds(), other.bounds()));
-        // Beyond the bounds one of both is not inside, whatever the sign of the other.
+        // Outside the bounds one of both is not inside, whatever the sign of the other.
         let sign = |field: &Self| field.sign_within(&both.bounds());
         if [self, other].iter().any(|field| field.has_sign() || field.pattern().is_some()) {
             let sign = sign(self).max(&sign(other));
@@ -58,13 +58,13 @@ impl Field {
         }
     }
 
-    /// The points of this that are not of the other: `max(a, −b)`.
+    /// The points of this shape that are not in the other: `max(a, −b)`.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Self {
         self.intersection(&other.complement())
     }
 
-    /// All other points: `−a`. (A point of the surface itself belongs to neither.)
+    /// The complement: `−a`. (A point of the surface itself belongs to neither.)
     #[must_use]
     pub fn complement(&self) -> Self {
         let other = Self::from_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
@@ -75,33 +75,33 @@ impl Field {
         }
     }
 
-    /// The points of one of both, not of both: `max(min(a, b), −max(a, b))`.
+    /// The points of exactly one of both: `max(min(a, b), −max(a, b))`.
     #[must_use]
     pub fn xor(&self, other: &Self) -> Self {
         self.union(other).difference(&self.intersection(other))
     }
 
-    /// The union of many, as a balanced tree: time and memory are linear, and the depth is logarithmic.
-    /// Nothing, when there are none.
+    /// The union of many fields as a balanced tree: time and memory are linear, and the depth is logarithmic.
+    /// Empty if there are none.
     #[must_use]
     pub fn union_of(fields: &[Self]) -> Self {
         balanced(fields, Self::union).unwrap_or_else(Self::nothing)
     }
 
-    /// The intersection of many, as [`Field::union_of`]. All of space, when there are none.
+    /// The intersection of many fields, as [`Field::union_of`]. All of space if there are none.
     #[must_use]
     pub fn intersection_of(fields: &[Self]) -> Self {
         balanced(fields, Self::intersection).unwrap_or_else(|| Self::nothing().complement())
     }
 
-    /// The shape without points.
+    /// The empty shape.
     #[must_use]
     pub fn nothing() -> Self {
-        // Any number is a bound on a distance that does not end; the largest serves as well as infinity.
+        // Any number is a bound on an infinite distance; the largest serves as well as infinity.
         Self::new(Expr::constant(f64::MAX)).known_distance(super::Distance::BOUND).known_bounds(Box3::EMPTY)
     }
 
-    /// The same value and everything else with another expression of a sign, if there was one.
+    /// Gives the field the mapped sign of `from`, if that has one.
     fn map_sign(self, from: &Self, map: impl FnOnce(&Expr) -> Expr) -> Self {
         if from.has_sign() { self.replace_sign(map(from.sign())) } else { self }
     }
@@ -116,7 +116,7 @@ fn balanced(fields: &[Field], join: fn(&Field, &Field) -> Field) -> Option<Field
     level.pop()
 }
 
-/// The box of what is in both; that of nothing when they are apart.
+/// The intersection of two boxes; the empty box if they are apart.
 fn common(a: Box3, b: Box3) -> Box3 {
     let both = Box3 {
         min: std::array::from_fn(|k| if a.min[k] > b.min[k] { a.min[k] } else { b.min[k] }),
@@ -125,7 +125,7 @@ fn common(a: Box3, b: Box3) -> Box3 {
     if both.is_empty() { Box3::EMPTY } else { both }
 }
 
-/// The box with `by` more on every side, rounded outward; that of nothing stays so.
+/// The box grown by `by` on every side, rounded outward; an empty box stays empty.
 fn grown(bounds: Box3, by: f64) -> Box3 {
     if bounds.is_empty() {
         return bounds;

@@ -5,17 +5,17 @@ use crate::implicit::shapes::{InvalidShape, finite, not_negative, positive};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field, Tape};
 use crate::math::Box3;
 
-/// The share by which the lowest value of a range may be below the exact one. Derived: a few hundred
+/// The fraction by which the lowest value of an interval may be below the exact one. Derived: a few hundred
 /// operations, each rounded by a unit, are off by less than 2⁻⁴⁰.
 const ROUNDED: f64 = 1.0 / (1_u64 << 40) as f64;
 
 impl Field {
     /// The shape grown by a distance, or shrunk by a negative one: `a − by`.
     ///
-    /// Grown from an exact distance it is every point that is nearer than `by`, and exact outside; a bound
-    /// inside. Shrunk from an exact distance it is every point deeper than that, and exact inside; a bound
-    /// outside. From a bound it is more than the first (within the box grown by as much, corners cut so), or
-    /// less than the second.
+    /// Grown from an exact distance, it is every point nearer than `by`: exact outside, a bound inside.
+    /// Shrunk from an exact distance, it is every point deeper than that: exact inside, a bound outside. From
+    /// a bound, it contains the first (within the box grown by as much, so corners are cut), or is contained
+    /// in the second.
     ///
     /// # Errors
     /// When `by` is not finite, or the value has only a sign on the side that it moves into.
@@ -41,8 +41,8 @@ impl Field {
             .known_bounds(self.bounds()))
     }
 
-    /// A wall around the surface, half of `thickness` to each side of it: `|a| − thickness/2`. Exact outside
-    /// where the value was exact on both sides, else a bound.
+    /// A wall around the surface, with half of `thickness` on each side of it: `|a| − thickness/2`. The value
+    /// is exact outside if it was exact on both sides, else a bound.
     ///
     /// # Errors
     /// When the thickness is not a finite number above 0, or the value has only a sign on a side.
@@ -58,13 +58,13 @@ impl Field {
             .known_bounds(grown(held.bounds(), half)))
     }
 
-    /// The value with an expression added to it, which takes off at most `amplitude` anywhere. What is left
-    /// is a sign: nothing is known of the expression's slope.
+    /// The value plus an expression that lowers it by at most `amplitude` anywhere. The result is a sign
+    /// only, because nothing is known about the expression's slope.
     ///
-    /// The amplitude is checked where ranges can: for the expression over all of space, and for the whole
-    /// shape outside of its box. Where the expression is found to reach deeper than `amplitude` the box is as
-    /// large as it needs to be. Where ranges say nothing (an expression without a lowest value, a user's
-    /// function) the amplitude is a promise, which [`Field::evidence`] lists.
+    /// Interval arithmetic checks the amplitude where it can: for the expression over all of space, and for
+    /// the whole shape outside of its box. If the expression reaches deeper than `amplitude`, the box is made
+    /// as large as needed. If intervals prove nothing (an expression without a lowest value, a user's
+    /// function), the amplitude is a promise, which [`Field::evidence`] lists.
     ///
     /// # Errors
     /// When the amplitude is not a finite number, 0 or above, or the value has only a sign outside.
@@ -82,10 +82,10 @@ impl Field {
         let amplitude = not_negative("a displacement's amplitude", amplitude)?;
         let held = self.with_box_bound("a displacement")?;
         let mut displaced = Self::from_parts(held.expr() + by, &[&held]);
-        // Outside of the box by as much the value was that much at least.
+        // Outside the box grown by a depth, the value was at least that depth.
         let within = |depth: f64| grown(held.bounds(), depth);
         let depth = lowest(&Tape::new(by)).map(|low| if low < 0.0 { -low } else { 0.0 });
-        // Ranges are rounded outward: half a unit beyond the amplitude is no other depth.
+        // Intervals are rounded outward: half a unit beyond the amplitude does not count as deeper.
         let deeper = |depth: f64| depth > amplitude * (1.0 + ROUNDED);
         match depth {
             Some(depth) if !deeper(depth) => {
@@ -104,8 +104,8 @@ impl Field {
         }
     }
 
-    /// The same shape with a value that is at least the distance to its box, if that is finite: so the box,
-    /// grown by a length, holds every point with a value up to it. An exact distance has that already.
+    /// The same shape with a value that is at least the distance to its box, if that is finite. So the box,
+    /// grown by a length, contains every point with a value up to it. An exact distance has this already.
     pub(super) fn with_box_bound(&self, operation: &'static str) -> Result<Self, InvalidShape> {
         match self.distance().outside {
             DistanceQuality::Sign => Err(InvalidShape::NeedsDistance { operation, side: "outside" }),
@@ -122,8 +122,8 @@ impl Field {
                     }
                 }
                 let value = walls.iter().fold(self.expr().clone(), |value, wall| value.max(wall));
-                // A wall is above the value only where that is not inside, so where it is negative nothing
-                // changes …
+                // A wall exceeds the value only where the value is not inside, so nothing changes where it is
+                // negative.
                 let sign = self.sign().clone();
                 Ok(Self::from_parts(value, &[&self.as_distance()])
                     .known_sign(sign)

@@ -1,14 +1,14 @@
-//! Profiles that are revolved: what ends them at the axis alone ends nothing of the solid.
+//! Profiles of revolution: removes the boundaries that a profile has only at the axis.
 //!
 //! A rectangle from x = 0 to 2 is `max(x − 2, −x)`, and the polygon of a vase has a side on the axis. In the
-//! plane that is a boundary. Of the solid it would make the axis a surface of its own, all along its inside:
-//! an infinitely thin hole, on which no box of any size is decided. So where a maximum or a minimum is taken
-//! with a number that changes its sign at the axis alone, the other operand is what is left, and a polygon
-//! goes on as its own mirror image.
+//! plane that side is a boundary. In the solid it would make the axis a surface of its own: an infinitely
+//! thin hole, on which no box of any size is decided. So where one operand of a maximum or minimum changes
+//! its sign at the axis alone, only the other operand is kept, and a polygon is joined with its own mirror
+//! image.
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::{Expr, ExprGraph, Term};
 
-/// An expression with the sign of a profile's for x > 0, that on the axis has the sign of what is beside it.
+/// An expression with the sign of a profile for x > 0. On the axis it has the sign of the points beside it.
 pub(super) fn without_axis(sign: &Expr) -> Expr {
     let graph = ExprGraph::from_expr(sign);
     let mut terms: Vec<ProfileTerm> = Vec::with_capacity(graph.terms().len());
@@ -45,7 +45,7 @@ impl LinearFunction {
         Some(Self { slope: exact_product(self.slope, factor)?, offset: exact_product(self.offset, factor)? })
     }
 
-    /// Whether it is negative for all x > 0, and not decided elsewhere.
+    /// Whether it is negative for all x > 0, but not everywhere.
     fn is_below(self) -> bool {
         self.slope < 0.0 && self.offset <= 0.0
     }
@@ -59,15 +59,15 @@ impl LinearFunction {
     }
 }
 
-/// What is known of a term.
+/// What is known about a term.
 struct ProfileTerm {
     /// The term.
     value: Expr,
-    /// It as a line in x, if it is one.
+    /// The term as a line in x, if it is one.
     line: Option<LinearFunction>,
-    /// Another expression of its sign off the axis, where there is a better one.
+    /// Another expression with its sign off the axis, where there is a better one.
     sign: Option<Expr>,
-    /// The operand, of an absolute value.
+    /// The operand of an absolute value.
     inside: Option<(Expr, Option<LinearFunction>)>,
 }
 
@@ -110,7 +110,7 @@ impl ProfileTerm {
             }
             Term::Leaf(leaf, [x, y, z]) => {
                 let place = [x, y, z].map(|part| at(part).value.clone());
-                // Where the leaf has the axis, if its own x runs along with ours.
+                // The axis in the leaf's own coordinate, if its x runs along with ours.
                 let axis = at(x).line.filter(|line| line.slope > 0.0).map(|line| line.offset);
                 let sign = axis
                     .and_then(|axis| leaf.without_axis(axis))
@@ -135,7 +135,7 @@ impl ProfileTerm {
         }
     }
 
-    /// The operand of a maximum or minimum that is left where the other one `never` has a say off the axis.
+    /// The operand of a maximum or minimum that is left where the other one can `never` decide off the axis.
     fn chosen(op: Binary, a: &Self, b: &Self, never: fn(LinearFunction) -> bool) -> Option<Expr> {
         let has_none = |part: &Self| part.line.is_some_and(never);
         let own = |part: &Self| part.sign.as_ref().unwrap_or(&part.value).clone();
@@ -147,7 +147,7 @@ impl ProfileTerm {
         }
     }
 
-    /// `|u| − c` is `max(u − c, −u − c)`, and `c − |u|` the minimum of the opposites.
+    /// `|u| − c` is `max(u − c, −u − c)`, and `c − |u|` is the minimum of the negatives.
     fn slab(a: &Self, b: &Self) -> Option<Expr> {
         let (inside, half, outward) = match (&a.inside, b.line, a.line, &b.inside) {
             (Some(inside), Some(half), ..) => (inside, half.constant()?, true),
@@ -166,7 +166,7 @@ impl ProfileTerm {
         Some(if outward { left } else { -left })
     }
 
-    /// The same sign, or the opposite one.
+    /// The sign after scaling by a constant.
     fn scaled(op: Binary, a: &Self, b: &Self) -> Option<Expr> {
         let factor = |part: &Self| {
             part.line.and_then(LinearFunction::constant).is_some_and(|c| c != 0.0 && c.is_finite())
@@ -187,7 +187,7 @@ fn exact_sum(a: f64, b: f64) -> Option<f64> {
     (error == 0.0 && sum.is_finite()).then_some(sum)
 }
 
-/// The product, if it is not rounded: 0, or one with a power of two among the usual sizes.
+/// The product, if it is not rounded: 0, or a normal number with a power of two as a factor.
 fn exact_product(a: f64, factor: f64) -> Option<f64> {
     if a == 0.0 && factor.is_finite() {
         return Some(0.0);
@@ -197,7 +197,7 @@ fn exact_product(a: f64, factor: f64) -> Option<f64> {
     plain.then_some(product)
 }
 
-/// Whether it is a power of two, or the opposite of one: a number without a fraction in its bits.
+/// Whether it is a power of two or the negative of one: a number without a fraction in its bits.
 fn is_power(x: f64) -> bool {
     let fraction = x.to_bits() & ((1 << (f64::MANTISSA_DIGITS - 1)) - 1);
     x.is_normal() && fraction == 0

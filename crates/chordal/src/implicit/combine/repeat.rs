@@ -1,35 +1,34 @@
-//! A shape repeated along the axes.
+//! Shapes repeated along the axes.
 use super::common;
 use crate::implicit::op::Unary;
 use crate::implicit::shapes::InvalidShape;
 use crate::implicit::{Csg, Distance, DistanceQuality, Expr, Field, Tape};
 use crate::math::{Box3, Interval, add_up, mul_up};
 
-/// Copies of one cell's neighbourhood, at most: each is an expression of its own.
+/// The most copies in one cell's neighbourhood: each is an expression of its own.
 const MOST: u64 = 4096;
 
-/// Primitives of all copies whose union is the sign where their number is limited: it has no steps then, and
-/// planes that copies have in common are one. Chosen: beyond, the steps from cell to cell cost less than the
-/// copies.
+/// The most primitives in all copies whose union is the sign, if their number is finite. It has no steps, and
+/// planes that copies share are one. Chosen: beyond, the steps from cell to cell cost less than the copies.
 const MOST_LISTED: u64 = 8192;
 
 /// How a shape is repeated along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Repeat {
-    /// Not at all.
+    /// No repetition.
     Once,
-    /// At every whole multiple of a period, without end.
+    /// At every integer multiple of a period, without end.
     Every(f64),
-    /// So many times, a period apart, the first where the shape is.
+    /// So many times, a period apart; the first copy is the shape itself.
     Times(u32, f64),
 }
 
 impl Field {
     /// The union of copies of the shape, repeated along x, y and z.
     ///
-    /// Every copy counts: from each cell all copies are looked at that can be nearest there, however far the
-    /// shape reaches beyond its cell. An exact distance stays exact outside and becomes a bound inside. A
-    /// bound is only a sign outside afterwards, since it may jump from cell to cell.
+    /// Every copy counts: in each cell all copies are evaluated that can be nearest there, however far the
+    /// shape extends beyond its cell. An exact distance stays exact outside and becomes a bound inside. A
+    /// bound becomes a sign only outside, because it may jump from cell to cell.
     ///
     /// # Errors
     /// When a period is not a finite number above 0, a count is 0, the shape's box is not finite along a
@@ -90,15 +89,14 @@ impl Field {
     }
 }
 
-/// Copies without end, for what is cut out of them.
+/// A pattern of copies without end, to be cut out of.
 #[derive(Clone, Debug)]
 pub(in crate::implicit) struct PeriodicPattern {
     copy: Field,
     along: [Repeat; 3],
-    /// Whether it is all but the copies.
+    /// Whether it is the complement of the copies.
     is_complement: bool,
-    /// Where it was placed: which of its points, or of those before, each point of space is; the last one
-    /// last.
+    /// The maps from points of space to points of the pattern, of which the last is applied first.
     at: Vec<[Expr; 3]>,
 }
 
@@ -107,21 +105,21 @@ impl PeriodicPattern {
         Self { is_complement: !self.is_complement, ..self.clone() }
     }
 
-    /// The pattern in another place: each point of space is one of its points.
+    /// The pattern under a further map from points of space to its points.
     pub fn placed(&self, at: &[Expr; 3]) -> Self {
         let at = self.at.iter().chain([at]).cloned().collect();
         Self { at, ..self.clone() }
     }
 
-    /// An expression with the sign in a box, which lists the copies that reach into it: no steps then. None
-    /// where these are too many.
+    /// An expression with the same sign in a box, as a list of the copies that reach into it, so without
+    /// steps. None if there are too many.
     pub fn sign_within(&self, bounds: &Box3) -> Option<Expr> {
         let own = self.at.iter().rev().try_fold(*bounds, |bounds, at| image(at, &bounds))?;
         let sign = self.own_sign_within(&own)?;
         Some(self.at.iter().fold(sign, |sign, at| sign.with_axes(at.clone())))
     }
 
-    /// The same, of the pattern in its own place.
+    /// The same for the pattern in its own coordinates.
     fn own_sign_within(&self, bounds: &Box3) -> Option<Expr> {
         let (axes, own) = (Expr::axes(), self.copy.bounds());
         let mut places: Vec<[Expr; 3]> = vec![axes.clone()];
@@ -130,7 +128,7 @@ impl PeriodicPattern {
             let (first, last, period) = match repeat {
                 Repeat::Once => continue,
                 Repeat::Times(count, period) => (0.0, f64::from(count) - 1.0, period),
-                // With one more on each side, which covers any rounding.
+                // One more on each side covers any rounding.
                 Repeat::Every(period) => {
                     let reach = [bounds.min[k] - own.max[k], bounds.max[k] - own.min[k]];
                     ((reach[0] / period).floor(), (reach[1] / period).ceil(), period)
@@ -157,7 +155,7 @@ impl PeriodicPattern {
     }
 }
 
-/// A box that holds the image of a box, if it is finite.
+/// A box that contains the image of a box, if it is finite.
 fn image(map: &[Expr; 3], bounds: &Box3) -> Option<Box3> {
     let range = |expr: &Expr| {
         let mut range = [Interval::point(0.0)];
@@ -169,19 +167,19 @@ fn image(map: &[Expr; 3], bounds: &Box3) -> Option<Box3> {
     Some(Box3 { min: [x.lo(), y.lo(), z.lo()], max: [x.hi(), y.hi(), z.hi()] })
 }
 
-/// The copies along one axis that can be nearest from a cell, counted from the cell's own.
+/// The copies along one axis that can be nearest to points of a cell, counted from the cell's own.
 struct RepeatWindow {
     period: f64,
-    /// How many copies there are, if that is limited.
+    /// The number of copies, if it is finite.
     count: Option<u32>,
     first: i64,
     last: i64,
 }
 
 impl RepeatWindow {
-    /// The nearest copy's nearest point is at most half a period away along the axis: else the next copy
-    /// would be nearer. From a cell's own middle, points are within half a period, so only copies that reach
-    /// into a period to each side matter.
+    /// The nearest copy's nearest point is at most half a period away along the axis: otherwise the next copy
+    /// would be nearer. Points are within half a period of their cell's middle, so only copies that reach
+    /// into one period on each side matter.
     fn new(repeat: Repeat, low: f64, high: f64) -> Result<Self, InvalidShape> {
         let refused = |sentence: String| Err(InvalidShape::Number(sentence));
         let (period, count) = match repeat {
@@ -200,8 +198,8 @@ impl RepeatWindow {
         if !(low.is_finite() && high.is_finite()) {
             return refused("a shape without ends cannot be repeated along them".into());
         }
-        // One more on each side than the quotients say would do for any rounding; a thousandth is far more
-        // than theirs.
+        // One more on each side than the quotients say would cover any rounding; a thousandth is far more
+        // than their rounding.
         let (first, last) = ((-1.001 - high / period).ceil(), (1.001 - low / period).floor());
         if last - first >= MOST as f64 {
             return refused(format!(
@@ -216,7 +214,7 @@ impl RepeatWindow {
         self.count.map_or(window, |n| if u64::from(n) < window { u64::from(n) } else { window })
     }
 
-    /// The coordinate as each copy sees it.
+    /// The coordinate in the frame of each copy.
     fn places(&self, axis: &Expr) -> Vec<Expr> {
         let copy = |number: Expr| axis - number * self.period;
         if self.count.is_some_and(|n| u64::from(n) <= self.len()) {
@@ -233,7 +231,7 @@ impl RepeatWindow {
         (self.first..=self.last).map(|k| copy(number(k))).collect()
     }
 
-    /// The coordinate as each copy sees it, where their number is limited.
+    /// The coordinate in the frame of each copy, where their number is finite.
     fn all(&self, axis: &Expr) -> Vec<Expr> {
         let moved = |k: u32| if k == 0 { axis.clone() } else { axis - f64::from(k) * self.period };
         (0..self.count.unwrap_or(0)).map(moved).collect()

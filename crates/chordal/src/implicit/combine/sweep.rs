@@ -1,4 +1,4 @@
-//! From the plane into space: extrusion and revolution.
+//! From planar shapes to solids: extrusion and revolution.
 use super::common;
 use super::profile::without_axis;
 use super::transform::bounds_at_most;
@@ -7,8 +7,8 @@ use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, Interval, add_up, sqrt_up};
 
 impl Field {
-    /// The part of a shape of the plane (one that does not depend on z) within half of `height` above and
-    /// below 0, as a distance as good as it was. Of a solid it takes the part of z = 0 and extrudes that.
+    /// A planar shape (one that does not depend on z) extruded to half of `height` above and below 0. The
+    /// value is as good a distance as it was. Of a solid, the section at z = 0 is extruded.
     ///
     /// # Errors
     /// When the height is not a finite number above 0.
@@ -37,20 +37,20 @@ impl Field {
             .known_bounds(common(endless, slab)))
     }
 
-    /// A shape of the plane turned about its y axis, which then stands along z: the point (x, y) becomes the
-    /// circle of radius x at the height y. What lies at negative x plays no part.
+    /// A planar shape revolved about its y axis, which becomes the z axis: the point (x, y) becomes the
+    /// circle of radius x at the height y. Points at negative x have no effect.
     ///
     /// Where the profile ends at the axis alone, by a side of a polygon or of a rectangle on it, the solid
-    /// goes on there: it holds the axis, which a profile with a side on it does not.
+    /// goes on: it contains the axis, which a profile with a side on it does not.
     ///
-    /// Exact distances stay exact for shapes that keep off the axis by their box; one that touches it is
-    /// exact outside only; one that crosses it is a bound.
+    /// Exact distances stay exact if the shape's box does not touch the axis. If it touches, the value is
+    /// exact outside only; if it crosses, a bound.
     #[must_use]
     pub fn revolved(&self) -> Self {
         let [x, y, z] = Expr::axes();
         let zero = Expr::constant(0.0);
         let profile = without_axis(self.sign());
-        // The leaf of a profile without an expression of its own for the sign serves for both.
+        // If the profile has no expression of its own for the sign, its leaf serves for both.
         let value = if self.has_own_sign() { self.expr() } else { &profile };
         let value = value.with_axes([(x.square() + y.square()).sqrt(), z.clone(), zero.clone()]);
         let sign = profile.with_axes([axis_distance(), z, zero]);
@@ -71,12 +71,12 @@ impl Field {
     }
 }
 
-/// What the value is worth as a distance in the plane z = 0: that of a solid is a bound there.
+/// The distance quality in the plane z = 0: that of a solid is a bound there.
 fn slice_distance(field: &Field) -> Distance {
     if field.tape().axes()[2] { bounds_at_most(field.distance()) } else { field.distance() }
 }
 
-/// The farthest that a box reaches from the z axis, from above.
+/// The largest distance of a box from the z axis, rounded up.
 pub(super) fn farthest(bounds: &Box3) -> f64 {
     let side = |k: usize| {
         let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());

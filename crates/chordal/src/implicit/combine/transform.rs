@@ -1,4 +1,4 @@
-//! Shapes moved, turned, scaled and mirrored.
+//! Shapes moved, rotated, scaled and mirrored.
 use crate::implicit::shapes::{InvalidShape, finite_point, sum, unit};
 use crate::implicit::{Affine3, Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, Interval, add_down, add_up, elementary, mul_up, sqrt_up};
@@ -24,8 +24,8 @@ impl Field {
         Ok(moved.with_pattern_at(self, &at))
     }
 
-    /// The shape turned counter-clockwise around an axis through the origin, seen from its tip. The rounded
-    /// sine and cosine define the turn.
+    /// The shape rotated counter-clockwise around an axis through the origin, seen from the axis's tip. The
+    /// rounded sine and cosine define the rotation.
     ///
     /// # Errors
     /// When a number is not finite, or the axis has no length.
@@ -34,7 +34,7 @@ impl Field {
         let [angle_deg] = finite_point("an angle", [angle_deg])?;
         let (sin, cos) = sine_cosine_deg(angle_deg);
         let rest = 1.0 - cos;
-        // The inverse turn, which takes points back into the shape's own space.
+        // The inverse rotation, which takes points back into the shape's own space.
         let rows = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 let (next, last) = ((i + 1) % 3, (i + 2) % 3);
@@ -51,8 +51,8 @@ impl Field {
         Ok(self.map_linear(rows, [0.0; 3]))
     }
 
-    /// The shape scaled about the origin, by one factor along each axis; a negative factor mirrors. With
-    /// equal factors the value stays what it was; else an exact distance becomes a bound.
+    /// The shape scaled about the origin, by one factor along each axis; a negative factor mirrors. Equal
+    /// factors keep the distance quality; otherwise an exact distance becomes a bound.
     ///
     /// # Errors
     /// When a factor is not finite, or 0.
@@ -77,7 +77,7 @@ impl Field {
         Ok(field.known_distance(distance).known_bounds(bounds).with_pattern_at(self, &at))
     }
 
-    /// The mirror image in the plane through the origin across `normal`.
+    /// The mirror image in the plane through the origin with this normal.
     ///
     /// # Errors
     /// When a number is not finite, or the normal has no length.
@@ -89,9 +89,9 @@ impl Field {
         Ok(self.map_linear(rows, [0.0; 3]))
     }
 
-    /// The shape carried by an affine map: a point `p` of it goes to `map.at(p)`. The rounded inverse of the
-    /// map defines the result. A map that turns, mirrors, moves and scales evenly keeps what the value is
-    /// worth; else an exact distance becomes a bound.
+    /// The shape under an affine map: its point `p` goes to `map.at(p)`. The rounded inverse of the map
+    /// defines the result. Rotations, reflections, translations and uniform scaling keep the distance
+    /// quality; otherwise an exact distance becomes a bound.
     ///
     /// # Errors
     /// When the map's inverse is not finite.
@@ -107,8 +107,7 @@ impl Field {
         Ok(self.map_linear(inverse, shift))
     }
 
-    /// The shape of all points that `rows` and `shift` take into this one, with the value divided by the
-    /// largest stretch.
+    /// The points that `rows` and `shift` map into this shape, with the value divided by the largest stretch.
     fn map_linear(&self, rows: [[f64; 3]; 3], shift: [f64; 3]) -> Self {
         let axes = Expr::axes();
         let at: [Expr; 3] = std::array::from_fn(|i| {
@@ -128,7 +127,7 @@ impl Field {
         field.with_pattern_at(self, &at)
     }
 
-    /// The same with the pattern that another has at other points, if it has one.
+    /// Adds the pattern of another field at mapped points, if it has one.
     pub(super) fn with_pattern_at(self, other: &Self, at: &[Expr; 3]) -> Self {
         match other.pattern() {
             Some(pattern) => self.with_pattern(pattern.placed(at)),
@@ -136,20 +135,20 @@ impl Field {
         }
     }
 
-    /// The value and the sign of other points.
+    /// The value and the sign at other points.
     pub(super) fn at(&self, at: &[Expr; 3]) -> Self {
         let value = self.expr().with_axes(at.clone());
         Self::from_parts(value, &[self]).map_sign(self, |sign| sign.with_axes(at.clone()))
     }
 }
 
-/// What is left of it when slopes are uneven.
+/// The distance quality after uneven scaling.
 pub(super) fn bounds_at_most(distance: Distance) -> Distance {
     let weaker = |q: DistanceQuality| if q < DistanceQuality::Bound { q } else { DistanceQuality::Bound };
     Distance { outside: weaker(distance.outside), inside: weaker(distance.inside) }
 }
 
-/// Exact at whole quarters of a turn.
+/// Sine and cosine; exact at multiples of 90°.
 fn sine_cosine_deg(angle: f64) -> (f64, f64) {
     let turned = angle.rem_euclid(360.0);
     let quarter = (turned / 90.0).round();
@@ -163,7 +162,7 @@ fn sine_cosine_deg(angle: f64) -> (f64, f64) {
     }
 }
 
-/// The most that a map lengthens a vector, from above, and whether it lengthens all alike (but for rounding).
+/// The largest stretch of a vector, rounded up, and whether all are stretched alike (but for rounding).
 fn stretch(rows: [[f64; 3]; 3]) -> (f64, bool) {
     // Mᵀ M, whose largest eigenvalue is at most the largest sum of a row.
     let product =
@@ -196,7 +195,7 @@ fn middle(range: Interval) -> f64 {
     range.midpoint().unwrap_or(f64::NAN)
 }
 
-/// Where the inverse's numbers are; `None` where the determinant may be 0.
+/// The inverse, enclosed in intervals; `None` where the determinant may be 0.
 fn inverse(rows: [[f64; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
     let m = rows.map(|row| row.map(Interval::point));
     let minor = |i: usize, j: usize| {
@@ -211,7 +210,7 @@ fn inverse(rows: [[f64; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
     Some(std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / det)))
 }
 
-/// A box around all points that go into another box.
+/// A box around all points that are mapped into another box.
 fn preimage(bounds: Box3, rows: [[f64; 3]; 3], shift: [f64; 3]) -> Box3 {
     if bounds.is_empty() {
         return bounds;

@@ -1,38 +1,38 @@
-//! `ContinuousBranches`: a primitive with steps as one without for each of the values that its steps have.
+//! `ContinuousBranches`: a primitive with steps as several without, one for each combination of step values.
 //!
-//! In a box that a step runs through, `round(x)` has two values, k and k + 1, and each of both makes a
-//! function without a step. The primitive has the values of one or the other, so both ranges together hold
-//! all of its values; and they are far tighter than one for all numbers from k to k + 1, as of a shape that
-//! is repeated: `x − round(x)` would be any number from −1/2 to 1/2. Where a step has one value throughout,
-//! the primitive is one of these functions, with its gradient.
+//! In a box where it jumps once, `round(x)` has two values, k and k + 1, and each makes a function without a
+//! step. The primitive has the values of one or the other, so both intervals together contain all of its
+//! values. They are far tighter than one interval for all numbers from k to k + 1: in a repeated shape,
+//! `x − round(x)` would be any number from −1/2 to 1/2. Where each step has one value throughout, the
+//! primitive is one of these functions, with its gradient.
 use crate::implicit::graph::{parts, reachable};
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::{ExprGraph, LeafError, Tape, Term};
 use crate::math::{Box3, Interval};
 use std::collections::HashMap;
 
-/// Functions that a box is asked for at most in place of one. Chosen: a corner where steps along all three
-/// axes meet.
+/// The most functions that are evaluated for a box in place of one. Chosen: a corner where steps along all
+/// three axes meet.
 const MOST: usize = 8;
-/// Terms of all functions of a primitive at most; boxes beyond are asked for as a whole. Defined: some
+/// The most terms in all functions of a primitive; further boxes are evaluated as a whole. Defined: some
 /// hundred megabytes.
 const MOST_TERMS: usize = 1 << 20;
 
-/// Whole numbers below this are the same as floats and as integers.
+/// Integers below this are exact as floats.
 const LEAST_INEXACT: f64 = (1_u64 << 53) as f64;
 
-/// A primitive's steps.
+/// A primitive with steps.
 #[derive(Clone, Debug)]
 pub(super) struct ContinuousBranches {
     terms: Vec<Term>,
     steps: Vec<StepTerm>,
-    /// The functions that were made so far.
+    /// The functions made so far.
     pub functions: Vec<Tape>,
     /// By the values of the steps.
     numbers: HashMap<Vec<i64>, u32>, // No order depends on it.
 }
 
-/// A term that has steps, and what it rounds.
+/// A term with steps, and the function that it rounds.
 #[derive(Clone, Debug)]
 struct StepTerm {
     term: u32,
@@ -45,12 +45,12 @@ enum RoundingMode {
     Down,
     Up,
     Nearest,
-    /// Down; the term is what is left of the operand when the number is taken away so often.
+    /// Down; the term is the remainder of the operand after division by this number.
     Remainder(f64),
 }
 
 impl ContinuousBranches {
-    /// None where it has no steps, or others than whole parts and rests that do not depend on each other.
+    /// None if there are no steps, or others than roundings and remainders that do not depend on each other.
     pub fn from_terms(terms: &[Term]) -> Option<Self> {
         let mut steps = Vec::new();
         let mut depends = vec![false; terms.len()];
@@ -84,7 +84,7 @@ impl ContinuousBranches {
         (!steps.is_empty()).then_some(Self { terms, steps, functions: Vec::new(), numbers })
     }
 
-    /// For each box the numbers of the functions of which the primitive is one at each point in it; none
+    /// For each box the indices of functions; at each point of the box the primitive equals one of them. None
     /// where there are too many.
     pub fn over(&mut self, boxes: &[Box3]) -> Result<Vec<Option<Vec<u32>>>, LeafError> {
         let mut values: Vec<Vec<[i64; 2]>> = Vec::with_capacity(self.steps.len());
@@ -129,8 +129,8 @@ impl ContinuousBranches {
         Some(number)
     }
 
-    /// The terms with these values of the steps. Only what is exact is carried out, so that ranges hold what
-    /// the primitive has.
+    /// The terms with these values of the steps. Only exact operations are carried out, so that intervals
+    /// contain the primitive's values.
     fn graph(&self, at: &[i64]) -> ExprGraph {
         let mut terms: Vec<Term> = Vec::with_capacity(self.terms.len());
         let mut place: Vec<u32> = Vec::with_capacity(self.terms.len());
@@ -169,7 +169,7 @@ fn unary(terms: &[Term], op: Unary, a: u32) -> Term {
 fn binary(terms: &[Term], op: Binary, a: u32, b: u32) -> Term {
     match (op, &terms[a as usize], &terms[b as usize]) {
         (Binary::Min | Binary::Max, Term::Const(x), Term::Const(y)) => Term::Const(op.apply(*x, *y)),
-        // Whole numbers below 2⁵³.
+        // Small integers: exact.
         (Binary::Add | Binary::Sub, Term::Const(x), Term::Const(y)) if is_small(*x) && is_small(*y) => {
             Term::Const(op.apply(*x, *y))
         }
@@ -182,7 +182,7 @@ fn is_small(x: f64) -> bool {
 }
 
 impl RoundingMode {
-    /// What is rounded to a whole number.
+    /// The function that is rounded to an integer.
     fn tape(self, terms: &[Term], operand: u32) -> Tape {
         let mut terms = terms[..=operand as usize].to_vec();
         let mut root = operand;
@@ -193,7 +193,7 @@ impl RoundingMode {
         Tape::from_graph(ExprGraph::from_terms(reachable(terms, root)))
     }
 
-    /// The first and last whole number over a range; all where that is not known.
+    /// The first and last integer over an interval; all integers where that is not known.
     fn values(self, range: Interval) -> [i64; 2] {
         if !range.is_defined() {
             return [i64::MIN, i64::MAX];

@@ -1,4 +1,4 @@
-//! `PrimitiveEvaluator`: the primitives of a CSG tree, asked for many points or boxes at once.
+//! `PrimitiveEvaluator`: the primitives of a CSG tree, evaluated for many points or boxes at once.
 use super::branches::ContinuousBranches;
 use super::{Csg, Primitive};
 use crate::budget::{Job, par_map};
@@ -6,13 +6,13 @@ use crate::implicit::op::Binary;
 use crate::implicit::{Dual, LeafError, Tape, Term};
 use crate::math::{Box3, Interval};
 
-/// What is known of a primitive in a box.
+/// What is known about a primitive in a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DualRange {
-    /// All values lie from the first to the second, which are infinite where nothing is known. Where a point
-    /// has no value, nothing is.
+    /// A lower and an upper bound of all values; infinite where nothing is known. Where the primitive is
+    /// undefined at a point, nothing is known.
     pub value: [f64; 2],
-    /// Where the primitive is Lipschitz in the box: ranges of its generalized gradients (Clarke's), so that
+    /// If the primitive is Lipschitz in the box: intervals of its generalized gradients (Clarke's), so that
     /// the mean value theorem holds with them.
     pub gradient: Option<[Interval; 3]>,
 }
@@ -29,48 +29,48 @@ impl DualRange {
     }
 }
 
-/// The ends of a range of values, if it holds them all.
+/// The ends of an interval, if it contains all values.
 fn values(primitive: &Primitive, range: Interval) -> [f64; 2] {
     let holds_all = range.is_defined() || primitive.is_total && !range.is_empty();
     if holds_all { [range.lo(), range.hi()] } else { DualRange::UNKNOWN.value }
 }
 
-/// Rows in one call of a primitive: several blocks of registers, and small enough to share among threads.
+/// Rows per call of a primitive: several blocks of registers, and few enough to distribute among threads.
 const CHUNK: usize = 1024;
-/// Questions that are answered at once: some tens of megabytes. Leaves are asked for everything in one call.
+/// Queries evaluated at once: some tens of megabytes. Leaves get everything in one call.
 const AT_ONCE: usize = 1 << 17;
-/// Tapes of fewer steps are not shortened by region. Chosen: shortening takes about as long as some hundred
+/// Tapes with fewer steps are not pruned by region. Chosen: pruning takes about as long as some hundred
 /// evaluations of a step.
 const LONG: usize = 48;
-/// A region gets a tape of its own for so many questions. Measured on 100 blended balls: making a tape costs
-/// as much as some 20 ranges.
+/// A region gets its own tape from so many queries on. Measured on 100 blended balls: making a tape costs as
+/// much as some 20 intervals.
 const WORTH: usize = 32;
-/// Halvings of the domain at most. Measured on 100 blended balls: tapes are not shorter after 9.
+/// The deepest level of regions. Measured on 100 blended balls: tapes get no shorter after 9.
 const DEEPEST: u32 = 9;
-/// Bytes that a step takes in a tape, about: its term, its step of the program, and the space around.
+/// The bytes of a step in a tape, roughly: its term, its step of the program, and overhead.
 const BYTES_A_STEP: u64 = 160;
 
-/// A region of the domain with the steps of a primitive that matter in it and around it.
+/// A region of the domain with the tape of a primitive, pruned for the region and its surroundings.
 #[derive(Debug)]
 pub(super) struct TapeRegion {
-    /// The cell itself; the tape holds for half a cell around it too.
+    /// The cell itself; the tape is also valid half a cell around it.
     cell: Box3,
     level: u32,
     pub(super) tape: Tape,
     children: [Option<u32>; 8],
 }
 
-/// The primitives of a CSG tree over a domain, evaluated for many questions at once, on the threads of a job.
+/// The primitives of a CSG tree over a domain, evaluated in batches on the threads of a job.
 ///
-/// Long primitives, such as chains of blends, are shortened for each region of the domain that many questions
-/// fall into. Values are those of the whole primitive, bit for bit; ranges hold them, and are tighter.
+/// Long primitives, such as chains of blends, are pruned for each region of the domain with many queries.
+/// Values are those of the whole primitive, bit for bit; intervals contain them, and are tighter.
 #[derive(Debug)]
 pub struct PrimitiveEvaluator<'a> {
     csg: &'a Csg,
     job: &'a Job,
-    /// By primitive: its regions, the first of which is all of the domain.
+    /// By primitive: its regions, the first of which is the whole domain.
     pub(super) regions: Vec<Vec<TapeRegion>>,
-    /// By primitive: its steps, if it has any.
+    /// By primitive: its branches, if it has steps.
     branches: Vec<Option<ContinuousBranches>>,
     has_leaves: bool,
     steps_left: u64,
@@ -78,9 +78,9 @@ pub struct PrimitiveEvaluator<'a> {
     n_boxes: u64,
 }
 
-/// What can be answered.
+/// The answer to a query.
 trait IntervalHull: Copy + Send + Sync {
-    /// What holds where one of both answers does.
+    /// The answer that holds where at least one of both does.
     fn hull(self, other: Self) -> Self;
 }
 
@@ -91,27 +91,27 @@ impl IntervalHull for [f64; 2] {
 }
 
 impl IntervalHull for DualRange {
-    /// It may step from one to the other.
+    /// The function may jump between both, so there is no gradient.
     fn hull(self, other: Self) -> Self {
         Self { value: self.value.hull(other.value), gradient: None }
     }
 }
 
 impl IntervalHull for f64 {
-    /// A point is asked for once.
+    /// A point is evaluated only once.
     fn hull(self, _: Self) -> Self {
         self
     }
 }
 
 impl IntervalHull for Dual<f64> {
-    /// A point is asked for once.
+    /// A point is evaluated only once.
     fn hull(self, _: Self) -> Self {
         self
     }
 }
 
-/// Questions for one tape.
+/// Queries for one tape.
 struct TapeBatch {
     primitive: u32,
     tape: Tape,
@@ -119,7 +119,7 @@ struct TapeBatch {
 }
 
 impl TapeBatch {
-    /// A tape's questions, in chunks. A leaf is asked for everything at once, by chunks of its own.
+    /// Adds a tape's queries in chunks. A leaf gets everything in one call, and makes its own chunks.
     fn push_all(primitive: u32, tape: &Tape, rows: &[u32], batches: &mut Vec<Self>) {
         let size = if tape.has_leaves() { rows.len().max(1) } else { CHUNK };
         let batch = |rows: &[u32]| Self { primitive, tape: tape.clone(), rows: rows.to_vec() };
@@ -127,9 +127,9 @@ impl TapeBatch {
     }
 }
 
-/// What can be asked for: where it is, and what it is asked for by tapes.
+/// The region of a query: a point or a box.
 trait QueryRegion: Copy + Sync {
-    /// Whether steps are looked at by branches: in boxes.
+    /// Whether functions with steps are split into branches: for boxes only.
     const BRANCHES: bool;
     fn bounds(&self) -> Box3;
 }
@@ -151,7 +151,7 @@ impl QueryRegion for Box3 {
 }
 
 impl<'a> PrimitiveEvaluator<'a> {
-    /// Over a domain; points outside of it can be asked for too, at the cost of the whole tapes.
+    /// An evaluator for a domain. Points outside of it are allowed, at the cost of the whole tapes.
     #[must_use]
     pub fn new(csg: &'a Csg, domain: &Box3, job: &'a Job) -> Self {
         let centre = domain.centre();
@@ -182,42 +182,42 @@ impl<'a> PrimitiveEvaluator<'a> {
         self.csg
     }
 
-    /// How many points were evaluated so far.
+    /// The number of points evaluated so far.
     #[must_use]
     pub fn n_points(&self) -> u64 {
         self.n_points
     }
 
-    /// How many boxes were evaluated so far.
+    /// The number of boxes evaluated so far.
     #[must_use]
     pub fn n_boxes(&self) -> u64 {
         self.n_boxes
     }
 
-    /// The value of a primitive at a point, for each question.
+    /// The value of a primitive at a point, for each query.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn values(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<f64>, LeafError> {
         self.n_points += questions.len() as u64;
         self.answer(questions, 0.0, |batch, at, out: &mut [f64]| batch.tape.at(at, out))
     }
 
-    /// The value and gradient of a primitive at a point, for each question.
+    /// The value and gradient of a primitive at a point, for each query.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn duals(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<Dual<f64>>, LeafError> {
         self.n_points += questions.len() as u64;
         let none = Dual { value: 0.0, gradient: [0.0; 3] };
         self.answer(questions, none, |batch, at, out: &mut [Dual<f64>]| batch.tape.gradient_at(at, out))
     }
 
-    /// A range `[low, high]` of all values of a primitive in a box, rounded outward, for each question; see
+    /// An interval `[low, high]` of all values of a primitive in a box, rounded outward, for each query; see
     /// [`DualRange::value`].
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<[f64; 2]>, LeafError> {
         self.n_boxes += questions.len() as u64;
         let primitives = &self.csg.primitives;
@@ -230,10 +230,10 @@ impl<'a> PrimitiveEvaluator<'a> {
         })
     }
 
-    /// Ranges of the values and of the gradient of a primitive in a box, for each question.
+    /// Intervals of the values and of the gradient of a primitive in a box, for each query.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn dual_ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<DualRange>, LeafError> {
         self.n_boxes += questions.len() as u64;
         let primitives = &self.csg.primitives;
@@ -247,7 +247,7 @@ impl<'a> PrimitiveEvaluator<'a> {
         })
     }
 
-    /// Answers in the order of the questions, whatever the batches.
+    /// Returns the answers in the order of the queries, whatever the batches.
     fn answer<Q: QueryRegion, R: IntervalHull>(
         &mut self,
         questions: &[(u32, Q)],
@@ -288,7 +288,7 @@ impl<'a> PrimitiveEvaluator<'a> {
         Ok(())
     }
 
-    /// The questions by tape.
+    /// Groups the queries by tape.
     fn batches<Q: QueryRegion>(&mut self, questions: &[(u32, Q)]) -> Result<Vec<TapeBatch>, LeafError> {
         let mut by_primitive: Vec<Vec<u32>> = vec![Vec::new(); self.regions.len()];
         questions.iter().enumerate().for_each(|(row, (p, _))| by_primitive[*p as usize].push(row as u32));
@@ -309,7 +309,8 @@ impl<'a> PrimitiveEvaluator<'a> {
         Ok(batches)
     }
 
-    /// Asks the functions that a primitive with steps is made of; what is left is to be asked for as a whole.
+    /// Adds queries for the branches of a primitive with steps. Returns the rows that need the primitive as a
+    /// whole.
     fn branch<Q: QueryRegion>(
         &mut self,
         primitive: u32,
@@ -334,7 +335,8 @@ impl<'a> PrimitiveEvaluator<'a> {
         Ok(left)
     }
 
-    /// Sends questions down the regions of a primitive, level by level, making those that are worth it.
+    /// Passes queries down the regions of a primitive, level by level, and makes the regions that are worth
+    /// it.
     fn route<Q: QueryRegion>(
         &mut self,
         primitive: u32,
@@ -371,7 +373,7 @@ impl<'a> PrimitiveEvaluator<'a> {
         Ok(())
     }
 
-    /// The numbers of child regions, made where they are not there yet.
+    /// The indices of child regions, made where they do not exist yet.
     fn children(&mut self, primitive: u32, wanted: &[(u32, usize, Vec<u32>)]) -> Result<Vec<u32>, LeafError> {
         let regions = &self.regions[primitive as usize];
         let new: Vec<(u32, usize)> = wanted
@@ -394,8 +396,8 @@ impl<'a> PrimitiveEvaluator<'a> {
     }
 }
 
-/// Whether a region may have fewer steps: there are many, and some of them choose. Leaves want to be asked
-/// for much at once.
+/// Whether pruning may shorten a tape: it has many steps, some of which choose, and no leaves, which want
+/// large batches.
 fn is_pruned(tape: &Tape) -> bool {
     let chooses = |term: &Term| {
         matches!(
@@ -407,7 +409,7 @@ fn is_pruned(tape: &Tape) -> bool {
 }
 
 impl TapeRegion {
-    /// The octant whose region holds a box, which is the one of its middle, if any.
+    /// The octant of a box's centre, if the box lies within the octant and its surroundings.
     fn octant(&self, bounds: &Box3) -> Option<usize> {
         let (centre, middle) = (bounds.centre(), self.cell.centre());
         let octant = (0..3).fold(0, |octant, k| octant | usize::from(centre[k] >= middle[k]) << k);
@@ -433,7 +435,7 @@ impl TapeRegion {
     }
 }
 
-/// A cell with half of its size on every side.
+/// A cell grown by half of its size on every side.
 fn around(cell: &Box3) -> Box3 {
     let half = |k: usize| 0.5 * (cell.max[k] - cell.min[k]);
     Box3 {

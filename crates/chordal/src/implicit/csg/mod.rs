@@ -1,10 +1,10 @@
 //! `Csg`: the sign of a field as a CSG tree of primitives.
 //!
-//! Where a field's surface is, only its sign decides. The sign of `min(a, b)` is that of the union of `a` and
+//! Only its sign decides where a field's surface is. The sign of `min(a, b)` is that of the union of `a` and
 //! `b`, of `max(a, b)` that of the intersection, of `−a` that of the complement. So minima, maxima,
-//! negations, absolute values and sums and products with constants are opened from the root down; what is
-//! left below them are the primitives. Each is smooth on its own in most models, its zero set crosses others
-//! at creases and corners, and it is measured in its own units.
+//! negations, absolute values, and sums and products with constants are expanded from the root down; the
+//! terms below them are the primitives. In most models each is smooth on its own, its zero set crosses others
+//! at creases and corners, and its values have their own units.
 mod branches;
 mod evaluator;
 mod tree;
@@ -21,8 +21,8 @@ use std::collections::HashMap;
 
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
-/// The set that it describes is `{F < 0}` with its boundary regularized: where `a` and its exact complement
-/// `−a` meet, as two stacked boxes do in their common face, there is nothing between them.
+/// It describes the set `{F < 0}` with its boundary regularized: where `a` and its exact complement `−a`
+/// meet, as two stacked boxes do at their common face, there is no surface.
 ///
 /// ```
 /// use chordal::implicit::{Csg, CsgNode, shapes};
@@ -38,12 +38,12 @@ pub struct Csg {
     tree: CsgTree,
 }
 
-/// A function whose sign is used on its own.
+/// A function of which only the sign counts.
 #[derive(Clone, Debug)]
 pub struct Primitive {
     tape: Tape,
     is_total: bool,
-    /// The level of a term of the whole that it vanishes at.
+    /// The level of a term of the whole at which it vanishes.
     level: Option<LevelSet>,
 }
 
@@ -54,47 +54,47 @@ impl Primitive {
         &self.tape
     }
 
-    /// Whether it has a value at every point. Then a range is one of all values even where it is not
+    /// Whether it is defined at every point. Then an interval contains all values even where it is not
     /// continuous.
     #[must_use]
     pub fn is_total(&self) -> bool {
         self.is_total
     }
 
-    /// Whether the zero sets of both never meet, since they are two different levels of one function.
+    /// Whether the zero sets of both never meet, because they are two different levels of one function.
     #[must_use]
     pub fn is_parallel_to(&self, other: &Self) -> bool {
         let (Some(a), Some(b)) = (self.level, other.level) else { return false };
-        // Levels are off by some roundings of their sizes, one an operation: far less than this share.
+        // Levels are off by some roundings of their sizes, one per operation: far less than this fraction.
         let clear = CLEAR * (a.size + b.size);
         let is_apart = if a.is_exact && b.is_exact { a.at != b.at } else { (a.at - b.at).abs() > clear };
         a.base == b.base && is_apart
     }
 }
 
-/// Where a primitive vanishes: where a term of the whole has a value.
+/// The zero set of a primitive, as a level of a term of the whole.
 #[derive(Clone, Copy, Debug)]
 struct LevelSet {
     base: u32,
     at: f64,
-    /// The largest number that it was computed from.
+    /// The largest number in its computation.
     size: f64,
     /// Whether nothing was rounded.
     is_exact: bool,
-    /// Whether the primitive falls where the term grows.
+    /// Whether the primitive decreases where the term increases.
     falls: bool,
 }
 
-/// Two levels that differ by more than this share of their sizes do so without rounding. Derived: a chain of
-/// thousands of roundings is off by less than 2⁻⁴⁰ of them.
+/// Two levels that differ by more than this fraction of their sizes also differ without rounding. Derived: a
+/// chain of thousands of roundings is off by less than 2⁻⁴⁰ of them.
 const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
-/// Operations with constants above a base at most; beyond, what rounding may have done is not counted.
+/// The most operations with constants above a base; the rounding of longer chains is not accounted for.
 const MOST_ROUNDINGS: usize = 1024;
 
-/// Nodes that a tree has at most; what would have more is one primitive. Defined: some megabytes.
+/// The most nodes of a tree; what would have more is one primitive. Defined: some megabytes.
 const MOST_NODES: usize = 1 << 16;
-/// Terms that all primitives have together at most, for each term of the whole, beside [`MOST_NODES`]: shared
-/// parts are copied into each.
+/// The most terms of all primitives together, for each term of the whole, besides [`MOST_NODES`]: shared
+/// parts are copied into each primitive.
 const MOST_COPIES: usize = 32;
 
 impl Csg {
@@ -110,7 +110,7 @@ impl Csg {
         CsgBuilder::new(graph.terms()).build().unwrap_or_else(|| Self::single(graph))
     }
 
-    /// The whole as one primitive.
+    /// The whole expression as one primitive.
     fn single(graph: &ExprGraph) -> Self {
         let is_total = is_total(graph.terms());
         let tape = Tape::from_graph(graph.clone());
@@ -118,26 +118,26 @@ impl Csg {
         Self { primitives, tree: CsgTree::new(vec![CsgNode::Primitive(0)]) }
     }
 
-    /// The primitives, by number.
+    /// The primitives, by index.
     #[must_use]
     pub fn primitives(&self) -> &[Primitive] {
         &self.primitives
     }
 
-    /// How they are joined.
+    /// The tree that joins them.
     #[must_use]
     pub fn tree(&self) -> &CsgTree {
         &self.tree
     }
 
-    /// What proofs by ranges of the primitives are worth: the weakest of all.
+    /// What proofs by intervals of the primitives are worth: the weakest evidence of all.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
         self.primitives.iter().fold(Evidence::Proved, |all, one| all.weaker(&one.tape.evidence()))
     }
 }
 
-/// An operation with a constant above a term; its result grows or falls with the term.
+/// An operation of a term with a constant; its result increases or decreases with the term.
 #[derive(Clone, Copy, Debug)]
 enum MonotoneOp {
     Neg,
@@ -158,11 +158,11 @@ impl MonotoneOp {
     }
 }
 
-/// The operations above a term, innermost first when followed to the root: a list that shares its tails.
+/// The operations above a term, from the innermost to the root: a linked list with shared tails.
 #[derive(Clone, Copy, Debug)]
 struct ChainLink {
     op: MonotoneOp,
-    /// The rest; [`NOTHING`] at the root.
+    /// The next operation; [`NOTHING`] at the root.
     next: u32,
 }
 
@@ -181,10 +181,10 @@ enum CsgBuildStep {
     Emit(CsgNode),
 }
 
-/// Two primitives are one, or complements, where these are equal.
+/// Two primitives are the same, or complements, where these keys are equal.
 #[derive(PartialEq, Eq, Hash)]
 enum PrimitiveKey {
-    /// A term and the level of it that is the boundary, by its bits.
+    /// A term and the level of it that is the boundary, as bits.
     Level(u32, u64),
     /// A term and the operations with constants above it, without their signs.
     Chain(u32, u32),
@@ -195,7 +195,7 @@ struct CsgBuilder<'a> {
     above: Vec<ChainLink>,
     chains: HashMap<(u8, u64, u32), u32>,      // No order depends on it.
     known: HashMap<PrimitiveKey, (u32, bool)>, // No order depends on it.
-    /// The differences of two terms of which the first is the earlier one.
+    /// The differences of two terms whose first term is the earlier one.
     mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
     primitives: Vec<Primitive>,
     nodes: Vec<CsgNode>,
@@ -220,7 +220,7 @@ impl<'a> CsgBuilder<'a> {
         }
     }
 
-    /// None where the tree or its primitives would be too large.
+    /// None if the tree or its primitives would be too large.
     fn build(mut self) -> Option<Csg> {
         let root = CsgOperand { term: self.terms.len() as u32 - 1, above: NOTHING, falls: false };
         let mut steps = vec![CsgBuildStep::Visit(root)];
@@ -249,8 +249,8 @@ impl<'a> CsgBuilder<'a> {
         Some(Csg { primitives: self.primitives, tree: CsgTree::new(self.nodes) })
     }
 
-    /// What a place is the union or intersection of, operators of one kind below each other taken together;
-    /// none for a primitive.
+    /// The operands of the union or intersection at `place`, with nested operators of the same kind merged;
+    /// None for a primitive.
     fn operands(&mut self, place: CsgOperand) -> Option<(Vec<CsgOperand>, bool)> {
         let ([a, b], is_union) = self.split(place)?;
         let mut open = vec![b, a];
@@ -290,7 +290,7 @@ impl<'a> CsgBuilder<'a> {
         }
     }
 
-    /// An operation of which one operand is a constant that keeps it monotone.
+    /// The operation, if one operand is a constant that keeps it monotone.
     fn with_constant(&self, op: Binary, a: u32, b: u32) -> Option<(MonotoneOp, u32)> {
         let constant = |term: u32| match self.terms[term as usize] {
             Term::Const(value) if value.is_finite() => Some(value),
@@ -308,7 +308,7 @@ impl<'a> CsgBuilder<'a> {
         }
     }
 
-    /// The chain with one more operation at its inner end; equal chains are one.
+    /// The chain with one more operation at its inner end; equal chains are stored once.
     fn push(&mut self, op: MonotoneOp, next: u32) -> u32 {
         let (kind, constant) = match op {
             MonotoneOp::Neg => (0, 0.0),
@@ -346,8 +346,8 @@ impl<'a> CsgBuilder<'a> {
         CsgNode::Primitive(number)
     }
 
-    /// A term and the operations above it, up to their sign: what rounds is symmetric, so `k − a` is the
-    /// negative of `a − k` to the last bit, whatever follows. And whether that sign is a minus.
+    /// A term and the operations above it up to their sign, and whether that sign is a minus. Rounding is
+    /// symmetric, so `k − a` is the negative of `a − k` to the last bit, whatever follows.
     fn chain_key(&mut self, base: u32, ops: &[MonotoneOp]) -> (PrimitiveKey, bool) {
         let mut falls = false;
         let mut plain = Vec::with_capacity(ops.len());
@@ -366,7 +366,7 @@ impl<'a> CsgBuilder<'a> {
         (PrimitiveKey::Chain(base, chain), falls)
     }
 
-    /// The term below all operations with constants, and these, from it on.
+    /// The term below all operations with constants, and these from it upward.
     fn chain(&self, place: CsgOperand) -> (u32, Vec<MonotoneOp>) {
         let (mut base, mut ops) = (place.term, Vec::new());
         while let Some((op, term)) = self.below(base) {
@@ -383,7 +383,7 @@ impl<'a> CsgBuilder<'a> {
         (base, ops)
     }
 
-    /// The operation with a constant that a term is, and the term that it is of.
+    /// The operation with a constant at the root of a term, and its operand.
     fn below(&self, term: u32) -> Option<(MonotoneOp, u32)> {
         match (self.negated(term), &self.terms[term as usize]) {
             (Some(negated), _) => Some((MonotoneOp::Neg, negated)),
@@ -392,7 +392,7 @@ impl<'a> CsgBuilder<'a> {
         }
     }
 
-    /// The term whose negative one is, to the last bit.
+    /// The term that this one is the negative of, to the last bit.
     fn negated(&self, term: u32) -> Option<u32> {
         match self.terms[term as usize] {
             Term::Unary(Unary::Neg, a) => Some(a),
@@ -423,7 +423,7 @@ impl<'a> CsgBuilder<'a> {
         ExprGraph::from_terms(terms)
     }
 
-    /// The terms that one needs, itself last.
+    /// The terms that `root` depends on, itself last.
     fn subgraph_terms(&self, root: u32) -> Vec<Term> {
         let mut number: HashMap<u32, u32> = HashMap::new(); // No order depends on it.
         let mut needed = vec![root];
@@ -453,14 +453,14 @@ impl<'a> CsgBuilder<'a> {
     }
 }
 
-/// Operations above a term as a level of it.
+/// The operations above a term as a level of it.
 fn level(base: u32, ops: &[MonotoneOp]) -> Option<LevelSet> {
-    // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its
-    // negative.
+    // The chain applied to `base` is `scale · base + offset`. In an exact chain the scale is a power of 2 or
+    // its negative.
     let mut shift = ScaleOffset { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
     ops.iter().for_each(|op| shift.apply(*op));
     let ScaleOffset { scale, offset, size, is_exact } = shift;
-    // One zero: −0 and 0 are one level.
+    // −0 and 0 are one level.
     let at = -offset / scale + 0.0;
     let is_sound = at.is_finite()
         && size.is_finite()
@@ -474,7 +474,7 @@ fn level(base: u32, ops: &[MonotoneOp]) -> Option<LevelSet> {
 struct ScaleOffset {
     scale: f64,
     offset: f64,
-    /// The largest offset so far, over the scale.
+    /// The largest offset so far, divided by the scale.
     size: f64,
     is_exact: bool,
 }
@@ -502,14 +502,14 @@ impl ScaleOffset {
     }
 
     fn scale_by(&mut self, scale: f64, offset: f64) {
-        // Digits are lost below the normal numbers.
+        // Below the normal numbers digits are lost.
         self.is_exact &= offset.is_normal() || self.offset == 0.0;
         (self.scale, self.offset) = (scale, offset);
     }
 
     fn add(&mut self, k: f64) {
         let sum = self.offset + k;
-        // The error of a sum, exactly (Knuth's two-sum).
+        // The exact error of the sum (Knuth's two-sum).
         let part = sum - self.offset;
         self.is_exact &= (self.offset - (sum - part)) + (k - part) == 0.0;
         let size = (k / self.scale).abs();
@@ -522,8 +522,8 @@ fn is_power_of_two(k: f64) -> bool {
     power_of_two(exponent(k.abs()) - 1) == k.abs()
 }
 
-/// Whether every term has a value at every point: none divides by what may be 0, takes roots of what may be
-/// negative and so on. Leaves have values by their own word.
+/// Whether every term is defined at every point: none divides by what may be 0, takes the root of what may be
+/// negative, and so on. Leaves are trusted to be defined.
 fn is_total(terms: &[Term]) -> bool {
     let mut not_negative = vec![false; terms.len()];
     for (k, term) in terms.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The tree of a field's sign: what is opened, what is one primitive, and that no value changes.
+//! Tests of the tree of a field's sign: what is expanded, what is one primitive, and that no value changes.
 use super::*;
 use crate::budget::Job;
 use crate::implicit::{Expr, Field, shapes};
@@ -44,8 +44,8 @@ fn a_plane_from_both_sides_is_one_primitive() {
     let below = shapes::cuboid([2.0, 2.0, 2.0]).unwrap();
     let above = below.moved([0.0, 0.0, 2.0]).unwrap();
     let csg = Csg::from_expr(below.union(&above).sign());
-    // Four sides are shared, the common face is one plane seen from both sides, and there are a floor and a
-    // roof.
+    // The four sides are shared, the common face is one plane seen from both sides, and there are a floor and
+    // a roof.
     assert_eq!(csg.primitives().len(), 7);
     let all = csg.primitives();
     let parallel = |a: usize, b: usize| all[a].is_parallel_to(&all[b]);
@@ -150,7 +150,7 @@ fn a_tree_that_doubles_stays_small() {
 /// Chosen: some tens of roundings of values about 1.
 const ROOM: f64 = 64.0 * f64::EPSILON;
 
-/// Pairs of points in random boxes, of which many have 0 in a coordinate: values differ by what the range of
+/// Checks pairs of points in random boxes, many with a coordinate 0: values differ by what the interval of
 /// gradients allows.
 fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
     let tape = Tape::new(expr);
@@ -226,7 +226,7 @@ fn ranges_of_slopes_are_tight_where_coordinates_have_one_sign() {
         Tape::new(expr).gradient_over(&[bounds], &mut range).unwrap();
         range[0].gradient
     };
-    // Beside a face of a box its plane alone counts, also where that is 0.
+    // Beside a face of a box only its plane counts, also where that is 0.
     let sides = box_distance(&[x.abs() - 4.0, y.abs() - 4.0, z.clone()]);
     let across = over(&sides, Box3 { min: [-1.0, -1.0, -0.1], max: [1.0, 1.0, 0.1] });
     assert!(across[0].magnitude() == 0.0 && across[1].magnitude() == 0.0, "{across:?}");
@@ -280,8 +280,8 @@ fn steps_are_looked_at_one_by_one() {
         }
         assert!(tight > 0);
     }
-    // Where the steps are not in it, a box has a gradient; where they are, the value is far from 0 on either
-    // side of them.
+    // A box without steps in it has a gradient; in a box with steps, the value is far from 0 on either side
+    // of them.
     let csg = Csg::from_expr(balls.sign());
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &Box3 { min: [-2.0; 3], max: [2.0; 3] }, &job);

@@ -4,19 +4,20 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Whether all points of a region are inside a solid, as far as is known.
 ///
-/// Source of the word: R. Tilove, *Set membership classification*, 1980.
+/// Source of the term: R. Tilove, *Set membership classification*, 1980.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Membership {
-    /// All of them are inside: values below 0.
+    /// All points are inside: values below 0.
     Inside,
-    /// All of them are outside: values of 0 and above, or none.
+    /// All points are outside: values of 0 and above, or none.
     Outside,
-    /// Not known.
+    /// Undecided.
     Unknown,
 }
 
 impl Membership {
-    /// That of a literal of a primitive that is 0 nowhere in the region: of the complement, where it `falls`.
+    /// The membership for a literal of a primitive that is nowhere 0 in the region: for the complement if
+    /// `falls`.
     #[inline]
     #[must_use]
     pub fn complement_if(self, falls: bool) -> Self {
@@ -27,7 +28,7 @@ impl Membership {
         }
     }
 
-    /// That of a point with this value.
+    /// The membership of a point with this value.
     #[inline]
     #[must_use]
     pub fn from_value(value: f64) -> Self {
@@ -35,7 +36,7 @@ impl Membership {
     }
 }
 
-/// A node of a [`CsgTree`]; operators take their operands from the nodes before them.
+/// A node of a [`CsgTree`]. Operators take their operands from the results before them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CsgNode {
     /// The solid of a primitive.
@@ -50,20 +51,20 @@ pub enum CsgNode {
 
 /// Unions and intersections of primitives and their complements.
 ///
-/// The nodes are in postfix order: operands come before their operator, and the last node is the whole. Trees
-/// of any depth are walked without recursion. As a value a union is the minimum of its operands, an
-/// intersection the maximum, and a complement the negation.
+/// The nodes are in postfix order: operands come before their operator, and the last node is the root. Trees
+/// of any depth are evaluated without recursion. The value of a union is the minimum of its operands, of an
+/// intersection the maximum, of a complement the negation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CsgTree {
     nodes: Vec<CsgNode>,
 }
 
-/// What is left of a tree in a region.
+/// A tree restricted to a region.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CsgRestriction {
-    /// All of the region is inside, or all of it outside.
+    /// All of the region is inside, or all of it is outside.
     Decided(Membership),
-    /// The primitives that still decide there.
+    /// The tree of the primitives that still decide there.
     Open(CsgTree),
 }
 
@@ -94,7 +95,7 @@ impl CsgTree {
         &self.nodes
     }
 
-    /// A number that equal trees have in common, and others hardly ever, to keep each once.
+    /// A hash by which equal trees are found; others hardly ever share it.
     pub(crate) fn fingerprint(&self) -> u64 {
         let mut hasher = DefaultHasher::new(); // No result depends on it: equal trees are compared.
         self.nodes.hash(&mut hasher);
@@ -114,14 +115,14 @@ impl CsgTree {
         all
     }
 
-    /// Membership in the whole from that in the literals, each a primitive and whether it stands as its
-    /// complement: three-valued logic. Where a primitive is 0, its complement is outside as well.
+    /// The membership in the whole, by three-valued logic, from that in the literals: a primitive and whether
+    /// it occurs as its complement. Where a primitive is 0, its complement is outside as well.
     #[must_use]
     pub fn membership(&self, of: impl FnMut(u32, bool) -> Membership) -> Membership {
         self.fold(of, |sides, is_union| joined(sides.iter().copied(), is_union))
     }
 
-    /// Whether the whole is inside, from the primitives that are.
+    /// Whether a point is inside the whole, from its primitives.
     #[must_use]
     pub fn contains(&self, mut of: impl FnMut(u32) -> bool) -> bool {
         self.fold(
@@ -130,7 +131,7 @@ impl CsgTree {
         )
     }
 
-    /// The value of the whole: minimum of unions, maximum of intersections.
+    /// The value of the whole: the minimum for unions, the maximum for intersections.
     #[must_use]
     pub fn value(&self, mut of: impl FnMut(u32) -> f64) -> f64 {
         let pick = |a: f64, b: f64, is_union: bool| if (b < a) == is_union { b } else { a };
@@ -140,7 +141,7 @@ impl CsgTree {
         )
     }
 
-    /// A range `[low, high]` of the value of the whole from ranges of the primitives.
+    /// An interval `[low, high]` of the value of the whole from intervals of the primitives.
     #[must_use]
     pub fn range(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> [f64; 2] {
         self.fold(
@@ -155,11 +156,11 @@ impl CsgTree {
         )
     }
 
-    /// The tree without what is decided: `of` classifies a region against each literal, a primitive and
-    /// whether it stands as its complement.
+    /// The tree without its decided parts. `of` classifies a region against each literal: a primitive and
+    /// whether it occurs as its complement.
     #[must_use]
     pub fn restrict(&self, mut of: impl FnMut(u32, bool) -> Membership) -> CsgRestriction {
-        // The stack holds, for each result, its side and where its nodes begin in `kept`.
+        // The stack holds, for each result, its membership and where its nodes begin in `kept`.
         let mut kept: Vec<CsgNode> = Vec::with_capacity(self.nodes.len());
         let mut stack: Vec<(Membership, usize)> = Vec::new();
         for node in &self.nodes {
@@ -196,9 +197,9 @@ impl CsgTree {
         }
     }
 
-    /// The primitives that can have the value of the whole somewhere in a region, from ranges of all, each
-    /// with whether it stands there as its complement: where `min(a, b)` has `a < b` throughout, `b` never
-    /// has the value.
+    /// The primitives that can have the value of the whole somewhere in a region, each with whether it occurs
+    /// as its complement, from intervals of all. Where `min(a, b)` has `a < b` throughout, `b` never has the
+    /// value.
     #[must_use]
     pub fn active(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> Vec<(u32, bool)> {
         let mut stack: Vec<ActiveResult> = Vec::new();
@@ -222,7 +223,7 @@ impl CsgTree {
         found
     }
 
-    /// Evaluates from the primitives up. `join` takes the operands and whether they are united.
+    /// Evaluates from the primitives up. `join` takes the operands and whether they form a union.
     fn fold<T>(&self, mut of: impl FnMut(u32, bool) -> T, join: impl Fn(&[T], bool) -> T) -> T {
         let mut stack: Vec<T> = Vec::with_capacity(16);
         for node in &self.nodes {
@@ -242,7 +243,7 @@ impl CsgTree {
     }
 }
 
-/// A part of a tree in a region: the range of its value, and the primitives that can have it.
+/// A part of a tree in a region: the interval of its value, and the primitives that can have it.
 struct ActiveResult {
     range: [f64; 2],
     active: Vec<(u32, bool)>,
@@ -254,7 +255,7 @@ impl ActiveResult {
         let range = operands[1..]
             .iter()
             .fold(operands[0].range, |[a, b], other| [pick(a, other.range[0]), pick(b, other.range[1])]);
-        // Of a minimum those that are not above its high end throughout.
+        // Of a minimum, those that are not above its high end throughout.
         let may = |[low, high]: [f64; 2]| if is_union { low <= range[1] } else { high >= range[0] };
         let active = operands.into_iter().filter(|one| may(one.range)).flat_map(|one| one.active).collect();
         Self { range, active }

@@ -1,22 +1,22 @@
-//! `Beam`: a ray as thick as what it stands for; and what became of it.
+//! `Beam`: a ray with a radius; and the records of beams.
 
-/// A ray that knows how small a thing it may overlook.
+/// A ray with a radius: how small a detail it may miss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
-    /// Where it starts.
+    /// The point where it starts.
     pub origin: [f64; 3],
-    /// Where it goes; any length but 0.
+    /// Its direction, of any length but 0.
     pub direction: [f64; 3],
-    /// The part of it that counts, in multiples of `direction`.
+    /// The start of the part that counts, in multiples of `direction`.
     pub from: f64,
     /// The end of that part; may be infinite.
     pub to: f64,
-    /// Its radius at its origin, and by how much that grows for each length travelled: half a pixel, as a
-    /// rule. What is thinner may be missed where no range of slopes rules it out, and that is counted.
+    /// Its radius at its origin, and the growth of that per unit of length: half a pixel, as a rule. Thinner
+    /// details may be missed where no interval of slopes rules them out, and that is counted.
     pub cone: [f64; 2],
 }
 
-/// Where a beam met the surface.
+/// Where a beam meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamHit {
     /// How far along, in multiples of the direction: the far end of a bracket between a point outside and one
@@ -24,38 +24,38 @@ pub struct BeamHit {
     pub t: f64,
     /// The point there.
     pub point: [f64; 3],
-    /// Whether it came from outside.
+    /// Whether the beam came from outside.
     pub entering: bool,
 }
 
-/// What became of one beam.
+/// The result of one beam.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeamRecord {
-    /// Where it met the surface, if it did.
+    /// Where the beam met the surface, if it did.
     pub hit: Option<BeamHit>,
-    /// Whether more than its radius before that, or anywhere if it met nothing, a stretch was passed that no
-    /// range of slopes and no word for a distance clears. Such stretches are a quarter of its radius long,
-    /// and longer where nothing bounds the slope.
+    /// Whether a stretch was passed that neither slopes nor a distance bound prove free: more than its radius
+    /// before the hit, or anywhere without a hit. Such stretches are a quarter of its radius long, and longer
+    /// where nothing bounds the slope.
     pub uncertain: bool,
-    /// Whether it was given up at the most steps. Then it met nothing, and that is uncertain.
+    /// Whether it was stopped at the step limit. Then it has no hit, and that is uncertain.
     pub capped: bool,
 }
 
-/// What became of many beams.
+/// The counts of many beams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BeamCounts {
-    /// All of them.
+    /// All beams.
     pub beams: u64,
-    /// Those that met the surface; each hit is bracketed by a point outside and one inside.
+    /// Beams that met the surface; each hit is bracketed by a point outside and one inside.
     pub hits: u64,
-    /// Those with a stretch that nothing clears.
+    /// Beams with a stretch that nothing proves free.
     pub uncertain: u64,
-    /// Those of them that were given up at the most steps.
+    /// Uncertain beams that were stopped at the step limit.
     pub capped: u64,
 }
 
 impl BeamCounts {
-    /// One more.
+    /// Adds one beam.
     #[must_use]
     pub fn add_record(self, record: &BeamRecord) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl BeamCounts {
         }
     }
 
-    /// Both together.
+    /// The sum of both.
     #[must_use]
     pub fn merge(self, other: Self) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl BeamCounts {
         }
     }
 
-    /// The share of the beams without a stretch that nothing clears.
+    /// The fraction of the beams without a stretch that nothing proves free.
     #[must_use]
     pub fn certified_share(&self) -> f64 {
         if self.beams == 0 { 1.0 } else { (self.beams - self.uncertain) as f64 / self.beams as f64 }

@@ -1,19 +1,19 @@
-//! `RootBracket`: a bracket around a change of sign on a beam, narrowed one value at a time.
+//! `RootBracket`: a bracket around a sign change on a beam, narrowed by regula falsi.
 
-/// A place outside and one inside, with their values; `f` is 0 or more, or nothing, outside.
+/// A position outside and one inside, with their values. Outside, `f` is 0 or more, or NaN.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RootBracket {
     outside: [f64; 2],
     inside: [f64; 2],
-    /// Which end moved last, and how often in a row.
+    /// The end that moved last: 1 inside, −1 outside, 0 none.
     last: i8,
     left: u8,
-    /// The width three steps ago: a secant that does no more than halve in three is helped out by a halving.
+    /// The width three steps ago: where secants do no more than halve it in three steps, a bisection follows.
     before: f64,
 }
 
-/// Values at the most for one root: 53 halvings of a bracket are all that a place can show, a third of the
-/// steps halve.
+/// The most values for one root: 53 halvings of a bracket exhaust the digits of a position, and a third of
+/// the steps halve.
 const MOST: u8 = 160;
 
 impl RootBracket {
@@ -21,17 +21,17 @@ impl RootBracket {
         Self { outside, inside, last: 0, left: MOST, before: f64::INFINITY }
     }
 
-    /// The end inside, when the bracket is no wider than `width`.
+    /// The end inside, if the bracket is no wider than `width` or no steps are left.
     pub fn root_within(&self, width: f64) -> Option<f64> {
         (self.inside[0] - self.outside[0] <= width || self.left == 0).then_some(self.inside[0])
     }
 
-    /// Where to look next.
+    /// The next position to evaluate.
     pub fn next_guess(&mut self, width: f64) -> f64 {
         let ([a, fa], [b, fb]) = (self.outside, self.inside);
         let span = b - a;
         let halve = if self.left.is_multiple_of(3) {
-            // A halving alone is slow: the two steps beside it have to help.
+            // A bisection alone is slow: the two steps beside it have to help.
             let slow = span > 0.4 * self.before;
             self.before = span;
             slow
@@ -43,14 +43,15 @@ impl RootBracket {
         if halve || !(share.is_finite() && (0.0..=1.0).contains(&share)) {
             return a + 0.5 * span;
         }
-        // Not closer to an end than half of what is asked, so that the other end comes near too.
+        // Not closer to an end than half of the wanted width, so that the other end comes near too.
         let x = a + share * span;
         let (low, high) = (a + 0.5 * width, b - 0.5 * width);
         let x = if x < low { low } else { x };
         if x > high { high } else { x }
     }
 
-    /// Takes the value at a place. What the other end's value is taken for shrinks when one end moves twice.
+    /// Takes the value at a position. When one end moves twice in a row, the value of the other end is scaled
+    /// down.
     ///
     /// Source: N. Anderson, Å. Björck, *A new high order method of regula falsi type*, 1973.
     pub fn update(&mut self, x: f64, value: f64) {

@@ -1,4 +1,4 @@
-//! The nearest place of the surface, with a distance that is enclosed from both sides.
+//! The closest point of the surface, with a distance that is enclosed from both sides.
 use super::super::{Dual, LeafError};
 use super::octree::{FieldOctree, FieldOctreeError};
 use super::point_queries::{dot, unit};
@@ -7,32 +7,33 @@ use crate::math::{Box3, Interval};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-/// The nearest place of the surface to a point.
+/// The closest point of the surface to a query point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldClosestPoint {
-    /// A place within a bracket of the surface: a point outside and one inside are that close to each other.
+    /// A point at the surface: the inside end of a bracket, whose other end is outside.
     pub place: [f64; 3],
-    /// The distance is at least this: closer parts of space are proved to be on one side, by ranges.
+    /// The distance is at least this: interval arithmetic proves closer parts of space to be on one side.
     pub at_least: f64,
-    /// And at most this: so far away there are a point outside and one inside.
+    /// The distance is at most this: within it there are a point outside and one inside.
     pub at_most: f64,
 }
 
-/// Steps along the gradient for a first place; more gain nothing where fewer do not settle.
+/// Steps along the gradient to a first point; where so many do not converge, more gain nothing.
 const STEPS: usize = 24;
-/// Divisions of a part of space at the most for one point.
+/// The most boxes that are divided for one query.
 const MOST_PARTS: usize = 4096;
-/// Halvings of a bracket: as many as a number has digits.
+/// Halvings of a bracket: as many as a number has binary digits.
 const HALVINGS: usize = 60;
 
-/// The nearest place to each point, its distance enclosed to `within` of itself where that is possible.
-/// `None` where no place was found: there is no surface in the cells, or none that a step across it shows.
+/// The closest point to each query, with its distance enclosed to the fraction `within` where that is
+/// possible. `None` where no point was found: there is no surface in the cells, or none that a step across it
+/// shows.
 ///
-/// A place is found by steps along the gradient from the point and from the nearest cells, and bracketed;
-/// then parts of space are divided, the nearest first, until none that may hold surface is closer.
+/// A point is found by steps along the gradient from the query and from the nearest cells, and bracketed.
+/// Then boxes are divided, the nearest first, until none that may contain surface is closer.
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 pub fn closest_points(
     cells: &FieldOctree,
     points: &[[f64; 3]],
@@ -49,7 +50,7 @@ struct FieldClosestSearch<'a> {
     within: f64,
 }
 
-/// A part of space that may hold surface, ordered by its distance; equal ones by age.
+/// A box that may contain surface, ordered by its distance; equal ones by age.
 struct CandidateBox {
     distance: f64,
     age: usize,
@@ -93,7 +94,7 @@ impl FieldClosestSearch<'_> {
                 at_least = part.distance;
                 break;
             }
-            // A place in here would be the nearest so far.
+            // A surface point in here would be the closest so far.
             self.try_start(part.bounds.centre(), &mut best)?;
             age = self.divide(&part, &mut open, age)?;
         }
@@ -123,7 +124,8 @@ impl FieldClosestSearch<'_> {
         let mut ranges = [Interval::UNKNOWN; 8];
         tape.over(&eighths, &mut ranges)?;
         for (bounds, range) in eighths.into_iter().zip(ranges) {
-            // 0 itself stays: the surface is where the sign changes, which closed boxes share.
+            // An interval that ends at 0 stays: the surface is where the sign changes, which closed boxes
+            // share.
             let clear = range.is_empty() || range.lo() > 0.0 || (range.hi() < 0.0 && range.is_defined());
             if !clear {
                 age += 1;
@@ -134,7 +136,7 @@ impl FieldClosestSearch<'_> {
         Ok(age)
     }
 
-    /// The distance to a box, a little less: by its own rounding.
+    /// The distance to a box, lowered by its own rounding.
     fn distance_to(&self, b: &Box3) -> f64 {
         let off: [f64; 3] = std::array::from_fn(|k| {
             let (below, above) = (b.min[k] - self.point[k], self.point[k] - b.max[k]);
@@ -144,8 +146,8 @@ impl FieldClosestSearch<'_> {
         dot(off, off).sqrt() * (1.0 - 8.0 * f64::EPSILON)
     }
 
-    /// Walks from a place to the surface and towards the point along it, and keeps what it brackets if that
-    /// is nearer. Where that leads over an edge, the surface below the place itself.
+    /// Walks from a point to the surface and along it towards the query, and keeps the bracket if it is
+    /// nearer. If that leads over an edge, tries the surface below the point itself.
     fn try_start(&self, from: [f64; 3], best: &mut Option<FieldClosestPoint>) -> Result<(), LeafError> {
         if !self.descend(from, 0.5, best)? {
             self.descend(from, 0.0, best)?;
@@ -153,7 +155,7 @@ impl FieldClosestSearch<'_> {
         Ok(())
     }
 
-    /// Whether a walk found the surface, by steps this share of the way to under the point.
+    /// Whether a walk found the surface, by steps of this share along the tangent plane towards the query.
     fn descend(
         &self,
         from: [f64; 3],
@@ -179,14 +181,14 @@ impl FieldClosestSearch<'_> {
             let next: [f64; 3] = std::array::from_fn(|k| foot[k] + share * (off[k] - n[k] * up));
             let moved: [f64; 3] = std::array::from_fn(|k| next[k] - x[k]);
             x = next;
-            // A few roundings of a coordinate: it moves no further.
+            // A few roundings of a coordinate: it moves no farther.
             if dot(moved, moved).sqrt() <= 4.0 * f64::EPSILON * self.cells.size {
                 break;
             }
         }
         tape.gradient_at(&[x], &mut slope)?;
         let Some(n) = unit(slope[0].gradient) else { return Ok(false) };
-        // Steps across the surface, wider until the sign changes: from 2⁻⁴⁰ of the size on.
+        // Steps across the surface, from 2⁻⁴⁰ of the size on, are widened until the sign changes.
         let mut width = self.cells.size / 1_099_511_627_776.0;
         for _ in 0..12 {
             let ends = [-1.0, 1.0].map(|side| std::array::from_fn(|k| x[k] + side * width * n[k]));
@@ -219,7 +221,7 @@ impl FieldClosestSearch<'_> {
         }
         let far = |p: [f64; 3]| {
             let off: [f64; 3] = std::array::from_fn(|k| p[k] - self.point[k]);
-            // A length has six roundings: up.
+            // Rounded up: a length has six roundings.
             dot(off, off).sqrt() * (1.0 + 8.0 * f64::EPSILON)
         };
         let (to_a, to_b) = (far(a), far(b));

@@ -1,4 +1,4 @@
-//! Questions to a field: which side, which way, where a ray meets it, and how far away it is.
+//! Queries on a field: which side a point is on, normals, ray intersections, and closest points.
 mod beam;
 mod bracket;
 mod closest;

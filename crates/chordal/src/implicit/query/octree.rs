@@ -1,32 +1,32 @@
-//! `FieldOctree`: an octree of where the surface may be, with what slopes the field has there.
+//! `FieldOctree`: an octree of the cells that may contain the surface, with the slopes of the field there.
 use super::super::{DistanceQuality, Dual, ExprGraph, Field, LeafError, Tape, Term};
 use super::voxels::{Voxel, VoxelGrid};
 use crate::budget::{Job, par_map};
 use crate::math::{Box3, Interval};
 
-/// Levels at which cells first may stay, and at which they all do: cells of a 32nd to a 128th of the size.
-/// Chosen by timing pictures; finer ones take longer to make than they save.
+/// The first level on which cells may stay, and the one on which all do: cells of a 32nd to a 128th of the
+/// size. Chosen by timing pictures; finer ones take longer to make than they save.
 const FIRST: u32 = 5;
 const LAST: u32 = 7;
-/// Cells at the most before dividing ends: about 100 MB.
+/// The most cells before division ends: about 100 MB.
 const MOST_CELLS: usize = 500_000;
-/// Shorter tapes gain nothing by being shortened, and one tape for all makes large batches.
+/// Shorter tapes gain nothing by pruning, and one tape for all makes large batches.
 const SHORT: usize = 48;
-/// Cells worked on at once: enough for batches, and enough of them for all threads.
+/// Cells processed at once: enough for batches, with enough chunks for all threads.
 const CHUNK: usize = 256;
-/// The share of the size that is added around it, different below and above, so that flat faces and planes of
-/// symmetry do not lie between two cells.
+/// The margins below and above the box, as fractions of its size. They differ, so that flat faces and planes
+/// of symmetry do not lie between two cells.
 const MARGIN: [f64; 2] = [0.0137, 0.0171];
-/// The widest range of slopes, as a share of their middle, that steps are long enough with.
+/// The widest interval of slopes, relative to its middle, with which steps are long enough.
 const NARROW: f64 = 0.35;
-/// By how much sampled slopes are made wider, as shares of their width and of the largest: chosen by looking
+/// By how much sampled slopes are widened, as fractions of their width and of the largest: chosen by looking
 /// at pictures.
 const WIDER: [f64; 2] = [0.25, 0.05];
-/// What rounding does to the range of a value at a place: derived in [`FieldOctree::classify_by_gradient`],
-/// 2⁻⁴⁷.
+/// The effect of rounding on the interval of a value at a point: derived in
+/// [`FieldOctree::classify_by_gradient`], 2⁻⁴⁷.
 const SLACK: f64 = 1.0 / 140_737_488_355_328.0;
 
-/// Why there are no cells.
+/// Why no octree can be built.
 #[derive(Clone, Debug)]
 pub enum FieldOctreeError {
     /// The box is empty, a single point, or reaches to infinity.
@@ -52,7 +52,7 @@ impl From<LeafError> for FieldOctreeError {
     }
 }
 
-/// A part of space: 8 parts in a row of the list, or a cell, or nothing of the surface.
+/// A part of space: 8 children in a row of the list, a cell, or a part without surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FieldOctreeNode {
     Outside,
@@ -61,20 +61,21 @@ pub(super) enum FieldOctreeNode {
     Cell(u32),
 }
 
-/// A part in which the surface may be.
+/// A part that may contain the surface.
 #[derive(Clone, Debug)]
 pub(super) struct FieldOctreeCell {
     pub bounds: Box3,
-    /// Ranges of the slopes along x, y and z; infinite where nothing is known.
+    /// Intervals of the slopes along x, y and z; infinite where nothing is known.
     pub slopes: [[f64; 2]; 3],
-    /// A range of the value in the middle, wider by what rounding does to [`FieldOctreeCell::value_at`].
+    /// An interval of the value in the middle, widened by the effect of rounding on
+    /// [`FieldOctreeCell::value_at`].
     pub middle: [f64; 2],
     pub tape: u32,
-    /// Which of [`FieldOctree::estimates`] it has; [`NONE`] where the slopes are narrow.
+    /// The index in [`FieldOctree::estimates`]; [`NONE`] where the slopes are narrow.
     pub estimate: u32,
 }
 
-/// Slopes and the value in the middle of a cell as samples have them: no proof.
+/// The slopes in a cell and the value in its middle, estimated from samples: no proof.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GradientEstimate {
     pub slopes: [[f64; 2]; 3],
@@ -82,7 +83,7 @@ pub(super) struct GradientEstimate {
 }
 
 impl GradientEstimate {
-    /// From samples, the last in the middle; `None` where some are not finite.
+    /// Estimates from samples, the last in the middle; `None` where some are not finite.
     fn from_samples(samples: &[Dual<f64>]) -> Option<Self> {
         let finite = |s: &Dual<f64>| s.value.is_finite() && s.gradient.iter().all(|g| g.is_finite());
         if !samples.iter().all(finite) {
@@ -105,8 +106,8 @@ impl GradientEstimate {
 const NONE: u32 = u32::MAX;
 
 impl FieldOctreeCell {
-    /// A range of the value at a place in the cell, by the mean value theorem, from slopes and the value in
-    /// the middle. Along a line its lower end is concave and its upper end convex: sums of minima and of
+    /// An interval of the value at a point of the cell, by the mean value theorem, from slopes and the value
+    /// in the middle. Along a line its lower end is concave and its upper end convex: sums of minima and of
     /// maxima of straight lines.
     pub fn value_at(&self, (slopes, value): (&[[f64; 2]; 3], [f64; 2]), p: [f64; 3]) -> [f64; 2] {
         let [mut low, mut high] = value;
@@ -121,9 +122,9 @@ impl FieldOctreeCell {
     }
 }
 
-/// Where the surface of a field may be: everything outside of these cells is proved to be on one side, by
-/// ranges, or by the field's word for its distance. Each cell has a tape that is right inside of it, and a
-/// range of slopes.
+/// The cells that may contain the surface of a field. Everything else is proved to be on one side, by
+/// intervals or by the field's distance quality. Each cell has a tape that is valid inside it, and intervals
+/// of the slopes.
 #[derive(Clone, Debug)]
 pub struct FieldOctree {
     pub(super) corner: [f64; 3],
@@ -131,12 +132,12 @@ pub struct FieldOctree {
     pub(super) nodes: Vec<FieldOctreeNode>,
     pub(super) cells: Vec<FieldOctreeCell>,
     pub(super) tapes: Vec<Tape>,
-    /// The word for the value along beams outside and inside, where the tapes are those of the value.
+    /// Whether the value is a distance bound outside and inside, where the tapes are those of the value.
     pub(super) is_distance_bound: [bool; 2],
-    /// How many points a call of the tape should have.
+    /// The number of points that a call of the tape should have.
     pub(super) batch: usize,
     pub(super) voxels: VoxelGrid,
-    /// What samples say of cells whose slopes are not narrow; see [`FieldOctree::sample_gradients`].
+    /// Sampled slopes of the cells whose slopes are not narrow; see [`FieldOctree::sample_gradients`].
     pub(super) estimates: Vec<GradientEstimate>,
     occupied: Box3,
 }
@@ -148,7 +149,7 @@ struct PendingOctant {
     tape: u32,
 }
 
-/// What was found of one part.
+/// What was found out about one part.
 struct OctantClass {
     part: FieldOctreeNode,
     slopes: [[f64; 2]; 3],
@@ -160,7 +161,7 @@ struct OctantClass {
 const UNKNOWN: Dual<Interval> = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
 
 impl OctantClass {
-    /// A cell of which nothing is known.
+    /// A cell about which nothing is known.
     fn unknown() -> Self {
         let all = [f64::NEG_INFINITY, f64::INFINITY];
         Self { part: FieldOctreeNode::Cell(0), slopes: [all; 3], middle: all, settled: false, tape: None }
@@ -168,10 +169,10 @@ impl OctantClass {
 }
 
 impl FieldOctree {
-    /// Divides the field's own box, cut to `region` where there is one.
+    /// Divides the field's own box.
     ///
-    /// Cost: ranges for about 8 times the cells that the surface passes through at a 32nd of the size, more
-    /// where its slopes turn quickly.
+    /// Cost: intervals for about 8 times the cells that the surface passes through at a 32nd of the size,
+    /// more where its slopes turn quickly.
     ///
     /// # Errors
     /// [`FieldOctreeError`] when there is no finite box, or when a leaf fails.
@@ -210,7 +211,7 @@ impl FieldOctree {
         Ok(cells)
     }
 
-    /// A box around the surface and all that is inside.
+    /// A box around the surface and the inside.
     #[must_use]
     pub fn occupied(&self) -> Box3 {
         self.occupied
@@ -224,7 +225,7 @@ impl FieldOctree {
         })
     }
 
-    /// How many cells the surface may pass through.
+    /// The number of cells that the surface may pass through.
     #[must_use]
     pub fn len(&self) -> usize {
         self.cells.len()
@@ -248,18 +249,18 @@ impl FieldOctree {
         &self.tapes[0]
     }
 
-    /// The side of a room.
+    /// The side of a voxel.
     pub(super) fn voxel_size(&self) -> f64 {
         self.size / f64::from(self.voxels.across)
     }
 
-    /// The tape that is right at a place: of its cell, else the whole one.
+    /// The index of the tape that is valid at a point: that of its cell, else the whole one.
     pub(super) fn tape_at(&self, p: [f64; 3]) -> u32 {
         let (_, room) = self.voxels.at([0, 1, 2].map(|k| (p[k] - self.corner[k]) / self.voxel_size()));
         if let Voxel::Cell(cell) = room { self.cells[cell as usize].tape } else { 0 }
     }
 
-    /// Divides all that has to be, and says how many levels there are.
+    /// Divides every part that has to be, and returns the number of levels.
     fn divide(&mut self, place: &Box3, job: &Job) -> Result<u32, FieldOctreeError> {
         let all = Box3 { min: self.corner, max: self.corner.map(|x| x + self.size) };
         let mut open = vec![PendingOctant { part: 0, bounds: all, tape: 0 }];
@@ -281,12 +282,12 @@ impl FieldOctree {
         Ok(level - 1)
     }
 
-    /// Samples slopes in the cells whose ranges of them are not narrow: for beams that ask for light, which
-    /// takes what is likely.
+    /// Samples slopes in the cells whose slope intervals are not narrow. This is for light beams, which
+    /// accept likely answers.
     ///
-    /// Ranges of long expressions are often much wider than what they enclose. Sampled in the middle and the
-    /// corners, and widened, they are seldom wrong, and then by something thinner than a cell that no corner
-    /// is nearest to.
+    /// Intervals of long expressions are often much wider than the values. Slopes sampled in the middle and
+    /// at the corners, and widened, are seldom wrong; they miss only details thinner than a cell that no
+    /// corner is nearest to.
     pub(crate) fn sample_gradients(&mut self, job: &Job) -> Result<(), LeafError> {
         let wide = |k: &usize| !is_narrow(&self.cells[*k].slopes);
         let wide: Vec<usize> = (0..self.cells.len()).filter(wide).collect();
@@ -384,7 +385,7 @@ impl FieldOctree {
         for (row, k) in undecided.into_iter().enumerate() {
             let found = &mut found[k];
             if let Some(tape) = found.tape.as_ref().filter(|_| !has_gradient(&slopes[row])) {
-                // What was undefined may have been left out.
+                // Pruning may have left out what was undefined.
                 tape.gradient_over(&boxes[row..=row], &mut slopes[row..=row])?;
             }
             self.classify_by_gradient(&boxes[row], (ranges[k], slopes[row], values[row]), found);
@@ -406,7 +407,7 @@ impl FieldOctree {
         Ok(())
     }
 
-    /// What the range alone says, and a shorter tape.
+    /// Classifies a part by its interval, and prunes its tape.
     fn classify_by_range(
         &self,
         one: &PendingOctant,
@@ -432,21 +433,21 @@ impl FieldOctree {
         Ok(found)
     }
 
-    /// What slopes say.
+    /// Classifies a part by its slopes.
     fn classify_by_gradient(
         &self,
         bounds: &Box3,
         (range, slope, value): (Interval, Dual<Interval>, Interval),
         found: &mut OctantClass,
     ) {
-        // Slopes say nothing across a gap where there is no value.
+        // Slopes say nothing across a gap where the value is undefined.
         if !has_gradient(&slope) {
             found.settled = range.is_entire();
             return;
         }
         let gradient = slope.gradient;
         found.slopes = gradient.map(|g| [g.lo(), g.hi()]);
-        // The mean value theorem: tighter than the range itself where slopes hardly turn.
+        // The mean value theorem: tighter than the interval itself where slopes hardly turn.
         let middle = bounds.centre();
         let sum = (0..3).fold(value, |sum, k| {
             let off = Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::UNKNOWN)
@@ -459,8 +460,8 @@ impl FieldOctree {
         }
         found.settled = range.is_entire() || is_narrow(&found.slopes);
         if value.is_defined() && !value.is_empty() {
-            // Places on a beam are off by some 2⁻⁵⁰ of coordinates and lengths, sums by as much of their
-            // parts.
+            // Points on a beam are off by some 2⁻⁵⁰ of coordinates and lengths, sums by as much of their
+            // terms.
             let magnitude = |x: [f64; 2]| if -x[0] > x[1] { -x[0] } else { x[1] };
             let parts = (0..3).fold(magnitude([value.lo(), value.hi()]), |sum, k| {
                 sum + magnitude(found.slopes[k]) * (self.corner[k].abs() + 4.0 * self.size)
@@ -470,7 +471,7 @@ impl FieldOctree {
         }
     }
 
-    /// Where no range is known, the word for the value as a distance may clear a part.
+    /// Where no interval is known, a value that is a distance bound may clear a part.
     fn classify_by_distance(&self, one: &PendingOctant, range: Interval) -> Result<Interval, LeafError> {
         let mut value = [f64::NAN];
         self.tapes[one.tape as usize].at(&[one.bounds.centre()], &mut value)?;
@@ -485,7 +486,7 @@ impl FieldOctree {
     }
 }
 
-/// Points inside are those with a negative value; ranges hold all values that there are.
+/// Points with a negative value are inside. The interval contains all values that exist.
 fn certain_side(range: Interval) -> Option<FieldOctreeNode> {
     if range.is_empty() || range.lo() >= 0.0 {
         return Some(FieldOctreeNode::Outside);
@@ -520,7 +521,7 @@ fn octant(b: &Box3, i: u32) -> Box3 {
     }
 }
 
-/// Expressions run best in blocks that stay in the processor's caches; leaves want what they want.
+/// Expressions run best in blocks that stay in the processor's caches; leaves say what they prefer.
 fn batch_of(graph: &ExprGraph) -> usize {
     graph.terms().iter().fold(1024, |most, term| match term {
         Term::Leaf(leaf, _) if leaf.preferred_batch() > most => leaf.preferred_batch(),

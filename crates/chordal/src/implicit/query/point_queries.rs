@@ -1,10 +1,10 @@
-//! Inside or outside, and the way out: for many points at once.
+//! Inside or outside, and normals: for many points at once.
 use super::super::{Dual, LeafError, Tape};
 
-/// Whether each point is inside: where the value is negative. A tie is outside, and so is NaN.
+/// Whether each point is inside: where the value is negative. A value of 0 is outside, and so is NaN.
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 ///
 /// ```
 /// use chordal::implicit::{Expr, Tape, query::contains};
@@ -19,11 +19,11 @@ pub fn contains(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<bool>, LeafError
     Ok(values.into_iter().map(|value| value < 0.0).collect())
 }
 
-/// The unit vector in which the value grows fastest, at each point: outward on the surface. `None` where the
-/// gradient vanishes or is not finite.
+/// The unit vector of steepest increase at each point: outward on the surface. `None` where the gradient
+/// vanishes or is not finite.
 ///
 /// # Errors
-/// Fails if a leaf fails.
+/// When a leaf fails.
 ///
 /// ```
 /// use chordal::implicit::{Expr, Tape, query::normals};
@@ -38,7 +38,8 @@ pub fn normals(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<Option<[f64; 3]>>
     Ok(slopes.iter().map(|slope| unit(slope.gradient)).collect())
 }
 
-/// A vector at length 1. Scaled by its largest part first, so that squares neither overflow nor vanish.
+/// The vector scaled to length 1; by its largest component first, so that squares neither overflow nor
+/// vanish.
 pub(super) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let most = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
     if !(v.iter().all(|x| x.is_finite()) && most > 0.0) {

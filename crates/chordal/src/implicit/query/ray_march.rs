@@ -1,10 +1,10 @@
-//! `BeamMarcher`: one beam on its way through the cells, told one value at a time.
+//! `BeamMarcher`: one beam on its way through the cells, advanced by one value at a time.
 //!
-//! In a cell the slope of the field along the beam lies in a known range `[a, b]`, so from a value `f`
+//! In a cell the slope of the field along the beam lies in a known interval `[a, b]`, so from a value `f`
 //! outside it takes at least `f / −a` to reach the surface, forward, and `f / b` backward. Steps are longer
-//! than the first by a factor, and taken back where both reaches together do not cover them; where the slope
-//! is surely negative there is one root at most, and it is bracketed at once. Where the field's word is that
-//! its value is never more than the distance, that is a reach too.
+//! than the first by a factor, and taken back where both reaches together do not cover them. Where the slope
+//! is surely negative there is at most one root, and it is bracketed at once. Where the field's value is
+//! never more than the distance, the value is a reach too.
 //!
 //! Sources: E. Galin et al., *Segment tracing using local Lipschitz bounds*, 2020, for slopes of a part of
 //! space; B. Keinert et al., *Enhanced sphere tracing*, 2014, for longer steps that are taken back, and for
@@ -15,21 +15,23 @@ use super::octree::{FieldOctree, FieldOctreeCell};
 use super::point_queries::{along, dot};
 use super::voxels::Voxel;
 
-/// Steps are longer than what is surely free by this factor. Measured from 1.2 to 1.6: hardly any difference.
+/// The factor by which steps are longer than what is surely free. Measured from 1.2 to 1.6: hardly any
+/// difference.
 const LONGER: f64 = 1.4;
-/// The shortest step, as a share of the beam's radius: what is thinner may be missed, and that is counted.
+/// The shortest step, as a fraction of the beam's radius: thinner details may be missed, and that is counted.
 const SHORTEST: f64 = 0.25;
-/// Values at the most for one beam.
+/// The most values for one beam.
 const MOST_STEPS: u32 = 1500;
-/// Steps along a whole beam where no slope is bounded: half of the most.
+/// Steps along a whole beam where no slope is bounded: half of [`MOST_STEPS`].
 const COARSE_STEPS: f64 = 750.0;
-/// The width of a bracket around a hit as a share of the size: 2⁻⁴², far above the rounding of places (2⁻⁵²).
+/// The width of a bracket around a hit as a fraction of the size: 2⁻⁴², far above the rounding of positions
+/// (2⁻⁵²).
 const WIDTH: f64 = 1.0 / 4_398_046_511_104.0;
-/// By how much a beam is moved across the border of a cell, as a share of the size: 2⁻³⁶. What is in between
-/// is seen from the other side.
+/// By how much a beam is moved across the border of a cell, as a fraction of the size: 2⁻³⁶. What is in
+/// between is seen from the other side.
 const NUDGE: f64 = 1.0 / 68_719_476_736.0;
 
-/// What is asked of a beam.
+/// The query that a beam answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum HitQuery {
     /// Where it meets the surface first.
@@ -38,27 +40,27 @@ pub(super) enum HitQuery {
     Any,
 }
 
-/// What is known of the way through a cell before any value is asked for.
+/// What is known about the way through a cell before any value is evaluated.
 enum CellCrossing {
-    /// Nothing is met in it.
+    /// The beam meets nothing in it.
     Free,
-    /// Values have to say.
+    /// Values have to decide.
     Open,
-    /// It is met, or the next value is asked for.
+    /// The beam has a hit, or waits for the next value.
     Settled,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum MarchState {
-    /// The value where it enters a cell.
+    /// Waits for the value where it enters a cell.
     Enter,
-    /// The value this far on, of which so much is free.
+    /// Waits for the value `stride` ahead; `reach` is free.
     Step {
         stride: f64,
         reach: f64,
         sure: bool,
     },
-    /// The value in a bracket.
+    /// Waits for the value in a bracket.
     Narrow(RootBracket),
     Done,
 }
@@ -71,7 +73,7 @@ pub(super) struct BeamMarcher {
     origin: [f64; 3],
     direction: [f64; 3],
     inverse: [f64; 3],
-    /// Origin and direction in rooms from the corner of the cube, and the length from one room to the next
+    /// Origin and direction in voxels from the corner of the cube, and the length from one voxel to the next
     /// along each axis; +∞ where there is none.
     in_voxels: [[f64; 3]; 2],
     per_voxel: [f64; 3],
@@ -83,19 +85,19 @@ pub(super) struct BeamMarcher {
     t: f64,
     end: f64,
     value: f64,
-    /// What the value is at least, where it enters the cell.
+    /// A lower bound of the value where the beam enters the cell.
     least: f64,
-    /// The last place known to be on the side that it started from.
+    /// The last position known to be on the side where the beam started.
     clear: f64,
     started: bool,
-    /// −1 for a beam that starts inside and looks for the way out.
+    /// −1 for a beam that starts inside and looks for the exit.
     side: f64,
     cell_end: f64,
     slope: [f64; 2],
     state: MarchState,
     query: f64,
     steps: u32,
-    /// Where something may have been overlooked first; +∞ if nowhere.
+    /// The first position where something may have been missed; +∞ if nowhere.
     gap: f64,
     record: BeamRecord,
 }
@@ -176,7 +178,7 @@ impl BeamMarcher {
         BeamRecord { uncertain: self.record.uncertain || self.gap < f64::INFINITY, ..self.record }
     }
 
-    /// Where the next value is wanted.
+    /// The point where the next value is needed.
     pub fn point(&self) -> [f64; 3] {
         along(self.origin, self.direction, self.query)
     }
@@ -200,7 +202,7 @@ impl BeamMarcher {
         }
     }
 
-    /// A value that is nothing is outside, whichever side the beam is on.
+    /// NaN counts as outside, whichever side the beam is on.
     fn crosses(&self, value: f64) -> bool {
         if self.side > 0.0 { value < 0.0 } else { value <= 0.0 || value.is_nan() }
     }
@@ -227,7 +229,7 @@ impl BeamMarcher {
         self.plan_step(cells, value);
     }
 
-    /// From now on outside is inside; done if that is all that was asked.
+    /// Exchanges inside and outside. Whether that answers the query.
     fn begin_inside(&mut self) -> bool {
         self.started = true;
         self.side = -1.0;
@@ -240,7 +242,7 @@ impl BeamMarcher {
     fn on_step(&mut self, cells: &FieldOctree, value: f64, [stride, reach]: [f64; 2], sure: bool) {
         let floor = self.shortest();
         let retreat = if reach > floor { reach } else { floor };
-        let long = stride > retreat * 1.000_001; // rounding: a stride that was the retreat itself is not
+        let long = stride > retreat * 1.000_001; // rounding: a stride equal to the retreat is not long
         if self.crosses(value) {
             if long && !sure {
                 return self.step(cells, [retreat, reach], false);
@@ -271,7 +273,7 @@ impl BeamMarcher {
         if self.t < self.cell_end {
             return self.plan_step(cells, value);
         }
-        // Neighbours share the value at their border.
+        // Neighbouring cells share the value at their border.
         let border = self.cell_end;
         self.least = value;
         if self.next_cell(cells, border) {
@@ -283,12 +285,13 @@ impl BeamMarcher {
         }
     }
 
-    /// From so far on something may have been overlooked: no slope clears it, and the step is not taken back.
+    /// Records that something may have been missed from here on: no slope clears it, and the step is not
+    /// taken back.
     fn mark_gap(&mut self, from: f64) {
         self.gap = if from < self.gap { from } else { self.gap };
     }
 
-    /// From a value on the side that it started from, at `self.t` in its cell.
+    /// Plans the next step, from a value on the starting side, at `self.t` in its cell.
     fn plan_step(&mut self, cells: &FieldOctree, value: f64) {
         self.value = value;
         self.clear = self.t;
@@ -298,7 +301,7 @@ impl BeamMarcher {
         let reach = if value.is_finite() && by_slope > word { by_slope } else { word };
         let room = self.cell_end - self.t;
         if reach >= room {
-            // Slopes end with the cell; a distance does not.
+            // Slopes end with the cell; a distance bound does not.
             let left = value + a * room;
             self.least = if word <= room && left > 0.0 { left } else { 0.0 };
             let on = if word > room { self.t + word } else { self.cell_end };
@@ -351,7 +354,8 @@ impl BeamMarcher {
     }
 
     fn record_hit(&mut self, t: f64) {
-        // A place within the beam's radius of the true one is right; and for whether there is any, all are.
+        // A position within the beam's radius of the true one is right; and for whether there is any hit, all
+        // are.
         if self.hit_query == HitQuery::Any || t <= self.gap + self.radius() {
             self.gap = f64::INFINITY;
         }
@@ -361,7 +365,7 @@ impl BeamMarcher {
         self.state = MarchState::Done;
     }
 
-    /// Goes on from `t` to the next cell; `false` when there is none, or a hit on the way.
+    /// Continues from `t` to the next cell; `false` if there is none, or a hit on the way.
     fn next_cell(&mut self, cells: &FieldOctree, mut t: f64) -> bool {
         let nudge = NUDGE * cells.size;
         loop {
@@ -400,7 +404,7 @@ impl BeamMarcher {
         }
     }
 
-    /// What slopes and the value in the middle of a cell say of the way through it, without another value.
+    /// Uses slopes and the value in the middle of a cell to decide the way through it without another value.
     fn predict_crossing(&mut self, cells: &FieldOctree, cell: &FieldOctreeCell) -> CellCrossing {
         let (origin, direction) = (self.origin, self.direction);
         let seen =
@@ -425,11 +429,11 @@ impl BeamMarcher {
         }
         let [[low, high], [low_end, high_end]] = ends;
         let (room, nudge) = (self.cell_end - self.t, NUDGE * cells.size);
-        // Where it was outside up to here, no value is needed to see that the field cannot fall to 0.
+        // If it was outside up to here, no value is needed to see that the field cannot fall to 0.
         let continuous = self.started && self.t - self.clear <= 4.0 * nudge;
         let left = self.least + self.slope[0] * room;
         let by_slope = continuous && self.slope[0].is_finite() && (self.slope[0] >= 0.0 || left > 0.0);
-        // The lower end is concave: between two places above 0 all are.
+        // The lower end is concave: between two positions above 0 it is above 0.
         let by_value = low > 0.0 && low_end > 0.0;
         if self.started && (by_slope || by_value) {
             let left = if by_slope && left > 0.0 { left } else { 0.0 };
@@ -471,7 +475,7 @@ impl BeamMarcher {
         CellCrossing::Open
     }
 
-    /// Goes through a part that is all on one side; `false` when that is an answer.
+    /// Passes through a part that is all on one side; `false` if that is an answer.
     fn pass_empty(&mut self, side: f64, t: f64) -> bool {
         if !self.started {
             self.started = true;
@@ -485,7 +489,7 @@ impl BeamMarcher {
         true
     }
 
-    /// Where it leaves a room and so many around it.
+    /// Where it leaves a voxel and `more` around it.
     fn exit_voxels(&self, at: [u32; 3], more: f64) -> f64 {
         let mut exit = f64::INFINITY;
         for (k, at) in at.into_iter().enumerate() {
@@ -497,7 +501,7 @@ impl BeamMarcher {
         exit
     }
 
-    /// Where it leaves a box that it is in at `t`.
+    /// Where the beam leaves a box that contains it at `t`.
     fn exit(&self, min: [f64; 3], max: [f64; 3], t: f64) -> f64 {
         let mut exit = f64::INFINITY;
         for k in 0..3 {
@@ -511,7 +515,7 @@ impl BeamMarcher {
     }
 }
 
-/// The range of the slope along a unit direction. Slopes that nothing bounds stay so, unless the direction
+/// The interval of the slope along a unit direction. Unbounded slopes stay unbounded, unless the direction
 /// ignores them.
 fn slope_along(slopes: &[[f64; 2]; 3], direction: [f64; 3]) -> [f64; 2] {
     let mut sum = [0.0, 0.0];

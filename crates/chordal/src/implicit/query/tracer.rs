@@ -1,17 +1,17 @@
-//! `FieldTracer`: many beams at once, each as far as one more value takes it, until all are done.
+//! `FieldTracer`: many beams at once, each advanced by one value per round, until all are done.
 use super::super::LeafError;
 use super::beam::{Beam, BeamRecord};
 use super::octree::FieldOctree;
 use super::point_queries::normals;
 use super::ray_march::{BeamMarcher, HitQuery};
 
-/// Meets beams with the surface of a field.
+/// Intersects beams with the surface of a field.
 ///
-/// All beams that are under way are evaluated together, so that a leaf is asked for as many points at once as
-/// there are beams. A hit is a bracket of 2⁻⁴² of the size, with a point outside at one end and one inside at
-/// the other. What lies before it is free by ranges of slopes in each cell or by the field's word for its
-/// distance, up to the rounding of values; where neither says so, steps of a quarter of the beam's radius are
-/// taken, and the record says *uncertain*.
+/// All active beams are evaluated together, so that a leaf gets as many points per call as there are beams. A
+/// hit is a bracket of 2⁻⁴² of the size, with a point outside at one end and one inside at the other. The way
+/// to it is free by intervals of slopes in each cell or by the field's distance quality, up to the rounding
+/// of values. Where neither says so, steps of a quarter of the beam's radius are taken, and the record says
+/// *uncertain*.
 ///
 /// ```
 /// use chordal::implicit::{Expr, Field, query::{Beam, FieldOctree, FieldTracer}};
@@ -31,29 +31,29 @@ pub struct FieldTracer<'a> {
 }
 
 impl<'a> FieldTracer<'a> {
-    /// One for these cells.
+    /// A tracer for these cells.
     #[must_use]
     pub fn new(cells: &'a FieldOctree) -> Self {
         Self { cells }
     }
 
-    /// Where each beam meets the surface first, from whichever side it starts on.
+    /// The first intersection of each beam with the surface, from whichever side it starts.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn intersect(&self, beams: &[Beam]) -> Result<Vec<BeamRecord>, LeafError> {
         self.run(beams, HitQuery::First)
     }
 
-    /// Whether each beam meets anything; one that starts inside does.
+    /// Whether each beam meets anything; a beam that starts inside does.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn occluded(&self, beams: &[Beam]) -> Result<Vec<bool>, LeafError> {
         Ok(self.run(beams, HitQuery::Any)?.iter().map(|record| record.hit.is_some()).collect())
     }
 
-    /// How many points a call of the field should have, at least.
+    /// The number of points that a call of the field should have, at least.
     #[must_use]
     pub fn batch(&self) -> usize {
         self.cells.batch
@@ -62,7 +62,7 @@ impl<'a> FieldTracer<'a> {
     /// The unit gradient at each point, outward on the surface; `None` where it vanishes or is not finite.
     ///
     /// # Errors
-    /// Fails if a leaf fails.
+    /// When a leaf fails.
     pub fn normals(&self, points: &[[f64; 3]]) -> Result<Vec<Option<[f64; 3]>>, LeafError> {
         let mut order: Vec<(u32, u32)> =
             (points.iter().enumerate()).map(|(k, point)| (self.cells.tape_at(*point), k as u32)).collect();
@@ -93,7 +93,7 @@ impl<'a> FieldTracer<'a> {
                 walkers.push(walker);
             }
         }
-        // Those under way by their tape: walkers are large, and stay where they are.
+        // Active beams, sorted by their tape. The marchers are large, and stay where they are.
         let mut live: Vec<[u32; 2]> =
             walkers.iter().enumerate().map(|(k, walker)| [walker.tape, k as u32]).collect();
         let (mut points, mut values) = (Vec::new(), Vec::new());

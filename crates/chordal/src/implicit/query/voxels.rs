@@ -1,20 +1,19 @@
-//! `VoxelGrid`: the octree of the cells as a lattice, from a place to its cell in one look, and far over what
-//! is empty.
+//! `VoxelGrid`: the octree as a lattice, from a point to its cell in one step, with skips over empty space.
 use super::octree::FieldOctreeNode;
 
-/// The cube in equal parts as small as its smallest cells.
+/// The cube in equal voxels, as small as its smallest cells.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VoxelGrid {
-    /// Rooms along a side.
+    /// Voxels along a side.
     pub across: u32,
     /// By z, y and x.
     voxels: Vec<u32>,
 }
 
-/// What is in one of them.
+/// The content of a voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Voxel {
-    /// All of it is on one side (1 outside, −1 inside), as are so many rooms around it in every direction.
+    /// All of it is on one side (1 outside, −1 inside), as are so many voxels around it in every direction.
     Side(i8, u32),
     /// A part of a cell.
     Cell(u32),
@@ -24,7 +23,7 @@ const CELL: u32 = 1 << 31;
 const INSIDE: u32 = 1 << 30;
 
 impl VoxelGrid {
-    /// The rooms of an octree with so many levels below its root.
+    /// The voxels of an octree with so many levels below its root.
     pub fn from_octree(parts: &[FieldOctreeNode], levels: u32) -> Self {
         let across = 1 << levels;
         let n = across as usize;
@@ -61,7 +60,7 @@ impl VoxelGrid {
         Self { across, voxels: rooms }
     }
 
-    /// The room of a place in rooms; beyond the cube it is the nearest one.
+    /// The voxel at a position in voxels; beyond the cube it is the nearest one.
     #[inline]
     pub fn at(&self, at: [f64; 3]) -> ([u32; 3], Voxel) {
         // A negative number becomes 0.
@@ -77,9 +76,9 @@ impl VoxelGrid {
     }
 }
 
-/// How far each room is from the nearest one that is not all on `side`, in rooms along the axis that is
-/// longest; 0 for such rooms themselves, and 255 where none is nearer. One pass up and one down, each with
-/// the neighbours that it has seen.
+/// The chessboard distance of each voxel to the nearest one that is not all on `side`; 0 for such voxels
+/// themselves, and 255 where none is nearer. One pass up and one down, each with the neighbours that it has
+/// seen.
 ///
 /// Source: A. Rosenfeld, J. Pfaltz, *Sequential operations in digital picture processing*, 1966.
 fn chessboard_distances(rooms: &[u32], side: u32, n: usize) -> Vec<u8> {
@@ -120,7 +119,8 @@ mod tests {
 
     #[test]
     fn rooms_know_how_far_their_side_goes() {
-        // A cube of 8³ rooms, outside but for a cell of one room, a cell of 2³ and one of 2³ that is inside.
+        // A cube of 8³ voxels, outside but for a cell of one voxel, a cell of 2³ and one of 2³ that is
+        // inside.
         let mut parts = vec![FieldOctreeNode::Children(1)];
         parts.resize(9, FieldOctreeNode::Outside);
         let divide = |parts: &mut Vec<FieldOctreeNode>, part: usize| {

@@ -1,11 +1,11 @@
-//! The distance from the z axis, with ranges of its slope on the axis too.
+//! The distance from the z axis, with intervals of its slope on the axis too.
 use crate::budget::Evidence;
 use crate::implicit::{Expr, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{Box3, Interval, sqrt_down, sqrt_up};
 use std::sync::Arc;
 
-/// `√(x² + y²)`. The root's slope is unknown to ranges on the axis, where a surface may well be; the leaf
-/// knows it.
+/// `√(x² + y²)`. Interval arithmetic does not know the root's slope on the axis, where a surface may well be;
+/// the leaf does.
 pub(in crate::implicit) fn axis_distance() -> Expr {
     let [x, y, _] = Expr::axes();
     Expr::leaf(Arc::new(AxisDistance), [x, y, Expr::constant(0.0)])
@@ -55,8 +55,8 @@ impl Leaf for AxisDistance {
     }
 }
 
-/// The range of `x / √(x² + y²)`, of all generalized gradients on the axis. Off it, it grows with `x`, and
-/// goes towards 0 as `|y|` grows: so each end is that of one corner.
+/// The interval of `x / √(x² + y²)`; on the axis, of all generalized gradients. Off the axis it grows with
+/// `x`, and goes towards 0 as `|y|` grows, so each end is that of one corner.
 fn cosine(x: Interval, y: Interval) -> Interval {
     let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
     if x.contains(0.0) && y.contains(0.0) {
@@ -64,7 +64,7 @@ fn cosine(x: Interval, y: Interval) -> Interval {
     }
     let beside = y.abs();
     let at = |x: f64, outer: bool| {
-        // Towards 0 with the largest |y|, away from it with the least.
+        // Towards 0 with the largest |y|, away from it with the smallest.
         let y = if outer { beside.lo() } else { beside.hi() };
         let (x, y) = (Interval::point(x), Interval::point(y));
         let length = (x.square() + y.square()).sqrt();

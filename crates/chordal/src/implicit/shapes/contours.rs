@@ -8,12 +8,12 @@ use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipsch
 use crate::math::{Box3, Interval, Orientation, add_up, orient2d};
 use std::sync::Arc;
 
-/// Which points contours enclose.
+/// The fill rule of contours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ContourFill {
-    /// Those that they surround an odd number of times.
+    /// Points with an odd winding number.
     EvenOdd,
-    /// Those around which they wind, in either direction, more often than they unwind.
+    /// Points with a winding number other than 0.
     NonZero,
 }
 
@@ -27,17 +27,17 @@ impl ContourFill {
     }
 }
 
-/// One side of a contour, directed.
+/// A directed edge of a contour.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContourEdge {
     pub a: [f64; 2],
     pub b: [f64; 2],
-    /// The contour, and the rows of the edges before and after it there.
+    /// The contour, and the rows of the edges before and after this one in it.
     pub contour: u32,
     pub before: u32,
     pub after: u32,
-    /// 1 where the outside is to the right of the direction, −1 where it is to the left, 0 where that is not
-    /// known.
+    /// 1 where the outside is to the right of the edge's direction, −1 where it is to the left, 0 where that
+    /// is not known.
     pub outside: i8,
 }
 
@@ -46,17 +46,17 @@ pub(super) struct ContourEdge {
 pub(super) struct ContourBvhNode {
     pub min: [f64; 2],
     pub max: [f64; 2],
-    /// Rows of the order, where it has no children.
+    /// Rows of the order, if the node has no children.
     pub run: [u32; 2],
-    /// The second child; the first follows its parent. 0 where there are none.
+    /// The second child; the first follows its parent. 0 if there are none.
     pub second: u32,
 }
 
 /// Closed contours in the plane, with a tree over their edges. The value is the signed distance to the edges,
-/// negative inside, for the plane that x and y span; z plays no part.
+/// negative inside, in the plane of x and y; z has no effect.
 ///
-/// Which side a point is on is decided by exact predicates. The distance is rounded: it is off by 64 units of
-/// rounding of the largest coordinate at most, which ranges allow for.
+/// Exact predicates decide which side a point is on. The distance is rounded: it is off by at most 64 units
+/// of rounding of the largest coordinate, which intervals allow for.
 ///
 /// Cost: O(log n) for a point.
 #[derive(Clone, Debug)]
@@ -71,10 +71,10 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// The contours through these points, each joined back to its first. Contours that do not bound what is
-    /// filled (one within another of the same direction, say) are left out, if no two edges meet but at
-    /// corners that they share; the value is then the exact distance. Otherwise it is a bound: an edge may
-    /// run inside of the shape.
+    /// The contours through these points, each closed. If no two edges meet but at corners that they share,
+    /// contours that do not bound the filled region (one within another of the same direction, say) are left
+    /// out, and the value is the exact distance. Otherwise the value is a bound: an edge may run inside the
+    /// shape.
     ///
     /// # Errors
     /// When a coordinate is not a finite number below 1e150, or no contour has three corners.
@@ -104,7 +104,7 @@ impl Contours {
         Ok(Self { edges, nodes, order, largest, fill, distance, bounds })
     }
 
-    /// What the value is worth: exact for contours that nowhere meet.
+    /// The distance quality: exact for contours that meet nowhere.
     #[must_use]
     pub fn distance(&self) -> Distance {
         self.distance
@@ -117,7 +117,7 @@ impl Contours {
         Expr::leaf(Arc::new(self), [x, y, Expr::constant(0.0)])
     }
 
-    /// The shape, endless along z.
+    /// The shape, unbounded along z.
     #[must_use]
     pub fn into_field(self) -> Field {
         let (distance, [min, max]) = (self.distance, self.bounds);
@@ -127,8 +127,8 @@ impl Contours {
         sign.map_or(field.clone(), |sign| field.known_sign(sign))
     }
 
-    /// How often the contours wind around `p`, counter-clockwise; those for which `counts` says no are left
-    /// out. Exact, for points that are on none of them.
+    /// The winding number of the contours around `p`, counter-clockwise, without the edges that `counts`
+    /// rejects. Exact for points that are on no edge.
     pub(super) fn winding(&self, p: [f64; 2], counts: impl Fn(&ContourEdge) -> bool) -> i32 {
         let mut winding = 0;
         self.descend(
@@ -151,7 +151,7 @@ impl Contours {
         self.fill.holds(self.winding(p, |_| true))
     }
 
-    /// Calls `visit` for every edge below nodes that are wanted.
+    /// Calls `visit` for every edge below the nodes that are `wanted`.
     pub(super) fn descend(
         &self,
         mut wanted: impl FnMut(&ContourBvhNode) -> bool,
@@ -168,10 +168,10 @@ impl Contours {
         }
     }
 
-    /// The least squared distance to an edge, and the lowest edge that has it.
+    /// The smallest squared distance to an edge, and the lowest edge that has it.
     fn nearest(&self, p: [f64; 2], start: u32) -> (f64, u32) {
-        // Boxes and edges round differently, by less than this share: whatever is searched first, the least
-        // is found.
+        // Boxes and edges round differently, by less than this fraction: whatever is searched first, the
+        // least is found.
         const SLACK: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
         let mut best = (self.square(p, start), start);
         let mut waiting = [(0.0, 0_u32); 64];
@@ -217,16 +217,16 @@ impl Contours {
         x * x + y * y
     }
 
-    /// A bound on the rounding of distances around `p`: the dots that place the foot are off by 8 units of
-    /// `|p − a| · |b − a|`, which moves the foot by 8 units of `|p − a|`; differences, the foot and the
-    /// length add a few.
+    /// A bound on the rounding of distances around `p`: the dot products that give the closest point are off
+    /// by 8 units of `|p − a| · |b − a|`, which moves it by 8 units of `|p − a|`; differences, the point and
+    /// the length add a few.
     pub(super) fn rounding(&self, p: [f64; 2]) -> f64 {
         const UNITS: f64 = 64.0 * f64::EPSILON;
         let size = if p[0].abs() > p[1].abs() { p[0].abs() } else { p[1].abs() };
         add_up(UNITS * add_up(size, self.largest), f64::MIN_POSITIVE)
     }
 
-    /// The signed distance, the edge, and whether `p` is inside.
+    /// The signed distance, the nearest edge, and whether `p` is inside.
     fn signed(&self, p: [f64; 2], start: u32) -> (f64, u32, bool) {
         let (square, row) = self.nearest(p, start);
         let inside = self.holds(p);
@@ -240,7 +240,7 @@ impl Contours {
 }
 
 impl ContourEdge {
-    /// `p` minus the point of the edge that is nearest to it, and where on the edge that is, from 0 to 1.
+    /// `p` minus its closest point on the edge, and where on the edge that is, from 0 to 1.
     pub fn offset(&self, p: [f64; 2]) -> ([f64; 2], f64) {
         let along = [self.b[0] - self.a[0], self.b[1] - self.a[1]];
         let from = [p[0] - self.a[0], p[1] - self.a[1]];
@@ -275,7 +275,7 @@ impl Leaf for Contours {
             let edge = &self.edges[row as usize];
             let (offset, t) = edge.offset([*x, *y]);
             *gradient = if value == 0.0 || (0.0 < t && t < 1.0) {
-                // Across the edge, in the direction in which it is left.
+                // Across the edge, towards the outside.
                 let n = [edge.b[1] - edge.a[1], edge.a[0] - edge.b[0]];
                 let length = (n[0] * n[0] + n[1] * n[1]).sqrt();
                 let to_right = offset[0] * n[0] + offset[1] * n[1] > 0.0;
@@ -294,13 +294,14 @@ impl Leaf for Contours {
             let flat =
                 Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
             let [x, y, _] = flat.centre();
-            // The middle is rounded: half of the diagonal and a unit of it is enough to reach every point.
+            // The middle is rounded: half of the diagonal and a unit of rounding are enough to reach every
+            // point.
             let reach = add_up(
                 0.5 * flat.diagonal(),
                 add_up(self.rounding([x, y]), f64::EPSILON * (x.abs() + y.abs())),
             );
             *range = if reach.is_finite() {
-                // The exact distance is continuous and changes by no more than one moves.
+                // The exact distance is continuous and 1-Lipschitz.
                 Interval::point(self.value([x, y]))
                     + Interval::new(-reach, reach).unwrap_or(Interval::UNKNOWN)
             } else {

@@ -1,4 +1,4 @@
-//! How [`Contours`](super::Contours) are made: edges, which of them bound the shape, and the tree over them.
+//! Construction of [`Contours`](super::Contours): edges, those that bound the shape, and the tree over them.
 use super::contours::{ContourBvhNode, ContourEdge, ContourFill, Contours};
 use crate::implicit::Distance;
 use crate::math::{Orientation, orient2d};
@@ -6,7 +6,7 @@ use crate::math::{Orientation, orient2d};
 /// Edges in a leaf of the tree.
 const LEAF: usize = 4;
 
-/// The edges of all contours with three different corners in a row at least.
+/// The edges of all contours with at least three different corners in a row.
 pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
     let mut edges = Vec::new();
     for (contour, points) in contours.iter().enumerate() {
@@ -33,7 +33,7 @@ pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
     edges
 }
 
-/// A tree over the edges: nodes, and the order of the edges in their runs.
+/// Builds the tree over the edges: nodes, and the order of the edges in their runs.
 pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
     let mut order: Vec<u32> = (0..edges.len() as u32).collect();
     let mut nodes = Vec::new();
@@ -67,8 +67,8 @@ pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
     (nodes, order)
 }
 
-/// Only the contours that bound what is filled, each edge with the side of its outside; and whether this
-/// could be done: not where edges meet elsewhere than at corners that they share.
+/// Only the contours that bound the filled region, each edge with the side of its outside; and whether that
+/// was possible: not where edges meet elsewhere than at corners that they share.
 pub(super) fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (Vec<ContourEdge>, bool) {
     let (nodes, order) = tree(&edges);
     let all = Contours::from_parts((edges.clone(), nodes, order), fill);
@@ -98,14 +98,14 @@ pub(super) fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (V
     (kept, true)
 }
 
-/// Whether a simple contour runs counter-clockwise: by the turn at its lowest corner.
+/// Whether a simple contour runs counter-clockwise, by the turn at its lowest corner.
 fn turns_left(edges: &[ContourEdge], run: std::ops::Range<usize>) -> bool {
     let least = run.reduce(|l, r| if edges[r].a < edges[l].a { r } else { l }).unwrap_or(0);
     let edge = &edges[least];
     orient2d(edges[edge.before as usize].a, edge.a, edge.b) == Orientation::Front
 }
 
-/// Whether no two edges meet but at corners that they share; exact.
+/// Whether no two edges meet except at corners that they share; exact.
 fn is_simple(contours: &Contours) -> bool {
     (0..contours.edges.len() as u32).all(|row| {
         let edge = &contours.edges[row as usize];
@@ -121,11 +121,11 @@ fn is_simple(contours: &Contours) -> bool {
     })
 }
 
-/// Whether two edges have a point in common, other than the corner between neighbours.
+/// Whether two edges have a point in common other than the corner between neighbours.
 fn meet(contours: &Contours, row: u32, other: u32) -> bool {
     let (e, f) = (&contours.edges[row as usize], &contours.edges[other as usize]);
     let folds = |from: [f64; 2], corner: [f64; 2], to: [f64; 2]| {
-        // Back over the edge before: in line, and on the same side of the corner along some axis.
+        // Back over the edge before: collinear, and on the same side of the corner along some axis.
         orient2d(from, corner, to) == Orientation::Flat
             && (0..2).any(|k| {
                 (from[k] > corner[k] && to[k] > corner[k]) || (from[k] < corner[k] && to[k] < corner[k])
@@ -146,23 +146,23 @@ fn meet(contours: &Contours, row: u32, other: u32) -> bool {
         let side = orient2d(e.a, e.b, f.a);
         side != Orientation::Flat && side == orient2d(e.a, e.b, f.b)
     };
-    // In line with overlapping boxes they overlap.
+    // Collinear edges with overlapping boxes overlap.
     !(apart(0) || apart(1) || beside(e, f) || beside(f, e))
 }
 
-/// The contours and their mirror image in `x = axis` as one, without the edges on that line; none where there
-/// are no such edges, or contours reach beyond it.
+/// The contours and their mirror image in `x = axis` as one, without the edges on that line. None if there
+/// are no such edges, or contours reach beyond the line.
 ///
-/// Each run of edges from the line back to it becomes a contour with its own mirror image: as chains of edges
-/// those are all edges and their images, less the ones on the line, which cancel. So points off the line are
-/// wound around as before.
+/// Each run of edges from the line back to it becomes a contour with its own mirror image. As chains these
+/// are all edges and their images, minus the ones on the line, which cancel. So winding numbers off the line
+/// stay the same.
 pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contours> {
     let edges = &contours.edges;
     let is_on = |edge: &ContourEdge| edge.a[0] == axis && edge.b[0] == axis;
     if contours.bounds[0][0] != axis || !edges.iter().any(is_on) {
         return None;
     }
-    // Its rounding moves nothing of the contours themselves, and points beyond the line are not asked for.
+    // The rounding moves nothing of the contours themselves, and points beyond the line are never evaluated.
     let mirrored = |p: &[f64; 2]| [axis - (p[0] - axis), p[1]];
     let mut whole = Vec::new();
     let mut row = 0;
@@ -189,7 +189,7 @@ pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contou
 }
 
 impl Contours {
-    /// Contours to ask for windings only.
+    /// Contours for winding numbers only.
     fn from_parts(
         (edges, nodes, order): (Vec<ContourEdge>, Vec<ContourBvhNode>, Vec<u32>),
         fill: ContourFill,

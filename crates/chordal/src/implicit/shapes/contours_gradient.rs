@@ -1,25 +1,25 @@
-//! Ranges of the gradient of the distance to [`Contours`] in a box: from the edges that may be nearest there.
+//! Intervals of the gradient of the distance to [`Contours`] in a box, from the edges that may be nearest.
 use super::contours::{ContourEdge, Contours};
 use crate::math::{Box3, Interval, add_up};
 
 const UNIT: [f64; 2] = [-1.0, 1.0];
-/// Edges whose turn has a smaller sine run straight on. Chosen: far above rounding, and the arc between their
-/// normals is as short.
+/// Edges whose turn has a smaller sine count as straight. Chosen: far above rounding, and the arc between
+/// their normals is as short.
 const STRAIGHT: f64 = 1e-9;
 
 impl Contours {
-    /// A range of each partial derivative, of all of Clarke's generalized gradients.
+    /// An interval of each partial derivative, of all of Clarke's generalized gradients.
     ///
     /// The gradient is `±(p − q)/|p − q|` with the nearest point `q`: the normal of an edge where `q` is
-    /// inside of it, and between the normals of two edges where it is their corner. An edge that is nearest
-    /// for some point of the box is no farther from its middle than the nearest one there and the box's
+    /// inside of it, and between the normals of two edges where `q` is their corner. An edge that is nearest
+    /// for some point of the box is no farther from the box's middle than the nearest one there plus the
     /// diameter.
     pub(super) fn slope_over(&self, bounds: &Box3) -> [Interval; 3] {
         let flat =
             Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
         let [x, y, _] = flat.centre();
         let middle = [x, y];
-        // With the rounding of the middle.
+        // Includes the rounding of the middle.
         let rounding = add_up(self.rounding(middle), f64::EPSILON * (x.abs() + y.abs()));
         let radius = add_up(0.5 * flat.diagonal(), rounding);
         let zero = Interval::point(0.0);
@@ -48,7 +48,7 @@ impl Contours {
         [dx, dy, zero]
     }
 
-    /// The gradients where points around `middle` have their nearest point on an edge.
+    /// The gradients at points around `middle` that have their nearest point on an edge.
     fn slopes(
         &self,
         edge: &ContourEdge,
@@ -59,7 +59,7 @@ impl Contours {
         let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
         let from = [middle[0] - edge.a[0], middle[1] - edge.a[1]];
         let foot = (from[0] * along[0] + from[1] * along[1]) / length;
-        // Rounding of the foot is 8 units of `|p − a|`, and allowed for many times over.
+        // Rounding of the foot is 8 units of `|p − a|`; many times as much is allowed for.
         let play = radius * (1.0 + 1e-9) + 64.0 * f64::EPSILON * (from[0].abs() + from[1].abs() + length);
         let normal = normal(edge);
         let mut parts = Vec::new();
@@ -80,15 +80,15 @@ impl Contours {
     }
 }
 
-/// The gradients at points of a box whose nearest point is the corner of two edges: between the normals of
-/// these, and the direction from the corner, or to it where it is reentrant. None where no point of the box
-/// is such a one.
+/// The gradients at points of a box whose nearest point is the corner of two edges. They are between the
+/// normals of these, and in the direction from the corner, or to it where it is reentrant. None if the box
+/// has no such point.
 fn about_corner(edges: [&ContourEdge; 2], flat: &Box3) -> Option<[Interval; 2]> {
     let arc = between(normal(edges[0]), normal(edges[1]));
     let along = edges.map(|edge| [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]]);
     let turn = along[0][0] * along[1][1] - along[0][1] * along[1][0];
     let size = (along[0][0].abs() + along[0][1].abs()) * (along[1][0].abs() + along[1][1].abs());
-    // Where the edges run straight on, or differ about the side, the arc is all that is known.
+    // Where the edges run straight on, or differ about the side, only the arc is known.
     let is_straight = turn.abs() <= STRAIGHT * size || turn.is_nan();
     if is_straight || edges[0].outside != edges[1].outside {
         return Some(arc);
@@ -103,7 +103,7 @@ fn about_corner(edges: [&ContourEdge; 2], flat: &Box3) -> Option<[Interval; 2]> 
     both.iter().all(|range| !range.is_empty()).then_some(both)
 }
 
-/// The outward normal of an edge, rounded; components that are exactly 0 stay so.
+/// The outward normal of an edge, rounded; components that are exactly 0 stay 0.
 fn normal(edge: &ContourEdge) -> [f64; 2] {
     let sign = f64::from(edge.outside);
     let n = [sign * (edge.b[1] - edge.a[1]), sign * (edge.a[0] - edge.b[0])];
@@ -115,18 +115,18 @@ fn range([low, high]: [f64; 2]) -> Interval {
     Interval::new(low, high).unwrap_or(Interval::UNKNOWN)
 }
 
-/// A rounded component of a unit vector: it has seen six roundings of half a unit.
+/// A rounded component of a unit vector, after six roundings of half a unit.
 fn near(x: f64) -> Interval {
     let off = 8.0 * f64::EPSILON * x.abs();
     let (low, high) = (x - off, x + off);
     range([if low > -1.0 { low } else { -1.0 }, if high < 1.0 { high } else { 1.0 }])
 }
 
-/// All unit vectors on the shorter arc between two: a component reaches ±1 only if that direction is on the
+/// All unit vectors on the shorter arc between two. A component reaches ±1 only if that direction is on the
 /// arc.
 fn between(a: [f64; 2], b: [f64; 2]) -> [Interval; 2] {
     let cross = a[0] * b[1] - a[1] * b[0];
-    // Nearly opposite vectors may have either arc, and this is far more than their rounding.
+    // Nearly opposite vectors may have either arc; this is far more than their rounding.
     let opposite = a[0] * b[0] + a[1] * b[1] < -1.0 + 1e-12;
     let on_arc = |d: [f64; 2]| {
         let (from, to) = ((a[0] * d[1] - a[1] * d[0]) * cross, (d[0] * b[1] - d[1] * b[0]) * cross);

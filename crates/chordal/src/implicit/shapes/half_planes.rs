@@ -1,24 +1,24 @@
-//! The inside of simple contours as unions and intersections of half-planes, one for each edge.
+//! The inside of simple contours as a CSG formula of half-planes, one for each edge.
 //!
-//! A distance to contours has kinks where the nearest edge changes, also on the contours' corners. As a sign
-//! it can be written without any: a simple chain of edges whose first and last are rays is split at a corner
+//! A distance to contours has kinks where the nearest edge changes, also on the contours' corners. Its sign
+//! can be written without any. A simple chain of edges, whose first and last are rays, is split at a corner
 //! `v` of its convex hull. Both parts, with the edges at `v` made rays, are simple chains again, since these
-//! rays leave the hull. What is left of the chain is the intersection of what is left of the parts where the
-//! chain turns left at `v`, else the union. So every edge stands in the formula once.
+//! rays leave the hull. The region left of the chain is the intersection of the regions left of the parts
+//! where the chain turns left at `v`, else their union. So every edge occurs in the formula once.
 //!
 //! Source: D. Dobkin, L. Guibas, J. Hershberger, J. Snoeyink, *An efficient algorithm for finding the CSG
-//! representation of a simple polygon*, 1988. How the corner is found is derived here: in a direction that
-//! both rays leave in, the lowest one.
+//! representation of a simple polygon*, 1988. The search for the corner is derived here: in a direction in
+//! which both rays leave, it is the lowest one.
 use super::contours::ContourEdge;
 use crate::implicit::Expr;
 use crate::math::{Orientation, dot_sign, orient2d};
 use std::cmp::Ordering;
 
-/// Edges of a contour at most. Defined: finding the corners takes the square of their number at worst.
+/// The most edges of a contour. Defined: finding the corners takes the square of their number at worst.
 const MOST_EDGES: usize = 1024;
-/// Edges have one line where they are off it by no more than this share of their size. Derived: some hundred
-/// roundings of coordinates. Two half-planes with one line from both sides are complements then, and leave no
-/// crack between them that no edge is on.
+/// Edges count as collinear where they are off one line by no more than this fraction of their size. Derived:
+/// some hundred roundings of coordinates. Half-planes on both sides of one line are then complements, and
+/// leave no crack between them that no edge is on.
 const SAME: f64 = 1.0 / (1_u64 << 45) as f64;
 /// Edges that are off by more than that and less than this would leave such a crack. Defined: far above
 /// rounding.
@@ -26,9 +26,9 @@ const NEAR: f64 = 1.0 / (1_u64 << 30) as f64;
 
 type PlanarPoint = [f64; 2];
 
-/// An expression in two coordinates that is negative where the contours of these edges enclose a point, with
-/// the inside of each edge on the side opposite to [`ContourEdge::outside`]. None where that cannot be
-/// written within the limits, or not without cracks.
+/// An expression in two coordinates that is negative inside the contours of these edges, with the inside of
+/// each edge on the side opposite to [`ContourEdge::outside`]. None where that exceeds the limits, or would
+/// leave cracks.
 pub(super) fn half_plane_formula(edges: &[ContourEdge], [x, y]: [&Expr; 2]) -> Option<Expr> {
     if edges.len() > MOST_EDGES || edges.iter().any(|edge| edge.outside == 0) {
         return None;
@@ -42,7 +42,7 @@ pub(super) fn half_plane_formula(edges: &[ContourEdge], [x, y]: [&Expr; 2]) -> O
     }
     let mut lines = HalfPlaneCache { at: [x, y], known: Vec::new() };
     let inside: Vec<Expr> = loops.iter().map(|one| one.inside(&mut lines)).collect::<Option<_>>()?;
-    // A loop that runs clockwise is a hole in the smallest one around it.
+    // A clockwise loop is a hole in the smallest loop around it.
     let outer_of = |hole: &PolygonLoop| {
         let around = |k: &usize| loops[*k].is_outer && loops[*k].encloses(hole.corners[0]);
         (0..loops.len()).filter(around).min_by(|a, b| loops[*a].area().total_cmp(&loops[*b].area()))
@@ -70,7 +70,7 @@ impl PolygonLoop {
         if edges.iter().any(|edge| edge.outside < 0) {
             corners.reverse();
         }
-        // Edges in line are one edge.
+        // Collinear edges become one edge.
         let n = corners.len();
         let bends: Vec<bool> = (0..n).map(|k| turn_at(&corners, k) != Orientation::Flat).collect();
         let mut bends = bends.into_iter();
@@ -79,7 +79,7 @@ impl PolygonLoop {
         Self { corners, is_outer }
     }
 
-    /// Whether a point off the contour is within it, whichever way it runs.
+    /// Whether a point off the contour is within it, whatever the orientation.
     fn encloses(&self, p: PlanarPoint) -> bool {
         let n = self.corners.len();
         let crosses = |k: &usize| {
@@ -100,7 +100,7 @@ impl PolygonLoop {
         (0.5 * parts.sum::<f64>()).abs()
     }
 
-    /// Split at its least and its greatest corner, which are on the hull.
+    /// Split at the least and the greatest corner, which are on the hull.
     fn inside(&self, lines: &mut HalfPlaneCache) -> Option<Expr> {
         let n = self.corners.len();
         let from = lowest_corner(&self.corners);
@@ -127,11 +127,10 @@ struct PolygonChain<'a> {
 }
 
 impl PolygonChain<'_> {
-    /// What is left of the edges from one corner to another, the first and last taken as rays.
+    /// The region left of the edges from one corner to another, with the first and last as rays.
     fn left(&self, [first, last]: [usize; 2], lines: &mut HalfPlaneCache) -> Option<Expr> {
         let mut parts = vec![(first, last)];
-        // Where each part is split, in the order in which a formula is read, without recursion; none for an
-        // edge.
+        // The splits of all parts in prefix order, found without recursion; None for an edge.
         let mut splits: Vec<Option<Orientation>> = Vec::new();
         while let Some((from, to)) = parts.pop() {
             if to - from == 1 {
@@ -143,7 +142,7 @@ impl PolygonChain<'_> {
             splits.push(Some(orient2d(a, b, c)));
             parts.extend([(corner, to), (from, corner)]);
         }
-        // Read backwards, operands come before what joins them, and edges from the last on.
+        // Read backwards, operands come before their operator, and edges start with the last.
         let mut formulas: Vec<Expr> = Vec::new();
         let mut edge = last;
         for split in splits.into_iter().rev() {
@@ -175,8 +174,8 @@ impl PolygonChain<'_> {
             along.map(|x| x / length)
         };
         let (first, last) = (edge(from), edge(to - 1));
-        // Both rays run upward, seen along this; the tie goes to the first along `first`, which is a corner
-        // of the hull.
+        // Both rays run upward along this. A tie goes to the first along `first`, which is a corner of the
+        // hull.
         let up = [last[0] - first[0], last[1] - first[1]];
         let rises = |k: usize, sign: f64| {
             dot_sign(up.map(|x| sign * x), self.corners[k], self.corners[k + 1]) == Ordering::Greater
@@ -195,7 +194,7 @@ impl PolygonChain<'_> {
         })
     }
 
-    /// The lowest inner corner along `up`; of those that are equally low the first along `then`.
+    /// The lowest inner corner along `up`; of equally low ones the first along `then`.
     fn lowest(&self, (from, to): (usize, usize), up: PlanarPoint, then: PlanarPoint) -> usize {
         (from + 2..to).fold(from + 1, |best, k| {
             let (a, b) = (self.corners[best], self.corners[k]);
@@ -205,7 +204,7 @@ impl PolygonChain<'_> {
     }
 }
 
-/// The lines of edges that have been asked for.
+/// The half-planes of the edges so far.
 struct HalfPlaneCache<'a> {
     /// The two coordinates.
     at: [&'a Expr; 2],
@@ -213,7 +212,7 @@ struct HalfPlaneCache<'a> {
 }
 
 impl HalfPlaneCache<'_> {
-    /// Negative on the left of the line from `a` to `b`. Edges on one line have one expression, or its
+    /// Negative on the left of the line from `a` to `b`. Edges on one line share an expression, or have its
     /// negation. None where an edge is nearly on the line of another.
     fn half_plane(&mut self, edge: [PlanarPoint; 2]) -> Option<Expr> {
         for (other, expr) in &self.known {
@@ -230,7 +229,7 @@ impl HalfPlaneCache<'_> {
     }
 }
 
-/// How the lines of two edges lie to each other.
+/// The relation between the lines of two edges.
 enum LineRelation {
     Other,
     /// Nearly one line, but not within rounding.
@@ -242,7 +241,7 @@ enum LineRelation {
 fn line_relation([a, b]: [PlanarPoint; 2], [p, q]: [PlanarPoint; 2]) -> LineRelation {
     let (along, line) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
     let size = line[0].abs() + line[1].abs();
-    // Distances of both ends from the line, as shares of what they are computed from.
+    // The distances of both ends from the line, as fractions of what they are computed from.
     let share = |c: PlanarPoint| {
         let from = [c[0] - p[0], c[1] - p[1]];
         let off = (line[0] * from[1] - line[1] * from[0]).abs();
@@ -263,7 +262,7 @@ fn line_relation([a, b]: [PlanarPoint; 2], [p, q]: [PlanarPoint; 2]) -> LineRela
     }
 }
 
-/// Negative on the left of the line from `a` to `b`; the distance to it, but for rounding.
+/// Negative on the left of the line from `a` to `b`: the signed distance to it, but for rounding.
 fn half_plane([a, b]: [PlanarPoint; 2], [x, y]: [&Expr; 2]) -> Expr {
     let along = [b[0] - a[0], b[1] - a[1]];
     if along[0] == 0.0 {
@@ -295,8 +294,8 @@ mod tests {
         }
     }
 
-    /// Points are on the same side by half-planes as by the distance, off the contour. Says whether there are
-    /// half-planes.
+    /// Checks that half-planes and the distance put points off the contour on the same side. Returns whether
+    /// there are half-planes.
     fn agrees(contours: &[Vec<[f64; 2]>], random: &mut PolygonRng) -> bool {
         let Ok(made) = Contours::new(contours, ContourFill::EvenOdd) else { return false };
         let n_edges = made.edges.len();
@@ -322,8 +321,7 @@ mod tests {
         true
     }
 
-    /// Cells of a square lattice that hang together, as one contour: many collinear edges and equal
-    /// coordinates.
+    /// Connected cells of a square lattice as one contour: many collinear edges and equal coordinates.
     fn staircase(random: &mut PolygonRng, n: usize) -> Vec<[f64; 2]> {
         let (mut low, mut high) = (Vec::new(), Vec::new());
         for k in 0..n {
@@ -351,7 +349,7 @@ mod tests {
                         [r * libm::cos(angle), r * libm::sin(angle)]
                     })
                     .collect(),
-                // A star of whole numbers, often collinear and sometimes degenerate.
+                // A star with integer coordinates, often collinear and sometimes degenerate.
                 1 => (0..n)
                     .map(|k| {
                         let angle = std::f64::consts::TAU * k as f64 / n as f64;

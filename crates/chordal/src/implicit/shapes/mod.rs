@@ -1,16 +1,22 @@
-//! Shapes as fields: what each constructor makes, and what its value is worth as a distance.
+//! Shapes as fields: the constructors, and what their values are worth as distances.
 //!
-//! | shape | value | |---|---| | [`sphere`], [`cuboid`], [`rounded_cuboid`], [`cylinder`], [`capped_cone`],
-//! [`capsule`], [`plane`], [`triangle`] | exact | | [`torus`] | exact; a bound inside where it meets itself |
-//! | [`tetrahedron`], [`octahedron`] | exact inside, a bound outside | | [`ellipsoid`] | a bound | |
-//! [`gyroid`], [`schwarz_p`], [`diamond`] | a bound | | [`circle`], [`rectangle`], [`rounded_rectangle`],
-//! [`segment`], [`regular_polygon`], [`polygon`] | exact, endless along z | | [`prism`] | exact |
+//! | shape | value |
+//! |---|---|
+//! | [`sphere`], [`cuboid`], [`rounded_cuboid`], [`cylinder`] | exact |
+//! | [`capped_cone`], [`capsule`], [`plane`], [`triangle`] | exact |
+//! | [`torus`] | exact; a bound inside where it meets itself |
+//! | [`tetrahedron`], [`octahedron`] | exact inside, a bound outside |
+//! | [`ellipsoid`] | a bound |
+//! | [`gyroid`], [`schwarz_p`], [`diamond`] | a bound |
+//! | [`circle`], [`rectangle`], [`rounded_rectangle`], [`segment`] | exact, unbounded along z |
+//! | [`regular_polygon`], [`polygon`] | exact, unbounded along z |
+//! | [`prism`] | exact |
 //!
 //! Shapes are centred on the origin unless they are given by points. The numbers that a constructor derives
-//! from its arguments (half sizes, unit normals, sines) are rounded to f64, and it is those numbers that
-//! define the shape; a value is *exact* for that shape but for rounding.
+//! from its arguments (half sizes, unit normals, sines) are rounded to f64, and the rounded numbers define
+//! the shape. A value is *exact* for that shape but for rounding.
 //!
-//! A *bound* here always changes by no more than one moves (it is 1-Lipschitz), so offsets and blends of it
+//! A *bound* here is always 1-Lipschitz (it changes by no more than one moves), so offsets and blends of it
 //! are bounds again.
 //!
 //! Source: I. Quilez, *Distance functions* and *2D distance functions*, iquilezles.org; the formulas are
@@ -41,17 +47,17 @@ pub(super) use solid::unit;
 pub use solid::{capped_cone, cuboid, cylinder, plane, rounded_cuboid};
 pub use triangle::triangle;
 
-/// Why there is no such shape, in one sentence.
+/// Why a shape cannot be made, in one sentence.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InvalidShape {
     /// A number is out of its range.
     Number(String),
-    /// The operation needs a distance, and the field's value is only a sign there.
+    /// The operation needs a distance, and the field's value is only a sign on that side.
     NeedsDistance {
-        /// What was asked for.
+        /// The operation that was called.
         operation: &'static str,
-        /// On which side the value is only a sign: `outside` or `inside`.
+        /// The side on which the value is only a sign: `outside` or `inside`.
         side: &'static str,
     },
 }
@@ -120,15 +126,15 @@ pub(super) fn largest(parts: &[Expr]) -> Expr {
     parts.iter().cloned().reduce(|a, b| a.max(&b)).unwrap_or_else(|| Expr::constant(f64::NEG_INFINITY))
 }
 
-/// The distance to where all of `parts` are below 0, when each is the distance to one of several
-/// perpendicular slabs: outside the parts above 0 add up as squares, inside the largest is nearest.
+/// The distance to the region where all of `parts` are below 0, if each is the distance to one of several
+/// perpendicular slabs. Outside, the parts above 0 add up as squares; inside, the largest is nearest.
 pub(super) fn slabs(parts: &[Expr]) -> Expr {
     let zero = Expr::constant(0.0);
     let above: Vec<Expr> = parts.iter().map(|q| q.max(&zero)).collect();
     length_of(&above.iter().collect::<Vec<_>>()) + largest(parts).min(&zero)
 }
 
-/// The box of half sizes around the origin.
+/// The box with these half sizes around the origin.
 pub(super) fn centred(half: [f64; 3]) -> Box3 {
     Box3 { min: half.map(|h| -h), max: half }
 }

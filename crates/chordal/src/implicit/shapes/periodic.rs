@@ -1,4 +1,4 @@
-//! Minimal surfaces that repeat in all directions: gyroid, Schwarz' P, Schwarz' D.
+//! Triply periodic minimal surfaces: gyroid, Schwarz' P, Schwarz' D.
 //!
 //! Each is a trigonometric sum `g` of the coordinates times `k = 2π/period` whose gradient is at most `√3·k`:
 //!
@@ -16,8 +16,8 @@ use crate::implicit::{Distance, Expr, Field};
 use crate::math::{div_down, mul_up, sqrt_up};
 
 /// The half of space on one side of the gyroid: where `sin x cos y + sin y cos z + sin z cos x < level`, with
-/// one period every `period`. The value is a bound: the sum over its largest slope. A [`Field::shell`] of it
-/// is a wall.
+/// one period every `period`. The value is a bound: the sum divided by its largest slope. A [`Field::shell`]
+/// of it is a wall.
 ///
 /// # Errors
 /// When the period is not a finite number above 0, or the level not a finite number.

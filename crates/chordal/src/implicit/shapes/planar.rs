@@ -1,5 +1,4 @@
-//! Shapes of the plane: prisms without ends along z. [`Field::extruded`] gives them a height,
-//! [`Field::revolved`] turns them.
+//! Planar shapes, unbounded along z; [`Field::extruded`] and [`Field::revolved`] make them solids.
 use super::solid::{fitting, halved, halves, walls};
 use super::{
     ContourFill, Contours, InvalidShape, capsule, finite_point, largest, length_of, positive, slabs,
@@ -7,12 +6,12 @@ use super::{
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up, elementary};
 
-/// A box of the plane, endless along z.
+/// A planar box, unbounded along z.
 pub(super) fn endless(min: [f64; 2], max: [f64; 2]) -> Box3 {
     Box3 { min: [min[0], min[1], f64::NEG_INFINITY], max: [max[0], max[1], f64::INFINITY] }
 }
 
-/// The disc of a radius. The value is the exact distance.
+/// The disc with this radius. The value is the exact distance.
 ///
 /// # Errors
 /// When the radius is not a finite number above 0.
@@ -23,7 +22,7 @@ pub fn circle(radius: f64) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless([-radius; 2], [radius; 2])))
 }
 
-/// The rectangle of these full sizes. The value is the exact distance.
+/// The rectangle with these full sizes. The value is the exact distance.
 ///
 /// # Errors
 /// When a size is not a finite number above 0.
@@ -34,7 +33,7 @@ pub fn rectangle(sizes: [f64; 2]) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless(half.map(|h| -h), half)))
 }
 
-/// The rectangle of these full sizes with its corners rounded to `radius`. The value is the exact distance.
+/// The rectangle with these full sizes and corners rounded to `radius`. The value is the exact distance.
 ///
 /// # Errors
 /// When a size is not a finite number above 0, or the radius is negative or more than half of a size.
@@ -63,9 +62,9 @@ pub fn segment(a: [f64; 2], b: [f64; 2], radius: f64) -> Result<Field, InvalidSh
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless([min[0], min[1]], [max[0], max[1]])))
 }
 
-/// The polygon through these corners, which are joined in order and back to the first; where it crosses
-/// itself a point is inside when it is surrounded an odd number of times. The value is the exact distance for
-/// simple polygons, and a bound for those that cross or touch themselves.
+/// The polygon through these corners, joined in order and closed. Where it crosses itself, the even-odd rule
+/// decides what is inside. The value is the exact distance for simple polygons, and a bound for those that
+/// cross or touch themselves.
 ///
 /// # Errors
 /// When there are fewer than three corners, or a number is not finite.

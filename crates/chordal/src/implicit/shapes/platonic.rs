@@ -1,10 +1,10 @@
-//! Solids of planes at equal distances from the origin.
+//! Octahedron and tetrahedron: solids of planes equally far from the origin.
 use super::{InvalidShape, centred, largest, positive};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{div_up, sqrt_down};
 
-/// The value of a convex solid made of planes: the largest distance to one of them. That is the distance
-/// inside, and outside where a side is nearest, hence a bound there.
+/// The distance quality of the largest distance to the planes of a convex solid: the distance inside, and
+/// outside where a face is nearest, hence a bound there.
 const PLANES: Distance = Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Exact };
 
 /// 1/√3, rounded.
@@ -18,7 +18,7 @@ const THIRD: f64 = 0.577_350_269_189_625_8;
 pub fn octahedron(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("an octahedron's radius", radius)?;
     let [x, y, z] = Expr::axes();
-    // The largest of these is the sum of all three sizes.
+    // The largest of these is the sum of the three absolute values.
     let sides = [&x + &y + &z, &x + &y - &z, &x - &y + &z, &y + &z - &x].map(|side| side.abs());
     let value = (largest(&sides) - radius) * THIRD;
     Ok(Field::new(value).known_distance(PLANES).known_bounds(centred([radius; 3])))
@@ -32,7 +32,7 @@ pub fn octahedron(radius: f64) -> Result<Field, InvalidShape> {
 pub fn tetrahedron(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("a tetrahedron's radius", radius)?;
     let [x, y, z] = Expr::axes();
-    // Each side lies opposite a corner, at a third of its distance.
+    // Each face lies opposite a corner, at a third of its distance.
     let sides = [-(&x + &y + &z), &y + &z - &x, &z + &x - &y, &x + &y - &z];
     let value = largest(&sides) * THIRD - radius / 3.0;
     // The corners' coordinates are √3 · radius/3; four roundings are allowed for.

@@ -3,7 +3,7 @@ use super::{InvalidShape, centred, finite_point, length_of, positive, sum};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, add_up, sub_down};
 
-/// The ball of a radius around the origin. The value is the exact distance.
+/// The ball with this radius around the origin. The value is the exact distance.
 ///
 /// # Errors
 /// When the radius is not a finite number above 0.
@@ -21,7 +21,7 @@ pub fn sphere(radius: f64) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius; 3])))
 }
 
-/// All points that are nearer than `radius` to the segment from `a` to `b`. The value is the exact distance.
+/// All points nearer than `radius` to the segment from `a` to `b`. The value is the exact distance.
 ///
 /// # Errors
 /// When a number is not finite, or the radius not above 0.
@@ -54,8 +54,8 @@ pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidSh
     Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
 
-/// All points that are nearer than `minor` to the circle of radius `major` around the z axis. The value is
-/// the exact distance; inside it is a bound where `minor` is above `major`, for then the tube meets itself.
+/// All points nearer than `minor` to the circle of radius `major` around the z axis. The value is the exact
+/// distance; inside it is a bound where `minor` is above `major`, because the tube then meets itself.
 ///
 /// # Errors
 /// When a radius is not a finite number above 0.
@@ -71,9 +71,9 @@ pub fn torus(major: f64, minor: f64) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(distance).known_bounds(centred([reach, reach, minor])))
 }
 
-/// The ellipsoid of three radii. The value is a bound: with `s = √(Σ (x/r)²)` it is the larger one of
-/// `(s − 1)` times the least radius, whose slope is at most 1, and of the distance to the ball around it,
-/// which helps far away. The exact distance would be the root of a polynomial of degree 6.
+/// The ellipsoid with these three radii. The value is a bound, the larger of two terms. One is `(s − 1)`
+/// times the smallest radius, of slope at most 1, with `s = √(Σ (x/r)²)`. The other is the distance to the
+/// ball around it, which helps far away. The exact distance would be the root of a polynomial of degree 6.
 ///
 /// # Errors
 /// When a radius is not a finite number above 0.

@@ -7,8 +7,8 @@ use super::{axis_distance, slabs, sum};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up};
 
-/// The half-space of all points with `normal · p < offset`, where `normal` is made a unit vector (rounded)
-/// first. The value is the exact distance to the plane.
+/// The half-space of all points with `normal · p < offset`, where `normal` is first made a unit vector
+/// (rounded). The value is the exact distance to the plane.
 ///
 /// # Errors
 /// When a number is not finite, or the normal has no length.
@@ -29,7 +29,7 @@ pub fn plane(normal: [f64; 3], offset: f64) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
 
-/// The vector at length 1, rounded.
+/// The vector scaled to length 1, rounded.
 pub(in crate::implicit) fn unit(name: &str, v: [f64; 3]) -> Result<[f64; 3], InvalidShape> {
     let v = finite_point(name, v)?;
     let most = v.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
@@ -41,7 +41,7 @@ pub(in crate::implicit) fn unit(name: &str, v: [f64; 3]) -> Result<[f64; 3], Inv
     Ok(v.map(|x| x / length))
 }
 
-/// The box of these full sizes. The value is the exact distance.
+/// The box with these full sizes. The value is the exact distance.
 ///
 /// # Errors
 /// When a size is not a finite number above 0.
@@ -59,8 +59,7 @@ pub fn cuboid(sizes: [f64; 3]) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred(half)))
 }
 
-/// The box of these full sizes with its edges and corners rounded to `radius`. The value is the exact
-/// distance.
+/// The box with these full sizes and edges and corners rounded to `radius`. The value is the exact distance.
 ///
 /// # Errors
 /// When a size is not a finite number above 0, or the radius is negative or more than half of a size.
@@ -111,14 +110,14 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
     let distance = profile.distance();
     let value = profile.expr([length_of(&[&x, &y]), z.clone()]);
     let widest = if bottom > top { bottom } else { top };
-    // The side runs through (bottom, -half) and (top, half), in exact arithmetic: nothing is divided. Its
-    // slope is known on the axis too, where a tip is.
+    // In exact arithmetic the side runs through (bottom, -half) and (top, half): nothing is divided. Its
+    // slope is known on the axis too, where the apex of a cone is.
     let side = axis_distance() * (2.0 * half) - (Expr::constant(half) - &z) * bottom - (&z + half) * top;
     let field = Field::new(value).known_sign(side.max(&(z.abs() - half))).known_distance(distance);
     Ok(field.known_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
 }
 
-/// Half of a full size; a size that has no half is taken whole.
+/// Half of a full size, or the full size where its half underflows.
 pub(super) fn halved(size: f64) -> f64 {
     let half = 0.5 * size;
     if half > 0.0 { half } else { size }
@@ -129,7 +128,7 @@ pub(super) fn halves<const D: usize>(name: &str, sizes: [f64; D]) -> Result<[f64
     Ok(sizes.map(halved))
 }
 
-/// A radius of rounding that fits into half sizes.
+/// The radius of rounding, if it fits into half sizes.
 pub(super) fn fitting(radius: f64, half: &[f64]) -> Result<f64, InvalidShape> {
     let radius = not_negative("a radius of rounding", radius)?;
     match half.iter().find(|h| **h < radius) {
@@ -140,7 +139,7 @@ pub(super) fn fitting(radius: f64, half: &[f64]) -> Result<f64, InvalidShape> {
     }
 }
 
-/// How far each coordinate is beyond its half size.
+/// By how much each coordinate exceeds its half size.
 pub(super) fn walls<const D: usize>(half: [f64; D]) -> Vec<Expr> {
     Expr::axes().iter().zip(half).map(|(axis, half)| axis.abs() - half).collect()
 }

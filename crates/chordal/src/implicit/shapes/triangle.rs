@@ -5,9 +5,8 @@ use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipsch
 use crate::math::{Box3, Interval, add_up, cross, difference, dot, length, sub_down};
 use std::sync::Arc;
 
-/// All points nearer than half of `thickness` to the triangle of these corners. The value is the exact
-/// distance, but for rounding: for triangles whose corners are nearly in line, that is as good as their area
-/// is.
+/// All points nearer than half of `thickness` to the triangle with these corners. The value is the exact
+/// distance but for rounding; for nearly collinear corners it is as good as their area is.
 ///
 /// # Errors
 /// When a coordinate is not a finite number below 1e100, or the thickness not a finite number above 0.
@@ -41,7 +40,7 @@ struct TriangleDistance {
 }
 
 impl TriangleDistance {
-    /// `p` minus its nearest point: the one in the plane if that is in the triangle, else the nearest of the
+    /// `p` minus its closest point: the one in the plane if that is in the triangle, else the closest of the
     /// edges.
     fn offset(&self, p: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = self.corners;
@@ -64,15 +63,14 @@ impl TriangleDistance {
         edges.into_iter().reduce(|l, r| if r.0 < l.0 { r } else { l }).map_or(p, |least| least.1)
     }
 
-    /// How far a distance around `p` may be off. The nearest point is a point of an edge or, by signs that
-    /// are off by some roundings, one in the plane: near the edge then, and off by as much as the area is
-    /// uncertain.
+    /// A bound on the error of a distance around `p`. The closest point is on an edge or, by signs that are
+    /// off by some roundings, in the plane: near the edge then, and off by as much as the area is uncertain.
     fn rounding(&self, p: [f64; 3]) -> f64 {
         let [a, b, c] = self.corners;
         let (e, f) = (difference(b, a), difference(c, a));
         let size = p.iter().fold(self.largest, |m, x| if x.abs() > m { x.abs() } else { m });
         let thin = (length(e) + length(f)) * (length(e) + length(f)) / length(cross(e, f));
-        // A flat one answers by its edges alone.
+        // A flat triangle uses its edges alone.
         let thin = if thin.is_finite() { thin } else { 1.0 };
         add_up(256.0 * f64::EPSILON * size * thin, f64::MIN_POSITIVE)
     }
@@ -102,7 +100,7 @@ impl Leaf for TriangleDistance {
         Ok(LeafAnswer::Given)
     }
 
-    /// The offset from the nearest point of a convex set changes by no more than one moves.
+    /// The offset from the closest point of a convex set is 1-Lipschitz.
     fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
         for (bounds, gradient) in boxes.iter().zip(out) {
             let (middle, reach) = self.reach(bounds);
@@ -127,11 +125,12 @@ impl Leaf for TriangleDistance {
 }
 
 impl TriangleDistance {
-    /// The middle of a box, and how far the offsets of its points may be from that of the middle as computed.
+    /// The middle of a box, and a bound on how far the offsets of its points are from the computed one of the
+    /// middle.
     fn reach(&self, bounds: &Box3) -> ([f64; 3], f64) {
         let middle = bounds.centre();
         let size = middle.iter().fold(0.0, |sum, x| sum + x.abs());
-        // With the rounding of the middle.
+        // Includes the rounding of the middle.
         (middle, add_up(0.5 * bounds.diagonal(), add_up(self.rounding(middle), f64::EPSILON * size)))
     }
 }

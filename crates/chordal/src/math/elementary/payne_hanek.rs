@@ -49,7 +49,8 @@ pub(super) fn reduce(x: f64) -> ReducedAngle {
     let fraction = [product[0] & (u64::MAX >> 2), product[1], product[2], product[3]];
     let size = if above_half { complement(fraction) } else { fraction };
     let (hi, lo) = leading_bits(size);
-    let half_pi = DoubleDouble { hi: std::f64::consts::FRAC_PI_2, lo: 6.123_233_995_736_766e-17 }; // The next digits of π/2, derived.
+    // The next digits of π/2, derived.
+    let half_pi = DoubleDouble { hi: std::f64::consts::FRAC_PI_2, lo: 6.123_233_995_736_766e-17 };
     let angle = DoubleDouble::two_sum(hi, lo).times(half_pi);
     let sign = if above_half == (x < 0.0) { 1.0 } else { -1.0 };
     let turns = if x < 0.0 { turns.wrapping_neg() } else { turns };

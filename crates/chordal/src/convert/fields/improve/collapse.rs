@@ -1,21 +1,21 @@
-//! Rounds of edge collapses: vertices go into neighbours as long as all that changes stays within the aim.
+//! Rounds of edge collapses: vertices are removed as long as all changed edges and faces stay within the aim.
 use super::sample::PrimitiveSample;
 use super::{FaceLabel, ImproveError, SurfaceImprover, area_normal};
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
-/// Rounds at most: an independent set holds a tenth of the vertices and more, so that this is far more than
+/// The most rounds: an independent set has at least a tenth of the vertices, so that this is far more than
 /// any surface takes.
 const MOST_ROUNDS: usize = 400;
-/// Fans of more faces are left alone. Chosen: a vertex of that many looks at all of them for each of its edges.
+/// Vertices with more faces are left alone. Chosen: such a vertex visits all of them for each of its edges.
 const MOST_FACES: usize = 64;
-/// A crease is shut where the angle between its faces is below a quarter of that between its primitives; by
+/// A crease is closed where the angle between its faces is below a quarter of that between its primitives; by
 /// squares.
 const SHUT: f64 = 1.0 / 16.0;
-/// Costs below this share of the aim are alike: then the length decides.
+/// Costs below this fraction of the aim count as equal: then the length decides.
 const ALIKE: f64 = 0.05;
 
-/// A vertex with the half-edge into which it goes.
+/// A vertex with the half-edge along which it collapses.
 #[derive(Clone, Copy, Debug)]
 struct CollapseEstimate {
     h: u32,
@@ -23,8 +23,7 @@ struct CollapseEstimate {
     length: f64,
 }
 
-/// What is around a vertex that goes along a half-edge: the other ends of its edges from that on, and its
-/// half-edges.
+/// The star of a vertex that collapses along a half-edge: its half-edges from that one on, and their ends.
 #[derive(Default)]
 pub(super) struct VertexStar {
     pub sides: Vec<u32>,
@@ -32,13 +31,13 @@ pub(super) struct VertexStar {
 }
 
 impl SurfaceImprover<'_> {
-    /// Collapses until no vertex can go.
+    /// Collapses until no vertex can be removed.
     pub(super) fn collapse_all(&mut self) -> Result<(), ImproveError> {
         let mut star = VertexStar::default();
         let mut list: Vec<CollapseEstimate> = Vec::new();
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
-            // Those of the last round about which nothing has changed stay what they are.
+            // Estimates of the last round whose surroundings are unchanged stay valid.
             list.retain(|one| {
                 self.surface.has_face(one.h / 3) && !self.is_open[self.surface.start(one.h) as usize]
             });
@@ -80,7 +79,7 @@ impl SurfaceImprover<'_> {
         }
     }
 
-    /// The edge into which a vertex goes best, by estimates.
+    /// The best collapse of a vertex, by estimates.
     fn best_collapse(&self, v: u32, star: &mut VertexStar) -> Option<CollapseEstimate> {
         let labels = self.constraints_of(v);
         if labels.len() > 2 {
@@ -113,7 +112,7 @@ impl SurfaceImprover<'_> {
         best
     }
 
-    /// What the faces that come are off by estimates, over what they may be; nothing if that is more than `most`.
+    /// The estimated error of the new faces, relative to the aim; `None` if it is more than `most`.
     fn estimated_cost(&self, star: &VertexStar, most: f64) -> Option<f64> {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -145,7 +144,7 @@ impl SurfaceImprover<'_> {
         Some(cost)
     }
 
-    /// Samples collapses, and makes those that stay within the aim.
+    /// Samples collapses, and performs those that stay within the aim.
     fn collapse_edges(
         &mut self,
         list: &[CollapseEstimate],
@@ -175,8 +174,8 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// The samples of a collapse: by face that stays its centroid, then the middles of new edges, for both
-    /// sides of a crease.
+    /// The sample points of a collapse: the centroid of each remaining face, then the middles of new edges,
+    /// for both sides of a crease.
     fn for_each_sample_point(&self, star: &VertexStar, mut ask: impl FnMut(FaceLabel, DVec3)) {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = self.at(ring[0]);
@@ -197,9 +196,9 @@ impl SurfaceImprover<'_> {
         }
     }
 
-    /// The first and the last of the ring are joined to the end already; where the face that goes there
-    /// belongs to another primitive than the one that takes its place, the edge becomes a crease or ceases to
-    /// be one: the position in the ring, and the new label.
+    /// The first and the last of the ring are already joined to the end. Where the removed face there has
+    /// another label than the face that takes its place, the edge becomes a crease or ceases to be one. Gives
+    /// the index in the ring, and the new label.
     fn sides_that_change(&self, star: &VertexStar) -> [Option<(usize, FaceLabel)>; 2] {
         let n = star.ring.len();
         let label = |i: usize| self.label_of(star.sides[i]);
@@ -209,19 +208,19 @@ impl SurfaceImprover<'_> {
         ]
     }
 
-    /// The half-edges outside of the two faces that go, across from the vertex that goes.
+    /// The outer half-edges of the two removed faces, opposite the removed vertex.
     fn outer(&self, star: &VertexStar) -> [u32; 2] {
         let t = self.surface.twin(star.sides[0]);
         [next_in_face(star.sides[0]), previous_in_face(t)].map(|h| self.surface.twin(h))
     }
 
-    /// The signed distances of the new edges' middles from the primitives before and after them, by position
-    /// in the ring.
+    /// The signed distances of the new edges' middles from the primitives before and after them, by index in
+    /// the ring.
     fn spoke_distances(&self, star: &VertexStar, samples: &[PrimitiveSample]) -> Vec<[f64; 2]> {
         let n = star.ring.len();
         let mut spokes = vec![[f64::NAN; 2]; n];
         let t = self.surface.twin(star.sides[0]);
-        // The first and the last are edges that were there.
+        // The first and the last are existing edges.
         let first = self.middle_of(next_in_face(star.sides[0]));
         let last = self.middle_of(previous_in_face(t));
         let outer = self.outer(star).map(|h| self.middle_of(h));
@@ -239,7 +238,7 @@ impl SurfaceImprover<'_> {
         spokes
     }
 
-    /// Whether all that comes is within the aim and faces along its primitive.
+    /// Whether all new edges and faces are within the aim, and the faces along their primitives.
     fn is_within_aim(&self, star: &VertexStar, samples: &[PrimitiveSample]) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -269,8 +268,7 @@ impl SurfaceImprover<'_> {
         })
     }
 
-    /// Whether faces would lie on each other at a crease: a part of the solid that is thinner than the length
-    /// there.
+    /// Whether faces would coincide at a crease, where the solid is thinner than the edges are long.
     fn closes_crease(&self, star: &VertexStar) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -305,7 +303,7 @@ impl SurfaceImprover<'_> {
         let n = star.ring.len();
         let t = self.surface.twin(star.sides[0]);
         let mut spokes = self.spoke_distances(star, samples);
-        // What was not sampled stays so.
+        // Unsampled edges stay so.
         let changes = self.sides_that_change(star);
         if changes[0].is_none() {
             spokes[1][1] = self.middle[next_in_face(star.sides[0]) as usize];

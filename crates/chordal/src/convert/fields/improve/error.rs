@@ -1,18 +1,19 @@
-//! How far edges and faces are from their primitives: by samples where there are some, else from the normals
-//! at their ends.
+//! The errors of edges and faces against their primitives: by samples where known, else estimated from the
+//! normals at their ends.
 use super::{FaceLabel, SurfaceImprover, VertexConstraint, area_normal, sides};
 use glam::DVec3;
 
-/// A crease may be off by this share of what a face may, times the sine of half its angle. Measured in proofs.
+/// A crease may be off by this fraction of a face's aim, times the sine of half its angle. Measured in
+/// proofs.
 const CREASE: f64 = 0.8;
-/// The least such sine: below it, edges would have to be split without end.
+/// The least such sine: below it, edges would be split without end.
 const SHARPEST: f64 = 0.05;
 
-/// Estimates are asked where normals are within 30°: beyond, the terms that they leave out are as large as
-/// what they say.
+/// Estimates are used where normals are within 30°: beyond, the terms that they neglect are as large as the
+/// result.
 const ALIKE: f64 = 0.866;
-/// Weights of the samples inside of a face beside its corners, its centroid and the middles of its edges:
-/// quarters of the edges, and halfway from the centroid to the corners.
+/// Weights of the samples of a face beside its corners, its centroid and the middles of its edges: quarters
+/// of the edges, and halfway from the centroid to the corners.
 const INSIDE: [[f64; 3]; 9] = {
     const A: f64 = 2.0 / 3.0;
     const B: f64 = 1.0 / 6.0;
@@ -29,10 +30,10 @@ const INSIDE: [[f64; 3]; 9] = {
     ]
 };
 
-/// Faces whose samples are held at once: some megabytes.
+/// Faces whose samples are in memory at once: some megabytes.
 const CHECKED_TOGETHER: usize = 1 << 14;
 
-/// Signed distances over an edge or a face.
+/// The range of signed distances over an edge or a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SignedDistanceRange {
     pub low: f64,
@@ -42,7 +43,7 @@ pub(super) struct SignedDistanceRange {
 impl SignedDistanceRange {
     pub const NONE: Self = Self { low: 0.0, high: 0.0 };
 
-    /// With one more; NaN counts as infinitely far.
+    /// Extended by one more distance; NaN counts as infinitely far.
     #[inline]
     pub fn including(self, distance: f64) -> Self {
         if distance.is_nan() {
@@ -67,8 +68,8 @@ impl SurfaceImprover<'_> {
         self.constraints_of(v).iter().find(|on| on.label == label)
     }
 
-    /// The distance of the middle of two vertices from a primitive, from its normals there: off by their
-    /// fourth derivatives.
+    /// The estimated distance of the middle of two vertices from a primitive, by its normals there: off by
+    /// their fourth derivatives.
     #[inline]
     pub(super) fn estimate(&self, a: u32, b: u32, label: FaceLabel) -> f64 {
         let (Some(p), Some(q)) = (self.constraint(a, label), self.constraint(b, label)) else {
@@ -91,14 +92,14 @@ impl SurfaceImprover<'_> {
         }
     }
 
-    /// What may be off between these vertices.
+    /// The error allowed between these vertices.
     #[inline]
     pub(super) fn aim_of<const N: usize>(&self, vertices: [u32; N]) -> f64 {
         let aims = vertices.map(|v| self.aim_at[v as usize]);
         aims[1..].iter().fold(aims[0], |least, aim| if *aim < least { *aim } else { least })
     }
 
-    /// What an edge is off, over what it may be.
+    /// The error of an edge, relative to the aim.
     pub(super) fn edge_excess(&self, h: u32) -> f64 {
         let t = self.surface.twin(h);
         let distances = [self.middle_of(h), self.middle_of(t)];
@@ -111,7 +112,7 @@ impl SurfaceImprover<'_> {
         }
     }
 
-    /// The same for an edge between two primitives, from the distances of its middle from both.
+    /// The same for a crease edge, from the distances of its middle from both primitives.
     pub(super) fn crease_excess(&self, [a, b]: [u32; 2], labels: [FaceLabel; 2], distances: [f64; 2]) -> f64 {
         let normal = |label: FaceLabel| {
             let at = |v: u32| self.constraint(v, label).map_or(DVec3::ZERO, |on| on.normal);
@@ -130,7 +131,7 @@ impl SurfaceImprover<'_> {
         if excess.is_nan() { f64::INFINITY } else { excess }
     }
 
-    /// The distances over a face, from those at corners, middles and centroid.
+    /// The range of distances over a face, from those at corners, middles and centroid.
     pub(super) fn face_distances(&self, face: u32) -> SignedDistanceRange {
         let [u, v, w] = sides(3 * face);
         let middles = [self.middle_of(u), self.middle_of(v), self.middle_of(w)];
@@ -142,13 +143,13 @@ impl SurfaceImprover<'_> {
         )
     }
 
-    /// What a face is off, over what it may be.
+    /// The error of a face, relative to the aim.
     pub(super) fn face_excess(&self, face: u32) -> f64 {
         self.face_distances(face).largest() / self.aim_of(self.surface.corners(face))
     }
 
-    /// The same for a face that may come: `middles` by edge from the first corner on; a centroid that is NaN
-    /// is estimated.
+    /// The same for a possible new face: `middles` by edge from the first corner on; a NaN centroid is
+    /// estimated.
     pub(super) fn distances(
         &self,
         corners: [u32; 3],
@@ -158,7 +159,7 @@ impl SurfaceImprover<'_> {
     ) -> SignedDistanceRange {
         let corner = corners.map(|v| self.constraint(v, label).map_or(f64::NAN, |on| on.distance));
         let centre = if centre.is_nan() {
-            // Of the quadratic through corners and middles.
+            // By the quadratic through corners and middles.
             (4.0 * (middles[0] + middles[1] + middles[2]) - (corner[0] + corner[1] + corner[2])) / 9.0
         } else {
             centre
@@ -179,12 +180,12 @@ impl SurfaceImprover<'_> {
             .map(DVec3::length_squared)
             .into_iter()
             .fold(0.0, |m, x| if x > m { x } else { m });
-        // Thinner ones have no direction that rounding leaves alone.
+        // Thinner ones have no direction that is safe from rounding.
         const THINNEST: f64 = 1e-6; // Chosen: a tenth of a millimetre on a hundred metres.
         size > THINNEST * longest_sq && area.dot(normal) > 0.5 * size
     }
 
-    /// Forgets the samples of a face and of the other sides of its edges.
+    /// Discards the samples of a face and of the other sides of its edges.
     pub(super) fn forget(&mut self, face: u32) {
         self.centre[face as usize] = f64::NAN;
         for h in sides(3 * face) {
@@ -224,7 +225,7 @@ impl SurfaceImprover<'_> {
         Ok(along_creases + faces.map(|face| parts[face]).sum::<f64>())
     }
 
-    /// Samples the middles of edges that are not known.
+    /// Samples the unknown middles of edges.
     pub(super) fn sample_middles(&mut self, edges: &[u32]) -> Result<(), super::ImproveError> {
         let (mut asks, mut of) = (Vec::new(), Vec::new());
         for h in edges {
@@ -251,7 +252,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Samples the centroids of faces that are not known.
+    /// Samples the unknown centroids of faces.
     pub(super) fn sample_centres(&mut self, faces: &[u32]) -> Result<(), super::ImproveError> {
         let unknown: Vec<u32> = faces.iter().copied().filter(|f| self.centre[*f as usize].is_nan()).collect();
         let at = |f: &u32| {
@@ -264,7 +265,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// The faces of a list that are off somewhere by more than the aim, by all samples; the others are verified.
+    /// The faces of a list with an error above the aim at some sample; the others are marked verified.
     pub(super) fn find_refuted(&mut self, faces: &[u32]) -> Result<Vec<u32>, super::ImproveError> {
         let edges: Vec<u32> = faces.iter().flat_map(|f| sides(3 * *f)).collect();
         self.sample_middles(&edges)?;
@@ -294,7 +295,7 @@ impl SurfaceImprover<'_> {
 
 #[cfg(test)]
 impl SurfaceImprover<'_> {
-    /// How many kept samples are not what the primitives say, or off by more than the aim.
+    /// Counts stored samples that differ from the primitives, and errors above the aim.
     pub(super) fn count_wrong_samples(&mut self) -> usize {
         let edges: Vec<u32> = self.edges().collect();
         let kept = std::mem::replace(&mut self.middle, vec![f64::NAN; 3 * self.surface.face_slots()]);

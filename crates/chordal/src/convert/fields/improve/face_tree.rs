@@ -1,11 +1,11 @@
-//! `FaceTree`: boxes around faces, eight to a node, that follow the faces as they change.
+//! `FaceTree`: boxes around faces, eight to a node, updated as the faces change.
 use glam::DVec3;
 
 /// No node, no face.
 const NONE: u32 = u32::MAX;
 /// Set in a child that is a node; else it is a face.
 const NODE: u32 = 1 << 31;
-/// Children of a node: so many are compared at once.
+/// Children of a node, which are compared at once.
 const WIDE: usize = 8;
 
 /// An axis-aligned box.
@@ -35,8 +35,8 @@ impl FaceBox {
     }
 }
 
-/// A box in the frame of the tree, rounded outward. Its ends stand as `[min x, min y, min z, −max x, −max y, −max z]`, so that all of them
-/// grow downward.
+/// A box in the frame of the tree, rounded outward. Its ends are stored as
+/// `[min x, min y, min z, −max x, −max y, −max z]`, so that all of them grow downward.
 type PackedBox = [f32; 6];
 
 const NOTHING: PackedBox = [f32::INFINITY; 6];
@@ -59,7 +59,7 @@ impl FaceTreeNode {
         (0..6).for_each(|e| self.ends[e][k] = ends[e]);
     }
 
-    /// Whether the box of a child had to grow.
+    /// Grows the box of a child; whether that was needed.
     fn grow(&mut self, k: usize, ends: &PackedBox) -> bool {
         let mut grew = false;
         for e in 0..6 {
@@ -72,11 +72,11 @@ impl FaceTreeNode {
     }
 }
 
-/// See the [module](self). Boxes of nodes only grow until the tree is built again.
+/// See the [module](self). Boxes of nodes only grow until the tree is rebuilt.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaceTree {
     nodes: Vec<FaceTreeNode>,
-    /// By face: its node, and which child of it.
+    /// By face: its node, and its child number there.
     place: Vec<(u32, u32)>,
     origin: DVec3,
     scale: f64,
@@ -84,7 +84,7 @@ pub(super) struct FaceTree {
 }
 
 impl FaceTree {
-    /// Of faces with their boxes; others up to `n_slots` are not there.
+    /// Builds a tree of faces with their boxes; other slots up to `n_slots` are empty.
     pub fn build(faces: &mut [(u32, FaceBox)], n_slots: usize) -> Self {
         let whole = faces.iter().fold(FaceBox::EMPTY, |all, (_, one)| all.union(*one));
         let size = (whole.max - whole.min).max_element();
@@ -129,14 +129,15 @@ impl FaceTree {
         tree
     }
 
-    /// Faces there when it was built.
+    /// The number of faces when it was built.
     pub fn n_built(&self) -> usize {
         self.n_built
     }
 
     #[inline]
     fn ends(&self, bounds: &FaceBox) -> PackedBox {
-        // Coordinates in the frame are about 1 and less: moved by more than their rounding to f32, 2⁻²⁴, and that of the frame.
+        // Coordinates in the frame are about 1 and less: moved by more than their rounding to f32, 2⁻²⁴, and
+        // that of the frame.
         const OUTWARD: f64 = 1.0 / (1 << 22) as f64;
         let low = (bounds.min - self.origin) * self.scale;
         let high = (bounds.max - self.origin) * self.scale;
@@ -144,7 +145,7 @@ impl FaceTree {
         [end(low.x), end(low.y), end(low.z), end(-high.x), end(-high.y), end(-high.z)]
     }
 
-    /// After a face has changed.
+    /// Updates the box of a changed face.
     pub fn update(&mut self, face: u32, bounds: &FaceBox) {
         let (node, k) = self.place[face as usize];
         let ends = self.ends(bounds);
@@ -159,13 +160,13 @@ impl FaceTree {
         }
     }
 
-    /// Takes away a face.
+    /// Removes a face.
     pub fn remove(&mut self, face: u32) {
         let (node, k) = self.place[face as usize];
         self.nodes[node as usize].set(k as usize, &NOTHING);
     }
 
-    /// Adds the face of the next number beside another.
+    /// Adds the face of the next number beside another one.
     pub fn add(&mut self, beside: u32, bounds: &FaceBox) {
         let face = self.place.len() as u32;
         let (node, k) = self.place[beside as usize];
@@ -174,7 +175,7 @@ impl FaceTree {
         let place = if let Some(free) = free {
             (node, free as u32)
         } else {
-            // Both go into a new node at the place of the other.
+            // Both go into a new node in place of `beside`.
             let child = self.nodes.len() as u32;
             let mut new = FaceTreeNode::new((node, k));
             let at = &mut self.nodes[node as usize];
@@ -192,7 +193,7 @@ impl FaceTree {
         self.grow(at_parent(&self.nodes, place.0), &ends);
     }
 
-    /// Faces whose boxes may meet a box.
+    /// Visits the faces whose boxes may meet a box.
     #[inline]
     pub fn for_each_near(&self, bounds: &FaceBox, mut near: impl FnMut(u32)) {
         let [a, b, c, d, e, f] = self.ends(bounds);
@@ -226,7 +227,7 @@ fn at_parent(nodes: &[FaceTreeNode], node: u32) -> (u32, u32) {
     nodes[node as usize].parent
 }
 
-/// Parts boxes at the middle of their longest axis; gives where.
+/// Partitions boxes at the median of the longest axis; returns its index.
 fn halve(faces: &mut [(u32, FaceBox)]) -> usize {
     let middle = faces.len() / 2;
     if faces.len() < 2 {

@@ -1,17 +1,17 @@
-//! Rounds of edge flips: for smaller errors, and where those are small for better angles.
+//! Rounds of edge flips: for smaller errors, and where these are small for better angles.
 use super::{ImproveError, SurfaceImprover, area_normal, sides};
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
-/// Rounds at most; each takes most of what is there.
+/// The most rounds; each flips most of the remaining edges.
 const MOST_ROUNDS: usize = 6;
 
-/// An edge with what is gained by turning it.
+/// An edge with the gain of flipping it.
 struct FlipEstimate {
     h: u32,
     gain: f64,
-    /// Whether one of its triangles stands on the surface and those that come do not, or much is gained: then
-    /// samples need not agree.
+    /// Whether the flip replaces a triangle that stands on the surface, or gains much: then samples need not
+    /// confirm it.
     is_urgent: bool,
 }
 
@@ -28,7 +28,7 @@ impl SurfaceImprover<'_> {
             flips.retain(|flip| {
                 let takes = self.claim_faces(&[flip.h / 3, self.surface.twin(flip.h) / 3]);
                 if !takes {
-                    // In the next round, whatever comes of those that were first.
+                    // Tried in the next round, whatever the earlier flips do.
                     self.changed.push(flip.h / 3);
                 }
                 takes
@@ -38,7 +38,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// The edges of faces that have changed since they were last asked for.
+    /// The edges of faces that changed since the last call.
     fn changed_edges(&mut self) -> Vec<u32> {
         let mut faces = std::mem::take(&mut self.changed);
         faces.sort_unstable();
@@ -55,7 +55,7 @@ impl SurfaceImprover<'_> {
         edges
     }
 
-    /// The flip of an edge, if by estimates it is one to make.
+    /// The flip of an edge, if it is worth it by estimates.
     fn estimate_flip(&self, h: u32) -> Option<FlipEstimate> {
         let t = self.surface.twin(h);
         let label = self.label_of(h);
@@ -75,12 +75,12 @@ impl SurfaceImprover<'_> {
         let fits = |points: [[DVec3; 3]; 2]| points.iter().all(|one| self.faces_along(*one, normal));
         let aim = self.aim_of([a, b, c, d]);
         let small = 0.25 * aim; // Below that angles count.
-        // A triangle that stands on the surface is worse than any that is off.
+        // A triangle that stands on the surface is worse than any error.
         let rights = !fits([[pa, pb, pc], [pb, pa, pd]]);
         let gain = if rights {
             1.0 + old / aim
         } else if old > small || new > small {
-            // Thin triangles are fine where they bring much.
+            // Thin triangles are fine where they gain much.
             if !(new < 0.9 * old && after > 0.0) {
                 return None;
             }
@@ -99,7 +99,7 @@ impl SurfaceImprover<'_> {
         })
     }
 
-    /// Samples flips, and makes those that are as good as they looked.
+    /// Samples flips, and performs those that are confirmed.
     fn flip_edges(&mut self, flips: &[FlipEstimate]) -> Result<(), ImproveError> {
         let mut asks = Vec::with_capacity(3 * flips.len());
         for FlipEstimate { h, .. } in flips {
@@ -138,7 +138,7 @@ impl SurfaceImprover<'_> {
             let kept = [next_in_face(*h), previous_in_face(*h), next_in_face(t), previous_in_face(t)]
                 .map(|side| self.middle[side as usize]);
             self.surface.flip(*h);
-            // After it the half-edge's face is d→c→a, and the twin's c→d→b.
+            // After the flip the half-edge's face is d→c→a, and the twin's c→d→b.
             let slots = [
                 (*h, middle),
                 (next_in_face(*h), kept[1]),
@@ -159,20 +159,20 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// The faces that come of a flip.
+    /// The two faces after a flip.
     pub(super) fn flipped_triangles(&self, h: u32) -> [([u32; 3], [DVec3; 3]); 2] {
         let [a, b, c, d] = self.diamond(h);
         [[a, d, c], [d, b, c]].map(|face| (face, face.map(|v| self.at(v))))
     }
 
-    /// The ends of an edge, and the corners across on its own side and on the other.
+    /// The ends of an edge, and its opposite corners on its own side and on the other.
     fn diamond(&self, h: u32) -> [u32; 4] {
         let t = self.surface.twin(h);
         [self.surface.start(h), self.surface.end(h), self.surface.apex(h), self.surface.apex(t)]
     }
 }
 
-/// `4√3 · area / (sum of the squared edges)`: 1 for three equal edges, 0 for corners on one line.
+/// `4√3 · area / (sum of the squared edges)`: 1 for three equal edges, 0 for collinear corners.
 fn quality(points: [DVec3; 3]) -> f64 {
     let [a, b, c] = points;
     let sum = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();

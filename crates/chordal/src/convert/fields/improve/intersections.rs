@@ -1,4 +1,4 @@
-//! Whether faces that come would meet others: exact tests of triangles whose boxes meet.
+//! Whether new faces would intersect others: exact triangle tests where boxes meet.
 use super::SurfaceImprover;
 use super::face_tree::{FaceBox, FaceTree};
 use crate::budget::par_map;
@@ -20,7 +20,7 @@ impl SurfaceImprover<'_> {
         self.tree = FaceTree::build(&mut faces, self.surface.face_slots());
     }
 
-    /// Builds the tree again where many of its faces are gone or new: its boxes say little then.
+    /// Rebuilds the tree where many of its faces are gone or new, since its boxes are loose then.
     pub(super) fn refresh_tree(&mut self) {
         let (now, then) = (self.surface.n_faces(), self.tree.n_built());
         if 4 * now < 3 * then || now > 2 * then {
@@ -28,19 +28,19 @@ impl SurfaceImprover<'_> {
         }
     }
 
-    /// After a face has moved.
+    /// Updates the tree after a face has moved.
     pub(super) fn grow_tree(&mut self, face: u32) {
         let bounds = FaceBox::from_points(&self.points(face));
         self.tree.update(face, &bounds);
     }
 
-    /// After the next face was made.
+    /// Updates the tree after the next face was made.
     pub(super) fn add_to_tree(&mut self, face: u32, beside: u32) {
         let bounds = FaceBox::from_points(&self.points(face));
         self.tree.add(beside, &bounds);
     }
 
-    /// The faces of a list that meet others.
+    /// The faces of a list that intersect others.
     pub(super) fn find_crossing(&self, faces: &[u32]) -> Vec<u32> {
         let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
         let crosses = |face: &u32| {
@@ -51,7 +51,7 @@ impl SurfaceImprover<'_> {
         par_map(self.job, &chunks, of_chunk).concat()
     }
 
-    /// Whether triangles that come would meet faces that stay, or each other. Exact.
+    /// Whether new triangles would intersect remaining faces, or each other. Exact.
     pub(super) fn crosses(&mut self, new: &IndexedTriangles, gone: &[u32]) -> bool {
         self.counts.sheet_tests += 1;
         let refused = self.meets_any(new, gone);

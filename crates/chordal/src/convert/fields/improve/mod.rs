@@ -1,9 +1,9 @@
 //! `SurfaceImprover`: from a closed surface near that of a CSG tree to one on it, of few triangles.
 //!
-//! Vertices move onto their primitives by Newton steps, onto creases where two meet and onto corners where
-//! three do. Then edges are split, flipped and collapsed until every edge and face lies within the aimed
-//! distance of its primitive, by samples. Operations whose faces do not overlap are taken together, so that
-//! all their samples are one call of the primitives.
+//! Newton steps move vertices onto their primitives, onto creases where two meet and onto corners where three
+//! do. Then edges are split, flipped and collapsed until every edge and face lies within the aimed distance
+//! of its primitive, by samples. Operations whose faces do not overlap are batched, so that all their samples
+//! are one call of the primitives.
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "what is no number counts as too far")]
 #![allow(clippy::needless_range_loop, reason = "positions in a ring name its edges and its faces alike")]
 mod collapse;
@@ -25,7 +25,7 @@ use glam::DVec3;
 use sample::PrimitiveSample;
 use split::MOST_REPAIRS;
 
-/// A primitive and the side of it that is outside: twice its number, plus one where it stands as its complement.
+/// A primitive and its outer side: twice its number, plus one where it occurs as its complement.
 pub(crate) type FaceLabel = u32;
 
 /// A closed, oriented, embedded 2-manifold whose faces each belong to a primitive.
@@ -37,15 +37,15 @@ pub(crate) struct LabelledSurface {
     pub labels: Vec<FaceLabel>,
 }
 
-/// Why a surface was not improved.
+/// Why a surface could not be improved.
 #[derive(Debug)]
 pub(crate) enum ImproveError {
-    /// It is no closed, oriented 2-manifold.
+    /// It is not a closed, oriented 2-manifold.
     NotManifold,
     Leaf(LeafError),
-    /// More triangles than these, which the job allows.
+    /// It needs more triangles than this limit of the job.
     TooMany(u64),
-    /// More bytes than the job allows, for about so many.
+    /// It needs more bytes than the job allows: about so many.
     TooLarge(u64),
     Cancelled,
 }
@@ -56,25 +56,25 @@ impl From<LeafError> for ImproveError {
     }
 }
 
-/// Where the surface has no room: a vertex that could not go to its place, or an edge that could not be split.
+/// A blocked position: of a vertex that could not reach its target, or an edge that could not be split.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockedPlace {
     pub at: [f64; 3],
-    /// The longest edge about the vertex, or the length of the edge.
+    /// The longest edge at the vertex, or the length of the edge.
     pub size: f64,
 }
 
-/// A vertex on one of its primitives.
+/// The distance and normal of a vertex on one of its primitives.
 #[derive(Clone, Copy, Debug)]
 struct VertexConstraint {
     label: FaceLabel,
-    /// The signed distance from it, positive outside, to first order.
+    /// The signed distance, positive outside, to first order.
     distance: f64,
     /// Outward.
     normal: DVec3,
 }
 
-/// What was done, for reports.
+/// The numbers of operations, for reports.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ImproveCounts {
     pub splits: usize,
@@ -89,48 +89,47 @@ pub(crate) struct SurfaceImprover<'a> {
     evaluator: PrimitiveEvaluator<'a>,
     job: &'a Job,
     tol: f64,
-    /// What edges and faces may be off.
+    /// The allowed error of edges and faces.
     aim: f64,
     surface: HalfEdges,
     /// By face.
     label: Vec<FaceLabel>,
     /// By vertex.
     position: Vec<DVec3>,
-    /// By vertex: what its faces may be off.
+    /// By vertex: the allowed error of its faces.
     aim_at: Vec<f64>,
-    /// By vertex: where its labels begin, and how many there are.
+    /// By vertex: the start and the number of its constraints.
     place: Vec<(u32, u32)>,
     constraints: Vec<VertexConstraint>,
-    /// By half-edge: the signed distance of its middle from the primitive of its face; NaN where it was not
-    /// sampled.
+    /// By half-edge: the signed distance of its middle from the primitive of its face; NaN if unsampled.
     middle: Vec<f64>,
     /// By face: the same for its centroid.
     centre: Vec<f64>,
-    /// By vertex: whether its collapse is to be tried.
+    /// By vertex: whether to try its collapse.
     is_open: Vec<bool>,
-    /// What collapses may leave, over the aim.
+    /// The largest error that collapses may leave, relative to the aim.
     limit: f64,
-    /// By face: whether all samples of it are within the aim.
+    /// By face: whether all its samples are within the aim.
     is_verified: Vec<bool>,
-    /// Faces whose edges may want to be flipped.
+    /// Faces whose edges are candidates for flips.
     changed: Vec<u32>,
-    /// By face: the round in which it was taken.
+    /// By face: the round in which it was claimed.
     claimed_in: Vec<u32>,
     round: u32,
     tree: FaceTree,
-    /// The limit of the job, or what there is at first, of which collapses leave few.
+    /// The limit of the job, or the number at first, of which collapses leave few.
     most_faces: u64,
-    /// Whether vertices that others are in the way of may stop before.
+    /// Whether blocked vertices may stop on the way.
     goes_by_parts: bool,
-    /// Vertices that could not go to their places at first.
+    /// Vertices that could not reach their targets at first.
     blocked: Vec<BlockedPlace>,
-    /// By half-edge: those that the last round of splits was for.
+    /// Half-edges that the last round of splits was for.
     stuck: Vec<u32>,
     pub counts: ImproveCounts,
 }
 
-/// What edges and faces may be off, as a share of the tolerance: the rest is for what samples miss. Measured:
-/// with it proofs end after 0 to 2 rounds of splits on most models.
+/// The allowed error of edges and faces, relative to the tolerance: the rest is for what samples miss.
+/// Measured: with it proofs end after 0 to 2 rounds of splits on most models.
 const AIM: f64 = 0.85;
 
 impl<'a> SurfaceImprover<'a> {
@@ -185,12 +184,13 @@ impl<'a> SurfaceImprover<'a> {
         Ok(this)
     }
 
-    /// What it was asked with.
+    /// Returns the evaluator.
     pub fn into_evaluator(self) -> PrimitiveEvaluator<'a> {
         self.evaluator
     }
 
-    /// Splits until every edge and face is within the aim, but for those without room: where these are.
+    /// Splits until every edge and face is within the aim, except for blocked ones, whose positions it
+    /// returns.
     pub fn refine(&mut self) -> Result<Vec<BlockedPlace>, ImproveError> {
         self.aim_at_walls()?;
         self.split_far(MOST_REPAIRS)?;
@@ -203,8 +203,8 @@ impl<'a> SurfaceImprover<'a> {
         Ok(there.map(place).collect())
     }
 
-    /// Splits, flips and collapses what [`Self::refine`] made until every edge and face is within the aim and few
-    /// are left.
+    /// Splits, flips and collapses the result of [`Self::refine`] until every edge and face is within the aim
+    /// and few are left.
     pub fn improve(&mut self) -> Result<(), ImproveError> {
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
@@ -213,7 +213,7 @@ impl<'a> SurfaceImprover<'a> {
             self.collapse_all()?;
             self.flip_all()?;
             let now = self.surface.n_faces();
-            // Less than 3 % in a cycle: the next ones bring less.
+            // Less than 3 % in a cycle: further cycles gain less.
             if cycle > 0 && now * 100 > last * 97 {
                 break;
             }
@@ -229,9 +229,8 @@ impl<'a> SurfaceImprover<'a> {
         Ok(())
     }
 
-    /// Splits faces, by the numbers that [`Self::mesh`] gives with them, and puts right what is around them.
-    /// Gives how many were split: none where their edges are as short as any may be, or where other sheets
-    /// are in the way.
+    /// Splits faces, by the numbers from [`Self::mesh`], and repairs their surroundings. Returns how many
+    /// were split: none where their edges are too short, or other sheets block them.
     pub fn split_faces(&mut self, faces: &[u32]) -> Result<usize, ImproveError> {
         self.next_round()?;
         let there: Vec<u32> = faces.iter().copied().filter(|f| self.surface.has_face(*f)).collect();
@@ -242,19 +241,20 @@ impl<'a> SurfaceImprover<'a> {
         let n = self.split_edges(&worst)?;
         self.goes_by_parts = false;
         self.flip_all()?;
-        // A repair may take away what the proof has already.
+        // A repair could destroy what is already proved.
         self.split_far(0)?;
         let off = self.unsettled();
         self.settle(&off)?;
         Ok(n)
     }
 
-    /// Vertices that could not go to their place, at first.
+    /// Vertices that could not reach their targets, at first.
     pub fn blocked(&self) -> &[BlockedPlace] {
         &self.blocked
     }
 
-    /// How many vertices are off their primitives, since others are in the way or steps to them do not end.
+    /// The number of vertices off their primitives, since others block them or their Newton steps do not
+    /// converge.
     pub fn n_unsettled(&self) -> usize {
         self.unsettled().len()
     }
@@ -268,8 +268,8 @@ impl<'a> SurfaceImprover<'a> {
         self.surface.n_faces()
     }
 
-    /// The surface with vertices and faces in the order in which they were made, and the face's number here
-    /// of each.
+    /// The surface with vertices and faces in the order of their creation, and the half-edge face of each
+    /// face.
     pub fn mesh(&self) -> (LabelledSurface, Vec<u32>) {
         let mut number = vec![u32::MAX; self.position.len()];
         let mut positions = Vec::new();
@@ -286,7 +286,7 @@ impl<'a> SurfaceImprover<'a> {
         (LabelledSurface { positions, faces, labels }, there)
     }
 
-    /// A place for a vertex on these primitives, which is not measured yet.
+    /// Adds unmeasured constraints for a vertex on these primitives.
     fn new_place(&mut self, labels: &mut Vec<FaceLabel>) -> (u32, u32) {
         labels.sort_unstable();
         labels.dedup();
@@ -297,7 +297,7 @@ impl<'a> SurfaceImprover<'a> {
         place
     }
 
-    /// A vertex on each of its primitives.
+    /// The constraints of a vertex, one for each of its primitives.
     #[inline]
     fn constraints_of(&self, v: u32) -> &[VertexConstraint] {
         let (first, n) = self.place[v as usize];
@@ -336,7 +336,7 @@ impl<'a> SurfaceImprover<'a> {
         (0..n).filter(|h| self.surface.has_face(*h / 3) && *h < self.surface.twin(*h))
     }
 
-    /// A new round, in which no face is taken.
+    /// Begins a round, in which no face is claimed yet.
     fn next_round(&mut self) -> Result<(), ImproveError> {
         self.round += 1;
         self.refresh_tree();
@@ -352,7 +352,7 @@ impl<'a> SurfaceImprover<'a> {
         }
     }
 
-    /// Whether no face of a list is taken in this round; then it takes them.
+    /// Claims the faces of a list, if none is claimed in this round yet.
     fn claim_faces(&mut self, faces: &[u32]) -> bool {
         let free = faces.iter().all(|f| self.claimed_in[*f as usize] != self.round);
         if free {
@@ -361,7 +361,7 @@ impl<'a> SurfaceImprover<'a> {
         free
     }
 
-    /// Opens what may be done about a face that has changed.
+    /// Marks the surroundings of a changed face for flips, collapses and checks.
     fn open_around(&mut self, face: u32) {
         self.changed.push(face);
         self.is_verified[face as usize] = false;
@@ -370,18 +370,18 @@ impl<'a> SurfaceImprover<'a> {
         }
     }
 
-    /// Samples of the primitives with these labels.
+    /// Samples the primitives of these labels.
     fn sample(&mut self, asks: &[(FaceLabel, DVec3)]) -> Result<Vec<PrimitiveSample>, LeafError> {
         sample::sample(&mut self.evaluator, asks)
     }
 }
 
-/// Bytes that a face takes here, about: half-edges with their middles, half a vertex with its labels, its
-/// place in the tree and in lists.
+/// The approximate bytes of a face here: half-edges with their middles, half a vertex with its labels, its
+/// entries in the tree and in lists.
 const BYTES_A_FACE: u64 = 320;
-/// Checks by all samples at most; what is off then is named by the proof.
+/// The most checks by all samples; the proof finds what is off then.
 const MOST_CHECKS: usize = 12;
-/// Cycles of splits, flips and collapses at most; the first two do nearly all.
+/// The most cycles of splits, flips and collapses; the first two do nearly all.
 const MOST_CYCLES: usize = 4;
 
 /// Twice the area of a triangle times its normal.
@@ -390,7 +390,7 @@ fn area_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// The half-edges of a face, from one of them on.
+/// The half-edges of a face, starting from one of them.
 #[inline]
 fn sides(h: u32) -> [u32; 3] {
     [h, next_in_face(h), previous_in_face(h)]

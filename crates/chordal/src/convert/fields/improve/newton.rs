@@ -3,20 +3,20 @@ use super::{BlockedPlace, FaceLabel, ImproveError, SurfaceImprover, VertexConstr
 use crate::implicit::{LeafError, PrimitiveEvaluator};
 use glam::DVec3;
 
-/// Steps at most: they double the digits each.
+/// The most steps: each doubles the digits.
 const MOST_STEPS: usize = 5;
-/// A step of this share of the tolerance ends it. Chosen: far below what anything is measured to, and above
-/// the rounding of coordinates.
+/// The iteration ends at a step of this fraction of the tolerance. Chosen: far below any measured length, and
+/// above the rounding of coordinates.
 const AT_REST: f64 = 1e-9;
 /// Added to the squares of unit normals, so that parallel ones give a step: far below the square of the sine
 /// of a degree, 3e-4.
 const DAMPING: f64 = 1e-9;
 
-/// Points with the labels of the primitives onto which they go.
+/// Points with the primitives onto which they are projected.
 #[derive(Debug, Default)]
 pub(super) struct ProjectionBatch {
     pub at: Vec<DVec3>,
-    /// By point: where its labels begin, and how many there are.
+    /// By point: the start and the number of its constraints.
     pub place: Vec<(u32, u32)>,
     pub on: Vec<VertexConstraint>,
 }
@@ -76,7 +76,7 @@ impl ProjectionBatch {
     }
 }
 
-/// The shortest vector that takes a point onto the tangent planes of all: `−Nᵀ (N Nᵀ)⁻¹ r`.
+/// The shortest vector that takes a point onto all tangent planes: `−Nᵀ (N Nᵀ)⁻¹ r`.
 pub(super) fn shortest_step(on: &[VertexConstraint]) -> DVec3 {
     match on {
         [] => DVec3::ZERO,
@@ -107,8 +107,8 @@ pub(super) fn shortest_step(on: &[VertexConstraint]) -> DVec3 {
 }
 
 impl SurfaceImprover<'_> {
-    /// Moves all vertices to their places: together first; those in crossings go back, and then one by one as
-    /// far as they can.
+    /// Moves all vertices to their targets: first together; those in crossings go back, and then one by one
+    /// as far as they can.
     pub(super) fn place_vertices(&mut self) -> Result<(), ImproveError> {
         let mut targets = ProjectionBatch {
             at: self.position.clone(),
@@ -142,13 +142,13 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// The longest edge about a vertex.
+    /// The longest edge at a vertex.
     pub(super) fn size_around(&self, v: u32, at: &[DVec3]) -> f64 {
         let length = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).length();
         self.surface.one_ring(v).map(length).fold(0.0, |m, x| if x > m { x } else { m })
     }
 
-    /// Samples vertices where they are.
+    /// Samples vertices at their positions.
     pub(super) fn measure_vertices(&mut self, vertices: &[u32]) -> Result<(), LeafError> {
         let mut asks = Vec::new();
         for v in vertices {
@@ -163,7 +163,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Sends vertices in crossings back until there are none, then moves those as far as they can go.
+    /// Moves vertices in crossings back until there are none, then forward as far as they can go.
     fn untangle(&mut self, raw: &[DVec3], is_away: &mut [bool]) -> Result<(), ImproveError> {
         let mut suspects: Vec<u32> = (0..self.surface.face_slots() as u32).collect();
         let mut back: Vec<u32> = Vec::new();
@@ -198,7 +198,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Moves vertices to their places one by one, all the way or by parts, as long as no sheet is in the way.
+    /// Moves vertices to their targets one by one, all the way or in part, as long as no sheet blocks them.
     pub(super) fn settle(&mut self, vertices: &[u32]) -> Result<(), ImproveError> {
         let mut left = vertices.to_vec();
         for _ in 0..3 {
@@ -238,7 +238,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Vertices that are not at their places.
+    /// Vertices that are not at their targets.
     pub(super) fn unsettled(&self) -> Vec<u32> {
         let is_off =
             |v: &u32| self.constraints_of(*v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
@@ -256,7 +256,7 @@ impl SurfaceImprover<'_> {
         !self.crosses(&new, &gone)
     }
 
-    /// Moves a vertex; what was known of its faces is forgotten.
+    /// Moves a vertex; the samples of its faces are discarded.
     pub(super) fn move_vertex(&mut self, v: u32, to: DVec3) {
         self.position[v as usize] = to;
         let faces: Vec<u32> = self.surface.one_ring(v).map(|h| h / 3).collect();
@@ -267,5 +267,5 @@ impl SurfaceImprover<'_> {
     }
 }
 
-/// A vertex is at its place where it is off by less than this share of the aim.
+/// A vertex is at its target if its error is below this fraction of the aim.
 pub(super) const SETTLED: f64 = 0.02;

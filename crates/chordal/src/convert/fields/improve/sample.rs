@@ -6,9 +6,9 @@ use glam::DVec3;
 /// A primitive at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitiveSample {
-    /// Value over length of the gradient, positive outside; NaN where that is no number.
+    /// The value over the length of the gradient, positive outside; NaN if that is not a number.
     pub distance: f64,
-    /// Outward; zero where there is none.
+    /// Outward; zero without a gradient.
     pub normal: DVec3,
 }
 
@@ -26,7 +26,7 @@ pub(super) fn sample(
         if size > 0.0 && size.is_finite() {
             PrimitiveSample { distance: value / size, normal: gradient / size }
         } else {
-            // No gradient: on the surface it is, or nobody knows how far from it.
+            // Without a gradient it is on the surface, or its distance is unknown.
             PrimitiveSample { distance: if value == 0.0 { 0.0 } else { f64::NAN }, normal: DVec3::ZERO }
         }
     };

@@ -4,23 +4,22 @@ use super::{FaceLabel, ImproveError, SurfaceImprover, VertexConstraint, area_nor
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
-/// Rounds at most: edges get half as long in each, and the error a quarter.
+/// The most rounds: each halves edges, and quarters the error.
 const MOST_ROUNDS: usize = 40;
-/// Repairs at most in one go.
+/// The most repairs in one call.
 pub(super) const MOST_REPAIRS: usize = 3;
-/// What a repair leaves is off by this share of what was. Chosen: less would be undone by the splits that follow.
+/// A repair may leave this fraction of the error. Chosen: less would be undone by the following splits.
 const REPAIRED: f64 = 0.7;
-/// And by no more than this many times the aim: beyond, whole parts would go. Chosen.
+/// And at most this many times the aim: beyond, whole parts would vanish. Chosen.
 const MOST_OFF: f64 = 2.0;
-/// Sides that are flipped at most for one split. Chosen: slivers along a crease lie beside each other.
+/// The most sides flipped for one split. Chosen: slivers along a crease are neighbours.
 const MOST_FLIPS: usize = 12;
-/// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance
-/// asks for is that small.
+/// Edges shorter than this fraction of the aim are not split. Chosen: the tolerance needs nothing that small.
 const SHORTEST: f64 = 0.25;
 
 impl SurfaceImprover<'_> {
-    /// Splits edges, then faces, until none is off by more than the aim.
-    /// Where there is no room for splits, repairs make some, so often.
+    /// Splits edges, then faces, until no error is above the aim. Where splits are blocked, repairs make
+    /// room, at most so often.
     pub(super) fn split_far(&mut self, most_repairs: usize) -> Result<(), ImproveError> {
         let mut n_repairs = 0;
         for _ in 0..MOST_ROUNDS {
@@ -47,8 +46,8 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Where splits would fold the surface its triangles stand on edge: flips and collapses that make it
-    /// better, if not good, take them away.
+    /// Where splits would fold the surface, its triangles stand on edge: flips and collapses that reduce the
+    /// error, even if not to the aim, remove them.
     fn repair(&mut self, far: &[u32]) -> Result<(), ImproveError> {
         let excess = far.iter().fold(1.0, |most, h| {
             let one = self.edge_excess(*h);
@@ -75,7 +74,7 @@ impl SurfaceImprover<'_> {
         done
     }
 
-    /// Edges that are too far off, worst first. What is near the limit by its estimate is sampled.
+    /// Edges with an error above the aim, worst first. Those whose estimate is near the limit are sampled.
     fn far_edges(&mut self) -> Result<Vec<u32>, ImproveError> {
         let close: Vec<u32> = self.edges().filter(|h| self.edge_excess(*h) > 0.5).collect();
         self.sample_middles(&close)?;
@@ -85,7 +84,7 @@ impl SurfaceImprover<'_> {
         Ok(far.into_iter().map(|(_, h)| h).collect())
     }
 
-    /// The longest edges of faces that are too far off.
+    /// The longest edges of faces with an error above the aim.
     fn edges_of_far_faces(&mut self) -> Result<Vec<u32>, ImproveError> {
         let faces = (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f));
         let close: Vec<u32> = faces.filter(|f| !(self.face_excess(*f) <= 0.5)).collect();
@@ -99,7 +98,7 @@ impl SurfaceImprover<'_> {
         Ok(far.into_iter().map(|(_, f)| self.longest_side(f)).collect())
     }
 
-    /// Splits faces that are off at one of the samples inside of them.
+    /// Splits faces with an error above the aim at a sample inside.
     pub(super) fn split_edges_of_refuted(&mut self) -> Result<usize, ImproveError> {
         self.next_round()?;
         let open: Vec<u32> = (0..self.surface.face_slots() as u32)
@@ -110,9 +109,9 @@ impl SurfaceImprover<'_> {
         self.split_edges(&edges)
     }
 
-    /// The crease edge that is most off where one is clearly, else the longest edge.
+    /// The crease edge with the largest error if that is clear, else the longest edge.
     pub(super) fn worst_side(&self, face: u32) -> u32 {
-        // Below that a crease is not what a proof fails at. Measured.
+        // Below this a crease does not make proofs fail. Measured.
         const CLEARLY: f64 = 0.2;
         let excess = |h: u32| if self.is_crease(h) { self.edge_excess(h) } else { 0.0 };
         let [a, b, c] = sides(3 * face);
@@ -127,7 +126,7 @@ impl SurfaceImprover<'_> {
         [b, c].into_iter().fold(a, |best, h| if length(h) > length(best) { h } else { best })
     }
 
-    /// Splits those of a list whose faces do not overlap, and for which there is a place.
+    /// Splits those of a list whose faces do not overlap, and whose new vertex has a target.
     pub(super) fn split_edges(&mut self, list: &[u32]) -> Result<usize, ImproveError> {
         let mut targets = ProjectionBatch::default();
         let mut chosen = Vec::new();
@@ -144,7 +143,8 @@ impl SurfaceImprover<'_> {
             chosen.push(h);
         }
         targets.project(&mut self.evaluator, self.tol)?;
-        // From here on those are taken that do change: a split may need faces that a later one was chosen for.
+        // From here on only faces that change are claimed: a split may need faces that a later one was chosen
+        // for.
         self.round += 1;
         let (mut n, mut on_the_way) = (0, Vec::new());
         for (k, h) in chosen.into_iter().enumerate() {
@@ -153,9 +153,9 @@ impl SurfaceImprover<'_> {
             }
             let (a, b) = (self.surface.start(h), self.surface.end(h));
             let (middle, to) = (self.middle_point(a, b), targets.at[k]);
-            // Beyond that it is another part of the surface.
+            // Farther away it is another part of the surface.
             let reach = 0.7 * (self.at(b) - self.at(a)).length();
-            // Where there is no such place a split brings nothing.
+            // Without a point on the primitives a split is useless.
             let aim = self.aim_of([a, b]);
             let is_placed = targets.constraints_of(k).iter().all(|on| on.distance.abs() <= SETTLED * aim);
             if !is_placed || (to - middle).length() > reach {
@@ -176,10 +176,12 @@ impl SurfaceImprover<'_> {
         Ok(n)
     }
 
-    /// Whether an edge can be split at a place: the sides, by their ends, that are then to be flipped in turn.
+    /// Whether an edge can be split at a point: the sides, by their ends, that have to be flipped then, in
+    /// order.
     ///
-    /// The new vertex is joined to all sides of the edge's two faces. Where such a face would be folded, because
-    /// the place is beyond the side, the face there goes as well, and its other sides come instead.
+    /// The new vertex is joined to all sides of the edge's two faces. Where such a face would be folded,
+    /// because the point is beyond the side, the face there is removed as well, and its other sides are
+    /// joined instead.
     fn split_flips(&mut self, h: u32, to: DVec3, on: &[VertexConstraint]) -> Option<Vec<[u32; 2]>> {
         // The new vertex has the next number.
         let (z, t) = (self.surface.vertex_slots() as u32, self.surface.twin(h));
@@ -209,8 +211,8 @@ impl SurfaceImprover<'_> {
         is_free.then_some(flips)
     }
 
-    /// Whether a face that comes at a side lies as its primitive does at the new vertex; what was turned over
-    /// before, or is too coarse for that, is to stay as it is at least.
+    /// Whether a new face at a side is oriented like its primitive at the new vertex. A face that was turned
+    /// over before, or is too coarse for that, must at least keep its orientation.
     fn keeps_orientation(&self, points: [DVec3; 3], side: u32, on: &[VertexConstraint]) -> bool {
         let (area, old) = (area_normal(points), area_normal(self.points(side / 3)));
         let label = self.label_of(side);
@@ -218,8 +220,8 @@ impl SurfaceImprover<'_> {
         area.dot(normal) > 0.0 || area.dot(old) > 0.0 && !(old.dot(normal) > 0.0)
     }
 
-    /// How far a new vertex can go where another sheet is in the way, which may have to go the same way: the
-    /// rest comes when that has gone.
+    /// How far a new vertex can go where another sheet blocks it, which may have to move the same way: the
+    /// rest follows when that has moved.
     fn partial_split(
         &mut self,
         h: u32,
@@ -235,7 +237,7 @@ impl SurfaceImprover<'_> {
             .find_map(|part| self.split_flips(h, at(part), on).map(|flips| (at(part), flips)))
     }
 
-    /// Flips the edge between two vertices, whatever comes of it.
+    /// Flips the edge between two vertices unconditionally.
     fn flip_side(&mut self, [x, y]: [u32; 2]) {
         let Some(side) = self.surface.between(x, y) else { return };
         let faces = [side / 3, self.surface.twin(side) / 3];
@@ -265,7 +267,7 @@ impl SurfaceImprover<'_> {
         self.centre.extend([f64::NAN; 2]);
         self.claimed_in.extend([self.round; 2]);
         self.is_verified.extend([false; 2]);
-        // The sides away from the edge stay what they are.
+        // The sides away from the edge keep their samples.
         let (hn, tn) = (next_in_face(h), next_in_face(t));
         let (beyond_f, beyond_g) = (self.middle[hn as usize], self.middle[tn as usize]);
         self.middle.extend([f64::NAN, beyond_f, f64::NAN, f64::NAN, beyond_g, f64::NAN]);

@@ -1,5 +1,5 @@
-//! Small closed surfaces near those of fields: what comes of them is closed, embedded, within the tolerance,
-//! and of few triangles.
+//! Tests with small closed surfaces near those of fields: the results are closed, embedded, within the
+//! tolerance, and of few triangles.
 use super::{FaceLabel, ImproveError, LabelledSurface, SurfaceImprover};
 use crate::budget::Job;
 use crate::check::self_intersections;
@@ -31,12 +31,12 @@ fn octahedron(levels: u32, shape: impl Fn(DVec3) -> DVec3) -> (Vec<[f64; 3]>, Ve
     (positions.into_iter().map(|p| shape(p).to_array()).collect(), faces)
 }
 
-/// Onto a sphere.
+/// Projects onto a sphere.
 fn on_sphere(radius: f64) -> impl Fn(DVec3) -> DVec3 {
     move |p| radius * p.normalize()
 }
 
-/// A grid of `n × n` quads on each side of a box, as triangles; all sides alike.
+/// A grid of `n × n` quads on each side of a box, as triangles; the same on all sides.
 fn cuboid(half: DVec3, n: i32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut numbers = std::collections::BTreeMap::new();
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
@@ -61,8 +61,8 @@ fn cuboid(half: DVec3, n: i32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (positions, faces)
 }
 
-/// The label of each face: the primitive whose value at its middle is nearest to 0 in distance among those
-/// whose gradient runs along it.
+/// Labels each face: with the primitive that is nearest at its middle in distance and in the direction of its
+/// gradient.
 fn labelled(csg: &Csg, (positions, faces): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> LabelledSurface {
     let label = |face: &[u32; 3]| -> FaceLabel {
         let [a, b, c] = face.map(|v| DVec3::from(positions[v as usize]));
@@ -102,7 +102,8 @@ fn improved(csg: &Csg, raw: &LabelledSurface, (tol, threads): (f64, usize)) -> I
     ImprovedModel { surface, n_points: improver.into_evaluator().n_points() }
 }
 
-/// Closed, a manifold, embedded, each face along its primitive and within the tolerance of it at many points.
+/// Checks that a surface is a closed manifold, embedded, and each face along its primitive and within the
+/// tolerance of it at many points.
 fn check(csg: &Csg, surface: &LabelledSurface, tol: f64) {
     assert!(HalfEdges::from_faces(&surface.faces, surface.positions.len()).is_some(), "a closed manifold");
     let mesh = Mesh::new(surface.positions.clone(), surface.faces.clone()).unwrap();
@@ -143,7 +144,7 @@ fn a_ball_is_within_the_tolerance_at_any_scale() {
             let found = improved(&csg, &raw, (3e-3 * scale, 1));
             check(&csg, &found.surface, 3e-3 * scale);
             let n = found.surface.faces.len();
-            // Eight triangles halved over and over are 2048 at that size.
+            // Eight triangles halved repeatedly are 2048 at that size.
             assert!(n <= 2200, "{n} triangles from {levels} levels at {scale}");
             assert!(
                 found.n_points <= 40 * n as u64 + 4 * raw.faces.len() as u64,
@@ -204,7 +205,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn random_labels_end_in_a_closed_surface() {
-    // Nonsense in: the surface stays what it is, whatever primitives its faces are said to lie on.
+    // Random labels: the surface stays a closed manifold, whatever primitives its faces belong to.
     let csg = Csg::from_expr(shapes::cuboid([1.0; 3]).unwrap().sign());
     let mut state = 3_u64;
     for round in 0..5 {
@@ -220,7 +221,7 @@ fn random_labels_end_in_a_closed_surface() {
         job.triangle_limit = 4000;
         let evaluator = PrimitiveEvaluator::new(&csg, &Box3::from_points(&raw.positions), &job);
         let mut improver = SurfaceImprover::new(&raw, evaluator, 0.05, &job).unwrap();
-        // It may ask for more triangles than are allowed.
+        // It may need more triangles than are allowed.
         let improved = improver.refine().and_then(|_| improver.improve());
         assert!(matches!(improved, Ok(()) | Err(ImproveError::TooMany(_))));
         let (surface, _) = improver.mesh();

@@ -1,4 +1,4 @@
-//! Where another sheet is nearer than the tolerance: there the aim is a share of that distance.
+//! Thin walls: where another sheet is nearer than the tolerance, the aim is a fraction of that distance.
 use super::face_tree::FaceBox;
 use super::{FaceLabel, SurfaceImprover, area_normal};
 use crate::budget::par_map;
@@ -6,26 +6,28 @@ use crate::implicit::LeafError;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// The aim as a share of the distance to the other sheet: copies of a surface displaced by as much must not meet.
+/// The aim relative to the distance to the other sheet: copies of a surface displaced by as much must not
+/// meet.
 const OF_WALL: f64 = 0.4;
-/// Walls are left alone where the aim would be a smaller share of what it is elsewhere: sheets that touch
-/// would be split without end.
+/// Walls are ignored where they would lower the aim below this fraction: sheets that touch would be split
+/// without end.
 const LEAST: f64 = 1.0 / 256.0;
-/// Walls are looked for within this share of the reach first, where the faces around a vertex are smaller. Chosen.
+/// Walls are first searched for within this fraction of the reach, where the faces around a vertex are
+/// smaller. Chosen.
 const FIRST: f64 = 1.0 / 64.0;
-/// Beyond more faces than these no walls are looked for. Chosen: within a coarse tolerance there may be most of the
-/// surface.
+/// The search for walls ends at more faces than these. Chosen: within a coarse tolerance there may be most of
+/// the surface.
 const CROWD: usize = 1024;
 /// Vertices in one task.
 const CHUNK: usize = 1024;
-/// The cosine of normals that face away from each other.
+/// The cosine from which normals face away from each other.
 const OPPOSITE: f64 = -0.5;
-/// A face in more cubes than this is taken to be near everywhere. Chosen: such faces are few.
+/// A face in more cubes than this counts as near everywhere. Chosen: such faces are few.
 const MANY: i64 = 64;
 
 impl SurfaceImprover<'_> {
-    /// Lowers the aim at vertices where a sheet that faces the other way is near. Sheets that join in a
-    /// crease are none: they come as near as one likes.
+    /// Lowers the aim at vertices near a sheet that faces the other way. Sheets that join in a crease do not
+    /// count: they come arbitrarily near.
     pub(super) fn aim_at_walls(&mut self) -> Result<(), LeafError> {
         let joined = self.joined_labels();
         let reach = self.aim / OF_WALL;
@@ -41,7 +43,7 @@ impl SurfaceImprover<'_> {
             };
             part.iter().filter(|v| !is_alone(**v)).map(first).collect::<Vec<(u32, f64)>>()
         });
-        // First about as far as the faces around a vertex reach, then farther, until something is found.
+        // First about as far as the faces around a vertex reach, then farther, until a sheet is found.
         let mut open = open.concat();
         while !open.is_empty() {
             let chunks: Vec<&[(u32, f64)]> = open.chunks(CHUNK).collect();
@@ -63,7 +65,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Lowers the aim at vertices to a share of their distance from primitives, where these face away.
+    /// Lowers the aim at vertices to a fraction of their distance from primitives that face away.
     fn aim_below(&mut self, across: &[(u32, FaceLabel)]) -> Result<(), LeafError> {
         let asks: Vec<_> = across.iter().map(|(v, label)| (*label, self.at(*v))).collect();
         let samples = self.sample(&asks)?;
@@ -89,7 +91,7 @@ impl SurfaceImprover<'_> {
         pairs
     }
 
-    /// Whether a label is one of a vertex, or joins one in a crease.
+    /// Whether a label is one of a vertex's own, or joins one in a crease.
     fn joins(&self, v: u32, label: FaceLabel, joined: &[[FaceLabel; 2]]) -> bool {
         let joins = |other: FaceLabel| {
             let pair = if label < other { [label, other] } else { [other, label] };
@@ -110,13 +112,13 @@ impl SurfaceImprover<'_> {
         all
     }
 
-    /// The primitives of faces within reach of a vertex that face the other way, and do not join its own in
+    /// The labels of faces within reach of a vertex that face the other way, and do not join its own in
     /// creases.
     fn labels_across(&self, v: u32, reach: f64, joined: &[[FaceLabel; 2]]) -> OpposingFaces {
         let mut across = OpposingFaces { labels: Vec::new(), n_faces: 0 };
         let at = self.at(v);
         let on = self.constraints_of(v);
-        // Labels that join its own, and need not be looked at again.
+        // Labels that join its own, to skip.
         let mut beside: Vec<FaceLabel> = on.iter().map(|on| on.label).collect();
         self.tree.for_each_near(&FaceBox { min: at - reach, max: at + reach }, |face| {
             across.n_faces += 1;
@@ -137,17 +139,17 @@ impl SurfaceImprover<'_> {
     }
 }
 
-/// What is near a vertex.
+/// The faces near a vertex.
 #[derive(Clone)]
 struct OpposingFaces {
     /// The labels of sheets that face the other way.
     labels: Vec<FaceLabel>,
-    /// All faces.
+    /// The number of all faces.
     n_faces: usize,
 }
 
 impl OpposingFaces {
-    /// Whether what is farther away is no wall of the vertex.
+    /// Whether sheets farther away are no wall of the vertex.
     fn is_enough(&self) -> bool {
         !self.labels.is_empty() || self.n_faces > CROWD
     }
@@ -156,9 +158,9 @@ impl OpposingFaces {
 /// The labels of faces by cubes.
 struct CubeLabels {
     step: f64,
-    // Only looked up, never walked through.
+    // Only looked up, never iterated.
     cubes: HashMap<[i64; 3], Vec<FaceLabel>>, // No order depends on it.
-    /// Of faces that are in many.
+    /// The labels of faces that are in many cubes.
     everywhere: Vec<FaceLabel>,
 }
 
@@ -187,7 +189,7 @@ impl CubeLabels {
         }
     }
 
-    /// The labels of all faces that come as near to a point as a step.
+    /// The labels of all faces within a step of a point.
     fn around(&self, at: DVec3) -> impl Iterator<Item = FaceLabel> + '_ {
         let [x, y, z] = self.cube(at);
         let beside = (0..27).map(move |k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);

@@ -1,17 +1,18 @@
-//! Edges without length go: where primitives abut or touch, cells have ledges between them, of which Newton
-//! steps leave faces without a width.
+//! Welds edges without length. Where primitives abut or touch, cells have ledges between them, which Newton
+//! steps turn into faces without width.
 use super::collapse::VertexStar;
 use super::{ImproveError, SurfaceImprover, area_normal};
 use glam::DVec3;
 
-/// Edges of this share of the tolerance have no length. Chosen: far above what Newton steps leave, far below
-/// what a proof sees.
+/// Edges below this fraction of the tolerance have no length. Chosen: far above what Newton steps leave, far
+/// below what a proof notices.
 const NO_LENGTH: f64 = 1e-6;
-/// Rounds at most; each takes what the last one has brought to light.
+/// The most rounds; each handles the edges that the last one exposed.
 const MOST_ROUNDS: usize = 8;
 
 impl SurfaceImprover<'_> {
-    /// Collapses edges without length, whatever their ends are on, where nothing turns or crosses for it.
+    /// Collapses edges without length, whatever primitives their ends are on, unless a face would turn or
+    /// cross another.
     pub(super) fn weld(&mut self) -> Result<(), ImproveError> {
         let mut star = VertexStar::default();
         for _ in 0..MOST_ROUNDS {
@@ -22,7 +23,7 @@ impl SurfaceImprover<'_> {
                 if !self.surface.has_face(h / 3) {
                     continue;
                 }
-                // What goes should be on fewer primitives.
+                // The removed vertex should be on fewer primitives.
                 let both = [h, self.surface.twin(h)];
                 let n_labels = both.map(|h| self.constraints_of(self.surface.start(h)).len());
                 let order = if n_labels[0] > n_labels[1] { [1, 0] } else { [0, 1] };
@@ -44,8 +45,8 @@ impl SurfaceImprover<'_> {
         length <= NO_LENGTH * self.tol
     }
 
-    /// Takes a half-edge's start into its end: that, if it may be. The end is then on the primitives of all
-    /// faces around it, and to be measured.
+    /// Collapses a half-edge's start into its end, which it returns, if allowed. The end is then on the
+    /// primitives of all faces around it, and has to be measured.
     fn weld_edge(&mut self, h: u32, star: &mut VertexStar) -> Option<u32> {
         if !self.has_no_length(h) || !self.surface.can_collapse(h) {
             return None;
@@ -70,7 +71,7 @@ impl SurfaceImprover<'_> {
         Some(v)
     }
 
-    /// Whether no face that has a width turns by more than 60°.
+    /// Whether no face with a width turns by more than 60°.
     fn keeps_directions(&self, star: &VertexStar) -> bool {
         (1..star.ring.len() - 1).all(|i| {
             let before = self.points(star.sides[i] / 3);

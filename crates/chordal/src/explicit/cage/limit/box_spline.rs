@@ -1,10 +1,10 @@
 //! Triangles whose limit surface is one polynomial: six triangles around each corner, or fewer where a border
 //! or an infinitely sharp line cuts the rest off.
 //!
-//! Loop's rules for six triangles around a vertex are those of the quartic box spline. Along a border they
-//! are as well, with points beyond it that complete parallelograms: with `p = a + b − c` for each triangle
+//! Loop's rules for six triangles around a vertex are those of the quartic box spline. They hold along a
+//! border as well, with points beyond it that complete parallelograms: with `p = a + b − c` for each triangle
 //! `a, b, c` whose side `a, b` is on the border, the rules for smooth vertices and edges are those for
-//! creases. So they are at a corner of one triangle, with the points opposite to its neighbours.
+//! creases. The same holds at a corner of one triangle, with the points opposite to its neighbours.
 //!
 //! Source: M.-J. Lai, *Fortran subroutines for B-nets of box splines on three- and four-directional meshes*,
 //! 1992, for the control points; J. Schweitzer, *Analysis and application of subdivision surfaces*, 1996, for
@@ -14,14 +14,14 @@ use super::super::vertex_rule::{CagePoint, plus};
 use super::face_one_ring::{CageTopology, FaceOneRing};
 use super::quartic::Quartic;
 
-/// The points of the lattice that shape a triangle between `(0, 0)`, `(1, 0)` and `(0, 1)`.
+/// The lattice points that shape a triangle between `(0, 0)`, `(1, 0)` and `(0, 1)`.
 const LATTICE: [[i32; 2]; 12] =
     [[0, 0], [1, 0], [0, 1], [1, 1], [-1, 1], [1, -1], [-1, 0], [0, -1], [2, -1], [2, 0], [0, 2], [-1, 2]];
 
 /// The six directions of the lattice, counter-clockwise.
 const DIRECTIONS: [[i32; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]];
 
-/// Shares of points in the control point of `λ₀ⁱλ₁ʲλ₂ᵏ`, in 24ths: that of the corner 0.
+/// Weights of points in the control point of `λ₀ⁱλ₁ʲλ₂ᵏ`, in 24ths: that of the corner 0.
 fn own(i: usize, j: usize, k: usize) -> f64 {
     let (low, high) = if j < k { (j, k) } else { (k, j) };
     match (i, low, high) {
@@ -36,7 +36,7 @@ fn own(i: usize, j: usize, k: usize) -> f64 {
     }
 }
 
-/// That of the point across the side between the corners 1 and 2.
+/// The weight of the point across the side between the corners 1 and 2.
 fn across(i: usize, j: usize, k: usize) -> f64 {
     let (low, high) = if j < k { (j, k) } else { (k, j) };
     match (i, low, high) {
@@ -48,7 +48,8 @@ fn across(i: usize, j: usize, k: usize) -> f64 {
     }
 }
 
-/// That of a point beyond a corner, opposite to another, by how often the corner is named and the third one.
+/// The weight of a point beyond a corner, opposite to another, by the exponents of the corner and of the
+/// third one.
 fn beyond(corner: usize, third: usize) -> f64 {
     match (corner, third) {
         (4, 0) => 2.0,
@@ -58,7 +59,7 @@ fn beyond(corner: usize, third: usize) -> f64 {
 }
 
 impl FaceOneRing {
-    /// The polynomial that the limit surface of its triangle is, where it is one.
+    /// The polynomial of its triangle's limit surface, if it is one polynomial.
     pub(super) fn quartic(&self) -> Option<Quartic> {
         let p = self.lattice(&self.topology())?;
         let mut control = [[0.0; 3]; 15];
@@ -88,10 +89,10 @@ impl FaceOneRing {
         Some(Quartic { control })
     }
 
-    /// The points of the lattice, those beyond cuts made up.
+    /// The points of the lattice; those beyond cuts are reconstructed.
     fn lattice(&self, parts: &CageTopology) -> Option<[CagePoint; 12]> {
         let mut points: [Option<CagePoint>; 12] = [None; 12];
-        // The vertices of the triangle, and in which direction the first edge of it leaves each.
+        // The vertices of the triangle, and for each the direction in which its first edge leaves.
         for (k, direction) in [0, 2, 4].into_iter().enumerate() {
             let around = self.one_ring_of_six(parts, k)?;
             let own = &mut points[k];
@@ -110,7 +111,7 @@ impl FaceOneRing {
         Some(all)
     }
 
-    /// The six points around a corner of its triangle, counter-clockwise from the end of the edge that begins
+    /// The six points around a corner of its triangle, counter-clockwise from the end of the edge that starts
     /// there.
     fn one_ring_of_six(&self, parts: &CageTopology, corner: usize) -> Option<[CagePoint; 6]> {
         let cage = self.cage();
@@ -124,7 +125,7 @@ impl FaceOneRing {
             return None;
         }
         let n_cut = around.iter().filter(|edge| is_cut(**edge)).count();
-        // The edges of a face that leave the vertex and come to it, and where from.
+        // The edges of a face that leave the vertex and arrive at it, and the vertices at their other ends.
         let sides = |face: u32| {
             let of = cage.face(face as usize);
             let k = of.iter().position(|v| *v == vertex)?;
@@ -137,7 +138,7 @@ impl FaceOneRing {
             (on.len() == 2).then(|| if on[0] == face { on[1] } else { on[0] })
         };
         let at = |v: u32| cage.positions[v as usize];
-        // Forth until it closes or is cut, then back.
+        // Forwards until the ring closes or is cut, then backwards.
         let mut known: [Option<CagePoint>; 6] = [None; 6];
         let (edges, neighbours) = sides(0)?;
         (known[0], known[1]) = (Some(at(neighbours[0])), Some(at(neighbours[1])));
@@ -155,7 +156,7 @@ impl FaceOneRing {
                 break true;
             }
             last += 1;
-            // The last face around leads back to the first neighbour.
+            // The last face leads back to the first neighbour.
             if last > 6 {
                 return None;
             }
@@ -183,10 +184,11 @@ impl FaceOneRing {
         let here = at(vertex);
         let is_corner = own >= INFINITELY_SHARP || n_cut > 2;
         let point = |k: usize| known[(k + 6 - first) % 6];
-        // Completes a parallelogram, or goes as far to the other side.
+        // Completes a parallelogram, or reflects in the vertex.
         let mirror = |a: CagePoint, b: CagePoint| [0, 1, 2].map(|k| (here[k] + a[k]) - b[k]);
         let made: Vec<CagePoint> = match (last + first, is_corner) {
-            // From one cut to the other; around a cut to itself the vertex is on a crease to somewhere else.
+            // From one cut to the other. Around a cut back to itself, the vertex is on a crease that
+            // continues elsewhere.
             (3, false) if n_cut == 2 && edge != end => {
                 vec![mirror(point(3)?, point(2)?), mirror(point(0)?, point(1)?)]
             }

@@ -1,10 +1,10 @@
-//! Faces whose limit surface is made of bicubic patches: four quads around each corner, or fewer where a
+//! Faces whose limit surface consists of bicubic patches: four quads around each corner, or fewer where a
 //! sharp line cuts them off.
 //!
-//! Along a sharp line the surface is the same product of cubic splines in both directions as anywhere, with
-//! other points: where the line is infinitely sharp those beyond it are the reflections of those before it;
-//! where it is so for some rounds, each round's are, and what is left beyond the last of them is a smooth
-//! spline of that scale.
+//! Along a sharp line the surface is the same tensor product of cubic splines as elsewhere, with other
+//! points. Where the line is infinitely sharp, those beyond it are the reflections of those before it. Where
+//! it is sharp for some rounds, each round's are, and what is left beyond the last of them is a smooth spline
+//! of that scale.
 //!
 //! Source for the second: M. Nießner, C. Loop, G. Greiner, *Efficient evaluation of semi-smooth creases in
 //! Catmull-Clark subdivision surfaces*, 2012; here as a product of one-dimensional pieces, so that it also
@@ -17,31 +17,31 @@ use crate::explicit::Patch;
 /// A part of a face that is one bicubic patch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LimitPatch {
-    /// Where it is in the face.
+    /// Its parameter rectangle in the face.
     pub u: [f64; 2],
     pub v: [f64; 2],
     pub patch: Patch,
 }
 
 impl LimitPatch {
-    /// Where a place of the face is in the patch's unit square.
+    /// Maps parameters of the face to the patch's unit square.
     pub(super) fn local(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let local = |x: f64, [from, to]: [f64; 2]| (x - from) / (to - from);
         [local(u, self.u), local(v, self.v)]
     }
 }
 
-/// The control points of a product of cubic splines, and how sharp its lines are, where that ends.
+/// The control points of a tensor product of cubic splines, and the finite sharpness of its side lines.
 struct CreasedBSpline {
     /// Rows along u.
     points: [[CagePoint; 4]; 4],
-    /// At the sides where u is 0 and 1.
+    /// The sharpness of the sides where u is 0 and 1.
     u: [f64; 2],
     v: [f64; 2],
 }
 
 impl FaceOneRing {
-    /// The patches that the face's limit surface is made of, where it is.
+    /// The patches of the face's limit surface, if it consists of patches.
     pub(crate) fn patches(&self) -> Option<Vec<LimitPatch>> {
         if self.n_corners() != 4 {
             return None;
@@ -80,7 +80,7 @@ impl FaceOneRing {
         let edge: [u32; 4] = std::array::from_fn(|k| parts.edges.of_corner[k]);
         let line = edge.map(|edge| parts.sharp.edges[edge as usize]);
         let is_cut = line.map(|sharpness| sharpness >= INFINITELY_SHARP);
-        // What the faces across the sides have beside their begin and their end.
+        // For the faces across the sides, the vertices next to the side's start and end.
         let mut beside = [[u32::MAX; 2]; 4];
         for side in (0..4).filter(|side| !is_cut[*side]) {
             let across = *parts.edges.faces(edge[side] as usize).iter().find(|face| **face != 0)?;
@@ -94,7 +94,7 @@ impl FaceOneRing {
             let own = parts.sharp.vertices[vertex[k] as usize];
             let around = parts.incidence.edges(vertex[k] as usize);
             let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
-            // The two lines through the corner go on along these edges.
+            // The edges that continue the two lines through the corner.
             let on = |side: usize, end: usize| {
                 (!is_cut[side]).then(|| parts.edges.between(vertex[k], beside[side][end])).flatten()
             };
@@ -127,7 +127,7 @@ impl FaceOneRing {
                     let sharp = if is_cut_here { edge[k] } else { edge[before] };
                     let others = around.iter().filter(|e| **e != onward && **e != sharp);
                     let fits = |edge: &u32| sharpness(*edge) == 0.0 || sharpness(*edge) == other;
-                    // Between two faces with two sides in common the line does not go on but ends.
+                    // Between two faces with two common sides the line ends.
                     let goes_on = onward != sharp && sharpness(onward) >= INFINITELY_SHARP;
                     let is_one_line = goes_on && others.clone().all(fits);
                     let is_mixed = other > 0.0 && self.cage().creasing == CreasingMethod::Chaikin;
@@ -176,7 +176,7 @@ fn neighbour(quad: &[u32], vertex: u32, other: u32) -> Option<u32> {
     }
 }
 
-/// The vertex of a quad across from another.
+/// The vertex of a quad diagonally opposite to another.
 fn opposite(quad: &[u32], vertex: u32) -> Option<u32> {
     let k = quad.iter().position(|v| *v == vertex).filter(|_| quad.len() == 4)?;
     Some(quad[(k + 2) % 4])
@@ -184,7 +184,7 @@ fn opposite(quad: &[u32], vertex: u32) -> Option<u32> {
 
 type SpanWeights = [f64; 4];
 
-/// A part of one direction: the weights of the four points in each control point of its Bézier form.
+/// A span in one direction: the weights of the four points in each control point of its Bézier form.
 struct SplineSpan {
     span: [f64; 2],
     weights: [SpanWeights; 4],
@@ -229,13 +229,13 @@ fn bezier_span(p: [SpanWeights; 4], span: [f64; 2]) -> SplineSpan {
     SplineSpan { span, weights }
 }
 
-/// The parts of one direction between two lines of finite sharpness.
+/// The spans of one direction between two lines of finite sharpness.
 fn spans(sharp: [f64; 2]) -> Vec<SplineSpan> {
     match sharp {
         [0.0, 0.0] => vec![bezier_span(POINTS, [0.0, 1.0])],
         [sharp, 0.0] => spans_from_crease(POINTS, sharp),
         [0.0, sharp] => reversed(spans_from_crease(reversed_points(POINTS), sharp)),
-        // A round, with half the span to each line.
+        // One round, with half the span next to each line.
         [first, second] => {
             let [low, high] = refine_between_creases(POINTS, [first, second]);
             let less = |sharp: f64| if sharp > 1.0 { sharp - 1.0 } else { 0.0 };
@@ -268,7 +268,7 @@ fn reversed(parts: Vec<SplineSpan>) -> Vec<SplineSpan> {
     parts.into_iter().rev().map(turn).collect()
 }
 
-/// A round between two lines of that sharpness: the points of the lower half and of the upper one.
+/// A round between two lines with this sharpness: the points of the lower half and of the upper one.
 fn refine_between_creases(p: [SpanWeights; 4], sharp: [f64; 2]) -> [[SpanWeights; 4]; 2] {
     let share = sharp.map(|s| if s < 1.0 { s } else { 1.0 });
     let (low, high) = (
@@ -279,12 +279,12 @@ fn refine_between_creases(p: [SpanWeights; 4], sharp: [f64; 2]) -> [[SpanWeights
     [[between[0], low, between[1], high], [low, between[1], high, between[2]]]
 }
 
-/// The parts between a line of that sharpness, where the span begins, and a smooth end.
+/// The spans from a line with this sharpness, at the start, to a smooth end.
 fn spans_from_crease(mut p: [SpanWeights; 4], mut sharp: f64) -> Vec<SplineSpan> {
     let mut parts = Vec::new();
     let mut width = 1.0;
     if sharp >= 1.0 {
-        // As if it stayed sharp, but for what is left beside it in the end.
+        // As if it stayed sharp, except next to the line in the end.
         let mirrored = std::array::from_fn(|k| 2.0 * p[1][k] - p[2][k]);
         let away = bezier_span([mirrored, p[1], p[2], p[3]], [0.0, 1.0]);
         while sharp >= 1.0 {
@@ -305,7 +305,7 @@ fn spans_from_crease(mut p: [SpanWeights; 4], mut sharp: f64) -> Vec<SplineSpan>
     parts
 }
 
-/// The Bézier form from a parameter on.
+/// The Bézier form restricted to the part from a parameter on.
 fn restrict_from([a, b, c, d]: [SpanWeights; 4], from: f64) -> [SpanWeights; 4] {
     let at = |p: SpanWeights, q: SpanWeights| mean(1.0 - from, p, q);
     let (ab, bc, cd) = (at(a, b), at(b, c), at(c, d));

@@ -1,10 +1,10 @@
-//! `FaceOneRing`: a face of a cage with all that its limit surface hangs on, and how it is divided.
+//! `FaceOneRing`: a face of a cage with everything that determines its limit surface, and its subdivision.
 use super::super::edges::{CageEdges, VertexIncidence};
 use super::super::refinement_step::{CageSharpness, is_hole};
 use super::super::vertex_rule::CagePoint;
 use super::super::{Boundary, Cage, CreasingMethod, FaceSizes, INFINITELY_SHARP, InvalidCage, Scheme};
 
-/// A cage with what is found out about it once.
+/// A cage's edges, incidence and sharpness, computed once.
 pub(in super::super) struct CageTopology {
     pub edges: CageEdges,
     pub incidence: VertexIncidence,
@@ -27,17 +27,18 @@ impl CageTopology {
     }
 }
 
-/// A face and the faces around its vertices, as a cage of their own whose first face it is.
+/// A face and the faces around its vertices, as a separate cage with that face first.
 ///
-/// Faces beyond an infinitely sharp edge are left out: they do not shape this one, and would only widen the
+/// Faces beyond an infinitely sharp edge are left out: they do not shape this one, and would only enlarge the
 /// hull. So the limit surface of the face lies in the convex hull of the vertices here: all rules are means
-/// with weights that are not negative.
+/// with nonnegative weights.
 #[derive(Clone, Debug)]
 pub(crate) struct FaceOneRing {
     cage: Cage,
-    /// Of Loop's scheme: which edge the one from each corner is, where some end alike; else empty.
+    /// For Loop's scheme the identity of the edge from each corner, where some have the same ends; else
+    /// empty.
     classes: Vec<u32>,
-    /// By how much its positions may be off by rounding, each coordinate.
+    /// The largest rounding error of its positions, in each coordinate.
     off: f64,
 }
 
@@ -46,12 +47,12 @@ impl FaceOneRing {
         Self::rotated((cage, &[]), parts, (face, 0))
     }
 
-    /// What is found out about it.
+    /// The topology of its cage.
     pub(super) fn topology(&self) -> CageTopology {
         CageTopology::with_edges(&self.cage, edges_with_classes(&self.cage, &self.classes))
     }
 
-    /// The ring of a face that begins so many corners later.
+    /// The ring of a face, started `turn` corners later.
     fn rotated((cage, all): (&Cage, &[u32]), parts: &CageTopology, (face, turn): (usize, usize)) -> Self {
         let middle = cage.face(face);
         let mut sectors: Vec<CreaseSector> = middle
@@ -59,8 +60,7 @@ impl FaceOneRing {
             .map(|vertex| CreaseSector::new((parts, cage.creasing), *vertex, face as u32))
             .collect();
         let mut faces: Vec<u32> = Vec::with_capacity(16);
-        // A vertex that has some of the faces beyond a cut, for the sake of another vertex, needs all of
-        // them.
+        // A vertex that has some of the faces beyond a cut because of another vertex needs all of them.
         loop {
             faces.clear();
             sectors.iter().for_each(|sector| faces.extend_from_slice(&sector.faces));
@@ -136,18 +136,18 @@ impl FaceOneRing {
         Self { cage, classes, off: 0.0 }
     }
 
-    /// The rings of the parts of its face: one for each corner. Those of a quad begin where it does, at its
-    /// lower left, so that all have their sides in the same directions; those of another face begin at their
-    /// corner of it. By Loop's scheme they have their sides in the directions of the triangle as well, and
-    /// the last one is that between, turned by half.
+    /// The rings of the parts of its face, one for each corner. Those of a quad start at its lower left, as
+    /// it does, so that all have their sides in the same directions; those of another face start at their
+    /// corner of it. By Loop's scheme they have the sides in the directions of the triangle as well; the last
+    /// one is the central part, rotated by half a turn.
     pub(crate) fn subdivided(&self) -> Result<Vec<Self>, InvalidCage> {
         let before = self.topology();
         let refined = self.cage.refined_by(&before.edges, &before.incidence, &before.sharp)?;
         let classes = self.classes_after(&before.edges);
         let parts = CageTopology::with_edges(&refined, edges_with_classes(&refined, &classes));
         let n = self.n_corners();
-        // A mean of k points in a row is off by k roundings, weights included; means do not widen what was
-        // off before.
+        // A mean of k points in a row is off by k roundings, weights included; means do not increase earlier
+        // errors.
         let most =
             (0..n).map(|k| parts.incidence.edges(self.cage.corners[k] as usize).len()).fold(0, usize::max);
         let round = (4 * most + 4 * n + 16) as f64 * f64::EPSILON * self.size();
@@ -165,7 +165,7 @@ impl FaceOneRing {
         Ok((0..n_parts).map(part).collect())
     }
 
-    /// Which edge is which after a round of Loop's scheme: halves by their edge, those inside of triangles by
+    /// The identity of edges after a round of Loop's scheme: halves by their edge, those inside triangles by
     /// their corner.
     fn classes_after(&self, edges: &CageEdges) -> Vec<u32> {
         if self.cage.scheme != Scheme::Loop {
@@ -186,7 +186,7 @@ impl FaceOneRing {
         classes
     }
 
-    /// The corners of its face.
+    /// The number of corners of its face.
     pub(crate) fn n_corners(&self) -> usize {
         self.cage.sizes.range(0).end
     }
@@ -195,7 +195,7 @@ impl FaceOneRing {
         &self.cage
     }
 
-    /// Points whose convex hull has all of the face's limit surface in it.
+    /// Points whose convex hull contains all of the face's limit surface.
     pub(crate) fn hull(&self) -> &[CagePoint] {
         &self.cage.positions
     }
@@ -206,7 +206,7 @@ impl FaceOneRing {
         self.cage.positions.as_flattened().iter().fold(0.0, larger)
     }
 
-    /// By how much each coordinate may be off by rounding.
+    /// The largest rounding error of each coordinate.
     pub(crate) fn rounding(&self) -> f64 {
         self.off
     }
@@ -220,7 +220,7 @@ fn edges_with_classes(cage: &Cage, classes: &[u32]) -> CageEdges {
     }
 }
 
-/// The faces around a vertex that shape a face there, and how sharp the vertex is for them.
+/// The faces around a vertex that shape a face there, and the sharpness of the vertex for them.
 struct CreaseSector {
     faces: Vec<u32>,
     sharpness: f64,
@@ -255,11 +255,11 @@ impl CreaseSector {
         let is_beyond = |edge: &u32| parts.edges.faces(*edge as usize).iter().all(|f| !faces.contains(f));
         let is_corner = own >= INFINITELY_SHARP || n_infinite > 2;
         let shapes = |sharpness: f64| match creasing {
-            // By Chaikin's rule creases beyond shape how those on this side end.
+            // By Chaikin's rule, creases beyond affect how those on this side end.
             CreasingMethod::Chaikin if is_corner => sharpness > 0.0 && sharpness < INFINITELY_SHARP,
             _ if is_corner => false,
-            // A crease that ends there makes a corner of the vertex for some rounds; one that does not end is
-            // that of the vertex.
+            // A crease that ends there makes the vertex a corner for some rounds; one that does not end is
+            // the vertex's own.
             _ => sharpness > 0.0,
         };
         let is_shaped = around.iter().any(|edge| is_beyond(edge) && shapes(sharpness(*edge)));
@@ -269,7 +269,7 @@ impl CreaseSector {
         }
     }
 
-    /// The faces around the other ends of the vertex's creases: by Chaikin's rule the sharpness there shapes
+    /// The faces around the other ends of the vertex's creases: by Chaikin's rule the sharpness there affects
     /// how these end.
     fn faces_at_far_ends(&self, parts: &CageTopology, vertex: u32) -> Vec<u32> {
         let is_crease = |edge: &&u32| {

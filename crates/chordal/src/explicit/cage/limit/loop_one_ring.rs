@@ -1,4 +1,4 @@
-//! The triangles around a vertex by Loop's scheme: a round, and the vertex's place and tangents on the limit
+//! The triangles around a vertex by Loop's scheme: a round, and the vertex's point and tangents on the limit
 //! surface.
 //!
 //! Sources: C. Loop, *Smooth subdivision surfaces based on triangles*, 1987, for smooth vertices; on creases
@@ -33,8 +33,8 @@ impl OneRing {
         self.edges.iter().fold(start, |sum, p| plus(sum, share, *p))
     }
 
-    /// Where a smooth vertex is on the limit surface: with the share `β` of a neighbour in a round, `8β/3` of
-    /// each to one of it.
+    /// The limit point of a smooth vertex: with the weight `β` of a neighbour in a round, `8β/3` of each to
+    /// one of it.
     pub(super) fn limit_point_loop(&self) -> CagePoint {
         let ratio = 8.0 / 3.0 * loop_weight(self.edges.len());
         let whole = 1.0 + self.edges.len() as f64 * ratio;
@@ -56,8 +56,8 @@ impl OneRing {
             }
             VertexKind::Crease if n > 1 => {
                 let along = [0, 1, 2].map(|k| self.edges[0][k] - self.edges[last][k]);
-                // Sines over the neighbours inside, and what that leaves for the ends and the vertex by two
-                // linear equations, whose determinant is (λ − 1)(λ − 1/4).
+                // Sines over the inner neighbours, and the resulting weights of the ends and the vertex by
+                // two linear equations, whose determinant is (λ − 1)(λ − 1/4).
                 let turn = PI / n as f64;
                 let lambda = 0.375 + 0.25 * cos(turn);
                 let wave = |k: usize| if k == 0 || k == n { 0.0 } else { sin(k as f64 * turn) };

@@ -1,4 +1,4 @@
-//! The limit surface of a cage, evaluated exactly anywhere.
+//! `LimitSurface`: the limit surface of a cage, evaluated exactly anywhere.
 mod box_spline;
 mod creased_spline;
 mod face_one_ring;
@@ -21,10 +21,10 @@ pub(crate) use triangle_patch_tree::{ExtraordinaryTriangle, LimitQuartic, Triang
 /// Loop's scheme.
 ///
 /// A quad is one sheet: u runs from its first vertex to its second, v from its first to its last. Another
-/// polygon is as many as it has vertices, each with its origin at one of them and the polygon's middle
-/// across. By Loop's scheme a triangle is one sheet, over u ≥ 0, v ≥ 0, u + v ≤ 1: u runs from its first
-/// vertex to its second, v to its third. Sheets follow faces. Holes have none, nor has a face on the border
-/// under [`Boundary::None`](super::Boundary::None).
+/// polygon has one sheet for each vertex, with the origin at that vertex and the polygon's centre diagonally
+/// opposite. By Loop's scheme a triangle is one sheet, over u ≥ 0, v ≥ 0, u + v ≤ 1: u runs from its first
+/// vertex to its second, v to its third. Sheets follow the order of faces. Holes have none, nor have faces on
+/// the border under [`Boundary::None`](super::Boundary::None).
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -45,15 +45,15 @@ pub(crate) use triangle_patch_tree::{ExtraordinaryTriangle, LimitQuartic, Triang
 pub struct LimitSurface<'a> {
     cage: &'a Cage,
     topology: std::sync::Arc<CageTopology>,
-    /// Face and part of it.
+    /// The face, and the part of it.
     sheets: Vec<(u32, u32)>,
 }
 
 impl Cage {
-    /// The limit surface. By Loop's scheme edges of a round that end alike stay two, as for
+    /// The limit surface. By Loop's scheme edges of a round with the same ends stay two, as for
     /// [`Cage::refined_times`].
     ///
-    /// *Cost.* A table of edges: some hundred bytes a corner.
+    /// *Cost.* A table of edges: some hundred bytes per corner.
     ///
     /// # Errors
     /// None yet: every scheme has one.
@@ -70,13 +70,13 @@ impl Cage {
 }
 
 impl LimitSurface<'_> {
-    /// How many sheets there are.
+    /// The number of sheets.
     #[must_use]
     pub fn n_sheets(&self) -> usize {
         self.sheets.len()
     }
 
-    /// The face of a sheet, and which of its corners the sheet begins at.
+    /// The face of a sheet, and the corner at which the sheet starts.
     ///
     /// # Panics
     /// When there is no such sheet.
@@ -86,7 +86,7 @@ impl LimitSurface<'_> {
         (face as usize, corner as usize)
     }
 
-    /// One sheet, ready to be evaluated.
+    /// One sheet, prepared for evaluation.
     ///
     /// # Errors
     /// [`InvalidCage::NotFinite`] where coordinates overflow.
@@ -127,10 +127,10 @@ enum SheetDomain {
     Triangle(TrianglePatchTree),
 }
 
-/// What is known of a surface at one place of it.
+/// The position, derivatives and normal of a surface at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
-    /// The place.
+    /// The position.
     pub point: [f64; 3],
     /// The derivatives by u and by v; `None` at vertices where the parametrization has none or only those of
     /// value 0.
@@ -142,16 +142,16 @@ pub struct Jet {
 }
 
 impl LimitSheet {
-    /// The limit surface at a place of the unit square, or of the triangle u + v ≤ 1 for Loop's scheme, its
-    /// derivatives and its normal. A place outside counts as one on the border.
+    /// The limit surface at a point of the unit square, or of the triangle u + v ≤ 1 for Loop's scheme, with
+    /// its derivatives and its normal. Parameters outside are clamped to the border.
     ///
-    /// On an infinitely sharp edge, whose two sides differ, everything is as seen from this sheet; where the
-    /// surface is made of pieces, as from the one after u and v, or the last.
+    /// On an infinitely sharp edge, whose two sides differ, everything is as seen from this sheet. Where the
+    /// surface consists of pieces, it is as seen from the one after u and v, or the last.
     ///
-    /// *Cost.* Under a microsecond where the faces around are regular; else, the first time, some ten
-    /// microseconds for every halving of the distance to the irregular vertex, which are kept. *Error.*
-    /// Rounding: a few ulps of the largest coordinate around, a few more for each halving. At the end of a
-    /// crease, and at corners of several quads, the normal has about six digits.
+    /// *Cost.* Under a microsecond where the surrounding faces are regular. Otherwise, the first time, some
+    /// ten microseconds for every halving of the distance to the extraordinary vertex; the halvings are
+    /// cached. *Error.* Rounding: a few ulps of the largest coordinate around, a few more for each halving.
+    /// At the end of a crease, and at corners of several quads, the normal has about six digits.
     ///
     /// # Errors
     /// [`InvalidCage::NotFinite`] where coordinates overflow.
@@ -164,7 +164,7 @@ impl LimitSheet {
         }
     }
 
-    /// The point alone, for less.
+    /// The point alone, at a lower cost.
     pub(crate) fn point(&self, u: f64, v: f64) -> Result<[f64; 3], InvalidCage> {
         match &self.domain {
             SheetDomain::Square(square) => square.point(u, v),

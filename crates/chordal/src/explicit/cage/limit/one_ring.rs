@@ -1,12 +1,12 @@
-//! `OneRing`: the quads, or for Loop's scheme the triangles, around a vertex whose surroundings look the same
-//! after every round, and what follows from it: the vertex's place on the limit surface and the surface's
-//! tangents there. What is Loop's is in [`super::loop_one_ring`].
+//! `OneRing`: the quads, or for Loop's scheme the triangles, around a vertex whose neighbourhood is the same
+//! after every round, and its consequences: the vertex's limit point and the tangents there. Loop's part is
+//! in [`super::loop_one_ring`].
 //!
 //! Sources: M. Halstead, M. Kass, T. DeRose, *Efficient, fair interpolation using Catmull-Clark surfaces*,
 //! 1993 (the limit of a smooth vertex: n² of it, 4 of each neighbour, 1 of each vertex across); H. Biermann,
 //! A. Levin, D. Zorin, *Piecewise smooth subdivision surfaces with normal control*, 2000 (tangents on
-//! creases; but theirs are for rules changed so that all shrinks by a half, and are re-derived here for the
-//! usual ones).
+//! creases; but theirs are for rules modified so that everything shrinks by a half, and are re-derived here
+//! for the usual ones).
 use super::super::vertex_rule::{CagePoint, plus};
 use super::super::{INFINITELY_SHARP, Scheme};
 use super::face_one_ring::{CageTopology, FaceOneRing};
@@ -15,38 +15,38 @@ use crate::math::dot;
 use crate::math::elementary::{cos, sin};
 use std::f64::consts::{PI, TAU};
 
-/// By what the vertex is shaped, in every round.
+/// The rule of the vertex in every round.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum VertexKind {
     Smooth,
-    /// The edge of that place is sharp and ends here.
+    /// The edge with this index is sharp and ends here.
     Dart(usize),
     /// The first and the last edge are sharp.
     Crease,
-    /// It is on a crease to these neighbours, with other faces around it than these: where surfaces meet in a
-    /// seam.
+    /// The vertex is on a crease to these neighbours, with other faces around it than these: surfaces meet in
+    /// a seam.
     Seam([CagePoint; 2]),
     Corner,
 }
 
-/// A vertex and, counter-clockwise, its neighbours and the vertices across its quads.
+/// A vertex and, counter-clockwise, its neighbours and the vertices diagonally across its quads.
 #[derive(Clone, Debug)]
 pub(super) struct OneRing {
     pub(super) kind: VertexKind,
-    /// By Loop's scheme.
+    /// Whether the scheme is Loop's.
     is_loop: bool,
     pub(super) here: CagePoint,
     /// As many as quads where they close around it, else one more.
     pub(super) edges: Vec<CagePoint>,
-    /// One for each quad, or triangle, of which none counts.
+    /// One for each quad or triangle; for triangles they are not used.
     pub(super) faces: Vec<CagePoint>,
-    /// Which of the quads is that of the ring.
+    /// The index of the quad that is the ring's own face.
     own: usize,
 }
 
 impl OneRing {
-    /// Around a corner of a ring's face; `None` where its surroundings will change: faces of another size, or
-    /// sharpness that ends.
+    /// The one-ring of a corner of a ring's face; `None` where its neighbourhood will change: faces of
+    /// another size, or sharpness that ends.
     pub fn around_corner(ring: &FaceOneRing, parts: &CageTopology, corner: usize) -> Option<Self> {
         let cage = ring.cage();
         let vertex = cage.corners[corner];
@@ -77,7 +77,7 @@ impl OneRing {
         let first_edge = parts.edges.of_corner[corner];
         let n_cut = around.iter().filter(|edge| is_cut(**edge)).count();
         let is_dart = n_cut == 1 && own == 0.0;
-        // Back, clockwise, to a cut.
+        // Backwards, clockwise, to a cut.
         let mut begin = (0, first_edge);
         if n_cut > 0 && !is_dart {
             for _ in 0..around.len() {
@@ -97,7 +97,7 @@ impl OneRing {
             own: 0,
         };
         let at = |v: u32| cage.positions[v as usize];
-        // The neighbours along a crease that is not the first and the last edge.
+        // The neighbours along a crease that does not consist of the first and the last edge.
         let seam = |ends: Option<[u32; 2]>| {
             let cut: Vec<u32> = around.iter().copied().filter(|edge| is_cut(*edge)).collect();
             let &[a, b] = &cut[..] else { return None };
@@ -139,7 +139,7 @@ impl OneRing {
         None
     }
 
-    /// After a round.
+    /// The one-ring after a round.
     fn refined(&self) -> Self {
         let (edges, faces) = if self.is_loop {
             (self.refined_neighbours_loop(), self.faces.clone())
@@ -189,7 +189,7 @@ impl OneRing {
         (edges.collect(), centres)
     }
 
-    /// Where the vertex is on the limit surface.
+    /// The vertex's limit point.
     pub fn limit(&self) -> CagePoint {
         let crease = |[a, b]: [CagePoint; 2]| [0, 1, 2].map(|k| (4.0 * self.here[k] + (a[k] + b[k])) / 6.0);
         match self.kind {
@@ -208,7 +208,7 @@ impl OneRing {
         }
     }
 
-    /// The same about its limit.
+    /// The same, relative to its limit point.
     fn centred(&self) -> Self {
         let limit = self.limit();
         let about = |p: &CagePoint| [0, 1, 2].map(|k| p[k] - limit[k]);
@@ -225,8 +225,8 @@ impl OneRing {
         }
     }
 
-    /// Two tangents of the limit surface at the vertex, so that their product points to its front; `None`
-    /// where nothing is known. At the end of a crease to about six digits, as at corners of several quads.
+    /// Two tangents of the limit surface at the vertex, whose cross product points to its front; at the end
+    /// of a crease and at corners of several quads to about six digits.
     pub fn tangents(&self) -> [CagePoint; 2] {
         if let Some(tangents) = self.is_loop.then(|| self.limit_tangents_loop()).flatten() {
             return tangents;
@@ -254,8 +254,8 @@ impl OneRing {
             }
             VertexKind::Crease => {
                 let along = [0, 1, 2].map(|k| self.edges[0][k] - self.edges[last][k]);
-                // The left eigenvector of the round's matrix: sines over the quads, and what that leaves for
-                // the ends and the vertex by two linear equations, whose determinant is (λ − 1)(λ − 1/4).
+                // The left eigenvector of the round's matrix: sines over the quads, and the resulting weights
+                // of the ends and the vertex by two linear equations, whose determinant is (λ − 1)(λ − 1/4).
                 let turn = PI / n as f64;
                 let lambda = eigenvalue(turn);
                 let wave = |k: usize| if k == 0 || k == n { 0.0 } else { sin(k as f64 * turn) };
@@ -273,7 +273,7 @@ impl OneRing {
                 let mut fan = self.centred();
                 for round in 1..=ROUNDS_TO_LIMIT {
                     fan = fan.refined();
-                    // Doubled, so that nothing gets too small.
+                    // Doubled, so that nothing becomes too small.
                     fan.here = fan.here.map(|x| 2.0 * x);
                     let twice = |p: &mut CagePoint| *p = p.map(|x| 2.0 * x);
                     fan.edges.iter_mut().chain(&mut fan.faces).for_each(twice);
@@ -288,8 +288,8 @@ impl OneRing {
                     let edge = fan.edges[(self.own + k) % fan.edges.len()];
                     [0, 1, 2].map(|i| edge[i] - fan.here[i])
                 });
-                // Between two quads of a corner the edge turns into the plane of the outer ones, as slowly as
-                // one over the number of rounds: the shares of both grow against its own.
+                // Between two quads of a corner the edge rotates into the plane of the outer ones, as slowly
+                // as one over the number of rounds: the weights of both grow relative to its own.
                 let (turning, outer) =
                     (self.kind == VertexKind::Corner && n == 2 && last == 2, [to(0), to(2)]);
                 match front(outer[0], outer[1]) {
@@ -304,18 +304,18 @@ impl OneRing {
     }
 }
 
-/// By how much a round shrinks the wave of that angle from quad to quad.
+/// The factor by which a round shrinks the wave of this angle from quad to quad.
 fn eigenvalue(turn: f64) -> f64 {
     (5.0 + cos(turn) + cos(0.5 * turn) * (2.0 * (9.0 + cos(turn))).sqrt()) / 16.0
 }
 
-/// Two directions that span less than this share of their lengths are one; chosen far above rounding.
+/// Two directions that span less than this fraction of their lengths count as one; chosen far above rounding.
 pub(super) const LEAST_AREA: f64 = 1e-6;
 
-/// Rounds after which neighbours are as near as rounding: 0.66⁹⁰ < 2⁻⁵³, and around no vertex do distances
-/// shrink more slowly than by 0.655 a round, the limit for many quads.
+/// Rounds after which the distance of neighbours is as small as rounding: 0.66⁹⁰ < 2⁻⁵³, and around no vertex
+/// do distances shrink more slowly than by 0.655 per round, the limit for many quads.
 const ROUNDS_TO_LIMIT: usize = 90;
 
-/// Rounds after which what rounding has moved the middle by, and doubling made a thousand times as much of,
-/// is taken off.
+/// Rounds after which the offset of the centre by rounding, which doubling has made a thousand times larger,
+/// is removed.
 const ROUNDS_TO_CENTRE: usize = 10;

@@ -1,4 +1,4 @@
-//! `QuadPatchTree`: a square of a sheet as patches, or divided, as deep as anybody has asked.
+//! `QuadPatchTree`: a square of a sheet as patches, or subdivided lazily around extraordinary vertices.
 use super::creased_spline::LimitPatch;
 use super::{FaceOneRing, Jet, OneRing, middle, one_ring};
 use crate::explicit::cage::InvalidCage;
@@ -6,22 +6,22 @@ use crate::explicit::cage::vertex_rule::CagePoint;
 use crate::explicit::patch::{front, largest};
 use std::sync::OnceLock;
 
-/// A square, lower left quarter first and then counter-clockwise where it is divided.
+/// A square; the quarters of a subdivided one start at the lower left and run counter-clockwise.
 #[derive(Clone, Debug)]
 pub(crate) enum QuadPatchTree {
     Regular(LimitPatches),
     Extraordinary(Box<ExtraordinaryQuad>),
 }
 
-/// The patches that a square is made of.
+/// The patches of a square.
 #[derive(Clone, Debug)]
 pub(crate) struct LimitPatches {
     pub(crate) patches: Vec<LimitPatch>,
-    /// By how much a point of theirs may be off by rounding, a length.
+    /// The largest rounding error of their points, as a length.
     pub(crate) off: f64,
 }
 
-/// A square that is not made of patches.
+/// A square that does not consist of patches.
 #[derive(Clone, Debug)]
 pub(crate) struct ExtraordinaryQuad {
     ring: FaceOneRing,
@@ -29,15 +29,15 @@ pub(crate) struct ExtraordinaryQuad {
     corners: [OnceLock<Result<Jet, InvalidCage>>; 4],
 }
 
-/// Rounds after which a place that is still beside an irregular vertex counts as the vertex: 0.66⁹⁰ < 2⁻⁵³ of
-/// the face's size.
+/// Rounds after which parameters still next to an irregular vertex count as the vertex: 0.66⁹⁰ < 2⁻⁵³ of the
+/// face's size.
 pub(super) const MOST_ROUNDS: usize = 90;
 
 impl QuadPatchTree {
     pub(super) fn from_ring(ring: FaceOneRing) -> Self {
         match ring.patches() {
-            // Reflected in both directions a point is off by nine times as much; weights are exact but for
-            // some hundred roundings.
+            // A point reflected in both directions has nine times the error; weights are exact but for some
+            // hundred roundings.
             Some(pieces) => {
                 let off = 18.0 * ring.rounding() + 1024.0 * f64::EPSILON * ring.size();
                 Self::Regular(LimitPatches { patches: pieces, off })
@@ -71,16 +71,16 @@ impl QuadPatchTree {
     }
 }
 
-/// What a rough square is at a place.
+/// The content of an extraordinary square at given parameters.
 enum PatchTreeLeaf<'a> {
-    /// These patches, there in them, by how much smaller they are.
+    /// Patches, the parameters in them, and the factor by which they are smaller.
     Patches(&'a LimitPatches, [f64; 2], f64),
     /// A corner of a square.
     Vertex(&'a ExtraordinaryQuad, usize),
 }
 
 impl LimitPatches {
-    /// Derivatives are multiplied by a scale.
+    /// Derivatives are multiplied by `scale`.
     fn at(&self, place: [f64; 2], scale: f64) -> Jet {
         jet(self.patch_at(place), place, scale)
     }
@@ -105,7 +105,7 @@ impl ExtraordinaryQuad {
         &self.ring
     }
 
-    /// Its quarters: made when they are first asked for, and kept.
+    /// Its quarters, computed on first use and cached.
     pub(crate) fn quarters(&self) -> Result<&[QuadPatchTree; 4], InvalidCage> {
         let divide = || {
             let mut rings = self.ring.subdivided()?.into_iter();
@@ -123,7 +123,7 @@ impl ExtraordinaryQuad {
         }
     }
 
-    /// What is at a corner: found out when it is first asked for, and kept.
+    /// The jet at a corner, computed on first use and cached.
     fn corner_jet(&self, corner: usize) -> Result<Jet, InvalidCage> {
         self.corners[corner].get_or_init(|| vertex_jet(&self.ring, corner)).clone()
     }
@@ -146,7 +146,7 @@ impl ExtraordinaryQuad {
     }
 }
 
-/// The corner of the unit square at a place.
+/// The corner of the unit square at these parameters.
 fn corner_at(u: f64, v: f64) -> Option<usize> {
     let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     places.iter().position(|place| *place == (u, v))
@@ -179,7 +179,7 @@ fn jet(piece: &LimitPatch, [u, v]: [f64; 2], scale: f64) -> Jet {
     }
 }
 
-/// At a corner of a ring's face that may be irregular.
+/// The jet at a corner of a ring's face that may be irregular.
 pub(super) fn vertex_jet(ring: &FaceOneRing, corner: usize) -> Result<Jet, InvalidCage> {
     let found = with_one_ring(ring, corner, |fan| {
         let [a, b] = fan.tangents();
@@ -191,8 +191,8 @@ pub(super) fn vertex_jet(ring: &FaceOneRing, corner: usize) -> Result<Jet, Inval
     Ok(found.unwrap_or_else(|point| Jet { point, first: None, second: None, normal: None }))
 }
 
-/// What follows from the fan around a corner of a ring's face, once its surroundings do not change any more;
-/// where they always do, a point near it.
+/// Applies `of` to the one-ring of a corner of a ring's face, once its neighbourhood does not change any
+/// more. Where it always changes, returns a point near it.
 fn with_one_ring<T>(
     ring: &FaceOneRing,
     corner: usize,
@@ -200,7 +200,7 @@ fn with_one_ring<T>(
 ) -> Result<Result<T, CagePoint>, InvalidCage> {
     let mut held;
     let mut ring = ring;
-    // Sharpness that ends does so within ten rounds.
+    // Finite sharpness ends within ten rounds.
     for _ in 0..MOST_ROUNDS {
         if let Some(fan) = OneRing::around_corner(ring, &ring.topology(), corner) {
             return Ok(Ok(of(&fan)));

@@ -1,14 +1,14 @@
 //! `Quartic`: a polynomial of degree four over a triangle, by its Bézier control points.
 use super::super::vertex_rule::CagePoint;
 
-/// Control points by rows, along u: those of row k stand at `(j/4, k/4)`, so that 0, 4 and 14 are the
+/// The control points in rows along u: those of row k belong to `(j/4, k/4)`, so that 0, 4 and 14 are the
 /// corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quartic {
     pub control: [CagePoint; 15],
 }
 
-/// Weights of the three corners of a triangle.
+/// Barycentric coordinates in a triangle.
 pub(crate) type QuarticBarycentric = [f64; 3];
 
 /// Position, first derivatives and second derivatives.
@@ -32,7 +32,7 @@ impl Quartic {
         self.at(u, v).0
     }
 
-    /// The same surface over the triangle between three places.
+    /// The same surface over the triangle between three parameter points.
     pub fn part(&self, corners: [[f64; 2]; 3]) -> Self {
         let [a, b, c] = corners.map(|[u, v]| [1.0 - u - v, u, v]);
         // The control point of `aⁱbʲcᵏ` is the blossom there.
@@ -66,14 +66,14 @@ impl Quartic {
         Self { control }
     }
 
-    /// The four parts between its corners and the middles of its sides: at the corners, and then that
-    /// between, which is turned by half.
+    /// The four parts between its corners and the midpoints of its sides: those at the corners, then the
+    /// central one, rotated by half a turn.
     pub fn quarters(&self) -> [Self; 4] {
         QUARTERS.map(|corners| self.part(corners))
     }
 
-    /// The control points of a side: from its first corner to its second, or from the second to the third, or
-    /// from the third.
+    /// The control points of a side: from the first corner to the second, from the second to the third, or
+    /// from the third to the first.
     pub fn side(&self, side: usize) -> [CagePoint; 5] {
         SIDES[side].map(|k| self.control[k])
     }
@@ -81,8 +81,8 @@ impl Quartic {
 
 const SIDES: [[usize; 5]; 3] = [[0, 1, 2, 3, 4], [4, 8, 11, 13, 14], [14, 12, 9, 5, 0]];
 
-/// The corners of the quarters of a triangle: those at its corners run as it does, the last one is turned by
-/// half.
+/// The corners of the quarters of a triangle. Those at its corners have its orientation; the last one is
+/// rotated by half a turn.
 pub(crate) const QUARTERS: [[[f64; 2]; 3]; 4] = [
     [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]],
     [[0.5, 0.0], [1.0, 0.0], [0.5, 0.5]],
@@ -90,7 +90,7 @@ pub(crate) const QUARTERS: [[[f64; 2]; 3]; 4] = [
     [[0.5, 0.5], [0.0, 0.5], [0.5, 0.0]],
 ];
 
-/// A step of de Casteljau's scheme from `N` control points of that degree to `M` of the next lower one.
+/// A step of de Casteljau's scheme, from `N` control points of degree `degree` to `M` of the next lower one.
 fn lower<const N: usize, const M: usize>(
     net: &[CagePoint; N],
     degree: usize,

@@ -1,4 +1,5 @@
-//! `TrianglePatchTree`: a triangle of a sheet as one polynomial, or divided, as deep as anybody has asked.
+//! `TrianglePatchTree`: a triangle of a sheet as one polynomial, or subdivided lazily around extraordinary
+//! vertices.
 use super::quad_patch_tree::{MOST_ROUNDS, vertex_jet};
 use super::quartic::Quartic;
 use super::{FaceOneRing, Jet, one_ring};
@@ -6,22 +7,22 @@ use crate::explicit::cage::InvalidCage;
 use crate::explicit::patch::{front, largest};
 use std::sync::OnceLock;
 
-/// A triangle. Where it is divided its parts are in the order of [`QUARTERS`](super::QUARTERS).
+/// A triangle. The parts of a subdivided one are in the order of [`QUARTERS`](super::QUARTERS).
 #[derive(Clone, Debug)]
 pub(crate) enum TrianglePatchTree {
     Regular(Box<LimitQuartic>),
     Extraordinary(Box<ExtraordinaryTriangle>),
 }
 
-/// One that is a polynomial.
+/// A triangle that is one polynomial.
 #[derive(Clone, Debug)]
 pub(crate) struct LimitQuartic {
     pub(crate) quartic: Quartic,
-    /// By how much a point of it may be off by rounding, a length.
+    /// The largest rounding error of its points, as a length.
     pub(crate) off: f64,
 }
 
-/// One that is none.
+/// A triangle that is not one polynomial.
 #[derive(Clone, Debug)]
 pub(crate) struct ExtraordinaryTriangle {
     ring: FaceOneRing,
@@ -31,8 +32,8 @@ pub(crate) struct ExtraordinaryTriangle {
 impl TrianglePatchTree {
     pub(super) fn from_ring(ring: FaceOneRing) -> Self {
         match ring.quartic() {
-            // A point beyond a border is off by three times as much as a point, a coordinate; shares are
-            // exact but for some dozen roundings.
+            // A point beyond a border has three times the error of a point, per coordinate; weights are exact
+            // but for some dozen roundings.
             Some(quartic) => {
                 let off = 18.0 * ring.rounding() + 1024.0 * f64::EPSILON * ring.size();
                 Self::Regular(Box::new(LimitQuartic { quartic, off }))
@@ -50,7 +51,7 @@ impl TrianglePatchTree {
 }
 
 impl LimitQuartic {
-    /// Derivatives are multiplied by a scale, which is negative where the triangle is turned by half.
+    /// Derivatives are multiplied by `scale`, which is negative where the triangle is rotated by half a turn.
     pub(crate) fn at(&self, [u, v]: [f64; 2], scale: f64) -> Jet {
         let (point, [by_u, by_v], second) = self.quartic.at(u, v);
         let (unit, length) = front(by_u, by_v);
@@ -69,7 +70,7 @@ impl ExtraordinaryTriangle {
         &self.ring
     }
 
-    /// Its quarters: made when they are first asked for, and kept.
+    /// Its quarters, computed on first use and cached.
     pub(crate) fn quarters(&self) -> Result<&[TrianglePatchTree; 4], InvalidCage> {
         let divide = || {
             let mut rings = self.ring.subdivided()?.into_iter();
@@ -80,7 +81,7 @@ impl ExtraordinaryTriangle {
         self.quarters.get_or_init(divide).as_deref().map_err(Clone::clone)
     }
 
-    /// At a place of it.
+    /// The jet at the given parameters.
     pub(crate) fn at(&self, mut u: f64, mut v: f64) -> Result<Jet, InvalidCage> {
         let (mut rough, mut scale) = (self, 1.0);
         for _ in 0..MOST_ROUNDS {
@@ -100,7 +101,7 @@ impl ExtraordinaryTriangle {
                 TrianglePatchTree::Extraordinary(quarter) => rough = quarter,
             }
         }
-        // The one that it is in, or between, by now is no larger than rounding.
+        // The part that contains the point is no larger than rounding by now.
         vertex_jet(&rough.ring, quarter_at(u, v) % 3)
     }
 }
