@@ -1,6 +1,7 @@
 //! The letter of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and what mends it.
 use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, one_way_note, plural};
+use chordal::check::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EmbeddedCertificate, FieldFacts, FindingFacts, Inspection,
     KinkFacts, Report, SharpnessFacts, SurfaceFacts, ValidityFacts, WitnessFacts, cures_of_all,
@@ -292,7 +293,7 @@ fn add_finding(lines: &mut SummaryLines, finding: &FindingFacts, valid: &Validit
     if let Some(advice) = advice {
         line("advice", advice);
     } else {
-        line("cure", &cures.join(" "));
+        line("cure", &options(cures));
     }
 }
 
@@ -359,7 +360,7 @@ fn add_repair_command(lines: &mut SummaryLines, name: &str, findings: &[FindingF
             "\n  {:<11} chordal mend {} {} -o OUT",
             "to mend",
             quoted(name),
-            cures.join(" ")
+            options(&cures)
         );
     }
 }
@@ -393,4 +394,10 @@ mod tests {
         assert_eq!(quoted("it's.obj"), r"'it'\''s.obj'");
         assert_eq!(quoted("$(x).obj"), "'$(x).obj'");
     }
+}
+
+/// The options of `chordal mend`.
+fn options(cures: &[Cure]) -> String {
+    let options: Vec<String> = cures.iter().map(|cure| format!("--{}", cure.name())).collect();
+    options.join(" ")
 }

@@ -2,7 +2,7 @@
 use crate::formats::topology;
 use crate::mend::{RepairStep, trial_steps};
 use chordal::Job;
-use chordal::check::{CURES, Defect, MeshConnectivity};
+use chordal::check::{Cure, Defect, MeshConnectivity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene};
 
@@ -16,7 +16,7 @@ use chordal_io::{Format, Scene};
 /// Taking a surface apart is not prescribed where the format ties equal positions again.
 ///
 /// Cost: that of the cures that are tried, and two validity checks each; nothing for sound triangles.
-pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Option<Vec<&'static str>> {
+pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Option<Vec<Cure>> {
     let mut trial = RepairTrial {
         scene: scene.clone(),
         topologies: vec![topology(format); scene.parts.len()],
@@ -37,7 +37,7 @@ pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Opt
             trial.attempt(cure, job)?;
         }
     }
-    Some(CURES.into_iter().filter(|cure| trial.cures.contains(cure)).collect())
+    Some(Cure::ALL.into_iter().filter(|cure| trial.cures.contains(cure)).collect())
 }
 
 /// Triangles on the way from cure to cure.
@@ -47,7 +47,7 @@ struct RepairTrial {
     /// How often each of [`FAULTS`] was found.
     faults: Vec<u64>,
     /// What helped.
-    cures: Vec<&'static str>,
+    cures: Vec<Cure>,
 }
 
 /// What no cure may make more frequent. Duplicate vertices and slivers are remarks, and the others take a search.
@@ -107,7 +107,7 @@ impl RepairTrial {
             return Some(());
         }
         self.faults = faults;
-        self.cures.extend(CURES.iter().find(|option| &option[2..] == cure.name()));
+        self.cures.push(cure.cure());
         Some(())
     }
 

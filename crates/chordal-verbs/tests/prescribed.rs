@@ -2,7 +2,7 @@
 use crate::common;
 
 use chordal::Job;
-use chordal::check::Defect;
+use chordal::check::{Cure, Defect};
 use chordal_io::Format;
 use chordal_verbs::report::{FindingFacts, Report, cures_of_all};
 use chordal_verbs::{
@@ -18,6 +18,10 @@ fn read(bytes: &[u8], name: &str) -> Option<Input> {
 
 fn findings(report: &Report) -> &[FindingFacts] {
     report.inspection.as_ref().unwrap().findings.as_deref().unwrap_or_default()
+}
+
+fn options(cures: &[Cure]) -> Vec<String> {
+    cures.iter().map(|cure| format!("--{}", cure.name())).collect()
 }
 
 fn spec(cures: &[&str]) -> MendSpec {
@@ -62,7 +66,8 @@ fn complaints(name: &str, bytes: &[u8], to: Format) -> Option<Vec<String>> {
     let mut report = inspect(&input);
     let (mut wrong, mut told) = (Vec::new(), Vec::new());
     for round in 1.. {
-        let cures = cures_of_all(findings(&report));
+        let cures = options(&cures_of_all(findings(&report)));
+        let cures: Vec<&str> = cures.iter().map(String::as_str).collect();
         told.push(cures.join(" "));
         if cures.is_empty() {
             break;
@@ -140,9 +145,9 @@ fn a_piece_that_is_filled_is_oriented() {
     // An open box, inside out: only once it is closed has it an outside.
     let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
     let report = advised(&format!("{corners}f 1 2 4\nf 2 3 4\nf 3 1 4\n"));
-    assert_eq!(cures_of_all(findings(&report)), ["--fill-holes"]);
+    assert_eq!(cures_of_all(findings(&report)), [Cure::FillHoles]);
     let report = advised(&format!("{corners}f 2 1 4\nf 3 2 4\nf 1 3 4\n"));
-    assert_eq!(cures_of_all(findings(&report)), ["--orient", "--fill-holes"]);
+    assert_eq!(cures_of_all(findings(&report)), [Cure::Orient, Cure::FillHoles]);
 }
 
 #[test]

@@ -3,9 +3,9 @@ use super::part_check::PartCheck;
 use super::scene_check::SceneCheck;
 use super::validity::{ValidityCounts, ValidityFacts};
 use crate::flatten::IDENTITY;
-use chordal::check::{CURES, Component, Defect, Facing, Finding, Severity, outward};
+use chordal::check::{Component, Cure, Defect, Facing, Finding, Severity, outward};
 use chordal_io::Scene;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// What `inspect` says of triangles beyond the counts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ pub struct SurfaceFacts {
     pub component_list: Vec<ComponentFacts>,
     /// The cures that were tried on these triangles and help; none where nobody tried.
     #[serde(skip)]
-    pub prescribed: Option<Vec<&'static str>>,
+    pub prescribed: Option<Vec<Cure>>,
 }
 
 /// The most components that are listed.
@@ -183,7 +183,8 @@ pub struct FindingFacts {
     /// What it means, as half a sentence.
     pub means: &'static str,
     /// The options of `chordal mend` that mend it, in this order; empty where there is none.
-    pub cures: Vec<&'static str>,
+    #[serde(serialize_with = "as_options")]
+    pub cures: Vec<Cure>,
     /// What to do where no option mends it.
     pub advice: Option<&'static str>,
 }
@@ -225,7 +226,7 @@ impl FindingFacts {
             weight: if defect.severity() == Severity::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
             // A cure with a price says so where it is named.
-            means: if cures.contains(&"--fill-holes") { MAY_CROSS } else { defect.meaning() },
+            means: if cures.contains(&Cure::FillHoles) { MAY_CROSS } else { defect.meaning() },
             advice: advice(defect, valid, &cures),
             cures,
         }
@@ -237,7 +238,7 @@ const MAY_CROSS: &str = "the surface ends there, so that it has no inside; what 
     which `inspect --self-intersections` tells afterwards";
 
 /// The cures of a defect that help.
-fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<&'static str> {
+fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<Cure> {
     let (counts, other) = (&valid.counts, &valid.other.counts);
     let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
     // Equal points can be what keeps sheets apart that would branch, touch or disagree: a split is not to be undone.
@@ -245,42 +246,41 @@ fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<&'static str> {
         && other.non_manifold_vertices <= counts.non_manifold_vertices
         && other.duplicate_faces <= counts.duplicate_faces
         && other.inconsistent_edges <= counts.inconsistent_edges;
-    let helps = |cure: &str| match (defect, cure) {
-        (Defect::BoundaryEdges, "--weld") => {
+    let helps = |cure: Cure| match (defect, cure) {
+        (Defect::BoundaryEdges, Cure::Weld) => {
             sound && counts.duplicate_vertices > 0 && other.boundary_edges < counts.boundary_edges
         }
-        (Defect::DuplicateVertices, "--weld") => sound,
-        (Defect::BoundaryEdges, "--resolve-t-junctions") => {
+        (Defect::DuplicateVertices, Cure::Weld) => sound,
+        (Defect::BoundaryEdges, Cure::ResolveTJunctions) => {
             counts.t_junctions > 0 || counts.duplicate_vertices > 0 && other.t_junctions > 0
         }
-        (Defect::NonManifoldEdges, "--drop-duplicates") => counts.duplicate_faces > 0,
-        (Defect::InconsistentEdges, "--orient") => counts.orientable,
+        (Defect::NonManifoldEdges, Cure::DropDuplicates) => counts.duplicate_faces > 0,
+        (Defect::InconsistentEdges, Cure::Orient) => counts.orientable,
         _ => true,
     };
-    let was_tried = |cure: &&str| tried.is_none_or(|tried| tried.contains(cure));
-    defect.cures().iter().copied().filter(|cure| helps(cure) && was_tried(cure)).collect()
+    let was_tried = |cure: &Cure| tried.is_none_or(|tried| tried.contains(cure));
+    defect.cures().iter().copied().filter(|cure| helps(*cure) && was_tried(cure)).collect()
 }
 
 /// What mends only what others lay bare stands with them: a hole that is closed has an outside to be oriented by, a face
 /// that is dropped leaves vertices.
-fn add_consequences(all: &mut [FindingFacts], tried: &[&'static str]) {
-    let place = |cure: &str| CURES.iter().position(|known| *known == cure);
+fn add_consequences(all: &mut [FindingFacts], tried: &[Cure]) {
     for cure in tried {
         if all.iter().any(|finding| finding.cures.contains(cure)) {
             continue;
         }
-        let causes = |finding: &FindingFacts, cause: &str| finding.cures.contains(&cause);
-        let filled = all.iter().position(|finding| *cure == "--orient" && causes(finding, "--fill-holes"));
+        let fills = |finding: &FindingFacts| finding.cures.contains(&Cure::FillHoles);
+        let filled = all.iter().position(|finding| *cure == Cure::Orient && fills(finding));
         let cause = filled.or_else(|| all.iter().position(|finding| !finding.cures.is_empty()));
         if let Some(finding) = cause.or((!all.is_empty()).then_some(0)) {
-            all[finding].cures.push(cure);
-            all[finding].cures.sort_by_key(|cure| place(cure));
+            all[finding].cures.push(*cure);
+            all[finding].cures.sort_unstable();
         }
     }
 }
 
 /// What to do where no option mends it.
-fn advice(defect: Defect, valid: &ValidityFacts, cures: &[&str]) -> Option<&'static str> {
+fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<&'static str> {
     let ties = valid.topology == "positions";
     match defect {
         _ if !cures.is_empty() => None,
@@ -294,9 +294,14 @@ fn advice(defect: Defect, valid: &ValidityFacts, cures: &[&str]) -> Option<&'sta
     }
 }
 
-/// The options that mend all of it, in the order in which to use them.
+/// The repairs of all findings, in the order in which to apply them.
 #[must_use]
-pub fn cures_of_all(findings: &[FindingFacts]) -> Vec<&'static str> {
-    let wanted = |cure: &&str| findings.iter().any(|finding| finding.cures.contains(cure));
-    CURES.into_iter().filter(wanted).collect()
+pub fn cures_of_all(findings: &[FindingFacts]) -> Vec<Cure> {
+    let wanted = |cure: &Cure| findings.iter().any(|finding| finding.cures.contains(cure));
+    Cure::ALL.into_iter().filter(wanted).collect()
+}
+
+/// In reports repairs are named as the options of the command, which is what users of a report call.
+fn as_options<S: Serializer>(cures: &[Cure], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(cures.iter().map(|cure| format!("--{}", cure.name())))
 }

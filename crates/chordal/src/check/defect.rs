@@ -1,4 +1,5 @@
-//! `Defect`: the possible defects of a mesh, in words, with the options that repair them.
+//! `Defect`: the possible defects of a mesh, in words, with the repairs of each.
+use super::Cure;
 
 /// A possible defect of a mesh: the one table of names, meanings and cures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,19 +40,6 @@ pub enum Severity {
     /// The surface is valid; its triangles could be better.
     Remark,
 }
-
-/// The options of `chordal mend` in the order in which it applies them: first those that the others rely on.
-/// After `--fill-holes` it orients once more, if `--orient` was given.
-pub const CURES: [&str; 8] = [
-    "--weld",
-    "--drop-duplicates",
-    "--drop-degenerate",
-    "--resolve-t-junctions",
-    "--split-nonmanifold",
-    "--orient",
-    "--fill-holes",
-    "--drop-unused",
-];
 
 impl Defect {
     /// All defects, the most severe first.
@@ -140,28 +128,27 @@ impl Defect {
         }
     }
 
-    /// The options of `chordal mend` that repair it, in the order in which to try them; empty where there is
-    /// no cure.
+    /// The repairs of it, in the order in which to try them; empty where there is none.
     #[must_use]
-    pub fn cures(self) -> &'static [&'static str] {
+    pub fn cures(self) -> &'static [Cure] {
         match self {
             // A boundary between equal points is a seam, one along T-junctions is a crack, and only the rest
             // is a hole.
-            Self::BoundaryEdges => &["--weld", "--resolve-t-junctions", "--fill-holes"],
+            Self::BoundaryEdges => &[Cure::Weld, Cure::ResolveTJunctions, Cure::FillHoles],
             // Coincident sheets are duplicates; only after they are dropped is the edge a branch.
-            Self::NonManifoldEdges => &["--drop-duplicates", "--split-nonmanifold"],
-            Self::NonManifoldVertices => &["--split-nonmanifold"],
-            Self::TJunctions => &["--resolve-t-junctions"],
-            Self::InconsistentEdges | Self::InsideOut => &["--orient"],
-            Self::DuplicateFaces => &["--drop-duplicates"],
-            Self::DuplicateVertices => &["--weld"],
-            Self::CollapsedFaces | Self::ZeroAreaFaces => &["--drop-degenerate"],
-            Self::UnusedVertices => &["--drop-unused"],
+            Self::NonManifoldEdges => &[Cure::DropDuplicates, Cure::SplitNonManifold],
+            Self::NonManifoldVertices => &[Cure::SplitNonManifold],
+            Self::TJunctions => &[Cure::ResolveTJunctions],
+            Self::InconsistentEdges | Self::InsideOut => &[Cure::Orient],
+            Self::DuplicateFaces => &[Cure::DropDuplicates],
+            Self::DuplicateVertices => &[Cure::Weld],
+            Self::CollapsedFaces | Self::ZeroAreaFaces => &[Cure::DropDegenerate],
+            Self::UnusedVertices => &[Cure::DropUnused],
             Self::SelfIntersections | Self::Slivers => &[],
         }
     }
 
-    /// What to do where no option repairs it.
+    /// What to do where no repair helps.
     #[must_use]
     pub fn advice(self) -> &'static str {
         match self {
@@ -194,7 +181,7 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), Defect::ALL.len());
         for defect in Defect::ALL {
-            assert!(defect.cures().iter().all(|cure| CURES.contains(cure)), "{defect:?}");
+            assert!(defect.cures().is_sorted(), "{defect:?}: in the order in which they are applied");
             assert_ne!(defect.words()[0], defect.words()[1]);
         }
     }
