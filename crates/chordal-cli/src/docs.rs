@@ -1,5 +1,5 @@
 //! Completions and manual pages, made from the command line's own description.
-use crate::args::Cli;
+use crate::cli::Cli;
 use crate::console::print;
 use crate::fault::{Fault, plainly};
 use clap::CommandFactory;

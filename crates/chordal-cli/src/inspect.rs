@@ -1,5 +1,5 @@
 //! `chordal inspect`
-use crate::args::InspectArgs;
+use crate::args::{ConsoleArgs, InputArgs};
 use crate::clock::Clock;
 use crate::common;
 use crate::console::{Console, StdoutUse};
@@ -10,6 +10,30 @@ use crate::require::{Requirement, failures};
 use chordal::budget::JobError;
 use chordal_verbs::report::{RunFacts, ValidityFacts};
 use chordal_verbs::{inspect, inspect_deeply};
+use clap::Args;
+
+/// `chordal inspect`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  chordal inspect part.stl
+  chordal inspect part.stl --self-intersections
+  chordal inspect part.stl --require solid")]
+pub struct InspectArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    /// Fail with exit code 1 unless the mesh is all of these
+    #[arg(long, value_name = "WHAT", value_delimiter = ',')]
+    pub require: Vec<Requirement>,
+
+    /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for some million
+    #[arg(long)]
+    pub self_intersections: bool,
+
+    #[command(flatten)]
+    pub console: ConsoleArgs,
+}
 
 /// Reads, inspects, reports, and checks what is required.
 pub fn run(args: &InspectArgs) -> Result<(), Fault> {

@@ -3,6 +3,7 @@
 //! It is a library so that the program of this crate and the one that comes with the Python package are the same.
 mod args;
 mod bake;
+mod cli;
 mod clock;
 mod common;
 mod console;
@@ -26,9 +27,9 @@ mod summary;
 mod volume;
 mod volume_text;
 
-use args::{Cli, Verb};
 use clap::Parser;
 use clap::error::ErrorKind;
+use cli::{Cli, Verb};
 use fault::{Exit, Fault};
 use serde_json::json;
 use std::ffi::OsString;

@@ -1,5 +1,5 @@
 //! `chordal mesh`
-use crate::args::{MeshArgs, SpacingArg};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
 use crate::common;
 use crate::console::{Console, StdoutUse};
@@ -7,11 +7,108 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::output::OutputTarget;
 use crate::summary;
-use chordal::budget::{PixelBudget, Reference};
+use crate::volume::VolumeArgs;
+use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
-use chordal_verbs::{BudgetSpec, MeshFailure, Shape, Spacing, extension, formats, mesh, refine};
+use chordal_verbs::{BudgetSpec, MeshFailure, Normals, Shape, Spacing, extension, formats, mesh, refine};
+use clap::{ArgGroup, Args, ValueEnum};
 use std::path::Path;
+
+/// `chordal mesh`
+#[derive(Args, Debug)]
+#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles", "segments"]).multiple(true))]
+#[command(after_help = "\
+Examples:
+  chordal mesh teapot.bpt --tol 0.001 -o teapot.obj
+  chordal mesh teapot.bpt --px 1 --view \"1920x1080 fov=45 dist=4\" -o teapot.glb
+  chordal mesh teapot.bpt --triangles 5000 -o teapot.stl
+  chordal mesh drawing.svg --tol 0.25 -o drawing.json
+  chordal mesh drawing.svg --tol 0.25 -o drawing.glb
+  chordal mesh brain.nii.gz --iso 60 -o brain.glb
+  chordal mesh organs.nii.gz --labels all -o organs.glb
+  chordal mesh cage.obj --level 2 -o refined.obj")]
+pub struct MeshArgs {
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    /// The format of the output, instead of what its name says
+    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
+    pub to: Option<Format>,
+
+    /// The largest distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its box
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, help_heading = "Budget")]
+    pub tol: Option<Length>,
+
+    /// The largest distance on the screen of --view, in device pixels
+    #[arg(long, value_name = "PIXELS", allow_hyphen_values = true, help_heading = "Budget")]
+    pub px: Option<Pixels>,
+
+    /// From where the shape is seen: "1920x1080 fov=45 dist=4" for every direction at that distance from its box or
+    /// more, "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one eye; height=LENGTH instead of fov for parallel rays
+    #[arg(long, value_name = "VIEW", help_heading = "Budget")]
+    pub view: Option<View>,
+
+    /// For smooth surfaces, beside one of the others: the largest angle between the normals of the triangles and those of the shape, as in 5deg
+    #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "budget", allow_hyphen_values = true, help_heading = "Budget")]
+    pub angle: Option<f64>,
+
+    /// The most triangles: the best mesh with no more than these
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true, help_heading = "Budget")]
+    pub triangles: Option<u64>,
+
+    /// For curves to polylines (.svg, .json): the most segments, all together
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true, help_heading = "Budget")]
+    pub segments: Option<u64>,
+
+    /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where there is anything to
+    /// prove with. Other shapes are proved either way
+    #[arg(long, value_name = "EVIDENCE", help_heading = "Budget")]
+    pub require: Option<RequiredEvidence>,
+
+    /// Write the best result even where the budget was not reached; the exit code is 5 all the same
+    #[arg(long, help_heading = "Budget")]
+    pub keep_best: bool,
+
+    /// For curves: as few segments as the budget allows, or equal steps of each piece's parameter
+    #[arg(long, value_name = "HOW", default_value = "fewest", help_heading = "Result")]
+    pub spacing: SpacingArg,
+
+    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto); keep, none
+    /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
+    #[arg(long, value_name = "HOW", default_value = "auto", help_heading = "Result")]
+    pub normals: Normals,
+
+    /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth surface; 0 keeps them
+    #[arg(long, value_name = "N", conflicts_with = "budget", help_heading = "Result")]
+    pub level: Option<u32>,
+
+    #[command(flatten)]
+    pub volume: VolumeArgs,
+
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub console: ConsoleArgs,
+}
+
+/// How the ends of segments are placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SpacingArg {
+    /// Nearly as few segments as can be
+    Fewest,
+    /// Equal steps of the parameter
+    Even,
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix("deg").unwrap_or(text).trim().parse();
+    match number {
+        Ok(angle) if angle > 0.0 && angle <= 180.0 => Ok(angle),
+        _ => Err("an angle is above 0 and at most 180 degrees, as in 5deg".into()),
+    }
+}
 
 /// Reads, meshes, writes, reports.
 pub fn run(args: &MeshArgs) -> Result<(), Fault> {

@@ -1,5 +1,5 @@
 //! `chordal render`
-use crate::args::{InputArgs, RenderArgs, RenderMode};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
 use crate::common;
 use crate::console::Console;
@@ -8,11 +8,77 @@ use crate::input::InputSource;
 use crate::numbers::{RoundingDirection, point, short};
 use crate::output::OutputTarget;
 use crate::summary;
-use chordal::budget::{Screen, View};
+use chordal::budget::{Length, Pixels, Screen, View};
 use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
 use chordal_verbs::report::Report;
 use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against};
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// `chordal render`
+#[derive(Args, Debug)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    /// What the picture shows
+    #[arg(long, value_name = "WHAT", default_value = "shaded")]
+    pub show: RenderMode,
+
+    /// For --show deviation: the shape that the distance is measured from
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+
+    /// For --show deviation: the distance that is darkest; the largest one unless said
+    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "against")]
+    pub darkest: Option<Length>,
+
+    /// Which sides of triangles are left out, as graphics processors do
+    #[arg(long, value_name = "SIDES", default_value = "none")]
+    pub cull: CullArg,
+
+    /// The size of the picture
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+
+    /// The camera, with the size of the picture: "1280x960 fov=30 eye=4,-6,3 target=0,0,1"
+    #[arg(long, value_name = "VIEW")]
+    pub view: Option<View>,
+
+    /// For smooth shapes: the largest distance to the true shape
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub tol: Option<Length>,
+
+    /// For smooth shapes: the largest distance in the picture, in pixels; half a pixel if nothing is said
+    #[arg(long, value_name = "PIXELS", allow_hyphen_values = true, conflicts_with = "tol")]
+    pub px: Option<Pixels>,
+
+    #[command(flatten)]
+    pub console: ConsoleArgs,
+}
+
+/// What a picture can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RenderMode {
+    /// Light on the surface, with the file's normals where it has some
+    Shaded,
+    /// Light on the triangles
+    Flat,
+    /// The triangles' edges
+    Wire,
+    /// The direction of the normal as a colour
+    Normals,
+    /// Stripes as the surface mirrors them: kinks in its curvature show as kinks
+    Zebra,
+    /// How many lanes a graphics processor launches for each pixel, from light for one to dark for 16 and more; the report
+    /// counts quads, helper lanes, triangles too small to be seen, and flicker
+    Overshade,
+    /// The distance from the shape of --against as a colour, from light through yellow and red to dark
+    Deviation,
+}
 
 /// Which sides of triangles a picture leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -23,6 +89,13 @@ pub enum CullArg {
     Back,
     /// The fronts
     Front,
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "a size reads like 1280x960".to_owned();
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let size = [width.parse().map_err(|_| wrong())?, height.parse().map_err(|_| wrong())?];
+    if size.contains(&0) { Err("a picture is at least 1x1 pixels".into()) } else { Ok(size) }
 }
 
 /// Reads, renders, writes, reports.
@@ -117,5 +190,18 @@ fn culling(cull: CullArg) -> Culled {
         CullArg::None => Culled::None,
         CullArg::Back => Culled::Back,
         CullArg::Front => Culled::Front,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_the_size_of_a_picture() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        for text in ["", "640", "640x", "0x1", "1x1x1", "-1x5"] {
+            assert!(size(text).is_err(), "{text}");
+        }
     }
 }

@@ -96,7 +96,7 @@ fn h11_indices_out_of_range_name_row_index_and_limit() {
         assert!(error.message.contains(shown) && error.message.contains("there are 3 vertices"), "{error}");
         assert_eq!(error.place, FileLocation::Line(14));
     }
-    // OfFaces may stand before the vertices that they name.
+    // Faces may stand before the vertices that they name.
     let header = format!("element face 1\n{LIST}element vertex 3\n{XYZ}");
     let (mesh, _) = load(&text(&header, "3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n"), Format::Ply);
     assert_eq!(mesh.faces(), [[0, 1, 2]]);

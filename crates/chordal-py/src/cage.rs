@@ -130,7 +130,7 @@ impl Cage {
         self.0.cage.sharp_vertices().to_vec()
     }
 
-    /// OfFaces without surface.
+    /// Faces without surface.
     #[getter]
     fn holes(&self) -> Vec<u32> {
         self.0.cage.holes().to_vec()

@@ -3,7 +3,7 @@ use crate::compare::order;
 use crate::language::{CallError, operate};
 use crate::meter::Meter;
 use crate::operators::of_numbers;
-use crate::script::Parameter;
+use crate::parameter::Parameter;
 use crate::values::{StarlarkShape, arg_of, elements, fault, number, to_starlark};
 use starlark::environment::GlobalsBuilder;
 use starlark::eval::Evaluator;

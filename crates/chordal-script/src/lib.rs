@@ -21,9 +21,11 @@ mod limits;
 mod meter;
 mod nesting;
 mod operators;
+mod parameter;
 mod script;
 mod values;
 
 pub use error::ScriptError;
 pub use limits::Limits;
-pub use script::{Parameter, RunOptions, Script, run};
+pub use parameter::Parameter;
+pub use script::{RunOptions, Script, run};

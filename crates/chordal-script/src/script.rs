@@ -1,4 +1,5 @@
 //! `run`: a script to the field that its last expression is.
+use crate::Parameter;
 use crate::builtins::builtins;
 use crate::grammar::{Program, ScriptSource, parse};
 use crate::language::{Arg, CallError, functions};
@@ -31,17 +32,6 @@ pub struct Script {
     pub field: Field,
     /// Its parameters, in the order in which it asks for them.
     pub parameters: Vec<Parameter>,
-}
-
-/// A number that a script can be given.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Its name.
-    pub name: String,
-    /// What it is when nobody sets it.
-    pub default: f64,
-    /// What it was set to, else the default.
-    pub value: f64,
 }
 
 /// The field that the last expression of a script is, with its parameters.

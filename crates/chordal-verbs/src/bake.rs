@@ -1,5 +1,4 @@
 //! `bake`: distances to triangles on a lattice.
-use crate::mesh::refusal;
 use crate::report::{Certificate, DistanceGridFacts};
 use crate::{Input, MeshFailure, Shape, flatten, formats};
 use chordal::Mesh;
@@ -74,7 +73,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     }
     let mesh = flatten::one_mesh(&placed.scene)?;
     if mesh.faces().is_empty() {
-        return Err(refusal(RefusalCode::Empty, "there are no triangles to be away from"));
+        return Err(MeshFailure::refused(RefusalCode::Empty, "there are no triangles to be away from"));
     }
     let baked = mesh_to_grid(&mesh, spec.cells, spec.band, job).map_err(MeshFailure::from)?;
     let off = add_up(off_at_most(&mesh, &baked, job)?, placed.moved_at_most);

@@ -1,9 +1,7 @@
 //! Cages: their smooth surface within a budget, and their refined control meshes.
-use crate::failure::best_of;
 use crate::file_rows::to_file_rows;
-use crate::mesh::{refusal, reserve_rounding, snap_to_format, widen_box};
-use crate::polylines::MeshRequest;
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
+use crate::request::MeshRequest;
 use crate::{Input, MeshFailure, Normals, Shape, formats, write};
 use chordal::budget::{Bound, Failure, RefusalCode};
 use chordal::check;
@@ -12,9 +10,7 @@ use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, CornerTexcoords, Domain, Scheme, Semantic};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance};
-use chordal_io::{
-    Format, Polygons, Scene, WriteError, losses, losses_of_polygons, obj, ply, snap, worst_snap,
-};
+use chordal_io::{Format, Polygons, Scene, WriteError, losses, losses_of_polygons, obj, ply, snap};
 use std::io::Write;
 
 /// How far the polygons of a refined cage are from its limit surface; `None` where that is not known.
@@ -25,14 +21,11 @@ fn bound_to_limit(cage: &Cage, job: &Job) -> Option<Bound> {
 /// The smooth surface at the precision of the format, with its bound.
 pub(crate) fn limit_surface(
     polygons: &Polygons,
-    asked: &MeshRequest,
+    request: &MeshRequest,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let MeshRequest { budget, to, place, .. } = asked;
-    let inner = reserve_rounding(budget, worst_snap(&widen_box(place), *to), place, *to)?;
-    let made = best_of(cage_to_mesh(&polygons.cage, &inner, job))?;
-    let Bounded { shape, bound } = made;
-    let (mesh, bound) = snap_to_format(&shape, bound, budget, *to, job)?;
+    let Bounded { shape: mesh, bound } =
+        request.run(job, |budget| cage_to_mesh(&polygons.cage, budget, job))?;
     // A name that says what it is; no file name, which would tie the bytes to a place.
     Ok((Scene::from_mesh("cage", mesh, true, polygons.frame), bound))
 }
@@ -207,8 +200,9 @@ pub fn refine(
 /// ```
 pub fn refined_cage(cage: &Cage, levels: u32, job: &Job) -> Result<Cage, MeshFailure> {
     check_size(cage, levels, Format::Obj, job)?;
-    let refined =
-        cage.refined_times(levels).map_err(|error| refusal(RefusalCode::NotFinite, error.to_string()))?;
+    let refined = cage
+        .refined_times(levels)
+        .map_err(|error| MeshFailure::refused(RefusalCode::NotFinite, error.to_string()))?;
     if job.is_cancelled() { Err(MeshFailure::Cancelled) } else { Ok(refined) }
 }
 
@@ -239,7 +233,7 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
     let n_faces = if levels == 0 { Some(cage.n_faces() as u64) } else { of_rounds(levels - 1) };
     let Some(n_faces) = n_faces else {
         let message = format!("{levels} rounds would give more faces than can be counted");
-        return Err(refusal(RefusalCode::TooManyTriangles, message));
+        return Err(MeshFailure::refused(RefusalCode::TooManyTriangles, message));
     };
     let a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
     let beside = if cage.texcoords().is_some() { BYTES_OF_TEXCOORDS } else { 0 };
@@ -251,14 +245,14 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
             "{levels} rounds would give {n_faces} faces; the limit is {} triangles",
             job.triangle_limit
         );
-        return Err(refusal(RefusalCode::TooManyTriangles, message));
+        return Err(MeshFailure::refused(RefusalCode::TooManyTriangles, message));
     }
     if bytes > job.memory_limit {
         let message = format!(
             "{levels} rounds would give {n_faces} faces, which take {bytes} bytes; the limit is {} (--max-memory)",
             job.memory_limit
         );
-        return Err(refusal(RefusalCode::TooMuchMemory, message));
+        return Err(MeshFailure::refused(RefusalCode::TooMuchMemory, message));
     }
     Ok(())
 }
@@ -271,7 +265,7 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<P
     let cage = polygons
         .cage
         .refined_times(levels)
-        .map_err(|error| refusal(RefusalCode::NotFinite, error.to_string()))?;
+        .map_err(|error| MeshFailure::refused(RefusalCode::NotFinite, error.to_string()))?;
     let mut refined = Polygons { groups: polygons.groups, ..Polygons::from_cage(cage, polygons.frame) };
     let parts = parts_of_faces(&polygons.cage, levels);
     for attribute in polygons.attributes {
@@ -341,7 +335,7 @@ fn triangles(
         mesh = mesh.with_attribute(attribute).map_err(crate::file_rows::unsupported)?;
         notes.extend(missing_texcoords_note(cage));
     }
-    let snapped = snap(&mesh, formats[1]).map_err(MeshFailure::TooWide)?;
+    let snapped = snap(&mesh, formats[1])?;
     if snapped.moved_at_most > 0.0 {
         notes.push(format!(
             "rounding to {} moved no vertex further than {}",

@@ -1,7 +1,7 @@
 //! `deviation`: how far two shapes are apart, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
 use crate::{Input, MeshFailure, Shape, flatten, implicit};
-use chordal::budget::{Bound, Failure, Length, Reference, Refusal, RefusalCode, Tolerance};
+use chordal::budget::{Bound, Length, Reference, Refusal, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
 use chordal::math::{add_up, sub_down};
@@ -184,14 +184,8 @@ impl ComparedSurface {
                         return Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles));
                     }
                 };
-                let made = made.map_err(|failure| match failure {
-                    Failure::Refused(refusal) => MeshFailure::Refused(refusal),
-                    Failure::Cancelled => MeshFailure::Cancelled,
-                    Failure::Unmet(best) => MeshFailure::Refused(Refusal {
-                        code: RefusalCode::Budget,
-                        message: format!("the shape cannot be meshed finely enough: {}", best.bound),
-                    }),
-                })?;
+                let missed = "the shape cannot be meshed finely enough: ";
+                let made = made.map_err(|failure| MeshFailure::from_missed(failure, missed))?;
                 let off = made.bound.at_most().unwrap_or(f64::INFINITY);
                 Ok((Cow::Owned(made.shape), off, made.bound.reference))
             }

@@ -1,7 +1,7 @@
 //! `MeshFailure`: why nothing was made within the budget.
 use crate::MeshOutcome;
 use crate::report::Output;
-use chordal::budget::{Bounded, Failure, InvalidLength, JobError, Refusal, RefusalCode};
+use chordal::budget::{Failure, InvalidLength, JobError, Refusal, RefusalCode};
 use chordal_io::{CoordinateOverflow, WriteError};
 use std::fmt;
 
@@ -23,6 +23,21 @@ pub enum MeshFailure {
 }
 
 impl MeshFailure {
+    /// A refusal with a stable code and one sentence.
+    pub(crate) fn refused(code: RefusalCode, message: impl Into<String>) -> Self {
+        Self::Refused(Refusal { code, message: message.into() })
+    }
+
+    /// For results that are no use where they miss the budget: the miss becomes a refusal, whose sentence starts with
+    /// `what`.
+    pub(crate) fn from_missed<T>(failure: Failure<T>, what: &str) -> Self {
+        match failure {
+            Failure::Unmet(best) => Self::refused(RefusalCode::Budget, format!("{what}{}", best.bound)),
+            Failure::Refused(refusal) => Self::Refused(refusal),
+            Failure::Cancelled => Self::Cancelled,
+        }
+    }
+
     /// Stable, for programs.
     #[must_use]
     pub fn code(&self) -> &'static str {
@@ -68,13 +83,9 @@ impl From<JobError> for MeshFailure {
     }
 }
 
-/// What was made, or the best of it: whether the whole is within the budget is judged for the whole.
-pub(crate) fn best_of<T>(made: Result<Bounded<T>, Failure<T>>) -> Result<Bounded<T>, MeshFailure> {
-    match made {
-        Ok(made) => Ok(made),
-        Err(Failure::Unmet(best)) => Ok(*best),
-        Err(Failure::Refused(refusal)) => Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
+impl From<CoordinateOverflow> for MeshFailure {
+    fn from(overflow: CoordinateOverflow) -> Self {
+        Self::TooWide(overflow)
     }
 }
 

@@ -1,14 +1,12 @@
 //! Drawings filled with triangles, in the plane z = 0 with y up.
-use crate::failure::best_of;
-use crate::mesh::{refusal, reserve_rounding, snap_to_format, widen_box};
-use crate::polylines::MeshRequest;
 use crate::report::Certificate;
+use crate::request::MeshRequest;
 use crate::{MeshFailure, report::FrameFacts};
-use chordal::budget::{Bounded, RefusalCode};
+use chordal::budget::{Bounded, Failure, RefusalCode};
 use chordal::explicit::{AffineMap, Curve, Outline};
 use chordal::math::Box3;
-use chordal::{Bound, Job, Mesh, convert};
-use chordal_io::{Axis, Drawing, Frame, Scene, worst_snap};
+use chordal::{Bound, Job, convert};
+use chordal_io::{Axis, Drawing, Frame, Scene};
 
 const TURNED: &str = "y grows downwards in the drawing and upwards in space: every y is negated";
 const MEANING: &str = "the bound is that of each outline and its polyline; a point that is inside on one side only, the \
@@ -32,7 +30,7 @@ impl FilledRegions {
         if outlines.iter().all(|outline| outline.contours.is_empty()) {
             let message =
                 "the drawing fills nothing: its lines can be written as polylines, to .json or .svg";
-            return Err(refusal(RefusalCode::Empty, message));
+            return Err(MeshFailure::refused(RefusalCode::Empty, message));
         }
         let mut frame = drawing.frame;
         if drawing.y_down {
@@ -77,21 +75,27 @@ fn flip_y(contour: &mut Curve<2>) {
     }
 }
 
-/// The triangles of a drawing at the precision of the format, their bound, and the box that they lie in.
+/// The triangles of a drawing at the precision of the format, their bound, and the request for the box that they lie in.
 pub(crate) fn fill(
     drawing: &Drawing,
-    asked: &MeshRequest,
+    request: &MeshRequest,
     certificate: &mut Certificate,
     job: &Job,
-) -> Result<(Scene, Bound, Box3), MeshFailure> {
+) -> Result<(Scene, Bound, MeshRequest), MeshFailure> {
     let filling = FilledRegions::from_drawing(drawing, &mut certificate.notes)?;
     certificate.frame = FrameFacts::new(&filling.frame);
-    let lost = worst_snap(&widen_box(&filling.place), asked.to);
-    let inner = reserve_rounding(&asked.budget, lost, &filling.place, asked.to)?;
-    let Bounded { shape, bound } = best_of(convert::outlines_to_mesh(&filling.outlines, &inner, job))?;
-    if shape.faces().is_empty() {
-        certificate.notes.push(VANISHED.to_owned());
-    }
-    let (mesh, bound): (Mesh, Bound) = snap_to_format(&shape, bound, &asked.budget, asked.to, job)?;
-    Ok((Scene::from_mesh("drawing", mesh, true, filling.frame), bound, filling.place))
+    let request = MeshRequest::new(request.budget, request.to, filling.place);
+    let Bounded { shape: mesh, bound } = request.run(job, |budget| {
+        let made = convert::outlines_to_mesh(&filling.outlines, budget, job);
+        let best = match &made {
+            Ok(made) => Some(made),
+            Err(Failure::Unmet(best)) => Some(&**best),
+            Err(_) => None,
+        };
+        if best.is_some_and(|best| best.shape.faces().is_empty()) {
+            certificate.notes.push(VANISHED.to_owned());
+        }
+        made
+    })?;
+    Ok((Scene::from_mesh("drawing", mesh, true, filling.frame), bound, request))
 }

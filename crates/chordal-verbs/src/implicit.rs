@@ -1,14 +1,12 @@
 //! Fields as verbs meet them: cut off at a region, meshed within a budget, measured against triangles.
 use crate::MeshFailure;
-use crate::failure::best_of;
-use crate::mesh::{refusal, reserve_rounding, snap_to_format};
-use crate::polylines::MeshRequest;
+use crate::request::MeshRequest;
 use chordal::budget::{Bound, RefusalCode};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::{Format, Frame, Scene, worst_snap};
+use chordal_io::{Format, Frame, Scene};
 use serde::Serialize;
 
 /// A field with the part of space that it is looked at in.
@@ -72,22 +70,19 @@ impl ImplicitShape {
 /// When the field is endless; as for [`convert::field_to_mesh`].
 pub(crate) fn mesh_field(
     implicit: &ImplicitShape,
-    asked: &MeshRequest,
+    request: &MeshRequest,
     notes: &mut Vec<String>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let field = finite(implicit)?;
-    let MeshRequest { budget, to, place, .. } = asked;
-    let inner = reserve_rounding(budget, worst_snap(place, *to), place, *to)?;
-    let made = best_of(convert::field_to_mesh(&field, &inner, job))?;
+    let Bounded { shape: mesh, bound } =
+        request.run(job, |budget| convert::field_to_mesh(&field, budget, job))?;
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
     }
-    let Bounded { shape, bound } = made;
-    let (mesh, bound) = snap_to_format(&shape, bound, budget, *to, job)?;
     // Where normals are for: other formats keep one row a vertex.
-    let shaded = matches!(to, Format::Glb | Format::Obj);
+    let shaded = matches!(request.to, Format::Glb | Format::Obj);
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
     Ok((Scene::from_mesh("field", mesh, true, implicit.frame), bound))
 }
@@ -110,16 +105,16 @@ pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
         let message = format!(
             "the shape reaches to {far:e}, and squares of coordinates beyond {LARGEST:e} are no numbers any more: scale it down"
         );
-        return Err(refusal(RefusalCode::NotFinite, message));
+        return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
     }
     if bounds.is_empty() {
-        return Err(refusal(
+        return Err(MeshFailure::refused(
             RefusalCode::Empty,
             "there is no surface: nothing of the shape is within its box",
         ));
     }
     if !bounds.diagonal().is_finite() {
-        return Err(refusal(RefusalCode::Unsupported, ENDLESS));
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, ENDLESS));
     }
     Ok(field)
 }

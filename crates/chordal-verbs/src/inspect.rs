@@ -1,4 +1,5 @@
 //! `inspect`: what a file holds and whether it is sound.
+use crate::recommend::recommend_repairs;
 use crate::report::{
     Certificate, CheckDepth, CountError, CountedTriangles, Inspection, Output, PolygonFacts, PolylineFacts,
     Report, RunFacts,
@@ -39,7 +40,12 @@ pub fn inspect_deeply(input: &Input, job: &Job) -> Result<Report, JobError> {
 fn inspect_to_depth(input: &Input, look: CheckDepth) -> Result<Report, JobError> {
     let Shape::Scene(scene) = &input.shape else { return Ok(report(input, None)) };
     match CountedTriangles::thorough(scene, input.format, look) {
-        Ok(counted) => Ok(report(input, Some(counted))),
+        Ok(mut counted) => {
+            let usual = Job::default();
+            let job = if let CheckDepth::Deep(job) = look { job } else { &usual };
+            counted.valid.prescribe(|| recommend_repairs(scene, input.format, job));
+            Ok(report(input, Some(counted)))
+        }
         // Merging the rows of a mesh leaves fewer of them, so that it cannot fail.
         Err(CountError::Unwritten) => Ok(report(input, None)),
         Err(CountError::Stopped(stopped)) => Err(stopped),

@@ -1,14 +1,12 @@
 //! Surfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a budget.
-use crate::failure::best_of;
-use crate::mesh::{refusal, reserve_rounding, snap_to_format};
-use crate::polylines::MeshRequest;
+use crate::request::MeshRequest;
 use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
 use crate::{MeshFailure, SurfaceSpec};
-use chordal::budget::{Bound, Budget, Failure, RefusalCode};
+use chordal::budget::{Bound, Budget, RefusalCode};
 use chordal::convert::{self, Border, Inside, Polygonize};
 use chordal::implicit::{Grid, Samples};
 use chordal::{Bounded, Job, Mesh};
-use chordal_io::{Node, Scene, worst_snap};
+use chordal_io::{Node, Scene};
 
 /// The surface of a volume as the format will hold it, with its bound against the trilinear interpolant.
 ///
@@ -16,7 +14,7 @@ use chordal_io::{Node, Scene, worst_snap};
 /// When nobody says which surface and the samples do not either; when there is none; as for [`convert::grid_to_mesh`].
 pub(crate) fn mesh_volume(
     sampled: &VolumeShape,
-    asked: &MeshRequest,
+    request: &MeshRequest,
     notes: &mut Vec<String>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
@@ -32,11 +30,11 @@ pub(crate) fn mesh_volume(
         notes.push(format!("{} samples are infinite and count as the largest numbers", range.infinite));
     }
     if let Some(labels) = &sampled.surface.labels {
-        return mesh_labels(sampled, &selected_labels(labels, sampled, &range)?, asked, (notes, job));
+        return mesh_labels(sampled, &selected_labels(labels, sampled, &range)?, request, (notes, job));
     }
     let rule = polygonize_rule(sampled, &range, notes)?;
     note_border(grid, &rule, notes);
-    let made = SurfaceMesher { sampled, asked, job }.make(grid, &rule)?;
+    let made = SurfaceMesher { sampled, request, job }.make(grid, &rule)?;
     let mut scene = Scene::from_mesh("surface", made.shape, true, sampled.volume.frame);
     set_names(&mut scene, &sampled.volume.name);
     Ok((scene, made.bound))
@@ -53,22 +51,18 @@ fn set_names(scene: &mut Scene, name: &str) {
 /// What makes meshes, and under which conditions.
 struct SurfaceMesher<'a> {
     sampled: &'a VolumeShape,
-    asked: &'a MeshRequest<'a>,
+    request: &'a MeshRequest,
     job: &'a Job,
 }
 
 impl SurfaceMesher<'_> {
     /// One mesh at the precision of the format.
     fn make(&self, grid: &Grid, rule: &Polygonize) -> Result<Bounded<Mesh>, MeshFailure> {
-        let MeshRequest { budget, to, place, .. } = self.asked;
-        let lost = worst_snap(place, *to);
-        let inner = reserve_rounding(budget, lost, place, *to)?;
-        let rule = Polygonize { margin: margin(&self.sampled.volume.grid, lost), ..*rule };
-        let inner = (*budget != Budget::default()).then_some(&inner);
-        let made = best_of(convert::grid_to_mesh(grid, &rule, inner, self.job))?;
-        let Bounded { shape, bound } = made;
-        let (shape, bound) = snap_to_format(&shape, bound, budget, *to, self.job)?;
-        Ok(Bounded { shape, bound })
+        let Self { sampled, request, job } = self;
+        let rule = Polygonize { margin: margin(&sampled.volume.grid, request.rounding()), ..*rule };
+        // Without a budget the surface has the lattice's own resolution.
+        let has_budget = request.budget != Budget::default();
+        request.run(job, |budget| convert::grid_to_mesh(grid, &rule, has_budget.then_some(budget), job))
     }
 }
 
@@ -98,7 +92,10 @@ fn polygonize_rule(
     let SurfaceSpec { level, inside, border, .. } = &sampled.surface;
     let suggested = range.suggest(&sampled.volume);
     let Some([low, high]) = range.ends else {
-        return Err(refusal(RefusalCode::Empty, "no sample is a finite number, so that there is no surface"));
+        return Err(MeshFailure::refused(
+            RefusalCode::Empty,
+            "no sample is a finite number, so that there is no surface",
+        ));
     };
     let level = match (level, &suggested) {
         (Some(level), _) => *level,
@@ -117,7 +114,7 @@ fn polygonize_rule(
             return Err(MeshFailure::Usage(message));
         }
         (None, None) => {
-            return Err(refusal(
+            return Err(MeshFailure::refused(
                 RefusalCode::Empty,
                 format!("all samples are {low}, so that there is no surface at any level"),
             ));
@@ -142,13 +139,13 @@ fn polygonize_rule(
              is no surface; --iso {} gives one that far away",
             0.5 * high
         );
-        return Err(refusal(RefusalCode::Empty, message));
+        return Err(MeshFailure::refused(RefusalCode::Empty, message));
     }
     if !(level >= low && level <= high) {
         let message = format!(
             "level {level} is not among the samples, which lie between {low} and {high}: there is no surface"
         );
-        return Err(refusal(RefusalCode::Empty, message));
+        return Err(MeshFailure::refused(RefusalCode::Empty, message));
     }
     Ok(if *border == Border::Open { rule.open() } else { rule })
 }
@@ -205,7 +202,7 @@ fn selected_labels(
             let all: Vec<i64> = known.keys().copied().filter(|label| *label != 0).collect();
             if all.is_empty() {
                 let message = "every sample is label 0, which stands for nothing: there is no surface";
-                return Err(refusal(RefusalCode::Empty, message));
+                return Err(MeshFailure::refused(RefusalCode::Empty, message));
             }
             Ok(all)
         }
@@ -218,7 +215,7 @@ fn selected_labels(
                 let ends = first.zip(last).map_or_else(String::new, |(a, b)| format!(" between {a} and {b}"));
                 let message =
                     format!("no sample has label {missing}; there are {} labels{ends}", known.len());
-                return Err(refusal(RefusalCode::Empty, message));
+                return Err(MeshFailure::refused(RefusalCode::Empty, message));
             }
             Ok(all)
         }
@@ -229,26 +226,22 @@ fn selected_labels(
 fn mesh_labels(
     sampled: &VolumeShape,
     labels: &[i64],
-    asked: &MeshRequest,
+    request: &MeshRequest,
     (notes, job): (&mut Vec<String>, &Job),
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let MeshRequest { budget, to, place, .. } = asked;
     // Refuses a budget that rounding to the format alone would break.
-    reserve_rounding(budget, worst_snap(place, *to), place, *to)?;
+    request.reserve_rounding(request.rounding())?;
     let rule = convert::LabelOptions {
         border: [[sampled.surface.border; 2]; 3],
         ..convert::LabelOptions::default()
     };
     let numbered = label_indices(&sampled.volume.grid, labels, job)?;
-    let meshes = convert::labels_to_meshes(&numbered, &rule, job).map_err(|failure| match failure {
-        Failure::Refused(refusal) => MeshFailure::Refused(refusal),
-        Failure::Cancelled => MeshFailure::Cancelled,
-        Failure::Unmet(best) => refusal(RefusalCode::Budget, best.bound.to_string()),
-    })?;
+    let meshes = convert::labels_to_meshes(&numbered, &rule, job)
+        .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
     let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
     let mut worst: Option<Bound> = None;
     for (number, Bounded { shape, bound }) in meshes {
-        let (shape, bound) = snap_to_format(&shape, bound, budget, *to, job)?;
+        let Bounded { shape, bound } = request.snap(&shape, bound, job)?;
         let label = labels[number as usize - 1];
         let one = Scene::from_mesh(&format!("label {label}"), shape, true, scene.frame);
         let at = scene.parts.len();
@@ -262,7 +255,7 @@ fn mesh_labels(
         "each of {} labels has a surface of its own, halfway between its samples and others",
         labels.len()
     ));
-    let worst = worst.ok_or_else(|| refusal(RefusalCode::Empty, "no label was asked for"))?;
+    let worst = worst.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "no label was asked for"))?;
     Ok((scene, worst))
 }
 
@@ -273,7 +266,7 @@ fn label_indices(grid: &Grid, labels: &[i64], job: &Job) -> Result<Grid, MeshFai
     if bytes > job.memory_limit {
         let message =
             format!("{} labels need {bytes} bytes; the limit is {}", samples.len(), job.memory_limit);
-        return Err(refusal(RefusalCode::TooMuchMemory, message));
+        return Err(MeshFailure::refused(RefusalCode::TooMuchMemory, message));
     }
     // A run of equal samples is looked up once.
     let mut last: Option<(i64, u32)> = None;

@@ -1,18 +1,19 @@
 //! `mend`: takes away what `inspect` found, cure by cure, as it will read back from a format.
-use crate::flatten::{part_scales, scaled_up};
-use crate::mesh::{MeshOutcome, finish, pass_through, refusal};
-use crate::polylines::MeshRequest;
+use crate::finish::finish_triangles;
+use crate::flatten::{self, TransformedScene, part_scales, scaled_up};
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
-use crate::{BudgetSpec, Input, MeshFailure, Shape, formats};
+use crate::request::MeshRequest;
+use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};
 use chordal::budget::{Bound, Budget, Length, Metric, Reference, RefusalCode, Tolerance};
+use chordal::check::Cure;
 use chordal::explicit::Topology;
-use chordal::math::div_down;
+use chordal::math::{add_up, div_down};
 use chordal::mend::{
     Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
     orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
-use chordal_io::{Format, Scene};
+use chordal_io::{Format, Scene, snap};
 
 /// Which cures to apply; at least one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -109,15 +110,14 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
             .push(format!("{to} has no indices of positions: copies on each other are one there again"));
     }
     if scene.parts.iter().all(|part| part.mesh.positions().is_empty()) {
-        return Err(refusal(
+        return Err(MeshFailure::refused(
             RefusalCode::Empty,
             "nothing would be left: there are no triangles, only points",
         ));
     }
     let (scene, rounded) = pass_through(scene, to, &mut certificate.notes)?;
-    let nothing = BudgetSpec::default();
-    let asked = MeshRequest { spec: &nothing, budget: Budget::default(), to, place };
-    finish(scene, bound.then(&rounded), &asked, certificate)
+    let request = MeshRequest::new(Budget::default(), to, place);
+    finish_triangles(scene, bound.then(&rounded), &request, certificate)
 }
 
 impl MendSpec {
@@ -147,7 +147,7 @@ impl MendSpec {
         Ok(self.in_order(weld, resolve_t_junctions))
     }
 
-    /// The order of [`chordal::check::CURES`]; orient twice around fill, since what is closed by then has an outside.
+    /// The order of [`Cure::ALL`]; orient twice around fill, since what is closed by then has an outside.
     fn in_order(
         &self,
         weld: Option<Option<Tolerance>>,
@@ -175,17 +175,17 @@ pub(crate) fn trial_steps() -> Vec<RepairStep> {
 }
 
 impl RepairStep {
-    /// The name on the command line, without its dashes.
-    pub fn name(self) -> &'static str {
+    /// What it is, without its length or number.
+    pub fn cure(self) -> Cure {
         match self {
-            Self::Weld(_) => "weld",
-            Self::DropDuplicates(_) => "drop-duplicates",
-            Self::DropDegenerate => "drop-degenerate",
-            Self::ResolveTJunctions(_) => "resolve-t-junctions",
-            Self::SplitNonManifold => "split-nonmanifold",
-            Self::Orient => "orient",
-            Self::FillHoles(_) => "fill-holes",
-            Self::DropUnused => "drop-unused",
+            Self::Weld(_) => Cure::Weld,
+            Self::DropDuplicates(_) => Cure::DropDuplicates,
+            Self::DropDegenerate => Cure::DropDegenerate,
+            Self::ResolveTJunctions(_) => Cure::ResolveTJunctions,
+            Self::SplitNonManifold => Cure::SplitNonManifold,
+            Self::Orient => Cure::Orient,
+            Self::FillHoles(_) => Cure::FillHoles,
+            Self::DropUnused => Cure::DropUnused,
         }
     }
 
@@ -201,8 +201,12 @@ impl RepairStep {
             _ => None,
         };
         let mut bound = Bound::exact(Reference::InputTriangles);
-        let mut facts =
-            RepairFacts { cure: self.name(), within, changes: Vec::new(), bound: BoundFacts::new(&bound) };
+        let mut facts = RepairFacts {
+            cure: self.cure().name(),
+            within,
+            changes: Vec::new(),
+            bound: BoundFacts::new(&bound),
+        };
         let stretch = part_scales(scene);
         for (number, part) in scene.parts.iter_mut().enumerate() {
             let mended = self.apply_to_part(&part.mesh, topologies[number], (stretch[number], job))?;
@@ -246,7 +250,7 @@ fn part_tolerance(within: Tolerance, stretch: f64) -> Result<Tolerance, MeshFail
         return Ok(within);
     }
     Tolerance::new(div_down(within.get(), stretch)).map_err(|_| {
-        refusal(
+        MeshFailure::refused(
             RefusalCode::BelowPrecision,
             format!("{within} is no length for a part that is shown {stretch} times as large"),
         )
@@ -261,7 +265,7 @@ fn max_bound(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailur
         if all > part { all } else { part }
     });
     if at_most.is_some_and(|most| !most.is_finite()) {
-        return Err(refusal(
+        return Err(MeshFailure::refused(
             RefusalCode::NotFinite,
             "the transforms of the scene take its coordinates out of range",
         ));
@@ -272,14 +276,39 @@ fn max_bound(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailur
     Ok(wider)
 }
 
+/// Triangles as they are, at the precision of the format.
+fn pass_through(scene: Scene, to: Format, notes: &mut Vec<String>) -> Result<(Scene, Bound), MeshFailure> {
+    let TransformedScene { mut scene, moved_at_most: placed, left_out } =
+        if to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    if left_out > 0 {
+        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
+    }
+    let stretch = flatten::part_scales(&scene);
+    let mut moved = 0.0;
+    for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
+        let snapped = snap(&part.mesh, to)?;
+        let part_moved = flatten::scaled_up(snapped.moved_at_most, stretch);
+        moved = if part_moved > moved { part_moved } else { moved };
+        part.mesh = snapped.mesh;
+    }
+    let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
+    if !all.is_finite() {
+        return Err(MeshFailure::refused(
+            RefusalCode::NotFinite,
+            "the transforms of the scene take its coordinates out of range",
+        ));
+    }
+    Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn the_order_is_that_of_the_one_list() {
-        let mut names: Vec<String> = trial_steps().iter().map(|cure| format!("--{}", cure.name())).collect();
-        assert_eq!(names.remove(7), "--orient");
-        assert_eq!(names, chordal::check::CURES);
+        let mut cures: Vec<Cure> = trial_steps().iter().map(|step| step.cure()).collect();
+        assert_eq!(cures.remove(7), Cure::Orient);
+        assert_eq!(cures, Cure::ALL);
     }
 }

@@ -218,7 +218,7 @@ fn draw_filled_regions(
         },
     };
     certificate.notes.extend(note);
-    let made = convert::outlines_to_mesh(&filling.outlines, &budget, job).map_err(unmet)?;
+    let made = convert::outlines_to_mesh(&filling.outlines, &budget, job).map_err(missed)?;
     certificate.frame = FrameFacts::new(&filling.frame);
     certificate.budget = Some(BudgetFacts::new(&budget));
     certificate.bound = Some(BoundFacts::new(&made.bound));
@@ -292,19 +292,12 @@ fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>
             Err(Failure::refused(RefusalCode::Unsupported, message))
         }
     };
-    made.map_err(unmet)
+    made.map_err(missed)
 }
 
 /// Why there is no mesh for a picture, for which a worse one would not do.
-fn unmet(failure: Failure<Mesh>) -> MeshFailure {
-    match failure {
-        Failure::Refused(refusal) => MeshFailure::Refused(refusal),
-        Failure::Cancelled => MeshFailure::Cancelled,
-        Failure::Unmet(best) => {
-            let message = format!("the budget was not met; the best reached is {}", best.bound);
-            MeshFailure::Refused(Refusal { code: RefusalCode::Budget, message })
-        }
-    }
+fn missed(failure: Failure<Mesh>) -> MeshFailure {
+    MeshFailure::from_missed(failure, "the budget was not met; the best reached is ")
 }
 
 /// The camera of the options, or one that frames a coarse mesh of the shape.

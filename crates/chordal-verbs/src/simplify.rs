@@ -1,11 +1,9 @@
 //! Triangles into fewer triangles: what `mesh` does with a scene, part by part.
 use crate::MeshFailure;
-use crate::failure::best_of;
 use crate::file_rows::unsupported;
 use crate::flatten::{self, MergedParts, TransformedScene};
-use crate::mesh::{refusal, reserve_rounding};
-use crate::polylines::MeshRequest;
 use crate::report::{AttributeFacts, Certificate};
+use crate::request::MeshRequest;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
 use chordal::check::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
@@ -18,19 +16,19 @@ use chordal_io::{CoordinateOverflow, Format, Part, Scene, snap, worst_snap};
 /// goes to the certificate.
 pub(crate) fn simplify_scene(
     scene: Scene,
-    asked: &MeshRequest,
+    request: &MeshRequest,
     certificate: &mut Certificate,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let Certificate { notes, attributes, .. } = certificate;
-    let MeshRequest { budget, to, .. } = asked;
+    let MeshRequest { budget, to, .. } = request;
     let TransformedScene { mut scene, moved_at_most: placed, left_out } =
         if *to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     if left_out > 0 {
         notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
     }
     if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
-        return Err(refusal(RefusalCode::Empty, "there is no triangle to simplify"));
+        return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to simplify"));
     }
     for part in &scene.parts {
         let bounds = part.mesh.bounds();
@@ -44,8 +42,8 @@ pub(crate) fn simplify_scene(
     // 1. What each part may lose, in its own coordinates: what is left when places and rounding took theirs.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
     let shares: Vec<PartBudget> = match &eye {
-        Some(_) => view_budgets(&scene, &stretch, (asked, placed))?,
-        None => uniform_budgets(&scene, &stretch, (asked, placed), job)?,
+        Some(_) => view_budgets(&scene, &stretch, (request, placed))?,
+        None => uniform_budgets(&scene, &stretch, (request, placed), job)?,
     };
     // 2. Part by part.
     let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
@@ -56,7 +54,7 @@ pub(crate) fn simplify_scene(
     for ((part, stretch), share) in scene.parts.iter_mut().zip(&stretch).zip(&shares) {
         let Some(made) = simplify_part(part, &share.budget, job)? else { continue };
         add(&mut all, made.shape.stats);
-        let snapped = snap(&made.shape.mesh, *to).map_err(MeshFailure::TooWide)?;
+        let snapped = snap(&made.shape.mesh, *to)?;
         let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
         let before = std::mem::replace(&mut part.mesh, snapped.mesh);
         let snapped = flatten::scaled_up(snapped.moved_at_most, *stretch);
@@ -69,7 +67,7 @@ pub(crate) fn simplify_scene(
         let most = if placed == 0.0 { most } else { add_up(most, placed) };
         if !most.is_finite() {
             let message = "the transforms of the scene take its coordinates out of range";
-            return Err(refusal(RefusalCode::NotFinite, message));
+            return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
         }
         let seen = seen.or_else(|| eye.and_then(|eye| pixels_at(&share.boxes, most, &eye.view)));
         pixels = pixels.zip(seen).map(|(most, seen)| if seen > most { seen } else { most });
@@ -132,10 +130,10 @@ fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
 fn uniform_budgets(
     scene: &Scene,
     stretch: &[f64],
-    (asked, placed): (&MeshRequest, f64),
+    (request, placed): (&MeshRequest, f64),
     job: &Job,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
-    let MeshRequest { budget, to, place, .. } = asked;
+    let MeshRequest { budget, to, place, .. } = request;
     let length = length_for_all(budget, place)?;
     let lost = scene.parts.iter().zip(stretch).fold(0.0, |most, (part, stretch)| {
         let lost = flatten::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
@@ -144,7 +142,7 @@ fn uniform_budgets(
     let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
     let left = match length {
         Some(length) => {
-            reserve_rounding(&Budget::length(length), lost, place, *to)?.length.map(Tolerance::get)
+            request.with_budget(Budget::length(length)).reserve_rounding(lost)?.length.map(Tolerance::get)
         }
         None => None,
     };
@@ -164,9 +162,9 @@ fn uniform_budgets(
 fn view_budgets(
     scene: &Scene,
     stretch: &[f64],
-    (asked, placed): (&MeshRequest, f64),
+    (request, placed): (&MeshRequest, f64),
 ) -> Result<Vec<PartBudget>, MeshFailure> {
-    let MeshRequest { budget, to, .. } = asked;
+    let MeshRequest { budget, to, .. } = request;
     let limits = Budget { length: budget.length, pixels: budget.pixels, ..Budget::default() };
     let boxes = flatten::boxes_of_parts(scene)?;
     let mut shares = Vec::with_capacity(boxes.len());
@@ -176,7 +174,7 @@ fn view_budgets(
         let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
         let mut left = Budget::default();
         for place in boxes.iter().filter(|place| !place.is_empty()) {
-            let here = reserve_rounding(&limits, ROOM_TO_THE_EYE * lost, place, *to)?;
+            let here = MeshRequest::new(limits, *to, *place).reserve_rounding(ROOM_TO_THE_EYE * lost)?;
             if is_as_it_is {
                 left = here;
                 continue;
@@ -249,7 +247,10 @@ fn measure_attributes(
 /// The length that the budget allows everywhere.
 fn length_for_all(budget: &Budget, place: &Box3) -> Result<Option<Tolerance>, MeshFailure> {
     let close = || {
-        refusal(RefusalCode::TooClose, "the shape comes so close to the eye that there is no bound in pixels")
+        MeshFailure::refused(
+            RefusalCode::TooClose,
+            "the shape comes so close to the eye that there is no bound in pixels",
+        )
     };
     let length = budget.length_in(place).ok_or_else(close)?;
     if length == f64::INFINITY {
@@ -279,7 +280,7 @@ fn simplify_part(
     match simplify(&part.mesh, budget, topology, job) {
         // The eye is close to all of this part, and perhaps not to others.
         Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooClose => Ok(unchanged()),
-        made => best_of(made).map(Some),
+        made => Ok(Some(made.or_else(Failure::best_effort)?)),
     }
 }
 
@@ -303,7 +304,10 @@ fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, Mesh
         values: of_face,
     };
     let mesh = mesh.with_attribute(place_of.clone()).map_err(unsupported)?;
-    let made = best_of(simplify(&mesh, &Budget::triangles(most), Topology::Indices, job))?.shape.mesh;
+    let made = simplify(&mesh, &Budget::triangles(most), Topology::Indices, job)
+        .or_else(Failure::best_effort)?
+        .shape
+        .mesh;
     // A part that stands in several places has one number of triangles: the least that one of them got.
     let mut got = vec![0_u64; places.len()];
     if let Some(of_faces) = made.attribute(&place_of.semantic) {

@@ -161,7 +161,7 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
     let list: Value = serde_json::from_slice(&files.last().unwrap().1).unwrap();
     let mut n_mixed = 0;
     for round in 0..12 {
-        // Parts in the place of a tile by chance, more and more often.
+        // Children in the place of a tile by chance, more and more often.
         let go_on = 0.5 + f64::from(round) / 26.0;
         let (mut open, mut shown) = (vec![&list["root"]], Vec::new());
         while let Some(tile) = open.pop() {

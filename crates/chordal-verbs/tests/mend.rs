@@ -98,7 +98,7 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
             assert!(is.non_manifold_edges <= was.non_manifold_edges, "{name}");
             // Two of three faces along an edge that are left there together may have been wound against each other.
             let hidden = if cure == "split" { was.non_manifold_edges } else { 0 };
-            // OfFaces that become neighbours by a cut may turn out to be, too.
+            // Faces that become neighbours by a cut may turn out to be, too.
             let met = cure == "t-junctions";
             assert!(met || is.inconsistent_edges <= was.inconsistent_edges + hidden, "{name}");
             assert!(is.duplicate_faces <= was.duplicate_faces, "{name}");

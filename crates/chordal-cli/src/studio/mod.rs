@@ -4,15 +4,50 @@ mod page;
 mod secret;
 mod serve;
 
-use crate::args::StudioArgs;
 use crate::console::print;
 use crate::fault::{Exit, Fault, plainly};
 use crate::signal;
+use clap::Args;
 use gate::RequestGate;
 use page::StudioPage;
 use secret::Secret;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
 use std::sync::Arc;
+
+/// `chordal studio`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  chordal studio
+  chordal studio --port 8000 --open
+  chordal studio --host 0.0.0.0 --allow-host lab.example --token $(openssl rand -hex 24)")]
+pub struct StudioArgs {
+    /// The port to listen at; 0 takes a free one
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    pub port: u16,
+
+    /// The address to listen at, instead of 127.0.0.1; other machines can come in where it is none of this machine's
+    /// own, so that needs --token as well
+    #[arg(long, value_name = "ADDRESS")]
+    pub host: Option<IpAddr>,
+
+    /// The token in the link, instead of one made by chance: 32 letters and digits or more
+    #[arg(long, value_name = "TOKEN")]
+    pub token: Option<String>,
+
+    /// A name by which browsers may call this machine, beside localhost, 127.0.0.1 and [::1]
+    #[arg(long, value_name = "NAME")]
+    pub allow_host: Vec<String>,
+
+    /// The folder of the page, instead of the one that is built in
+    #[arg(long, value_name = "DIR")]
+    pub dir: Option<PathBuf>,
+
+    /// Open the link in the system's browser
+    #[arg(long)]
+    pub open: bool,
+}
 
 /// The shortest token that a user may choose: as many hexadecimal digits as 128 bits take.
 const SHORTEST_TOKEN: usize = 32;

@@ -1,4 +1,4 @@
-//! `CageBuilder`: the polygons of an OBJ as they are, for a cage.
+//! `CageBuilder`: builds a cage from the polygons of an OBJ.
 use super::tags::SubdivTags;
 use super::vertex_table::ObjCorner;
 use crate::assemble::check_extent;
@@ -10,20 +10,20 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Frame, ReadError};
 use chordal::explicit::{Cage, CornerTexcoords, InvalidCage, Scheme};
 
-/// Polygons so far.
+/// The polygons so far.
 #[derive(Debug)]
 pub(super) struct CageBuilder {
     scheme: Scheme,
     pub(super) tags: SubdivTags,
-    /// Where the corners of each face end.
+    /// The end of each face's corners.
     ends: Vec<u32>,
     corners: Vec<u32>,
-    /// One a corner once one has some, and none before.
+    /// One for each corner once any corner has one; empty before.
     texcoords: Vec<u32>,
     n_normals: u64,
-    /// OfFaces in the count of the file that are too short to be any.
+    /// Faces of fewer than three corners, as indices of the file.
     short: Vec<u32>,
-    /// A face's vertices in order, to see whether one comes twice.
+    /// The vertices of a face, sorted, to detect duplicates.
     sorted: Vec<u32>,
 }
 
@@ -41,12 +41,12 @@ impl CageBuilder {
         })
     }
 
-    /// OfFaces so far.
+    /// The number of faces so far.
     pub(super) fn n_faces(&self) -> usize {
         self.ends.len()
     }
 
-    /// A corner of the face that is being read.
+    /// Adds a corner to the current face.
     #[inline]
     pub(super) fn corner(&mut self, corner: ObjCorner) -> Result<(), ReadError> {
         if corner.texcoord > 0 && self.texcoords.is_empty() {
@@ -61,7 +61,7 @@ impl CageBuilder {
         Ok(())
     }
 
-    /// The face has all its corners.
+    /// Ends the current face.
     pub(super) fn end_face(&mut self, line: u64, warnings: &mut Warnings) -> Result<(), ReadError> {
         let start = self.ends.last().map_or(0, |end| *end as usize);
         let place = FileLocation::Line(line);
@@ -100,7 +100,7 @@ impl CageBuilder {
         push(&mut self.ends, end)
     }
 
-    /// The cage, with the texture coordinates that its corners name.
+    /// Builds the cage, with the texture coordinates of its corners.
     pub(super) fn finish(
         self,
         positions: Vec<[f64; 3]>,
@@ -140,7 +140,7 @@ impl CageBuilder {
         Ok(Polygons::from_cage(cage, Frame::default()))
     }
 
-    /// Counts what is legal but seldom meant, and what a cage has no use for. Nothing is changed.
+    /// Counts what is legal but rarely intended, and what a cage does not use. Changes nothing.
     fn count_oddities(&self, n_vertices: usize, warnings: &mut Warnings) -> Result<(), ReadError> {
         warnings.count_all("no-vertices", u64::from(n_vertices == 0), "the file has no vertices");
         warnings.count_all("no-faces", u64::from(self.ends.is_empty()), "the file has no faces");
@@ -157,7 +157,7 @@ impl CageBuilder {
     }
 }
 
-/// The same without what is no number: corners that name it name none.
+/// Removes texture coordinates that are not finite: their corners get none.
 fn finite(mut texcoords: CornerTexcoords, warnings: &mut Warnings) -> CornerTexcoords {
     let is_finite = |p: &[f64; 2]| p.iter().all(|x| x.is_finite());
     if texcoords.values.iter().all(is_finite) {
@@ -176,7 +176,7 @@ fn finite(mut texcoords: CornerTexcoords, warnings: &mut Warnings) -> CornerTexc
     texcoords
 }
 
-/// Holes in the count of the faces that were kept.
+/// The holes, renumbered for the faces that were kept.
 fn kept_holes(holes: &[u32], short: &[u32], warnings: &mut Warnings) -> Result<Vec<u32>, ReadError> {
     let mut kept = with_room(holes.len())?;
     for hole in holes {
@@ -190,7 +190,7 @@ fn kept_holes(holes: &[u32], short: &[u32], warnings: &mut Warnings) -> Result<V
     Ok(kept)
 }
 
-/// What the rows alone do not tell: creases where there is no edge.
+/// The error for what the rows alone do not show: creases that are no edges.
 fn invalid(error: &InvalidCage, tags: &SubdivTags) -> ReadError {
     match error {
         InvalidCage::NoSuchEdge { ends: [a, b] } => {

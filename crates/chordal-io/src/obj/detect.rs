@@ -1,8 +1,8 @@
-//! What a `.obj` is: Wavefront text, or one of the other things that share its extension.
+//! Detects what a `.obj` is: Wavefront text, or another format with the same extension.
 use crate::text::{LineTokens, TextLines, is_space, number, text_of};
 use crate::{FileLocation, ReadError};
 
-/// Statements of Wavefront OBJ that are not geometry which is read here, each with what happens to it.
+/// Statements of Wavefront OBJ that are not read, grouped by the warning that they cause.
 pub(super) const SKIPPED: [(&str, &[&str]); 3] = [
     ("free-form geometry was skipped", &FREE_FORM),
     ("display and rendering attributes were skipped", &DISPLAY),
@@ -22,7 +22,7 @@ const READ: [&str; 13] = ["v", "vt", "vn", "f", "fo", "g", "o", "s", "usemtl", "
 
 /// Whether the first statement is one of Wavefront OBJ.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    // Enough for the longest head of comments that was seen; a longer one needs its extension.
+    // Enough for the longest leading comments that were seen; longer ones need the extension.
     const HEAD: usize = 64 << 10;
     let head = &bytes[..bytes.len().min(HEAD)];
     let Ok(text) = text_of(head) else { return false };
@@ -39,7 +39,8 @@ pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     }
 }
 
-/// Refuses compiled object code and the polygon files of medical imaging, which are called `.obj` too.
+/// Refuses compiled object code and the polygon files of medical imaging, which have the extension `.obj`
+/// too.
 ///
 /// # Errors
 /// `not-wavefront`.
@@ -66,7 +67,7 @@ pub(super) fn refuse_foreign(bytes: &[u8]) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// The kind of object code that the first bytes tell, if any.
+/// The kind of object code that the first bytes show, if any.
 fn object_code(bytes: &[u8]) -> Option<&'static str> {
     // Machine types of COFF: i386, AMD64, ARM, Thumb, ARM64, and the mark of anonymous and big objects.
     const COFF: [[u8; 2]; 6] =
@@ -91,8 +92,7 @@ fn object_code(bytes: &[u8]) -> Option<&'static str> {
     (bytes.first() == Some(&0x80) && head.contains(&0)).then_some("compiled object code (OMF)")
 }
 
-/// Whether a path leads out of the folder of the file: absolute, with a drive, on a network share, or
-/// upwards.
+/// Whether a path leaves the folder of the file: absolute, with a drive, on a network share, or upwards.
 pub(super) fn escapes_folder(path: &[u8]) -> bool {
     let is_separator = |b: &u8| matches!(b, b'/' | b'\\');
     path.first().is_some_and(is_separator)

@@ -1,8 +1,8 @@
-//! Indices of OBJ: from 1, or backwards from -1, never wrapped.
+//! Indices of OBJ: from 1, or backwards from -1, checked against wrapping.
 use crate::text::{IntegerError, grouped, integer, show};
 use crate::{FileLocation, ReadError};
 
-/// 0 for what is left empty, else the row from 1.
+/// 0 for an empty token, else the row from 1.
 #[inline]
 pub(super) fn optional(
     token: &[u8],
@@ -12,7 +12,7 @@ pub(super) fn optional(
 }
 
 /// The row from 0 that an index names: from 1 over all `total` rows of the file, or backwards from -1 over
-/// the `before` rows that stand before this line.
+/// the `before` rows before this line.
 #[inline]
 pub(super) fn index(
     line: u64,
@@ -26,7 +26,7 @@ pub(super) fn index(
         Ok(index) if index < 0 => (before as u64).checked_sub(index.unsigned_abs()),
         _ => None,
     };
-    // The counts are below 2^32, see `Counts::check`.
+    // The counts are below 2^32, see `ObjRowCounts::check`.
     row.and_then(|row| u32::try_from(row).ok()).ok_or_else(|| {
         let shown = show(token);
         let (code, message) = match integer(token) {

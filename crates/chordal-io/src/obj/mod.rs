@@ -1,9 +1,10 @@
-//! Wavefront OBJ: polygons with their corners' texture coordinates and normals.
+//! Wavefront OBJ: polygons with texture coordinates and normals at their corners.
 mod cage;
 mod detect;
 mod index;
 mod read;
 mod statements;
+mod tag_names;
 mod tags;
 mod vertex_table;
 mod write;
@@ -15,5 +16,5 @@ pub(crate) use write::colors_agree;
 pub use write::write;
 pub use write_polygons::write_polygons;
 
-/// How a comment begins that carries a certificate as JSON.
+/// The prefix of a comment with a certificate as JSON.
 const CERTIFICATE: &[u8] = b"# chordal: ";

@@ -16,7 +16,7 @@ use chordal::explicit::{Attribute, Domain, Scheme, Semantic};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// The mesh of an OBJ file, as one part; or its polygons as one cage, where it has subdivision tags or
+/// Reads an OBJ file as one mesh part; or as one cage of polygons, if it has subdivision tags or
 /// `limits.surface` says so.
 ///
 /// The first rows of the mesh are the `v` lines in order. A position whose faces use several normals or
@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 /// opened.
 ///
 /// A cage has one row for each `v` line and one face for each polygon of three corners or more, both in the
-/// order of the file. It keeps texture coordinates by their own indices, and no normals. Its tags are those
+/// order of the file. It keeps texture coordinates with their own indices, and no normals. Its tags are those
 /// of OpenSubdiv's shapes, and those that [`super::write_polygons`] adds.
 ///
 /// # Errors
@@ -54,7 +54,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
 /// The kinds of groups, in the order of `ObjReader::groups`.
 const GROUPS: [&str; 4] = ["usemtl", "g", "o", "s"];
 
-/// By which rules the polygons are refined, if they are those of a cage.
+/// The subdivision scheme of the polygons, if they are a cage.
 fn scheme(counts: &ObjRowCounts, surface: Option<PolygonSurface>) -> Option<Scheme> {
     match surface {
         Some(PolygonSurface::Faceted) => None,
@@ -65,7 +65,7 @@ fn scheme(counts: &ObjRowCounts, surface: Option<PolygonSurface>) -> Option<Sche
     }
 }
 
-/// The groups of faces, and their names by kind.
+/// The group attributes of faces, and the group names by kind.
 fn group_attributes(groups: [Groups; 4], n_faces: usize) -> Result<GroupedAttributes, ReadError> {
     let (mut attributes, mut names) = (Vec::new(), BTreeMap::new());
     for (kind, groups) in GROUPS.into_iter().zip(groups) {
@@ -86,7 +86,7 @@ struct ObjReader<'a> {
     counts: ObjRowCounts,
     warnings: Warnings,
     positions: Vec<[f64; 3]>,
-    /// As many as positions once one of them has a colour, and none before.
+    /// One for each position once any position has a colour; empty before.
     colors: Vec<[f64; 4]>,
     n_colored: usize,
     has_alpha: bool,
@@ -94,7 +94,7 @@ struct ObjReader<'a> {
     normals: Vec<[f64; 3]>,
     rows: ObjVertexTable,
     faces: Faces,
-    /// The faces where they are those of a cage.
+    /// The builder of the cage, if the faces are read as one.
     cage: Option<CageBuilder>,
     groups: [Groups; 4],
     corners: Vec<u32>,
@@ -158,7 +158,7 @@ impl<'a> ObjReader<'a> {
         }
     }
 
-    /// Up to `N` numbers, and how many there are.
+    /// Parses up to `N` numbers, and returns how many there are.
     #[inline]
     fn numbers<const N: usize>(
         line: u64,
@@ -269,7 +269,7 @@ impl<'a> ObjReader<'a> {
         Ok(())
     }
 
-    /// A face of a cage.
+    /// Reads a face of a cage.
     fn polygon(&mut self, line: u64, tokens: LineTokens) -> Result<(), ReadError> {
         for token in tokens {
             let corner = self.corner(line, token)?;
@@ -278,12 +278,12 @@ impl<'a> ObjReader<'a> {
         self.cage.iter_mut().try_for_each(|cage| cage.end_face(line, &mut self.warnings))
     }
 
-    /// Triangles so far, or faces of the cage.
+    /// The number of triangles so far, or of faces of the cage.
     fn n_faces(&self) -> usize {
         self.cage.as_ref().map_or(self.faces.n_triangles(), CageBuilder::n_faces)
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; what is left empty is none.
+    /// Parses `v`, `v/vt`, `v//vn` or `v/vt/vn`; an empty field means none.
     #[inline]
     fn corner(&self, line: u64, token: &[u8]) -> Result<ObjCorner, ReadError> {
         let mut parts = token.split(|b| *b == b'/');
@@ -345,7 +345,7 @@ impl<'a> ObjReader<'a> {
         self.groups[3].number(number, n_faces)
     }
 
-    /// Statements that are counted and skipped.
+    /// Counts and skips a statement.
     fn other(&mut self, line: u64, word: &[u8], rest: &[u8]) {
         let place = FileLocation::Line(line);
         let count = |code, message: &str| self.warnings.count(code, || (place, message.to_owned()));
@@ -444,7 +444,7 @@ impl<'a> ObjReader<'a> {
         Ok(attributes)
     }
 
-    /// One colour a row, that of the position of the row; none where no position has one.
+    /// The colours of the rows, from their positions; `None` if no position has one.
     fn color(
         &mut self,
         n_rows: usize,
@@ -463,7 +463,7 @@ impl<'a> ObjReader<'a> {
         Ok(Some(Attribute { semantic: Semantic::Color(0), domain: Domain::Vertex, width, values }))
     }
 
-    /// One value a row, zeros where a corner names none; `None` when no corner names one.
+    /// One value for each row, zeros for corners without one; `None` when no corner has one.
     fn stream<const N: usize>(
         &mut self,
         list: &[[f64; N]],

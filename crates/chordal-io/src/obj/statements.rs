@@ -1,11 +1,11 @@
-//! `ObjStatements`: the lines of an OBJ as statements, and how many there are of each kind.
-use super::tags::{is_tag, scheme_of};
+//! `ObjStatements`: the lines of an OBJ as statements, and their counts by kind.
+use super::tag_names::{is_tag, scheme_of};
 use crate::assemble::too_many_rows;
 use crate::text::{LineTokens, TextLines};
 use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::Scheme;
 
-/// Statements: lines, joined with the next one where a backslash ends them.
+/// An iterator of statements: lines, joined with the next one where they end in a backslash.
 pub(super) struct ObjStatements<'a> {
     lines: TextLines<'a>,
     joined: Vec<u8>,
@@ -34,17 +34,17 @@ impl<'a> ObjStatements<'a> {
     }
 }
 
-/// How many rows the file has, by its own lines: so that lists are as long as they must be, and an index is
-/// known to be out of range where it stands.
+/// The numbers of rows of the file, counted in advance. So lists get their exact length, and an index out of
+/// range is found at its line.
 #[derive(Clone, Copy, Default)]
 pub(super) struct ObjRowCounts {
     pub(super) positions: usize,
     pub(super) texcoords: usize,
     pub(super) normals: usize,
     pub(super) faces: usize,
-    /// Subdivision tags.
+    /// The number of subdivision tags.
     pub(super) tags: usize,
-    /// The scheme that one of them names.
+    /// The scheme that a tag names.
     pub(super) scheme: Scheme,
 }
 

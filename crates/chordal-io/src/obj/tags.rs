@@ -1,64 +1,23 @@
-//! `SubdivTags`: the subdivision tags of an OBJ, as OpenSubdiv's shapes have them.
+//! `SubdivTags`: the subdivision tags of an OBJ, in the format of OpenSubdiv's shapes.
 //!
 //! `t NAME INTS/FLOATS/STRINGS …`, then as many words of each kind. Vertices and faces are counted from 0
-//! over the whole file, other than in its faces.
+//! over the whole file, unlike the indices of faces.
 use super::statements::ObjRowCounts;
+use super::tag_names::{BOUNDARIES, KNOWN, REFINED, SCHEME, SCHEMES};
 use crate::grow::push;
 use crate::text::{LineTokens, grouped, integer, number, number_error, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
-use chordal::explicit::{Boundary, CreasingMethod, LinearTexcoords, Scheme};
+use chordal::explicit::{Boundary, CreasingMethod, LinearTexcoords};
 
-/// Tags that say that polygons are a cage, whether all of what they say is understood or not.
-const KNOWN: [&str; 13] = [
-    "crease",
-    "corner",
-    "hole",
-    "interpolateboundary",
-    "creasemethod",
-    "facevaryinginterpolateboundary",
-    "facevaryingpropagatecorners",
-    "smoothtriangles",
-    "vertexedit",
-    "edgeedit",
-    "faceedit",
-    SCHEME,
-    REFINED,
-];
-
-/// The tag of our own that names a scheme, since OBJ has no place for it.
-pub(super) const SCHEME: &str = "scheme";
-
-/// The tag of our own for a cage that came from a round of refinement, in which corners by nature are listed.
-pub(super) const REFINED: &str = "refined";
-
-/// Schemes with their names in that tag.
-pub(super) const SCHEMES: [(Scheme, &str); 3] =
-    [(Scheme::CatmullClark, "catmull-clark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
-
-/// Whether the words after `t` start with the name of a tag.
-pub(super) fn is_tag(mut words: LineTokens) -> bool {
-    words.next().is_some_and(|name| KNOWN.iter().any(|known| known.as_bytes() == name))
-}
-
-/// The scheme that the words after `t` name, if they are that tag.
-pub(super) fn scheme_of(mut words: LineTokens) -> Option<Scheme> {
-    let name = words.next().filter(|name| *name == SCHEME.as_bytes()).and_then(|_| words.nth(1))?;
-    SCHEMES.iter().find(|(_, known)| known.as_bytes() == name).map(|(scheme, _)| *scheme)
-}
-
-/// Border rules with their numbers in `interpolateboundary`.
-pub(super) const BOUNDARIES: [(Boundary, u32); 3] =
-    [(Boundary::None, 0), (Boundary::EdgeAndCorner, 1), (Boundary::EdgeOnly, 2)];
-
-/// What tags say, with vertices and faces that are there.
+/// The content of the tags, with vertices and faces that exist.
 #[derive(Debug, Default)]
 pub(super) struct SubdivTags {
     pub(super) creases: Vec<([u32; 2], f64)>,
-    /// From which crease on, which line.
+    /// First crease and line of each tag.
     lines: Vec<(usize, u64)>,
     pub(super) corners: Vec<(u32, f64)>,
-    /// OfFaces in the count of the file.
+    /// Faces, as indices of the file.
     pub(super) holes: Vec<u32>,
     pub(super) boundary: Boundary,
     pub(super) creasing: CreasingMethod,
@@ -66,7 +25,7 @@ pub(super) struct SubdivTags {
     pub(super) is_refined: bool,
 }
 
-/// One tag, taken apart.
+/// One parsed tag.
 struct SubdivTag<'a> {
     line: u64,
     name: &'a str,
@@ -76,7 +35,7 @@ struct SubdivTag<'a> {
 }
 
 impl SubdivTags {
-    /// Takes what follows `t` on a line.
+    /// Reads the tag that follows `t` on a line.
     pub(super) fn read(
         &mut self,
         (line, mut words): (u64, LineTokens),
@@ -129,13 +88,13 @@ impl SubdivTags {
         }
     }
 
-    /// The line of a crease.
+    /// The line number of a crease.
     pub(super) fn line_of(&self, crease: usize) -> u64 {
         let after = self.lines.partition_point(|(first, _)| *first <= crease);
         self.lines.get(after.wrapping_sub(1)).map_or(0, |(_, line)| *line)
     }
 
-    /// Pairs of vertices.
+    /// Reads pairs of vertices.
     fn crease(
         &mut self,
         tag: &SubdivTag,
@@ -155,7 +114,7 @@ impl SubdivTags {
         Ok(())
     }
 
-    /// A tag that holds for the whole cage; false where its value means nothing.
+    /// Applies a tag of the whole cage. Returns false if its value is not valid.
     fn rule(&mut self, tag: &SubdivTag) -> bool {
         match (tag.name, &tag.ints[..], &tag.strings[..]) {
             ("interpolateboundary", [rule], _) => {
@@ -174,9 +133,9 @@ impl SubdivTags {
                 let known = LinearTexcoords::ALL.get(*rule as usize);
                 known.inspect(|linear| self.linear = **linear).is_some()
             }
-            // Triangles of a Catmull–Clark cage by its own rules is what there is.
+            // Catmull–Clark cages treat triangles by their own rules already.
             ("smoothtriangles", _, [b"catmark"]) => true,
-            // Taken with the counts of the file, before its faces.
+            // Read together with the counts of the file, before its faces.
             (SCHEME, _, [name]) => SCHEMES.iter().any(|(_, known)| known.as_bytes() == *name),
             (REFINED, [], []) => {
                 self.is_refined = true;
@@ -193,7 +152,7 @@ impl<'a> SubdivTag<'a> {
         let counts = words.next().unwrap_or_default();
         let mut parts = counts.split(|b| *b == b'/');
         let mut count = || match parts.next() {
-            // Whole numbers and floats alone are a habit of some writers.
+            // Some writers give only the counts of ints and floats.
             None => Some(0),
             Some(part) => integer(part).ok().and_then(|n| u64::try_from(n).ok()),
         };
@@ -209,7 +168,7 @@ impl<'a> SubdivTag<'a> {
                 format!("{name} says that {} words follow, and there are {}", grouped(said), grouped(given));
             return Err(tag.error(message));
         }
-        // No more than there are words on the line.
+        // Not more than the words on the line.
         for word in words.by_ref().take(ints as usize) {
             let value = integer(word).ok().and_then(|value| u32::try_from(value).ok());
             let value = value.ok_or_else(|| {
@@ -235,7 +194,7 @@ impl<'a> SubdivTag<'a> {
         ReadError::new("bad-tag", FileLocation::Line(self.line), message)
     }
 
-    /// The index, if that many things have it.
+    /// The index, if it is below `n`.
     fn checked_index(&self, index: u32, n: usize, [one, many]: [&str; 2]) -> Result<u32, ReadError> {
         if (index as usize) < n {
             return Ok(index);
@@ -248,7 +207,7 @@ impl<'a> SubdivTag<'a> {
         Err(ReadError::new("index-out-of-range", FileLocation::Line(self.line), message))
     }
 
-    /// The sharpness of one of `n`: there is one number for all or one for each.
+    /// The sharpness of item `i` of `n`: the tag has one number for all or one for each.
     fn sharpness(&self, i: usize, n: usize, warnings: &mut Warnings) -> Result<f64, ReadError> {
         let sharp = match &self.floats[..] {
             [all] => *all,

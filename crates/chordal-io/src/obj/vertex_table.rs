@@ -15,18 +15,18 @@ pub(super) struct ObjCorner {
     pub(super) normal: u32,
 }
 
-/// The first combination at a position is that position's own row, so that the rows start with all positions
-/// of the file in its order. Further combinations follow after them in the order in which faces use them.
+/// Numbers the combinations. The first at a position gets that position's own row, so the rows start with all
+/// positions of the file in its order. Further combinations follow in the order in which faces use them.
 #[derive(Debug, Default)]
 pub(super) struct ObjVertexTable {
     first: Vec<[u32; 2]>,
     more: Vec<ObjCorner>,
-    /// Only looked up; rows are numbered in the order of the file.
+    /// Only looked up: rows are numbered in the order of the file.
     index: HashMap<ObjCorner, u32>,
 }
 
 impl ObjVertexTable {
-    /// For a file with that many positions.
+    /// A table for a file with that many positions.
     pub(super) fn new(n_positions: usize) -> Result<Self, ReadError> {
         let mut first = Vec::new();
         push_many(&mut first, [UNUSED, UNUSED], n_positions)?;

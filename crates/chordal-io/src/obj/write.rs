@@ -11,9 +11,9 @@ use std::io::{BufWriter, Write};
 ///
 /// Each position is written once: vertices that [`chordal::Mesh::position_id`] ties share their `v` line and
 /// differ in their `vn` and `vt`. Positions and texture coordinates are the shortest decimals that read back
-/// to the same f64, normals to the same f32. Nodes are applied; each becomes an `o`. Group attributes become
-/// `usemtl`, `g`, `o` and `s`. The certificate stands in a comment. What OBJ cannot hold is told by
-/// [`crate::losses`].
+/// to the same f64, normals to the same f32. Transforms of nodes are applied; each node becomes an `o`. Group
+/// attributes become `usemtl`, `g`, `o` and `s`. The certificate is a comment. [`crate::losses`] lists what
+/// OBJ cannot hold.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, a node is wrong, or the certificate is too long for a line.
@@ -45,19 +45,19 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
     Ok(())
 }
 
-/// The kinds of groups that have a statement, and the statement.
+/// The kinds of groups that have a statement, and their statements.
 pub(super) const GROUPS: [(&str, &str); 5] =
     [("usemtl", "usemtl"), ("g", "g"), ("solid", "g"), ("o", "o"), ("s", "s")];
 
 pub(super) struct ObjWriter<'a> {
     pub(super) out: BufWriter<&'a mut dyn Write>,
-    /// The line that is being made.
+    /// The line that is being built.
     pub(super) line: Vec<u8>,
-    /// `v`, `vt` and `vn` lines so far.
+    /// The numbers of `v`, `vt` and `vn` lines so far.
     pub(super) written: [u64; 3],
 }
 
-/// A stream of `vt` or `vn` lines, one a row: which line a corner names.
+/// A stream of `vt` or `vn` lines, one for each row. It finds the line that a corner names.
 struct ObjStream {
     first: u64,
     domain: Domain,
@@ -76,7 +76,7 @@ impl ObjStream {
 
 impl ObjWriter<'_> {
     pub(super) fn statement(&mut self, keyword: &str, name: &str) -> Result<(), WriteError> {
-        // A name is one line, and a backslash at its end would join it with the next.
+        // A name must fit on one line; a backslash at its end would join that with the next.
         let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let name = name.trim().trim_end_matches('\\');
         Ok(if name.is_empty() {
@@ -86,7 +86,7 @@ impl ObjWriter<'_> {
         }?)
     }
 
-    /// A line of a keyword and numbers.
+    /// Writes a line of a keyword and numbers.
     pub(super) fn numbers(
         &mut self,
         keyword: &str,
@@ -101,7 +101,7 @@ impl ObjWriter<'_> {
         self.end_line()
     }
 
-    /// Writes the line.
+    /// Ends and writes the line.
     pub(super) fn end_line(&mut self) -> Result<(), WriteError> {
         self.line.push(b'\n');
         Ok(self.out.write_all(&self.line)?)
@@ -185,7 +185,7 @@ impl ObjWriter<'_> {
         Ok(Some(ObjStream { first, domain: attribute.domain }))
     }
 
-    /// A normal needs no more than single precision.
+    /// Writes a normal, in single precision.
     fn normal(&mut self, normal: [f64; 3]) -> Result<(), WriteError> {
         self.line.clear();
         self.line.extend_from_slice(b"vn");
@@ -197,8 +197,8 @@ impl ObjWriter<'_> {
     }
 }
 
-/// The shortest decimal that reads back to the same number; whole numbers without a point, very large and
-/// very small ones with an exponent.
+/// Appends the shortest decimal that reads back to the same number; whole numbers without a point, very large
+/// and very small ones with an exponent.
 pub(super) fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::Result<()> {
     write!(line, "{number:?}")?;
     if line.ends_with(b".0") {
@@ -211,7 +211,7 @@ pub(super) fn group_name(groups: &BTreeMap<String, Vec<String>>, kind: &str, val
     if kind == "s" {
         return if value == 0.0 { "off".to_owned() } else { value.to_string() };
     }
-    // A value that is no index, or has no name, is named by itself.
+    // A value that is no index or has no name is its own name.
     let known = groups.get(kind).and_then(|names| names.get(value as usize));
     match known {
         Some(name) => name.clone(),
@@ -220,7 +220,7 @@ pub(super) fn group_name(groups: &BTreeMap<String, Vec<String>>, kind: &str, val
     }
 }
 
-/// Whether vertices of one position have one colour, so that it can stand on their common line.
+/// Whether vertices of one position have one colour, so that their common line can hold it.
 pub(crate) fn colors_agree(color: &Attribute, first_rows: &[u32]) -> bool {
     first_rows.iter().enumerate().all(|(vertex, first)| color.row(vertex) == color.row(*first as usize))
 }

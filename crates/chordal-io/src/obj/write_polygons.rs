@@ -1,6 +1,6 @@
 //! Writes polygons with their subdivision tags as Wavefront OBJ.
 use super::CERTIFICATE;
-use super::tags::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
+use super::tag_names::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
 use super::write::{GROUPS, ObjWriter, group_name, put};
 use crate::{Polygons, WriteError};
 use chordal::explicit::{
@@ -9,14 +9,14 @@ use chordal::explicit::{
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
-/// Writes a cage as OBJ: vertices and polygons in their order, texture coordinates by their own indices,
-/// colours, groups, and everything that shapes its surface as subdivision tags, so that the file reads back
-/// as the same cage.
+/// Writes a cage as OBJ, so that the file reads back as the same cage: vertices and polygons in their order,
+/// texture coordinates with their own indices, colours, groups, and everything that shapes its surface as
+/// subdivision tags.
 ///
-/// The rule of the border is always written: the file has a tag, and so is a cage wherever it is read. A
-/// scheme other than Catmull–Clark is the tag `t scheme 0/0/1 loop`, or `bilinear`, and a cage that came from
-/// a round of refinement has `t refined 0/0/0`; both are Chordal's own. Numbers are the shortest decimals
-/// that read back to the same f64. What OBJ cannot hold is told by [`crate::losses_of_polygons`].
+/// The boundary rule is always written, so the file has a tag and is read as a cage everywhere. A scheme
+/// other than Catmull–Clark is the tag `t scheme 0/0/1 loop`, or `bilinear`. A cage that came from a round of
+/// refinement has `t refined 0/0/0`. Both are Chordal's own. Numbers are the shortest decimals that read back
+/// to the same f64. [`crate::losses_of_polygons`] lists what OBJ cannot hold.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, or the certificate is too long for a line.
@@ -101,7 +101,7 @@ fn faces(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> 
     Ok(())
 }
 
-/// Holes in one tag: few enough for the 256 bytes that some readers take of a line.
+/// Holes in one tag: few enough for the 256 bytes of a line that some readers take.
 const HOLES: usize = 16;
 
 fn tags(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {

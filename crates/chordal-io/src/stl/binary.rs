@@ -1,10 +1,14 @@
 //! Reads binary STL.
 use super::facets::StlFacets;
-use super::read::{FACET, HEAD, declared, size_of, too_short};
 use crate::text::grouped;
 use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 
-/// The facets of a file of at least 84 bytes.
+/// The bytes before the first facet of a binary file: 80 of header and a count.
+pub(super) const HEAD: usize = 84;
+/// The bytes of one binary facet: a normal and three corners of three f32 each, and two bytes for free use.
+pub(super) const FACET: usize = 50;
+
+/// Reads the facets of a file of at least 84 bytes.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let n_facets = declared(bytes).unwrap_or(0);
     if size_of(n_facets) > bytes.len() as u64 {
@@ -31,4 +35,29 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadErr
     let (mesh, warnings) = facets.into_mesh(None)?;
     let scene = Scene::from_mesh("", mesh, false, Frame::default());
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
+}
+
+/// The number of facets that a binary header declares.
+pub(super) fn declared(bytes: &[u8]) -> Option<u64> {
+    let count = bytes.get(HEAD - 4..HEAD)?;
+    Some(u64::from(u32::from_le_bytes(count.try_into().ok()?)))
+}
+
+/// The size of a binary file with that many facets.
+pub(super) fn size_of(facets: u64) -> u64 {
+    HEAD as u64 + FACET as u64 * facets
+}
+
+/// The error for a binary file that is shorter than it declares.
+pub(super) fn too_short(bytes: &[u8], facets: u64) -> ReadError {
+    let size = bytes.len() as u64;
+    let whole = (size - HEAD as u64) / FACET as u64;
+    let message = format!(
+        "{} bytes, header says {} facets: that needs {} bytes, and facet {} is cut off",
+        grouped(size),
+        grouped(facets),
+        grouped(size_of(facets)),
+        grouped(whole)
+    );
+    ReadError::new("truncated", FileLocation::Byte(size_of(whole)), message)
 }

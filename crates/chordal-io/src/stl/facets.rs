@@ -1,4 +1,4 @@
-//! `StlFacets`: triangles with three vertices of their own each, and what is wrong with their normals.
+//! `StlFacets`: triangles with three vertices of their own each, and the checks of their normals.
 use crate::assemble::{self, RawMesh};
 use crate::grow::{push, with_room};
 use crate::text::not_finite;
@@ -21,7 +21,7 @@ impl StlFacets {
         self.positions.len() / 3
     }
 
-    /// Appends one facet. Its normal says nothing that the corners do not say, so that it is only compared.
+    /// Appends one facet. Its normal adds nothing to the corners, so it is only compared.
     ///
     /// # Errors
     /// `not-finite` for a corner, unless the limits drop those; `too-many-rows`.
@@ -69,12 +69,12 @@ impl StlFacets {
         self.warnings.count(code, || (place(), format!("{message}; normals are taken from the corners")));
     }
 
-    /// The mesh: bit-identical positions are tied by `position_id`.
+    /// Builds the mesh: `position_id` ties bit-identical positions.
     pub(super) fn into_mesh(mut self, attribute: Option<Attribute>) -> Result<(Mesh, Warnings), ReadError> {
         let n = self.positions.len() as u32;
         let mut faces = with_room(self.len())?;
         faces.extend((0..n / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]));
-        // Only looked up; a position is tied to the first row that has it, in the order of the file.
+        // Only looked up: a position is tied to its first row in the order of the file.
         let mut first: HashMap<[u64; 3], u32> = HashMap::new();
         let mut id = with_room(self.positions.len())?;
         for (row, position) in (0..n).zip(&self.positions) {

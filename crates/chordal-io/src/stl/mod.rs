@@ -1,4 +1,4 @@
-//! STL, text and binary: triangles one by one, without units and without topology.
+//! STL, text and binary: a list of triangles, without units and without topology.
 mod binary;
 mod facets;
 mod read;

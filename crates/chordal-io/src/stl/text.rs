@@ -1,11 +1,11 @@
-//! Reads STL text: solids of facets, in words that may be written in any case.
+//! Reads STL text: solids of facets, with keywords in any case.
 use super::facets::StlFacets;
 use crate::groups::Groups;
 use crate::text::{number, number_error, show, text_of};
 use crate::word_reader::WordReader;
 use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 
-/// The facets of all solids.
+/// Reads the facets of all solids.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut reader = StlTextReader { words: WordReader::new(text_of(bytes)?), facets: StlFacets::default() };
     let (mut solids, mut n_solids, mut name) = (Groups::default(), 0_u64, String::new());
@@ -78,7 +78,7 @@ impl StlTextReader<'_> {
 
     fn facet(&mut self, limits: &Limits) -> Result<(), ReadError> {
         self.keyword("normal")?;
-        // Runtimes spell NaN as `-nan(ind)` and the like. A normal that is NaN is only counted.
+        // Runtimes print NaN as `-nan(ind)` and the like. A normal that is NaN is only counted.
         let nan = |word: &[u8]| word.to_ascii_lowercase().windows(3).any(|w| w == b"nan").then_some(f64::NAN);
         let normal = self.numbers("normal", nan)?;
         self.keyword("outer")?;

@@ -1,5 +1,5 @@
 //! Writes binary STL.
-use super::read::HEAD;
+use super::binary::{FACET, HEAD};
 use crate::instances::part_instances;
 use crate::text::grouped;
 use crate::{Scene, WriteError};
@@ -10,8 +10,8 @@ use std::io::{BufWriter, Write};
 /// Writes a scene as binary STL: every corner as three floats, every facet with the normal of its rounded
 /// corners.
 ///
-/// Nodes are applied, and all parts become one. STL has 80 free bytes, too few for a certificate, so that
-/// none travels. What else is lost is told by [`crate::losses`].
+/// Transforms of nodes are applied, and all parts become one. STL has only 80 free bytes, too few for a
+/// certificate, so none is written. [`crate::losses`] lists what else is lost.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, a node is wrong, a coordinate overflows an f32, or there are 2³²
@@ -36,7 +36,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
         WriteError::Unsupported(message)
     })?;
     let mut out = BufWriter::new(out);
-    // Must not start with `solid`, or some readers take it for text.
+    // It must not start with `solid`, or some readers take the file for text.
     let mut head = [b' '; HEAD];
     head[..19].copy_from_slice(b"binary STL, chordal");
     head[HEAD - 4..].copy_from_slice(&count.to_le_bytes());
@@ -50,7 +50,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
             }
             let normal = face_normal(corners).unwrap_or_default();
             let numbers = normal.iter().chain(corners.as_flattened());
-            let mut facet = Vec::with_capacity(super::read::FACET);
+            let mut facet = Vec::with_capacity(FACET);
             numbers.for_each(|x| facet.extend((*x as f32).to_le_bytes()));
             facet.extend([0, 0]);
             out.write_all(&facet)?;
@@ -60,7 +60,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
     Ok(())
 }
 
-/// A position at the precision of the format.
+/// A position rounded to single precision.
 fn rounded(position: [f64; 3]) -> Result<[f64; 3], WriteError> {
     let rounded = position.map(|x| f64::from(x as f32));
     match rounded.iter().position(|x| !x.is_finite()) {

@@ -2,13 +2,13 @@
 mod tileset;
 
 use crate::file_rows::to_file_rows;
+use crate::finish::too_fine_note;
 use crate::flatten::{self, MergedParts, TransformedScene};
-use crate::mesh::{refusal, reserve_rounding, snap_to_format, too_fine, widen_box};
-use crate::polylines::MeshRequest;
 use crate::report::{
     BoundFacts, BudgetFacts, Certificate, CountedTriangles, LevelChoiceFacts, LevelFacts, LevelsFacts,
     Output, ViewFacts,
 };
+use crate::request::MeshRequest;
 use crate::simplify::{summary_notes, without_normals};
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, implicit, isosurface};
 use chordal::budget::{
@@ -19,7 +19,7 @@ use chordal::explicit::Topology;
 use chordal::lod::{self, HYSTERESIS, LodSource, LodSteps, SwitchDistances};
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::{Format, Frame, Scene, WriteError, glb, worst_snap};
+use chordal_io::{Format, Frame, Scene, WriteError, glb};
 use serde_json::{Value, json};
 use std::io::Write;
 use tileset::TileHierarchy;
@@ -113,13 +113,13 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let frame = *input.shape.frame();
     let from = input.format;
     // Rounding to single precision is the same for every level, about.
-    let lost = worst_snap(&widen_box(&place), Format::Glb);
-    let mut inner = reserve_rounding(&Budget::length(finest), lost, &place, Format::Glb)?;
+    let request = MeshRequest::new(Budget::length(finest), Format::Glb, place);
+    let mut inner = request.reserve_rounding(request.rounding())?;
     let has_new_normals = !matches!(spec.normals, Normals::Auto | Normals::Keep);
     let mut maker = LevelMesher { shape: input.shape, notes: Vec::new(), place, has_new_normals, job };
     let triangles = maker.triangles(&mut certificate.notes)?;
     if let Some((_, moved, _)) = &triangles {
-        inner = reserve_rounding(&inner, *moved, &place, Format::Glb)?;
+        inner = request.with_budget(inner).reserve_rounding(*moved)?;
     }
     let whole = spec.tile_triangles.map_or(usize::MAX, |most| usize::try_from(most).unwrap_or(usize::MAX));
     let mut steps = LodSteps { whole, ..LodSteps::from_finest(inner.length.unwrap_or(finest)) };
@@ -151,7 +151,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let made = if is_cut {
         let finest = chain.into_iter().next().map(|level| (level.mesh, moved(level.bound)));
         let (mesh, bound) =
-            finest.ok_or_else(|| refusal(RefusalCode::Empty, "there is no triangle to show"))?;
+            finest.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"))?;
         if mesh.faces().len() / whole > MOST_TILES {
             let message = format!(
                 "{} triangles in tiles of {whole} are more than {MOST_TILES} files: let --tile-triangles be larger",
@@ -180,7 +180,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         LodLayout::Levels(levels)
     };
     let Some(first) = made.finest() else {
-        return Err(refusal(RefusalCode::Empty, "there is no triangle to show"));
+        return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"));
     };
     certificate.bound = Some(BoundFacts::new(&first.bound));
     let counted = CountedTriangles::from_scene(&first.scene, Format::Glb)?;
@@ -191,7 +191,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let switches = SwitchDistances::new(&errors, spec.lens, spec.pixels);
     if let Some(distance) = switches.distance(0).filter(|d| *d > 0.0 && d.is_finite()) {
         let seen = Budget::pixels(spec.pixels, View::MinDistance(MinDistanceView { distance, ..spec.lens }));
-        certificate.notes.extend(too_fine(&first.scene, &seen, job)?);
+        certificate.notes.extend(too_fine_note(&first.scene, &seen, job)?);
     }
     let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
     outcome.certificate.levels = Some(outcome.facts(levels));
@@ -213,7 +213,8 @@ impl LevelMesh {
         notes: &mut Vec<String>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
-        let (mesh, bound) = snap_to_format(mesh, bound, &Budget::default(), Format::Glb, job)?;
+        let request = MeshRequest::new(Budget::default(), Format::Glb, mesh.bounds());
+        let Bounded { shape: mesh, bound } = request.snap(mesh, bound, job)?;
         let mut scene = Scene::from_mesh(NAME, mesh, true, looks.frame);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
@@ -253,7 +254,9 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
         let asked = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
         let (budget, note) = asked.resolve(shape)?;
         certificate.notes.extend(note);
-        return budget.length.ok_or_else(|| refusal(RefusalCode::Budget, "the budget has no length"));
+        return budget
+            .length
+            .ok_or_else(|| MeshFailure::refused(RefusalCode::Budget, "the budget has no length"));
     }
     let diagonal = shape.diagonal()?;
     let focal = spec.lens.focal_px().unwrap_or(f64::INFINITY);
@@ -267,7 +270,7 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
     let view = View::MinDistance(MinDistanceView { distance, ..spec.lens });
     let length = view.length_of(spec.pixels, &shape.hull()?).and_then(|length| Tolerance::new(length).ok());
     length.ok_or_else(|| {
-        refusal(
+        MeshFailure::refused(
             RefusalCode::TooClose,
             "the shape has no size, or the eye is so close that no length is small enough",
         )
@@ -298,7 +301,7 @@ impl LevelMesher<'_> {
         }
         let shown = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count();
         if shown == 0 {
-            return Err(refusal(RefusalCode::Empty, "there is no triangle to make levels of"));
+            return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
         }
         if scene.parts.len() == 1 && flatten::n_places(&scene) == 1 {
             let part = scene.parts.into_iter().next();
@@ -314,32 +317,20 @@ impl LevelMesher<'_> {
 
     /// Triangles within a length of a shape that is something smooth, at full precision.
     fn make(&mut self, length: Tolerance) -> Result<Bounded<Mesh>, JobError> {
-        let spec = BudgetSpec::default();
         let budget = Budget::length(length);
         // A format that keeps every digit.
-        let to = Format::Ply;
-        let (place, job) = (self.place, self.job);
+        let request = MeshRequest::new(budget, Format::Ply, self.place);
+        let job = self.job;
         let made = match &self.shape {
             Shape::Patches { patches, .. } => {
-                return match convert::patches_to_mesh(patches, &budget, job) {
-                    Ok(made) => Ok(made),
-                    Err(Failure::Unmet(best)) => Ok(*best),
-                    Err(Failure::Refused(refusal)) => Err(JobError::Refused(refusal)),
-                    Err(Failure::Cancelled) => Err(JobError::Cancelled),
-                };
+                return convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort);
             }
-            Shape::Cage(polygons) => {
-                cage::limit_surface(polygons, &MeshRequest { spec: &spec, budget, to, place }, job)
-            }
+            Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),
             Shape::Volume(sampled) => {
-                let asked = MeshRequest { spec: &spec, budget, to, place: widen_box(&place) };
-                isosurface::mesh_volume(sampled, &asked, &mut self.notes, job)
+                isosurface::mesh_volume(sampled, &request.widened(), &mut self.notes, job)
             }
-            Shape::Field(field) => {
-                let asked = MeshRequest { spec: &spec, budget, to, place: widen_box(&place) };
-                implicit::mesh_field(field, &asked, &mut self.notes, job)
-            }
-            _ => Err(refusal(RefusalCode::Unsupported, "this shape has no levels")),
+            Shape::Field(field) => implicit::mesh_field(field, &request.widened(), &mut self.notes, job),
+            _ => Err(MeshFailure::refused(RefusalCode::Unsupported, "this shape has no levels")),
         };
         let (scene, bound) = made.map_err(|failure| match failure {
             MeshFailure::Cancelled => JobError::Cancelled,

@@ -3,7 +3,6 @@ use super::{LevelMesh, LevelShading, LodLayout, LodOutcome, NAME, TileErrors, co
 use crate::MeshFailure;
 use crate::file_rows::{to_file_rows, unsupported};
 use crate::flatten;
-use crate::mesh::refusal;
 use crate::report::LevelFacts;
 use crate::simplify::{add, summary_notes};
 use chordal::budget::{Bound, JobError, Reference, RefusalCode, Tolerance};
@@ -39,7 +38,7 @@ impl TileHierarchy {
         job: &Job,
     ) -> Result<Self, MeshFailure> {
         let Bounded { shape: mesh, bound } = finest;
-        let origin = snap(&mesh, Format::Glb).map_err(MeshFailure::TooWide)?.origin;
+        let origin = snap(&mesh, Format::Glb)?.origin;
         let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
         let local = mesh.with_positions(local).map_err(unsupported)?;
         // Half a unit in the last place of each of three differences, and of each coordinate of the origin in metres: less than two
@@ -47,20 +46,20 @@ impl TileHierarchy {
         let largest = reach(local.positions().as_flattened());
         let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
         let room = if origin == [0.0; 3] { 0.0 } else { room };
-        let snapped = snap(&local, Format::Stl).map_err(MeshFailure::TooWide)?;
+        let snapped = snap(&local, Format::Stl)?;
         let bound =
             bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
         let mut scene = Scene::from_mesh(NAME, snapped.mesh, true, looks.frame);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
         let Some(part) = scene.parts.first() else {
-            return Err(refusal(RefusalCode::Empty, "there is no triangle to cut"));
+            return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
         };
         // A finest level that lost nothing starts at about what single precision tells apart.
         let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
         let step =
             step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
-        let step = step.ok_or_else(|| refusal(RefusalCode::Empty, "the shape has no size"))?;
+        let step = step.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "the shape has no size"))?;
         let cuts = TilingOptions { most, ..TilingOptions::from_step(step) };
         let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
         let made = lod::tree(&made, Topology::Positions, &cuts, job).map_err(|stopped| match stopped {
@@ -72,7 +71,7 @@ impl TileHierarchy {
         notes.extend(summary_notes(&kept));
         let (mut tiles, mut children) = (Vec::new(), Vec::new());
         for tile in made.tiles {
-            let snapped = snap(&tile.mesh, Format::Stl).map_err(MeshFailure::TooWide)?;
+            let snapped = snap(&tile.mesh, Format::Stl)?;
             let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
             let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
             let scene = to_file_rows(Scene::from_mesh(NAME, snapped.mesh, true, looks.frame), Format::Glb)?;
@@ -170,12 +169,12 @@ impl LodOutcome {
             bounds = bounds.union(self.write_tile(level, &name, files)?);
             tree = Some(self.tile(level, (&bounds, &name), tree.take().into_iter().collect()));
         }
-        tree.ok_or_else(|| refusal(RefusalCode::Empty, "there is no level"))
+        tree.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no level"))
     }
 
     /// One tile a region.
     fn as_tree(&self, cut: &TileHierarchy, files: &mut OutputFiles) -> Result<Tile, MeshFailure> {
-        // Parts come after their parents, so that backwards every tile finds its children made.
+        // Children come after their parents, so that backwards every tile finds its children made.
         let mut done: Vec<Option<(Tile, Box3)>> = cut.tiles.iter().map(|_| None).collect();
         for (k, tile) in cut.tiles.iter().enumerate().rev() {
             let name = format!("tile_{k}.glb");

@@ -68,7 +68,7 @@ pub struct CageFacts {
     pub creases: SharpnessFacts,
     /// Sharp vertices.
     pub corners: SharpnessFacts,
-    /// OfFaces without surface.
+    /// Faces without surface.
     pub holes: u64,
     /// Rows of texture coordinates that corners name; none where there are none.
     pub texcoords: Option<u64>,

@@ -33,9 +33,10 @@ pub use inspection::{EmbeddedCertificate, GeometrySizes, Inspection, PartFacts};
 pub use levels::{LevelChoiceFacts, LevelFacts, LevelsFacts};
 pub use overshade::{OvershadeFacts, ShadingFacts};
 use part_check::witness_facts;
+pub(crate) use part_check::{CheckDepth, CountError};
 pub use repairs::{ChangeFacts, RepairFacts};
 pub use surface::{ComponentFacts, FindingFacts, MOST_COMPONENTS, SurfaceFacts, cures_of_all};
-pub(crate) use validity::{CheckDepth, CountError, CountedTriangles};
+pub(crate) use validity::CountedTriangles;
 pub use validity::{OtherCounts, PartValidity, ValidityCounts, ValidityFacts, WitnessFacts};
 pub use volume::{LabelFacts, MOST_LABELS, SuggestedLevelFacts, VolumeFacts};
 

@@ -1,9 +1,9 @@
 //! All that was found of one part of a scene, by both meanings of "the same position".
 use super::WitnessFacts;
-use super::validity::{CheckDepth, CountError};
 use crate::file_rows::rows_of;
 use crate::formats::topology;
 use chordal::Mesh;
+use chordal::budget::JobError;
 use chordal::check::{
     Component, Defect, Finding, MeshConnectivity, MeshLocation, Validity, Witness, inside_out,
     self_intersections,
@@ -11,6 +11,24 @@ use chordal::check::{
 use chordal::explicit::Topology;
 use chordal_io::{Format, WriteError};
 use std::convert::Infallible;
+
+/// How closely to look.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum CheckDepth<'a> {
+    /// Components with what they are, and witnesses.
+    Full,
+    /// Self-intersections as well, under the conditions of a job.
+    Deep(&'a chordal::Job),
+}
+
+/// Why triangles could not be counted.
+#[derive(Debug)]
+pub(crate) enum CountError {
+    /// The scene cannot be put in the rows of the format.
+    Unwritten,
+    /// The search for self-intersections was not finished.
+    Stopped(JobError),
+}
 
 /// All that was found of one part by one meaning.
 #[derive(Clone)]

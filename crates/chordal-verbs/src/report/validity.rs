@@ -1,11 +1,9 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
-use super::part_check::{PartCheck, TopologyChecks};
+use super::part_check::{CheckDepth, CountError, PartCheck, TopologyChecks};
 use super::scene_check::SceneCheck;
 use super::{FindingFacts, SurfaceFacts, TriangleFacts};
 use crate::formats::topology;
-use crate::recommend::recommend_repairs;
-use chordal::budget::JobError;
-use chordal::check::{Defect, Validity};
+use chordal::check::{Cure, Defect, Validity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene, WriteError};
 use serde::Serialize;
@@ -131,22 +129,14 @@ pub(crate) struct CountedTriangles {
     pub valid: ValidityFacts,
 }
 
-/// How closely to look.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum CheckDepth<'a> {
-    /// Components with what they are, and witnesses.
-    Full,
-    /// Self-intersections as well, under the conditions of a job.
-    Deep(&'a chordal::Job),
-}
-
-/// Why triangles could not be counted.
-#[derive(Debug)]
-pub(crate) enum CountError {
-    /// The scene cannot be put in the rows of the format.
-    Unwritten,
-    /// The search for self-intersections was not finished.
-    Stopped(JobError),
+impl ValidityFacts {
+    /// Where there is something to repair, keeps which repairs helped when they were tried.
+    pub(crate) fn prescribe(&mut self, recommend: impl FnOnce() -> Option<Vec<Cure>>) {
+        if self.anatomy.as_ref().is_some_and(|anatomy| FindingFacts::has_repairable(self, anatomy)) {
+            let prescribed = recommend();
+            self.anatomy.iter_mut().for_each(|anatomy| anatomy.prescribed.clone_from(&prescribed));
+        }
+    }
 }
 
 impl CountedTriangles {
@@ -174,11 +164,6 @@ impl CountedTriangles {
         }
         let own: Vec<&PartCheck> = parts.iter().map(|part| &part.own).collect();
         let mut anatomy = SurfaceFacts::new(&own, &counted.valid.counts, scene);
-        let usual = chordal::Job::default();
-        let job = if let CheckDepth::Deep(job) = look { job } else { &usual };
-        if FindingFacts::has_repairable(&counted.valid, &anatomy) {
-            anatomy.prescribed = recommend_repairs(scene, format, job);
-        }
         let witnesses = own.iter().enumerate().flat_map(|(i, found)| found.witnesses(i));
         let mut witnesses: Vec<_> = witnesses.collect();
         if let CheckDepth::Deep(job) = look

@@ -1,5 +1,5 @@
 //! `Bounded`: a shape with a bound on its error, and the reasons why there may be none.
-use super::Bound;
+use super::{Bound, JobError};
 use std::fmt;
 
 /// What every lossy arrow returns.
@@ -87,6 +87,18 @@ impl<T> Failure<T> {
     /// A refusal with a message of one sentence.
     pub fn refused(code: RefusalCode, message: impl Into<String>) -> Self {
         Self::Refused(Refusal { code, message: message.into() })
+    }
+
+    /// The best result that was reached, also where it misses the budget.
+    ///
+    /// # Errors
+    /// When there is no result at all.
+    pub fn best_effort(self) -> Result<Bounded<T>, JobError> {
+        match self {
+            Self::Unmet(best) => Ok(*best),
+            Self::Refused(refusal) => Err(JobError::Refused(refusal)),
+            Self::Cancelled => Err(JobError::Cancelled),
+        }
     }
 
     /// The stable code: that of the refusal, `unmet` or `cancelled`.

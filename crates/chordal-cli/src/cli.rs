@@ -1,0 +1,79 @@
+//! The command line: all verbs, and the exit codes.
+use crate::bake::BakeArgs;
+use crate::deviation::DeviationArgs;
+use crate::inspect::InspectArgs;
+use crate::lod::LodArgs;
+use crate::mend::MendArgs;
+use crate::mesh::MeshArgs;
+use crate::render::RenderArgs;
+use crate::studio::StudioArgs;
+use clap::{Parser, Subcommand};
+use clap_complete::Shell;
+use std::path::PathBuf;
+
+/// You bring a budget, you leave with a bound.
+///
+/// Turns shapes into triangles under one budget, the error that may be seen, in units or in pixels, and says how
+/// large the error is and how that is known.
+#[derive(Debug, Parser)]
+#[command(name = "chordal", version, max_term_width = 100, after_long_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  a check failed
+    2  the command line makes no sense
+    3  the input cannot be read or is not supported
+    4  the output cannot be written
+    5  the budget was not reached, or cannot be
+  130  interrupted
+
+Messages go to stderr, data to stdout. '-' is stdin or stdout. Colours obey NO_COLOR.";
+
+/// One word for each thing that can be done.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Turn any shape into triangles, or curves into polylines, within a budget
+    Mesh(MeshArgs),
+    /// Make levels of detail, each with its own proved error, as one .glb or as a folder of 3D Tiles
+    Lod(LodArgs),
+    /// Say what a file holds and whether it is sound
+    Inspect(InspectArgs),
+    /// Say how far two shapes are apart, proved from both sides
+    Deviation(DeviationArgs),
+    /// Take away what `inspect` found, and say what was changed
+    Mend(MendArgs),
+    /// Sample the distance to triangles on a lattice, negative inside
+    Bake(BakeArgs),
+    /// Take a picture
+    Render(RenderArgs),
+    /// Show in a browser how many segments a curve needs until it looks smooth
+    Studio(StudioArgs),
+    /// Print the completions of a shell
+    Completions {
+        /// Which shell
+        shell: Shell,
+    },
+    /// Write the manual pages
+    Man {
+        /// The folder for them; it is made if it is missing
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_holds_together() {
+        Cli::command().debug_assert();
+    }
+}

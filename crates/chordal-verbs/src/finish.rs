@@ -1,0 +1,91 @@
+//! The last step of the verbs: a result is judged as its format holds it, and the report is completed.
+use crate::file_rows::to_file_rows;
+use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
+use crate::request::MeshRequest;
+use crate::{MeshFailure, MeshOutcome, Tessellation, flatten};
+use chordal::Job;
+use chordal::budget::{Bound, Budget, JobError, PixelBudget, View};
+use chordal::check::{self, MicroTriangles};
+use chordal_io::{Polylines, Scene, losses};
+
+const NOT_MET: &str = "the budget was not met: this is the best that was reached";
+
+/// Judges triangles as the format holds them: the last step of the verbs that make some.
+///
+/// # Errors
+/// When the budget is not met, with the outcome all the same; when the format cannot hold them.
+pub(crate) fn finish_triangles(
+    scene: Scene,
+    mut bound: Bound,
+    asked: &MeshRequest,
+    mut certificate: Certificate,
+) -> Result<MeshOutcome, MeshFailure> {
+    let to = asked.to;
+    certificate.notes.extend(losses(&scene, to)?.iter().map(ToString::to_string));
+    let scene = to_file_rows(scene, to)?;
+    bound.pixels = asked.pixels_of(&bound);
+    certificate.bound = Some(BoundFacts::new(&bound));
+    let counted = CountedTriangles::from_scene(&scene, to)?;
+    let triangles = counted.output.triangles;
+    certificate.output = Some(Output::Triangles(counted.output));
+    certificate.valid = Some(counted.valid);
+    let budget = &asked.budget;
+    let met = asked.lengths_are_met(&bound)
+        && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)
+        && budget.triangles.is_none_or(|most| triangles <= most);
+    if !met {
+        certificate.notes.push(NOT_MET.to_owned());
+    }
+    let outcome = MeshOutcome { made: Tessellation::Triangles(scene), format: to, bound, certificate };
+    if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
+}
+
+/// Judges polylines: the last step of the verbs that make some.
+pub(crate) fn finish_polylines(
+    polylines: Polylines,
+    mut bound: Bound,
+    asked: &MeshRequest,
+    mut certificate: Certificate,
+) -> Result<MeshOutcome, MeshFailure> {
+    bound.pixels = asked.pixels_of(&bound);
+    certificate.budget = Some(BudgetFacts::new(&asked.budget));
+    certificate.bound = Some(BoundFacts::new(&bound));
+    let facts = PolylineFacts::from_polylines(&polylines);
+    certificate.output = Some(Output::Polylines(facts));
+    let met =
+        asked.lengths_are_met(&bound) && asked.budget.segments.is_none_or(|most| facts.segments <= most);
+    if !met {
+        certificate.notes.push(NOT_MET.to_owned());
+    }
+    let outcome =
+        MeshOutcome { made: Tessellation::Polylines(polylines), format: asked.to, bound, certificate };
+    if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
+}
+
+/// A note where most triangles are smaller than a pixel at the view of the budget: more than half, since every mesh has some
+/// at its poles and seams.
+pub(crate) fn too_fine_note(
+    scene: &Scene,
+    budget: &Budget,
+    job: &Job,
+) -> Result<Option<String>, MeshFailure> {
+    let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
+    // What cannot be put together, or is too large to look at: nothing is known, and nothing is said.
+    let Ok(mesh) = flatten::one_mesh(scene) else { return Ok(None) };
+    let found = match check::micro_triangles(&mesh, &view, job) {
+        Ok(found) => found,
+        Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+        Err(JobError::Refused(_)) => return Ok(None),
+    };
+    let MicroTriangles { n_micro, n_triangles } = found;
+    let most = n_micro > n_triangles / 2;
+    let (of, at) = match view {
+        View::Camera(_) => ("triangles in view", "there"),
+        View::MinDistance(_) => ("triangles", "even where the eye is nearest and faces them"),
+    };
+    Ok(most.then(|| {
+        format!(
+            "{n_micro} of {n_triangles} {of} are smaller than a pixel {at}: more than the screen can show"
+        )
+    }))
+}

@@ -1,0 +1,62 @@
+//! `MeshOutcome`: triangles or polylines at the precision of their format, with what is known of them.
+use crate::report::Certificate;
+use crate::{write, write_polylines};
+use chordal::budget::Bound;
+use chordal_io::{Format, Polylines, Scene, WriteError};
+use std::io::Write;
+
+/// What came of a shape, at the precision of its format: what a reader of the file will get.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tessellation {
+    /// Triangles.
+    Triangles(Scene),
+    /// Polylines, for formats that hold those.
+    Polylines(Polylines),
+}
+
+/// Triangles or polylines at the precision of their format, with everything that is known of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshOutcome {
+    /// What will be written.
+    pub made: Tessellation,
+    /// The format that it is for.
+    pub format: Format,
+    /// How far it is from the true shape, rounding to the format included.
+    pub bound: Bound,
+    /// The same and more, for the file and the report.
+    pub certificate: Certificate,
+}
+
+impl MeshOutcome {
+    /// The triangles, where there are some.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Scene> {
+        match &self.made {
+            Tessellation::Triangles(scene) => Some(scene),
+            Tessellation::Polylines(_) => None,
+        }
+    }
+
+    /// The polylines, where there are some.
+    #[must_use]
+    pub fn polylines(&self) -> Option<&Polylines> {
+        match &self.made {
+            Tessellation::Triangles(_) => None,
+            Tessellation::Polylines(polylines) => Some(polylines),
+        }
+    }
+
+    /// Writes what was made, and the certificate where the format can carry it.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+        let certificate = self.certificate.to_value();
+        match &self.made {
+            Tessellation::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
+            Tessellation::Polylines(polylines) => {
+                write_polylines(polylines, Some(&certificate), self.format, out)
+            }
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! `MeshRequest`: a budget for one shape and one format, and how an arrow is run within it.
+use crate::MeshFailure;
+use chordal::budget::{
+    Bound, Bounded, Budget, Failure, PixelBudget, Pixels, Reference, RefusalCode, RequiredEvidence, Tolerance,
+};
+use chordal::convert::Spacing;
+use chordal::explicit::Topology;
+use chordal::math::{Box3, sub_down, sub_up};
+use chordal::{Job, Mesh, mend};
+use chordal_io::{Format, snap, worst_snap};
+
+/// What a shape is to become: the budget, resolved for the shape, and the format.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeshRequest {
+    pub budget: Budget,
+    pub to: Format,
+    /// A box around the shape.
+    pub place: Box3,
+    /// The same with room for the rounding of evaluated points.
+    reach: Box3,
+    /// How the ends of segments are placed on curves.
+    pub spacing: Spacing,
+}
+
+impl MeshRequest {
+    pub fn new(budget: Budget, to: Format, place: Box3) -> Self {
+        Self { budget, to, place, reach: widen_box(&place), spacing: Spacing::default() }
+    }
+
+    /// Runs an arrow so that the budget holds for what a reader of the file gets: what rounding to the format may cost is
+    /// set aside first, the arrow runs within the rest, and the bound counts what rounding did cost.
+    ///
+    /// Where the budget is missed the result is the best that was reached: whether the whole is within the budget is
+    /// judged for the whole (`finish.rs`).
+    ///
+    /// # Errors
+    /// When rounding alone may cost more than the budget; as for the arrow.
+    pub fn run(
+        &self,
+        job: &Job,
+        arrow: impl FnOnce(&Budget) -> Result<Bounded<Mesh>, Failure<Mesh>>,
+    ) -> Result<Bounded<Mesh>, MeshFailure> {
+        let made = arrow(&self.reserve_rounding(self.rounding())?).or_else(Failure::best_effort)?;
+        self.snap(&made.shape, made.bound, job)
+    }
+
+    /// The same request for a box with room for the rounding of evaluated points.
+    pub fn widened(self) -> Self {
+        Self { place: self.reach, ..self }
+    }
+
+    pub fn with_spacing(self, spacing: Spacing) -> Self {
+        Self { spacing, ..self }
+    }
+
+    pub fn with_budget(self, budget: Budget) -> Self {
+        Self { budget, ..self }
+    }
+
+    /// The most that rounding to the format moves a point of the result.
+    pub fn rounding(&self) -> f64 {
+        worst_snap(&self.reach, self.to)
+    }
+
+    /// The budget of an arrow: that of the user less the length that rounding to the format may cost.
+    ///
+    /// # Errors
+    /// When nothing is left of it, or the shape reaches the eye.
+    pub fn reserve_rounding(&self, lost: f64) -> Result<Budget, MeshFailure> {
+        let Self { budget, to, place, .. } = self;
+        if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
+            return Ok(*budget);
+        }
+        let too_small = |asked: String, lost: String| {
+            let message = format!(
+                "{asked} is less than what rounding to the single precision of {to} may cost here, {lost}; \
+                 obj and ply keep every digit"
+            );
+            MeshFailure::refused(RefusalCode::BelowPrecision, message)
+        };
+        let mut inner = *budget;
+        if let Some(length) = budget.length {
+            let left = Tolerance::new(sub_down(length.get(), lost));
+            inner.length = Some(left.map_err(|_| too_small(length.to_string(), format!("{lost:.3e}")))?);
+        }
+        if let Some(PixelBudget { pixels, view }) = budget.pixels {
+            let lost_px = view.pixels_of(lost, place).ok_or_else(|| {
+                MeshFailure::refused(
+                    RefusalCode::TooClose,
+                    "the shape comes so close to the eye that there is no bound in pixels",
+                )
+            })?;
+            // What is left may be less than what is lost, where the sum is more than theirs.
+            let both = view.pixels_of_two_steps(pixels.get(), lost_px).unwrap_or(f64::INFINITY);
+            let left = Pixels::new(sub_down(pixels.get(), sub_up(both, pixels.get())));
+            let pixels = left.map_err(|_| too_small(pixels.to_string(), format!("{lost_px:.3e}px")))?;
+            inner.pixels = Some(PixelBudget { pixels, view });
+        }
+        Ok(inner)
+    }
+
+    /// Rounds a mesh to the precision of the format and adds to the bound what that moved.
+    ///
+    /// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from there
+    /// to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the surface closed.
+    pub fn snap(&self, mesh: &Mesh, bound: Bound, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
+        let Budget { pixels, .. } = self.budget;
+        let snapped = snap(mesh, self.to)?;
+        if snapped.moved_at_most == 0.0 {
+            return Ok(Bounded { shape: snapped.mesh, bound });
+        }
+        let whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
+        let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
+        let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
+        let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
+        let mut chain = bound.then(&step);
+        // What rounding to the format does to normals is not seen at angles that make sense.
+        chain.angle_deg = bound.angle_deg;
+        let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
+        chain.pixels = pixels.and_then(both);
+        Ok(Bounded { shape: whole.mesh, bound: chain })
+    }
+
+    /// The bound on the screen: the smaller of what the arrow proved and what the length in space becomes.
+    pub fn pixels_of(&self, bound: &Bound) -> Option<f64> {
+        let view = self.budget.pixels?.view;
+        let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &self.place));
+        match (bound.pixels, of_length) {
+            (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+            (a, b) => a.or(b),
+        }
+    }
+
+    /// Whether a bound is within the length and the pixels of the budget. Where a measurement is enough and there is
+    /// nothing else, the measured error counts.
+    pub fn lengths_are_met(&self, bound: &Bound) -> bool {
+        let Self { budget, place, .. } = self;
+        let measured = budget.require == RequiredEvidence::Measured && bound.at_most().is_none();
+        let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
+        let pixels = match budget.pixels {
+            Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), place),
+            _ => bound.pixels,
+        };
+        let within = |most: Option<f64>, limit: Option<f64>| {
+            limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
+        };
+        within(length, budget.length.map(Tolerance::get))
+            && within(pixels, budget.pixels.map(|px| px.pixels.get()))
+    }
+}
+
+/// The box with room for the rounding of evaluated points, which may leave the hull of their control points: an
+/// evaluation has less than 32 roundings of half a step each.
+fn widen_box(place: &Box3) -> Box3 {
+    let reach =
+        place.min.iter().chain(&place.max).fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let room = 16.0 * f64::EPSILON * reach;
+    Box3 { min: place.min.map(|x| x - room), max: place.max.map(|x| x + room) }
+}
