@@ -4,7 +4,9 @@ use crate::fault::{Fault, plainly};
 use chordal::Job;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
+use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 
 /// How much is said, and in which form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +59,7 @@ impl Console {
     /// To stderr. When that is closed there is nobody to tell.
     fn message(&self, from: Verbosity, text: &str) {
         if self.level >= from {
-            let _ = writeln!(io::stderr(), "chordal: {text}");
+            let _ = writeln!(io::stderr(), "chordal: {}", printable(text));
         }
     }
 
@@ -70,9 +72,9 @@ impl Console {
         match (self.json, stdout) {
             (true, _) => print(&format!("{report:#}\n")),
             (false, _) if self.level == Verbosity::Errors => Ok(()),
-            (false, StdoutUse::Free) => print(summary),
+            (false, StdoutUse::Free) => print(&printable(summary)),
             (false, StdoutUse::HoldsData) => {
-                let _ = io::stderr().write_all(summary.as_bytes());
+                let _ = io::stderr().write_all(printable(summary).as_bytes());
                 Ok(())
             }
         }
@@ -110,9 +112,51 @@ pub enum StdoutUse {
 
 /// Writes to stdout; a pipe that closed early is a fault like any other.
 pub fn print(text: &str) -> Result<(), Fault> {
+    check_stdout()?;
     let mut stdout = io::stdout().lock();
     stdout
         .write_all(text.as_bytes())
         .and_then(|()| stdout.flush())
         .map_err(|error| Fault::output("unwritable", format!("stdout: {}", plainly(&error))))
+}
+
+/// The text without what terminals obey: names of files may hold escape sequences.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_control = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if !text.contains(is_control) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_control(c) { shown.extend(c.escape_default()) } else { shown.push(c) }
+    }
+    Cow::Owned(shown)
+}
+
+/// Fails where the process was started with stdout closed. Rust's runtime opens `/dev/null` in its place, to be read and
+/// written, as hardly anybody does; elsewhere than on Linux nothing shows it.
+///
+/// # Errors
+/// Then.
+pub fn check_stdout() -> Result<(), Fault> {
+    let is_null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|file| file == Path::new("/dev/null"));
+    let flags = std::fs::read_to_string("/proc/self/fdinfo/1").unwrap_or_default();
+    let mode =
+        flags.lines().find_map(|line| u32::from_str_radix(line.strip_prefix("flags:")?.trim(), 8).ok());
+    // O_RDWR by Linux.
+    if is_null && mode.is_some_and(|mode| mode & 3 == 2) {
+        return Err(Fault::output("unwritable", "stdout: it is closed".to_owned()));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn escape_sequences_are_shown_and_not_sent() {
+        assert_eq!(printable("a\u{1b}[31mb\n\t\u{e9}"), "a\\u{1b}[31mb\n\t\u{e9}");
+        assert!(matches!(printable("plain"), Cow::Borrowed(_)));
+    }
 }

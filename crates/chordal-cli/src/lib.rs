@@ -30,6 +30,7 @@ mod volume_text;
 use clap::Parser;
 use clap::error::ErrorKind;
 use cli::{Cli, Verb};
+use console::printable;
 use fault::{Exit, Fault};
 use serde_json::json;
 use std::ffi::OsString;
@@ -78,7 +79,7 @@ fn wants_json(verb: &Verb) -> bool {
 
 /// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there already.
 fn fail(fault: &Fault, json: bool) -> u8 {
-    let _ = signal::without_interruption(|| write!(std::io::stderr(), "{fault}"));
+    let _ = signal::without_interruption(|| write!(std::io::stderr(), "{}", printable(&fault.to_string())));
     if json && !fault.reported {
         let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
         let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });

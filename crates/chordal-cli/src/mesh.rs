@@ -11,7 +11,9 @@ use crate::volume::VolumeArgs;
 use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
-use chordal_verbs::{BudgetSpec, MeshFailure, Normals, Shape, Spacing, extension, formats, mesh, refine};
+use chordal_verbs::{
+    BudgetSpec, MeshFailure, Normals, Shape, Spacing, extension, formats, mesh, needs_budget, refine,
+};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::path::Path;
 
@@ -129,7 +131,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         let run = common::run("mesh", source.name(), &target, bytes);
         return print_summary(outcome.certificate, clock.fill(run, &job), (&talk, stdout));
     }
-    if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
+    if !spec.has_limit() && needs_budget(&input.shape, args.normals) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
 

@@ -4,6 +4,7 @@
 //! Refused, with exit code 4 and before any work: an output that is the input, that exists (unless `--force`), or
 //! that is a folder, a device or a symbolic link. A link is refused even with `--force`: replacing it and writing
 //! through it are both surprising, and naming the file itself costs nothing.
+use crate::console::check_stdout;
 use crate::fault::{Fault, plainly};
 use crate::input::InputSource;
 use crate::signal;
@@ -102,6 +103,7 @@ impl OutputTarget {
             |error: WriteError| Fault::output("unwritable", format!("{name}: {}", write_error_text(&error)));
         match self {
             Self::Stdout => {
+                check_stdout()?;
                 let mut bytes = Vec::new();
                 fill(&mut bytes).map_err(failed)?;
                 let mut stdout = io::stdout().lock();

@@ -13,7 +13,7 @@ use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderSt
 use chordal_verbs::report::Report;
 use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against};
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// `chordal render`
 #[derive(Args, Debug)]
@@ -103,6 +103,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let talk = Console::new(&args.console);
     let viewpoint = viewpoint(args)?;
+    check_name(&args.output.output)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
@@ -182,6 +183,17 @@ fn shown(show: RenderMode) -> Shown {
         RenderMode::Overshade => Shown::Overshade,
         // Colours over light.
         RenderMode::Deviation => Shown::Shaded,
+    }
+}
+
+/// Pictures are PNG, so that no other name is right.
+fn check_name(path: &Path) -> Result<(), Fault> {
+    match path.extension() {
+        Some(other) if !other.eq_ignore_ascii_case("png") => Err(Fault::usage(format!(
+            "{}: pictures are written as PNG: give a name that ends in .png",
+            path.display()
+        ))),
+        _ => Ok(()),
     }
 }
 

@@ -133,3 +133,64 @@ fn writes_completions_and_manual_pages() {
         assert!(fs::read_to_string(folder.path("man").join(page)).unwrap().starts_with(".ie"), "{page}");
     }
 }
+
+#[test]
+fn pictures_have_no_other_name_than_png() {
+    let folder = Folder::new("picture-name");
+    let input = folder.file("a.obj", CLOSED_OBJ);
+    run(&["render", &input, "-o", &folder.text("a.jpg")]).fails_with(2, &["a.jpg", "PNG", ".png"]);
+    assert_eq!(folder.names(), ["a.obj"]);
+    run(&["render", &input, "--size", "8x8", "-o", &folder.text("a.PNG")]).succeeds();
+}
+
+#[test]
+fn new_normals_need_no_budget() {
+    let folder = Folder::new("normals-alone");
+    let (input, output) = (folder.file("a.obj", CLOSED_OBJ), folder.text("b.obj"));
+    let made = run(&["mesh", &input, "--normals", "flat", "-o", &output, "--json"]);
+    made.succeeds();
+    let report = made.report();
+    assert_eq!(report["certificate"]["bound"]["at_most"], 0.0);
+    let faces = |text: &str| text.lines().filter(|line| line.starts_with("f ")).count();
+    assert_eq!(report["certificate"]["output"]["triangles"], faces(CLOSED_OBJ));
+    assert!(fs::read_to_string(&output).unwrap().contains("\nvn "));
+    run(&["mesh", &input, "--normals", "keep", "-o", &folder.text("c.obj")]).fails_with(2, &["--tol"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn escape_sequences_in_names_do_not_reach_the_terminal() {
+    let folder = Folder::new("escape");
+    let input = folder.file("a\u{1b}[31m.obj", CLOSED_OBJ);
+    for run in [run(&["inspect", &input]), run(&["inspect", &folder.text("none\u{1b}[31m.obj")])] {
+        assert!(!run.stdout.contains('\u{1b}') && !run.stderr.contains('\u{1b}'), "{run:?}");
+        assert!([&run.stdout, &run.stderr].iter().any(|text| text.contains("u{1b}")), "{run:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_closed_stdout_is_no_success() {
+    let folder = Folder::new("closed");
+    let input = folder.file("a.obj", CLOSED_OBJ);
+    let shell = |rest: &str| {
+        let line = format!("exec \"$0\" inspect \"$1\" {rest}");
+        std::process::Command::new("sh")
+            .args(["-c", &line, env!("CARGO_BIN_EXE_chordal"), &input])
+            .output()
+            .unwrap()
+    };
+    let closed = shell(">&-");
+    assert_eq!(closed.status.code(), Some(4), "{closed:?}");
+    assert!(String::from_utf8_lossy(&closed.stderr).contains("stdout: it is closed"));
+    assert_eq!(shell("> /dev/null").status.code(), Some(0));
+}
+
+#[test]
+fn large_numbers_are_written_with_an_exponent() {
+    let folder = Folder::new("digits");
+    let input = folder.file("a.obj", "v 1e-300 0 0\nv 1e300 0 0\nv 0 1e300 0\nf 1 2 3\n");
+    let made = run(&["mesh", &input, "--tol", "1%", "-o", &folder.text("b.obj"), "-v"]);
+    assert_eq!(made.code, 0, "{made:?}");
+    assert!(made.stderr.contains("e300") && !made.stderr.contains("00000000"), "{}", made.stderr);
+}

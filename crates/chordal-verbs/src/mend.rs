@@ -1,19 +1,20 @@
 //! `mend`: takes away what `inspect` found, cure by cure, as it will read back from a format.
 use crate::finish::finish_triangles;
-use crate::flatten::{self, TransformedScene, part_scales, scaled_up};
+use crate::flatten::{part_scales, scaled_up};
+use crate::pass_through::pass_through;
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::request::MeshRequest;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};
 use chordal::budget::{Bound, Budget, Length, Metric, Reference, RefusalCode, Tolerance};
 use chordal::check::Cure;
 use chordal::explicit::Topology;
-use chordal::math::{add_up, div_down};
+use chordal::math::div_down;
 use chordal::mend::{
     Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
     orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
-use chordal_io::{Format, Scene, snap};
+use chordal_io::{Format, Scene};
 
 /// Which cures to apply; at least one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -274,31 +275,6 @@ fn max_bound(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailur
     let mut wider = Bound::with_evidence(0.0, at_most, evidence, Reference::InputTriangles);
     wider.metric = if one_sided { Metric::OneSided } else { Metric::Hausdorff };
     Ok(wider)
-}
-
-/// Triangles as they are, at the precision of the format.
-fn pass_through(scene: Scene, to: Format, notes: &mut Vec<String>) -> Result<(Scene, Bound), MeshFailure> {
-    let TransformedScene { mut scene, moved_at_most: placed, left_out } =
-        if to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
-    if left_out > 0 {
-        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
-    }
-    let stretch = flatten::part_scales(&scene);
-    let mut moved = 0.0;
-    for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
-        let snapped = snap(&part.mesh, to)?;
-        let part_moved = flatten::scaled_up(snapped.moved_at_most, stretch);
-        moved = if part_moved > moved { part_moved } else { moved };
-        part.mesh = snapped.mesh;
-    }
-    let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
-    if !all.is_finite() {
-        return Err(MeshFailure::refused(
-            RefusalCode::NotFinite,
-            "the transforms of the scene take its coordinates out of range",
-        ));
-    }
-    Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
 }
 
 #[cfg(test)]

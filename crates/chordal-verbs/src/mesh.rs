@@ -1,5 +1,6 @@
 //! `mesh`: any shape into triangles, or curves into polylines, within a budget, as they will read back from a format.
 use crate::finish::{finish_triangles, too_fine_note};
+use crate::pass_through::pass_through;
 use crate::report::{BudgetFacts, Certificate};
 use crate::request::MeshRequest;
 use crate::simplify::{simplify_scene, without_normals};
@@ -36,7 +37,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let lines = formats::holds_polylines(to);
     spec.check_counts(lines).map_err(MeshFailure::Usage)?;
-    if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
+    if !spec.has_limit() && needs_budget(&input.shape, spec.normals) {
         return Err(MeshFailure::refused(
             RefusalCode::Budget,
             "the budget has no limit: no length, no pixels, no count",
@@ -77,8 +78,13 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             implicit::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?
         }
         Shape::Scene(mut scene) => {
-            if !matches!(spec.normals, Normals::Auto | Normals::Keep) {
+            if has_new_normals(spec.normals) {
                 without_normals(&mut scene)?;
+            }
+            if !spec.has_limit() {
+                let (mut scene, bound) = pass_through(scene, to, &mut certificate.notes)?;
+                spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
+                return finish_triangles(scene, bound, &request, certificate);
             }
             simplify_scene(scene, &request, &mut certificate, job)?
         }
@@ -87,4 +93,18 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
     certificate.notes.extend(too_fine_note(&scene, &budget, job)?);
     finish_triangles(scene, bound, &request, certificate)
+}
+
+/// Whether a shape cannot become triangles without one: volumes have a resolution of their own, and triangles that get
+/// new normals stay as they are.
+pub fn needs_budget(shape: &Shape, normals: Normals) -> bool {
+    match shape {
+        Shape::Volume(_) => false,
+        Shape::Scene(_) => !has_new_normals(normals),
+        _ => true,
+    }
+}
+
+fn has_new_normals(normals: Normals) -> bool {
+    !matches!(normals, Normals::Auto | Normals::Keep)
 }

@@ -1,6 +1,6 @@
 //! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
-use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence};
+use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
 use chordal::convert::Spacing;
 
 /// What may be lost, with a length that can be a percentage or have a unit.
@@ -89,7 +89,8 @@ impl BudgetSpec {
             Length::Plain(_) => None,
             Length::In(..) => Some(format!("{length} is {tolerance} in the units of the input")),
             Length::Percent(_) => Some(format!(
-                "{length} of the diagonal, which is {diagonal} or a little more, is {tolerance}"
+                "{length} of the diagonal, which is {} or a little more, is {tolerance}",
+                digits(diagonal)
             )),
         };
         Ok((budget, note))

@@ -1,5 +1,5 @@
 //! `Length`: a length as a person writes it: `0.1`, `0.1mm`, `0.05%`.
-use super::Tolerance;
+use super::{Tolerance, digits};
 use std::fmt;
 use std::str::FromStr;
 
@@ -107,8 +107,8 @@ impl Length {
 impl fmt::Display for Length {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Plain(length) => write!(f, "{length}"),
-            Self::In(length, unit) => write!(f, "{length}{unit}"),
+            Self::Plain(length) => f.write_str(&digits(*length)),
+            Self::In(length, unit) => write!(f, "{}{unit}", digits(*length)),
             Self::Percent(percent) => write!(f, "{percent}%"),
         }
     }

@@ -22,5 +22,5 @@ pub use lens::{Lens, PixelScale};
 pub use limits::{Budget, PixelBudget, RequiredEvidence, UnknownRequirement};
 pub use parallel::par_map;
 pub(crate) use parallel::par_map_owned;
-pub use tolerance::{InvalidTolerance, Tolerance};
+pub use tolerance::{InvalidTolerance, Tolerance, digits};
 pub use view::{Camera, InvalidView, MinDistanceView, Pixels, Projection, Screen, View};

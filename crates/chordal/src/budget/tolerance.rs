@@ -35,8 +35,16 @@ impl Tolerance {
 
 impl fmt::Display for Tolerance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        digits(self.0).fmt(f)
     }
+}
+
+/// A number with all its digits: as a decimal, or with an exponent where that would have many zeros.
+#[must_use]
+pub fn digits(x: f64) -> String {
+    // Chosen: what people still read at a glance.
+    let is_plain = x == 0.0 || (x.abs() >= 1e-7 && x.abs() < 1e16);
+    if is_plain { x.to_string() } else { format!("{x:e}") }
 }
 
 impl FromStr for Tolerance {

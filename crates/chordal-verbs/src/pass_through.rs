@@ -1,0 +1,38 @@
+//! Triangles as they are, at the precision of a format.
+use crate::MeshFailure;
+use crate::flatten::{self, TransformedScene};
+use chordal::budget::{Bound, Reference, RefusalCode};
+use chordal::math::add_up;
+use chordal_io::{Format, Scene, snap};
+
+/// Rounds the parts of a scene to the format, and puts them in one space where the format has no nodes.
+///
+/// # Errors
+/// When a coordinate does not fit the format, or the nodes take it out of range.
+pub(crate) fn pass_through(
+    scene: Scene,
+    to: Format,
+    notes: &mut Vec<String>,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let TransformedScene { mut scene, moved_at_most: placed, left_out } =
+        if to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    if left_out > 0 {
+        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
+    }
+    let stretch = flatten::part_scales(&scene);
+    let mut moved = 0.0;
+    for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
+        let snapped = snap(&part.mesh, to)?;
+        let part_moved = flatten::scaled_up(snapped.moved_at_most, stretch);
+        moved = if part_moved > moved { part_moved } else { moved };
+        part.mesh = snapped.mesh;
+    }
+    let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
+    if !all.is_finite() {
+        return Err(MeshFailure::refused(
+            RefusalCode::NotFinite,
+            "the transforms of the scene take its coordinates out of range",
+        ));
+    }
+    Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
+}
