@@ -1,28 +1,10 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
-use crate::{Curves, Drawing, Polygons, Volume, Warning};
+use crate::{Curves, Drawing, Frame, Polygons, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
 use serde_json::Value;
 use std::collections::BTreeMap;
-
-/// A coordinate axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// The second axis, as in glTF.
-    Y,
-    /// The third axis, as in most CAD.
-    Z,
-}
-
-/// What is known of the coordinate space.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Frame {
-    /// Which axis is up, if the format or the user says.
-    pub up: Option<Axis>,
-    /// The length of one unit, if the format or the user says.
-    pub metres_per_unit: Option<f64>,
-}
 
 /// One mesh with its name, in its own coordinates; nodes place it.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,13 +3,12 @@ use crate::file_rows::to_file_rows;
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
 use crate::{Input, MeshFailure, Normals, Shape, formats, write};
-use chordal::budget::{Bound, Failure, RefusalCode};
+use chordal::budget::{Bound, RefusalCode};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
 use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, CornerTexcoords, Domain, Scheme, Semantic};
-use chordal::math::{Box3, add_up, sub_down};
-use chordal::{Bounded, Budget, Job, Mesh, Tolerance};
+use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Format, Polygons, Scene, WriteError, losses, losses_of_polygons, obj, ply, snap};
 use std::io::Write;
 
@@ -58,35 +57,6 @@ fn missing_texcoords_note(cage: &Cage) -> Option<String> {
     });
     let n = n.count();
     (n > 0).then(|| format!("faces without texture coordinates at all of their corners have 0, 0 ({n}x)"))
-}
-
-/// Of the diagonal of the control points, how well the size of the surface is known: chosen, quick to mesh and fine enough for
-/// a percentage.
-const SIZE_SHARE: f64 = 1e-3;
-
-/// The box that the surface is certain to reach, 0 wide where none is known: that of a mesh of it, less what the mesh may be off.
-pub(crate) fn inner_box(polygons: &Polygons) -> Box3 {
-    let control = Box3::from_points(polygons.cage.positions());
-    let Ok(tolerance) = Tolerance::new(SIZE_SHARE * control.diagonal()) else { return Box3::EMPTY };
-    let made = match cage_to_mesh(&polygons.cage, &Budget::length(tolerance), &Job::default()) {
-        Ok(made) => made,
-        Err(Failure::Unmet(best)) => *best,
-        Err(Failure::Refused(_) | Failure::Cancelled) => return Box3::EMPTY,
-    };
-    let Some(off) = made.bound.at_most() else { return Box3::EMPTY };
-    let Box3 { min, max } = made.shape.bounds();
-    let low = min.map(|x| add_up(x, off));
-    let high = max.map(|x| sub_down(x, off));
-    if (0..3).any(|k| low[k] > high[k]) {
-        // Thinner than the mesh is sure of: along that axis nothing is certain.
-        let middle = |k: usize| 0.5 * min[k] + 0.5 * max[k];
-        let flat = |k: usize| low[k] > high[k];
-        return Box3 {
-            min: [0, 1, 2].map(|k| if flat(k) { middle(k) } else { low[k] }),
-            max: [0, 1, 2].map(|k| if flat(k) { middle(k) } else { high[k] }),
-        };
-    }
-    Box3 { min: low, max: high }
 }
 
 /// Polygons, or triangles of them, for a file.

@@ -1,6 +1,6 @@
 //! `deviation`: how far two shapes are apart, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
-use crate::{Input, MeshFailure, Shape, flatten, implicit};
+use crate::{Input, MeshFailure, Shape, field, flatten};
 use chordal::budget::{Bound, Length, Reference, Refusal, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
@@ -98,7 +98,7 @@ fn measure(
         let message = "only triangles are measured against a field: mesh the other shape first".to_owned();
         return Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }));
     };
-    let found = implicit::deviation_of(&mesh, &field, goal, job)?;
+    let found = field::deviation_of(&mesh, &field, goal, job)?;
     let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
     let [forward, backward] = if turned { [backward, forward] } else { [forward, backward] };
     let bound = if off == 0.0 {

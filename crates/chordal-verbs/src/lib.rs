@@ -19,10 +19,12 @@
 //! ```
 mod bake;
 mod cage;
+mod cage_size;
 mod deviation;
 mod digest;
 mod export;
 mod failure;
+mod field;
 mod file_rows;
 mod filled_regions;
 mod finish;

@@ -5,7 +5,7 @@ use crate::report::{BudgetFacts, Certificate};
 use crate::request::MeshRequest;
 use crate::simplify::{simplify_scene, without_normals};
 use crate::{
-    BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, Shape, cage, filled_regions, formats, implicit,
+    BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, Shape, cage, field, filled_regions, formats,
     isosurface, polylines,
 };
 use chordal::budget::RefusalCode;
@@ -75,7 +75,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             isosurface::mesh_volume(&sampled, &request.widened(), &mut certificate.notes, job)?
         }
         Shape::Field(implicit) => {
-            implicit::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?
+            field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?
         }
         Shape::Scene(mut scene) => {
             if has_new_normals(spec.normals) {

@@ -1,7 +1,8 @@
 //! Curves into polylines within a budget, for formats that hold polylines.
+use crate::ImplicitShape;
 use crate::MeshFailure;
+use crate::field::ENDLESS;
 use crate::finish::finish_polylines;
-use crate::implicit::{ENDLESS, ImplicitShape};
 use crate::outcome::MeshOutcome;
 use crate::report::Certificate;
 use crate::request::MeshRequest;

@@ -1,6 +1,6 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
 use crate::implicit::ImplicitShape;
-use crate::{SurfaceSpec, VolumeShape, cage};
+use crate::{SurfaceSpec, VolumeShape, cage_size};
 use chordal::Patch;
 use chordal::explicit::{Curve, CurveSegment};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
@@ -129,7 +129,7 @@ impl Shape {
                 Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
             Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
-            Self::Cage(polygons) => Ok(diagonal_below(&cage::inner_box(polygons), 0.0)),
+            Self::Cage(polygons) => Ok(diagonal_below(&cage_size::inner_box(polygons), 0.0)),
             Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
             // The box may be larger than the shape. What its surface spans is known once it is meshed.

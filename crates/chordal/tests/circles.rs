@@ -57,7 +57,8 @@ impl Crate {
                 let name = leaf.alias.clone().or_else(|| leaf.segments.last().cloned())?;
                 Some((name, absolute(&leaf.segments, &module)))
             });
-            names.insert(module, leaves.collect());
+            let leaves = leaves.collect();
+            names.insert(module, leaves);
         }
         Self { names }
     }

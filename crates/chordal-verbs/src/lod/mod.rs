@@ -10,7 +10,7 @@ use crate::report::{
 };
 use crate::request::MeshRequest;
 use crate::simplify::{summary_notes, without_normals};
-use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, implicit, isosurface};
+use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, field, isosurface};
 use chordal::budget::{
     Bound, Budget, Failure, JobError, Length, MinDistanceView, Pixels, Reference, Refusal, RefusalCode,
     Tolerance, View,
@@ -329,7 +329,7 @@ impl LevelMesher<'_> {
             Shape::Volume(sampled) => {
                 isosurface::mesh_volume(sampled, &request.widened(), &mut self.notes, job)
             }
-            Shape::Field(field) => implicit::mesh_field(field, &request.widened(), &mut self.notes, job),
+            Shape::Field(field) => field::mesh_field(field, &request.widened(), &mut self.notes, job),
             _ => Err(MeshFailure::refused(RefusalCode::Unsupported, "this shape has no levels")),
         };
         let (scene, bound) = made.map_err(|failure| match failure {

@@ -1,5 +1,4 @@
 //! What curves are: only `inspect` says it.
-use super::Inspection;
 use crate::shape::in_space;
 use chordal::check::{Join, joins};
 use chordal::explicit::{Curve, CurveSegment};
@@ -130,14 +129,6 @@ impl DrawingFacts {
                 }
             }
         }
-    }
-}
-
-impl Inspection {
-    /// The kinks of a drawing, in order; none for other shapes.
-    #[must_use]
-    pub fn kinks(&self) -> &[KinkFacts] {
-        self.drawing.as_ref().map_or(&[], |drawing| &drawing.kinks)
     }
 }
 

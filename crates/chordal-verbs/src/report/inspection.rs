@@ -1,6 +1,7 @@
 //! What an input is: only `inspect` says it.
 use super::{
-    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, TriangleFacts, VolumeFacts, to_value,
+    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, TriangleFacts, VolumeFacts,
+    to_value,
 };
 use crate::file_rows::rows_of;
 use crate::formats::topology;
@@ -154,6 +155,14 @@ impl Inspection {
             findings: counted.valid.as_ref().map(FindingFacts::list),
             found: certificate.map(|certificate| EmbeddedCertificate::new(certificate, counted)),
         }
+    }
+}
+
+impl Inspection {
+    /// The kinks of a drawing, in order; none for other shapes.
+    #[must_use]
+    pub fn kinks(&self) -> &[KinkFacts] {
+        self.drawing.as_ref().map_or(&[], |drawing| &drawing.kinks)
     }
 }
 

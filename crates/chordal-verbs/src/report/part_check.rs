@@ -1,5 +1,5 @@
 //! All that was found of one part of a scene, by both meanings of "the same position".
-use super::WitnessFacts;
+use super::witness::WitnessFacts;
 use crate::file_rows::rows_of;
 use crate::formats::topology;
 use chordal::Mesh;

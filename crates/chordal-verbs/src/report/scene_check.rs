@@ -1,5 +1,5 @@
 //! What only shows where all parts of a scene stand: parts that cross or touch, and parts that lie within others.
-use super::WitnessFacts;
+use super::witness::WitnessFacts;
 use crate::flatten::{MergedParts, n_places};
 use chordal::Job;
 use chordal::budget::JobError;

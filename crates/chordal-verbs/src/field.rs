@@ -1,0 +1,73 @@
+//! Fields within a budget and against triangles.
+use crate::request::MeshRequest;
+use crate::{ImplicitShape, MeshFailure};
+use chordal::budget::{Bound, RefusalCode};
+use chordal::check::{self, FieldDeviation, Goal};
+use chordal::implicit::Field;
+use chordal::{Bounded, Job, Mesh, convert};
+use chordal_io::{Format, Scene};
+
+/// The surface of a field as the format will hold it, with its bound.
+///
+/// # Errors
+/// When the field is endless; as for [`convert::field_to_mesh`].
+pub(crate) fn mesh_field(
+    implicit: &ImplicitShape,
+    request: &MeshRequest,
+    notes: &mut Vec<String>,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let field = finite(implicit)?;
+    let Bounded { shape: mesh, bound } =
+        request.run(job, |budget| convert::field_to_mesh(&field, budget, job))?;
+    if let Some(region) = implicit.region {
+        let [low, high] = [region.min, region.max];
+        notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
+    }
+    // Where normals are for: other formats keep one row a vertex.
+    let shaded = matches!(request.to, Format::Glb | Format::Obj);
+    let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
+    Ok((Scene::from_mesh("field", mesh, true, implicit.frame), bound))
+}
+
+/// Coordinates up to this have squares, and sums of them, that are finite: derived, 2^1024 is the end of the numbers.
+const LARGEST: f64 = 1e150;
+
+/// What is said of a field that cannot be meshed for want of an end.
+pub(crate) const ENDLESS: &str = "the shape has no end in some direction: cut it off at a box \
+                                  (--region \"-1,-1,-1 1,1,1\", in Python within())";
+
+/// The field cut off at its region.
+///
+/// # Errors
+/// When it has no end in some direction, or reaches so far that numbers overflow.
+pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
+    let field = implicit.solid();
+    let bounds = field.bounds();
+    if let Some(far) = bounds.min.iter().chain(&bounds.max).find(|x| x.is_finite() && x.abs() > LARGEST) {
+        let message = format!(
+            "the shape reaches to {far:e}, and squares of coordinates beyond {LARGEST:e} are no numbers any more: scale it down"
+        );
+        return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
+    }
+    if bounds.is_empty() {
+        return Err(MeshFailure::refused(
+            RefusalCode::Empty,
+            "there is no surface: nothing of the shape is within its box",
+        ));
+    }
+    if !bounds.diagonal().is_finite() {
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, ENDLESS));
+    }
+    Ok(field)
+}
+
+/// How far triangles are from the surface of a field.
+pub(crate) fn deviation_of(
+    mesh: &Mesh,
+    implicit: &ImplicitShape,
+    goal: &Goal,
+    job: &Job,
+) -> Result<FieldDeviation, MeshFailure> {
+    Ok(check::field_deviation(mesh, &finite(implicit)?, goal, job)?)
+}

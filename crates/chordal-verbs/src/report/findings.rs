@@ -1,0 +1,152 @@
+//! `FindingFacts`: what was found, what it means and what repairs it.
+use super::surface::SurfaceFacts;
+use super::validity::ValidityFacts;
+use chordal::check::{Cure, Defect, Severity};
+use serde::{Serialize, Serializer};
+
+/// One thing that was found, in words, with what mends it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FindingFacts {
+    /// The name of its count.
+    pub of: &'static str,
+    /// How often.
+    pub count: u64,
+    /// "fault" where the surface is not what it should be, "remark" where its triangles could be better.
+    pub weight: &'static str,
+    /// One of them, or several, in words.
+    pub words: &'static str,
+    /// What it means, as half a sentence.
+    pub means: &'static str,
+    /// The options of `chordal mend` that mend it, in this order; empty where there is none.
+    #[serde(serialize_with = "as_options")]
+    pub cures: Vec<Cure>,
+    /// What to do where no option mends it.
+    pub advice: Option<&'static str>,
+}
+
+impl FindingFacts {
+    /// All that was found, the heaviest first; nothing where there are no triangles, which points do not lack.
+    #[must_use]
+    pub fn list(valid: &ValidityFacts) -> Vec<Self> {
+        if !valid.has_triangles() {
+            return Vec::new();
+        }
+        let told = |defect: &Defect| {
+            let count = valid.count(*defect).filter(|count| *count > 0)?;
+            // Where all are collapsed, that says it better.
+            let covered = *defect == Defect::ZeroAreaFaces && count == valid.counts.collapsed_faces;
+            (!covered).then(|| Self::new(*defect, count, valid))
+        };
+        let mut all: Vec<Self> = Defect::ALL.iter().filter_map(told).collect();
+        let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
+        add_consequences(&mut all, tried.map_or(&[], Vec::as_slice));
+        all
+    }
+
+    /// Whether anything was found that some cure is for.
+    pub(super) fn has_repairable(valid: &ValidityFacts, anatomy: &SurfaceFacts) -> bool {
+        let is_met = |defect: &&Defect| match defect {
+            Defect::InsideOut => anatomy.inside_out > 0,
+            _ => valid.count(**defect).is_some_and(|count| count > 0),
+        };
+        Defect::ALL.iter().filter(is_met).any(|defect| !defect.cures().is_empty())
+    }
+
+    fn new(defect: Defect, count: u64, valid: &ValidityFacts) -> Self {
+        let cures = cures(defect, valid);
+        let [one, several] = defect.words();
+        Self {
+            of: defect.name(),
+            count,
+            weight: if defect.severity() == Severity::Fault { "fault" } else { "remark" },
+            words: if count == 1 { one } else { several },
+            // A cure with a price says so where it is named.
+            means: if cures.contains(&Cure::FillHoles) { MAY_CROSS } else { defect.meaning() },
+            advice: advice(defect, valid, &cures),
+            cures,
+        }
+    }
+}
+
+/// What a boundary means where it can be filled.
+const MAY_CROSS: &str = "the surface ends there, so that it has no inside; what fills it may cross the surface, \
+    which `inspect --self-intersections` tells afterwards";
+
+/// The cures of a defect that help.
+fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<Cure> {
+    let (counts, other) = (&valid.counts, &valid.other.counts);
+    let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
+    // Equal points can be what keeps sheets apart that would branch, touch or disagree: a split is not to be undone.
+    let sound = other.non_manifold_edges <= counts.non_manifold_edges
+        && other.non_manifold_vertices <= counts.non_manifold_vertices
+        && other.duplicate_faces <= counts.duplicate_faces
+        && other.inconsistent_edges <= counts.inconsistent_edges;
+    let helps = |cure: Cure| match (defect, cure) {
+        (Defect::BoundaryEdges, Cure::Weld) => {
+            sound && counts.duplicate_vertices > 0 && other.boundary_edges < counts.boundary_edges
+        }
+        (Defect::DuplicateVertices, Cure::Weld) => sound,
+        (Defect::BoundaryEdges, Cure::ResolveTJunctions) => {
+            counts.t_junctions > 0 || counts.duplicate_vertices > 0 && other.t_junctions > 0
+        }
+        (Defect::NonManifoldEdges, Cure::DropDuplicates) => counts.duplicate_faces > 0,
+        (Defect::InconsistentEdges, Cure::Orient) => counts.orientable,
+        _ => true,
+    };
+    let was_tried = |cure: &Cure| tried.is_none_or(|tried| tried.contains(cure));
+    defect.cures().iter().copied().filter(|cure| helps(*cure) && was_tried(cure)).collect()
+}
+
+/// What mends only what others lay bare stands with them: a hole that is closed has an outside to be oriented by, a face
+/// that is dropped leaves vertices.
+fn add_consequences(all: &mut [FindingFacts], tried: &[Cure]) {
+    for cure in tried {
+        if all.iter().any(|finding| finding.cures.contains(cure)) {
+            continue;
+        }
+        let fills = |finding: &FindingFacts| finding.cures.contains(&Cure::FillHoles);
+        let filled = all.iter().position(|finding| *cure == Cure::Orient && fills(finding));
+        let cause = filled.or_else(|| all.iter().position(|finding| !finding.cures.is_empty()));
+        if let Some(finding) = cause.or((!all.is_empty()).then_some(0)) {
+            all[finding].cures.push(*cure);
+            all[finding].cures.sort_unstable();
+        }
+    }
+}
+
+/// What to do where no option mends it.
+fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<&'static str> {
+    let ties = valid.topology == "positions";
+    match defect {
+        _ if !cures.is_empty() => None,
+        Defect::NonManifoldEdges | Defect::NonManifoldVertices if ties => Some(
+            "`chordal mend --split-nonmanifold` into OBJ or PLY: this format ties equal positions together again",
+        ),
+        Defect::BoundaryEdges if valid.counts.orientable => Some(
+            "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it",
+        ),
+        _ => Some(defect.advice()),
+    }
+}
+
+/// The repairs of all findings, in the order in which to apply them.
+#[must_use]
+pub fn cures_of_all(findings: &[FindingFacts]) -> Vec<Cure> {
+    let wanted = |cure: &Cure| findings.iter().any(|finding| finding.cures.contains(cure));
+    Cure::ALL.into_iter().filter(wanted).collect()
+}
+
+/// In reports repairs are named as the options of the command, which is what users of a report call.
+fn as_options<S: Serializer>(cures: &[Cure], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(cures.iter().map(|cure| format!("--{}", cure.name())))
+}
+
+impl ValidityFacts {
+    /// Where there is something to repair, keeps which repairs helped when they were tried.
+    pub(crate) fn prescribe(&mut self, recommend: impl FnOnce() -> Option<Vec<Cure>>) {
+        if self.anatomy.as_ref().is_some_and(|anatomy| FindingFacts::has_repairable(self, anatomy)) {
+            let prescribed = recommend();
+            self.anatomy.iter_mut().for_each(|anatomy| anatomy.prescribed.clone_from(&prescribed));
+        }
+    }
+}
