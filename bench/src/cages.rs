@@ -1,5 +1,5 @@
 //! Cages as OpenSubdiv's regression shapes are written: an OBJ with tags.
-use chordal::explicit::{Boundary, Cage, Creasing, InvalidCage, Scheme};
+use chordal::explicit::{Boundary, Cage, CreasingMethod, InvalidCage, Scheme};
 
 /// Reads a file; the scheme is in its name.
 ///
@@ -12,7 +12,7 @@ pub fn read(path: &str) -> Result<Cage, InvalidCage> {
     let text = std::fs::read_to_string(path).expect("a cage");
     let (mut positions, mut faces) = (Vec::new(), Vec::<Vec<u32>>::new());
     let (mut creases, mut corners, mut holes) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut boundary, mut creasing) = (Boundary::EdgeOnly, Creasing::Uniform);
+    let (mut boundary, mut creasing) = (Boundary::EdgeOnly, CreasingMethod::Uniform);
     for line in text.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
         let float = |k: usize| words[k].parse::<f64>().expect("a number");
@@ -29,7 +29,7 @@ pub fn read(path: &str) -> Result<Cage, InvalidCage> {
                     "crease" => creases.extend(ints.chunks_exact(2).map(|e| ([e[0], e[1]], float(3 + n)))),
                     "corner" => corners.extend(ints.iter().map(|v| (*v, float(3 + n)))),
                     "hole" => holes.extend(ints),
-                    "creasemethod" if words.last() == Some(&"chaikin") => creasing = Creasing::Chaikin,
+                    "creasemethod" if words.last() == Some(&"chaikin") => creasing = CreasingMethod::Chaikin,
                     // In these files 1 is edges and corners.
                     "interpolateboundary" => {
                         boundary =

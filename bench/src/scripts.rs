@@ -1,7 +1,7 @@
 //! Fields that scripts and op lists say, and the op lists of fields, for a peer that reads nothing else.
 use crate::models;
 use chordal::Job;
-use chordal::implicit::{Binary, Field, Graph, Term, Unary};
+use chordal::implicit::{Binary, ExprGraph, Field, Term, Unary};
 use chordal::math::Box3;
 use std::fmt::Write;
 use std::path::Path;
@@ -53,7 +53,7 @@ impl Model {
         if path.extension().is_some_and(|e| e == "vm") {
             return Self::of_text(text);
         }
-        let options = chordal_script::Options::default();
+        let options = chordal_script::RunOptions::default();
         let script = chordal_script::run(&text, &options, &Job::default()).expect("a script");
         let text = op_list(&script.field);
         let Box3 { min, max } = script.field.bounds();
@@ -76,7 +76,7 @@ pub fn op_list(field: &Field) -> Option<String> {
         format!("_{lines:x}")
     };
     let mut names: Vec<String> = Vec::new();
-    for term in Graph::of(field.sign()).terms() {
+    for term in ExprGraph::from_expr(field.sign()).terms() {
         let name = |k: u32| names[k as usize].clone();
         let made = match term {
             Term::Const(value) => line(&format!("const {value}")),

@@ -10,9 +10,9 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
 
-/// Cells along the longest side.
+/// FieldOctree along the longest side.
 const CELLS: usize = 128;
-/// Cells that a band reaches on each side.
+/// FieldOctree that a band reaches on each side.
 const BAND: f64 = 3.0;
 
 fn main() {

@@ -5,7 +5,7 @@
 //! `judge MODEL MESH` measures a mesh that anybody wrote, by samples that share nothing with the proof. A model is a name or a file.
 use chordal::budget::{Failure, Tolerance};
 use chordal::explicit::{Bvh, Topology};
-use chordal::implicit::{Slope, Tape};
+use chordal::implicit::{Dual, Tape};
 use chordal::{Budget, Job, Mesh, check, convert};
 use chordal_bench::scripts::Model;
 use chordal_bench::{read, write};
@@ -166,7 +166,7 @@ fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
     let cloud = Mesh::new(surface.to_vec(), faces).expect("valid");
     let bvh = Bvh::build(&cloud, &Job::default()).expect("small");
     let near = bvh.closest_points(points, &Job::default());
-    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+    let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
     tape.gradient_at(points, &mut slopes).expect("no leaf");
     // From each point down the slope, as far as the next known point is: then the side has changed or this way is no better.
     let mut most: Vec<f64> = points
@@ -283,7 +283,7 @@ fn apart(a: Point, b: Point) -> f64 {
 fn judge(model: &Model, path: &str) -> Value {
     let (positions, faces) = read(Path::new(path)).expect("a mesh").swap_remove(0);
     let mesh = Mesh::new(positions, faces).expect("valid");
-    let tape = Tape::of(model.field.sign());
+    let tape = Tape::new(model.field.sign());
     let job = Job::default();
     let bvh = Bvh::build(&mesh, &job).expect("small");
     let surface = surface_points(&tape, model.cube);

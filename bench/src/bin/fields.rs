@@ -2,7 +2,7 @@
 //! second of Chordal, fidget's interpreter and fidget's machine code, one thread each, medians of runs in turn.
 //!
 //! FOLDER holds op lists (`prospero.vm`). Models made here are op lists as well, so that all sides read the same text.
-use chordal::implicit::{Slope, Tape};
+use chordal::implicit::{Dual, Tape};
 use chordal::math::{Box3, Interval};
 use chordal_bench::models::{csg, expression, gyroids};
 use fidget::context::Context;
@@ -51,7 +51,7 @@ fn row(model: &str, what: &str, count: usize, times: &[f64]) {
 }
 
 fn bench(model: &str, text: &str) {
-    let tape = Tape::of(&expression(text));
+    let tape = Tape::new(&expression(text));
     let (context, root) = Context::from_text(text.as_bytes()).expect("an op list");
     let (vm, jit) =
         (VmShape::new(&context, root).expect("a shape"), JitShape::new(&context, root).expect("a shape"));
@@ -77,7 +77,7 @@ fn bench(model: &str, text: &str) {
     let rows: Vec<[f64; 3]> = (0..POINTS).map(|k| [x[k], y[k], z[k]].map(f64::from)).collect();
     let columns = [0, 1, 2].map(|k| rows.iter().map(|p| p[k]).collect::<Vec<f64>>());
     let mut values = vec![0.0; POINTS];
-    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; POINTS];
+    let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; POINTS];
     let [cx, cy, cz] = &columns;
     let times = medians(&mut [
         &mut || tape.at_columns([black_box(cx), cy, cz], &mut values).expect("no leaf"),
@@ -108,7 +108,7 @@ fn bench(model: &str, text: &str) {
         .map(|b| [0, 1, 2].map(|k| fidget::types::Interval::new(b.min[k] as f32, b.max[k] as f32)))
         .collect();
     let mut ranges = vec![Interval::UNKNOWN; BOXES];
-    let mut gradients = vec![Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; BOXES];
+    let mut gradients = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; BOXES];
     let (vm_tape, jit_tape) = (vm.ez_interval_tape(), jit.ez_interval_tape());
     let (mut vm_eval, mut jit_eval) = (VmShape::new_interval_eval(), JitShape::new_interval_eval());
     let times = medians(&mut [

@@ -248,7 +248,7 @@ fn compare(path: &str) {
         Ok(cage) => cage,
         Err(error) => return println!("{{\"cage\": \"{name}\", \"refused\": \"{error}\"}}"),
     };
-    let diagonal = Box3::around(cage.positions()).diagonal();
+    let diagonal = Box3::from_points(cage.positions()).diagonal();
     let close = close_samples(&cage);
     let mut fine = Fine::of(&cage, QUADS);
     let mut levels: Vec<(usize, f64)> = Vec::new();

@@ -5,7 +5,7 @@
 use chordal::budget::{Failure, Tolerance};
 use chordal::check::{Goal, deviation, validity};
 use chordal::explicit::Topology;
-use chordal::lod::{self, Source, Steps};
+use chordal::lod::{self, LodSource, LodSteps};
 use chordal::{Budget, Job, Mesh};
 use chordal_bench::{read, shapes, write};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify, simplify_with_update, typed_to_bytes};
@@ -47,9 +47,9 @@ fn ours(mesh: &Mesh, aim: Aim, job: &Job) -> Made {
 /// until [`LEAST`].
 fn our_levels(mesh: &Mesh, job: &Job) -> (f64, Vec<Mesh>) {
     let half = ours(mesh, Aim::Count(mesh.faces().len() / 2), job).declared.expect("proved");
-    let steps = Steps { enough: LEAST, ..Steps::from(Tolerance::new(half).expect("a length")) };
+    let steps = LodSteps { enough: LEAST, ..LodSteps::from_finest(Tolerance::new(half).expect("a length")) };
     let start = Instant::now();
-    let levels = lod::chain(Source::Triangles(mesh, Topology::Indices), &steps, job).expect("proved");
+    let levels = lod::chain(LodSource::Triangles(mesh, Topology::Indices), &steps, job).expect("proved");
     (start.elapsed().as_secs_f64(), levels.into_iter().map(|level| level.mesh).collect())
 }
 

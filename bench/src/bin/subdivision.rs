@@ -49,12 +49,12 @@ fn off(ours: &[[f64; 3]], theirs: &[[f64; 3]]) -> f64 {
     if ours.len() != theirs.len() {
         return f64::INFINITY;
     }
-    let diagonal = chordal::math::Box3::around(theirs).diagonal();
+    let diagonal = chordal::math::Box3::from_points(theirs).diagonal();
     // The target: a millionth of the extent.
     let near = 1e-6 * diagonal;
     let one_way = |from: &[[f64; 3]], to: &[[f64; 3]]| {
         let mut order: Vec<u32> = (0..to.len() as u32).collect();
-        // Cells of a thousandth of the diagonal in x and y bring close points together.
+        // FieldOctree of a thousandth of the diagonal in x and y bring close points together.
         let cell = |p: &[f64; 3], k: usize| (p[k] / diagonal * 1e3).floor() as i64;
         let key = |p: &[f64; 3]| (cell(p, 0), cell(p, 1));
         order.sort_unstable_by(|a, b| {

@@ -5,7 +5,7 @@
 //! puts many on the level) or `nets` (the crate fast-surface-nets, on one thread).
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_mesh, grid_to_triangles};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 use std::time::Instant;
@@ -85,7 +85,7 @@ fn main() {
     if words[0] == "ties" {
         values.iter_mut().for_each(|v| *v = (*v * 10.0).round() / 10.0);
     }
-    let grid = Grid::new([n; 3], Samples::F32(values), Affine::IDENTITY).expect("a grid");
+    let grid = Grid::new([n; 3], Samples::F32(values), Affine3::IDENTITY).expect("a grid");
     let (seconds, triangles, open, bound) = match words[0].as_str() {
         "f32" => {
             let (s, made) = timed(runs, || grid_to_triangles::<f32>(&grid, &rule, &job).expect("a surface"));
