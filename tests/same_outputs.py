@@ -68,14 +68,14 @@ def jobs():
         yield f"help {verb}", [verb, "--help"]
 
 
-def outcome(chordal, words):
+def outcome(chordal, words, limit):
     """What one run says and writes."""
     with tempfile.TemporaryDirectory() as folder:
         command = [str(chordal), *(str(word).replace("OUT/", f"{folder}/") for word in words)]
         if words[0] not in ("help",) and "--help" not in words:
             command += ["--max-memory", "1G"] + ([] if words[0] == "inspect" else ["--threads", "1"])
         try:
-            done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=LIMIT, check=False)
+            done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit, check=False)
         except subprocess.TimeoutExpired:
             return {"exit": "timeout"}
         said = {stream: VOLATILE.sub("TIME", text.replace(folder, "OUT")) for stream, text in
@@ -85,11 +85,11 @@ def outcome(chordal, words):
     return {"exit": done.returncode, **said, "files": files}
 
 
-def outcomes(chordal):
-    """Of all runs, by name."""
-    named = dict(jobs())
+def outcomes(chordal, only, limit):
+    """Of all runs whose name matches, by name."""
+    named = {name: words for name, words in jobs() if re.search(only, name)}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = pool.map(lambda words: outcome(chordal, words), named.values())
+        results = pool.map(lambda words: outcome(chordal, words, limit), named.values())
         return dict(zip(named, results, strict=True))
 
 
@@ -118,15 +118,17 @@ def main():
     parser.add_argument("chordal", type=Path, help="the command to run")
     parser.add_argument("file", type=Path, help="where the outcomes are kept")
     parser.add_argument("--sums", action="store_true", help="leave out what is said")
+    parser.add_argument("--only", default="", metavar="REGEX", help="the runs whose names match")
+    parser.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS", help="for each run")
     asked = parser.parse_args()
     if not DATA.is_dir():
         print(f"NOTE: only the examples are run, because there is no {DATA}.", file=sys.stderr)
-    now = outcomes(asked.chordal.resolve())
+    now = outcomes(asked.chordal.resolve(), asked.only, asked.limit)
     if asked.what == "record":
         asked.file.write_text(json.dumps(now, indent=1))
         print(f"{len(now)} runs recorded.")
         return
-    before = json.loads(asked.file.read_text())
+    before = {name: told for name, told in json.loads(asked.file.read_text()).items() if re.search(asked.only, name)}
     lines = [line for name in before.keys() & now.keys() for line in difference(name, before[name], now[name], asked.sums)]
     print(*lines, sep="\n")
     differing = len({line.split(":")[0] for line in lines if not line.startswith(" ")})

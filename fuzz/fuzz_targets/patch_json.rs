@@ -4,5 +4,5 @@ use chordal_io::{Format, Limits, read};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = read(bytes, Format::PatchJson, &Limits::default());
+    let _ = read(bytes, Format::Json, &Limits::default());
 });

@@ -383,6 +383,12 @@ fn certificate_text(found: &EmbeddedCertificate) -> String {
     }
 }
 
+/// The options of `chordal mend`.
+fn options(cures: &[Cure]) -> String {
+    let options: Vec<String> = cures.iter().map(|cure| format!("--{}", cure.name())).collect();
+    options.join(" ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -394,10 +400,4 @@ mod tests {
         assert_eq!(quoted("it's.obj"), r"'it'\''s.obj'");
         assert_eq!(quoted("$(x).obj"), "'$(x).obj'");
     }
-}
-
-/// The options of `chordal mend`.
-fn options(cures: &[Cure]) -> String {
-    let options: Vec<String> = cures.iter().map(|cure| format!("--{}", cure.name())).collect();
-    options.join(" ")
 }

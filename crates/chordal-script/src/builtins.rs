@@ -1,4 +1,4 @@
-//! The functions of every Python that scripts have too, within limits.
+//! Python's common built-in functions, metered against the script's limits.
 use crate::compare::order;
 use crate::language::{CallError, operate};
 use crate::meter::Meter;
@@ -13,7 +13,7 @@ use starlark::values::{Value, ValueLike};
 use starlark::{starlark_module, values::list::AllocList, values::tuple::AllocTuple};
 use std::cmp::Ordering;
 
-/// All values that a loop over `value` would see.
+/// All values that a loop over `value` would yield.
 fn iterate<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Vec<Value<'v>>> {
     let Some(list) = elements(value) else {
         return Err(fault(CallError(format!("{} is no list", arg_of(value).kind()))));
@@ -22,7 +22,7 @@ fn iterate<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::
     Ok(list.to_vec())
 }
 
-/// The first of all values in an order.
+/// The smallest or largest value, by the given order.
 fn extremum<'v>(
     values: UnpackTuple<Value<'v>>,
     wanted: Ordering,
@@ -44,7 +44,7 @@ fn extremum<'v>(
     Ok(best)
 }
 
-/// Where a whole number is needed.
+/// A whole number, where one is required.
 fn as_integer(value: Value) -> starlark::Result<i32> {
     value
         .unpack_i32()
@@ -126,7 +126,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
 
     fn int(#[starlark(require = pos)] value: Value) -> starlark::Result<i32> {
         let number = number(value).filter(|n| n.abs() <= f64::from(i32::MAX));
-        // In range: what is cut off is the part after the point.
+        // In range: the cast cuts off the fraction.
         number
             .map(|n| n as i32)
             .ok_or_else(|| fault(CallError("int() needs a number below 2^31 in size".to_owned())))

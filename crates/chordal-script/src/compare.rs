@@ -1,5 +1,5 @@
-//! Comparing values within limits: numbers, texts, and lists of them. Lists of lists are not compared, since lists that
-//! share their parts can stand for more elements than there are atoms.
+//! Metered comparison of numbers, texts and lists of them. Lists of lists are not compared: lists that share
+//! parts can stand for more elements than there are atoms.
 use crate::language::CallError;
 use crate::meter::Meter;
 use crate::values::{elements, fault, number};
@@ -41,7 +41,7 @@ fn equal_simple<'v>(a: Value<'v>, b: Value<'v>, eval: &mut Evaluator<'v, '_, '_>
     }
 }
 
-/// Which of two numbers or texts comes first.
+/// Orders two numbers or two texts.
 pub(crate) fn order<'v>(
     a: Value<'v>,
     b: Value<'v>,
@@ -55,7 +55,7 @@ pub(crate) fn order<'v>(
     Err(fault(CallError(format!("{} and {} have no order", a.get_type(), b.get_type()))))
 }
 
-/// Whether a list or text holds a value.
+/// Whether a list or text contains a value.
 pub(crate) fn contains<'v>(
     list: Value<'v>,
     value: Value<'v>,

@@ -1,17 +1,17 @@
 //! `ScriptError`: what is wrong with a script, and where.
 use std::fmt;
 
-/// A stable name for what is wrong, a place, and one sentence.
+/// A stable error code, a source position, and one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScriptError {
-    /// Stable, for programs: `script-syntax`, `script-error`, `script-limit`, `script-value`, `unknown-parameter` or
-    /// `cancelled`.
+    /// Stable, for programs: `script-syntax`, `script-error`, `script-limit`, `script-value`,
+    /// `unknown-parameter` or `cancelled`.
     pub code: &'static str,
-    /// Line and column, counted from 1, where there is a place.
+    /// Line and column, counted from 1, where the position is known.
     pub place: Option<(u64, u64)>,
-    /// What, in one sentence.
+    /// The cause, in one sentence.
     pub message: String,
-    /// The line of the script, if there is a place.
+    /// The line of the script, where the position is known.
     pub line: Option<String>,
 }
 
@@ -20,7 +20,7 @@ impl ScriptError {
         Self { code, place: None, message: message.into(), line: None }
     }
 
-    /// The same with the place of a byte of the text.
+    /// Adds the position of a byte offset in the text.
     pub(crate) fn at(self, text: &str, offset: usize) -> Self {
         let before = text.get(..offset).unwrap_or(text);
         let start = before.rfind('\n').map_or(0, |at| at + 1);
@@ -28,24 +28,24 @@ impl ScriptError {
         self.in_line(text, (line, before[start..].chars().count()))
     }
 
-    /// The same with a place, counted from 0.
+    /// Adds a position, counted from 0.
     pub(crate) fn in_line(self, text: &str, (line, column): (usize, usize)) -> Self {
         let shown = text.lines().nth(line).map(|shown| shown.chars().take(LONGEST_LINE).collect());
         Self { place: Some((line as u64 + 1, column as u64 + 1)), line: shown, ..self }
     }
 
-    /// The line with a mark below the column, where both are known and the column is shown.
+    /// The line with a mark below the column; `None` where either is unknown or the column is cut off.
     #[must_use]
     pub fn excerpt(&self) -> Option<String> {
         let (line, (_, column)) = (self.line.as_ref()?, self.place?);
         let before = usize::try_from(column - 1).ok().filter(|before| *before <= line.chars().count())?;
-        // Tabs stay tabs, so that the mark stands where it should.
+        // Tabs stay tabs, so that the mark lines up.
         let space: String = line.chars().take(before).map(|c| if c == '\t' { c } else { ' ' }).collect();
         Some(format!("{line}\n{space}^"))
     }
 }
 
-/// Characters of a line that an error carries.
+/// The most characters of a line that an error carries.
 const LONGEST_LINE: usize = 200;
 
 impl fmt::Display for ScriptError {

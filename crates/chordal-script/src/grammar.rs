@@ -1,4 +1,5 @@
-//! What of Starlark scripts may use: parsed, looked through, and with operators that keep to the limits.
+//! The subset of Starlark that scripts may use: parses a text, checks it, and replaces operators by metered
+//! functions.
 use crate::operators::OPERATORS;
 use crate::{Limits, ScriptError, nesting};
 use starlark::codemap::Span;
@@ -9,13 +10,13 @@ use starlark::syntax::ast::{
 use starlark::syntax::{AstModule, Dialect, DialectTypes};
 use std::collections::HashMap;
 
-/// A program with the text that it was made of.
+/// A program with its source text.
 pub(crate) struct Program {
     pub module: AstModule,
     pub source: ScriptSource,
 }
 
-/// The program of a text.
+/// Parses a text into a program.
 pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError> {
     if text.len() > limits.bytes {
         let message = format!("{} bytes are over the limit of {} for a script", text.len(), limits.bytes);
@@ -58,8 +59,8 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     Ok(Program { module, source })
 }
 
-/// A script's text, and what is parsed instead: `a += b` is written out as `a = a + (b)`, so that every operator can be
-/// called through a function that keeps to the limits.
+/// A script's text and the rewritten text that is parsed instead: `a += b` becomes `a = a + (b)`, so that
+/// every operator can be called through a metered function.
 #[derive(Debug)]
 pub(crate) struct ScriptSource {
     text: String,
@@ -67,24 +68,23 @@ pub(crate) struct ScriptSource {
     edits: Vec<TextEdit>,
 }
 
-/// Bytes that stand for others.
+/// Bytes that replace others.
 #[derive(Debug)]
 struct TextEdit {
     old: std::ops::Range<usize>,
     new: std::ops::Range<usize>,
 }
 
-/// Bytes to be put in place of others.
+/// A replacement of a range of bytes.
 #[derive(Debug)]
 struct TextChange {
     old: std::ops::Range<usize>,
     new: String,
-    /// Which of several in one place comes first.
+    /// The order among changes at the same position.
     rank: i64,
 }
 
-/// The function that everything which is called goes through; no script can be stopped from using its name, but nothing is
-/// gained by that.
+/// The function that every call goes through. Scripts can use its name themselves, but gain nothing by it.
 const CALLED: &str = "called__";
 
 /// The function that every index goes through, for the same reason.
@@ -99,9 +99,9 @@ impl ScriptSource {
         Self { text: text.to_owned(), written: text.to_owned(), edits: Vec::new() }
     }
 
-    /// The same with other bytes in some places.
+    /// Applies the changes.
     fn with_changes(self, mut changes: Vec<TextChange>) -> Self {
-        // Of two that end in one place the inner one, which starts later, comes first.
+        // Of two that end at one position the inner one, which starts later, comes first.
         changes.sort_by_key(|change| (change.old.start, change.rank));
         let (mut written, mut edits, mut done) = (String::new(), Vec::new(), 0);
         for TextChange { old, new, .. } in changes {
@@ -115,7 +115,7 @@ impl ScriptSource {
         Self { written, edits, ..self }
     }
 
-    /// What `a += b` is written out as.
+    /// Rewrites `a += b`.
     fn assignment(&self, target: &AstAssignTarget, operator: &str, value: Span) -> [TextChange; 2] {
         let again = match &target.node {
             AssignTargetP::Index(parts) => {
@@ -131,12 +131,12 @@ impl ScriptSource {
         ]
     }
 
-    /// What `f(a)` is written out as: starlark shows what is called in its errors, and a list of shared lists would take
-    /// it forever.
+    /// Rewrites `f(a)`: starlark prints the callee in its errors, which would never end for a list of shared
+    /// lists.
     fn call((function, through): (Span, &str)) -> [TextChange; 2] {
         let function = range(function);
         [
-            // The outer one first, and it closes last.
+            // The outer one opens first and closes last.
             TextChange {
                 old: function.start..function.start,
                 new: format!("{through}("),
@@ -150,7 +150,7 @@ impl ScriptSource {
         ]
     }
 
-    /// The offset in the script of an offset in what is parsed.
+    /// Maps an offset in the parsed text to one in the script.
     fn place(&self, offset: usize) -> usize {
         let before = self.edits.iter().take_while(|edit| edit.new.start <= offset).last();
         match before {
@@ -164,7 +164,7 @@ impl ScriptSource {
         ScriptError::new(code, what).at(&self.text, self.place(span.begin().get() as usize))
     }
 
-    /// An error of the interpreter with its place.
+    /// An error of the interpreter with its position.
     pub(crate) fn translate_error(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
         let message = error.without_diagnostic().to_string();
         let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
@@ -175,17 +175,17 @@ impl ScriptSource {
     }
 }
 
-/// Characters of a message.
+/// The most characters of a message.
 const LONGEST_MESSAGE: usize = 500;
 
-/// What a look at a program finds.
+/// What a scan of the program finds.
 #[derive(Default)]
 struct ProgramScan {
-    /// The first thing that scripts do not have, with its place.
+    /// The first construct that scripts may not use, with its position.
     found: Option<(Span, String)>,
-    /// Assignments with an operator: targets, operators and values.
+    /// Augmented assignments: targets, operators and values.
     assignments: Vec<(AstAssignTarget, String, Span)>,
-    /// What goes through a function, and through which.
+    /// Expressions to wrap in a function, and which function.
     calls: Vec<(Span, &'static str)>,
 }
 
@@ -260,7 +260,7 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
     }
 }
 
-/// Indices of elements that are assigned to, in tuples of targets too.
+/// Finds indexed elements among assignment targets, also in tuples.
 fn target(target: &AstAssignTarget, search: &mut ProgramScan) {
     match &target.node {
         AssignTargetP::Index(parts) => search.calls.push((parts.1.span, INDEX)),

@@ -1,7 +1,7 @@
-//! Shape scripts: a few lines of Starlark, which is Python's syntax without its world, to a field.
+//! Shape scripts: runs a few lines of Starlark, Python's syntax in a sandbox, and returns a field.
 //!
-//! The value of the last expression is the shape. Scripts see no files, no clock and no chance; what they may use of time
-//! and memory is bounded by [`Limits`], and whatever is wrong is one [`ScriptError`] with line and column.
+//! The value of the last expression is the shape. Scripts have no files, no clock and no randomness.
+//! [`Limits`] bound their time and memory, and every failure is one [`ScriptError`] with line and column.
 //!
 //! ```
 //! use chordal_script::{RunOptions, run};

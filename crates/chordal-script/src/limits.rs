@@ -1,22 +1,22 @@
-//! `Limits`: how much a script may use.
+//! `Limits`: caps on the resources of a script.
 
-/// Caps on what one script may use. Each is checked before what it caps is taken, or right after a step that is itself
-/// bounded, so that a script ends with an error and not with the machine.
+/// Caps on the resources of one script. Each is checked before the resource is taken, or right after a step
+/// that is itself bounded, so that a script ends with an error and does not exhaust the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of the text.
     pub bytes: usize,
-    /// How deeply expressions and blocks may be nested, operators in a row included.
+    /// The nesting depth of expressions and blocks; operators in a row count.
     pub nesting: u32,
-    /// Calls and turns of loops.
+    /// Calls and loop iterations.
     pub ticks: u64,
-    /// Bytes that the values of the script may take.
+    /// Bytes of the script's values.
     pub heap: usize,
-    /// Functions that wait for each other.
+    /// The depth of the call stack.
     pub calls: usize,
-    /// Elements that built-in functions and operators may look at or make, all together.
+    /// Elements that built-in functions and operators may read or create, in total.
     pub work: u64,
-    /// Terms of the shape's expression, and a quarter of those that may be made on the way.
+    /// Terms of the shape's expression. All steps together may make four times as many.
     pub terms: u64,
 }
 

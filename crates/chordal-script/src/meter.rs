@@ -1,4 +1,4 @@
-//! `Meter`: what a script has used so far, beyond what the interpreter counts itself.
+//! `Meter`: resource use of a script, beyond what the interpreter counts itself.
 use crate::language::Arg;
 use crate::{Limits, Parameter};
 use starlark::any::ProvidesStaticType;
@@ -7,19 +7,19 @@ use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What goes with one run of a script.
+/// The state of one run of a script.
 #[derive(Debug, ProvidesStaticType)]
 pub(crate) struct Meter {
     pub limits: Limits,
-    /// What parameters were set to, by name.
+    /// Parameter values set by the caller, by name.
     pub set: BTreeMap<String, f64>,
-    /// The parameters that the script has asked for.
+    /// The parameters that the script has read.
     pub parameters: RefCell<Vec<Parameter>>,
     work: Cell<u64>,
     made: Cell<u64>,
 }
 
-/// Why a script is stopped: it used more than it may.
+/// Why a script was stopped: it exceeded a limit.
 #[derive(Debug)]
 pub(crate) struct LimitError(pub String);
 
@@ -41,7 +41,7 @@ impl Meter {
         eval.extra.and_then(|extra| extra.downcast_ref()).expect("every run has its meter")
     }
 
-    /// Allows for looking at, or making, that many elements.
+    /// Charges for reading, or creating, that many elements.
     pub fn charge(eval: &mut Evaluator, elements: usize) -> starlark::Result<()> {
         let meter = Self::from_eval(eval);
         let all = meter.work.get().saturating_add(elements as u64);
@@ -52,7 +52,7 @@ impl Meter {
                 meter.limits.work
             )));
         }
-        // What an element takes at most, in a list that grows by doubling.
+        // The most bytes of an element, in a list that grows by doubling.
         const BYTES: usize = 16;
         let heap = eval.heap().peak_allocated_bytes().saturating_add(elements.saturating_mul(BYTES));
         if heap > Self::from_eval(eval).limits.heap {
@@ -61,7 +61,7 @@ impl Meter {
         Ok(())
     }
 
-    /// Allows for what was made as a value of the language.
+    /// Charges for a new value of the language.
     pub fn charge_arg(&self, arg: &Arg) -> starlark::Result<()> {
         let all = self.made.get().saturating_add(arg.step_weight());
         self.made.set(all);
@@ -71,7 +71,7 @@ impl Meter {
         Ok(())
     }
 
-    /// Looks at the heap between statements, where one statement can double what there is.
+    /// Checks the heap between statements, since one statement can double it.
     pub fn check_heap(eval: &mut Evaluator) -> starlark::Result<()> {
         Self::charge(eval, 0)
     }
@@ -81,7 +81,7 @@ fn heap_exceeded(limits: &Limits) -> starlark::Error {
     exceeded(format!("the script's values take more than {} bytes", limits.heap))
 }
 
-/// The error of a limit.
+/// The error for an exceeded limit.
 pub(crate) fn exceeded(message: String) -> starlark::Error {
     starlark::Error::new_other(LimitError(message))
 }

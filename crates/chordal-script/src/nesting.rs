@@ -1,10 +1,10 @@
-//! How deeply a text is nested, before anything recursive sees it: the parser calls itself for every bracket, and its
-//! tree is as deep as operators in a row are long.
+//! Checks the nesting depth of a text before any recursive code sees it: the parser recurses for every
+//! bracket, and its tree is as deep as a chain of operators is long.
 use crate::ScriptError;
 
-/// Refuses a text that a tree of the allowed depth may not hold. What is counted is never less than that depth: every
-/// bracket, operator, dot and keyword of an expression since the last comma of its bracket, for all open brackets; and
-/// blocks by their indentation.
+/// Refuses a text whose tree may exceed the allowed depth. The count is an upper bound of that depth: every
+/// bracket, operator, dot and keyword of an expression since the last comma of its bracket, summed over all
+/// open brackets; and blocks by their indentation.
 pub(crate) fn check(text: &str, most: u32) -> Result<(), ScriptError> {
     let mut scan = NestingScan { open: vec![0], depth: 0, indents: vec![0], branches: 0 };
     let bytes = text.as_bytes();
@@ -23,13 +23,13 @@ pub(crate) fn check(text: &str, most: u32) -> Result<(), ScriptError> {
 }
 
 struct NestingScan {
-    /// For every open bracket what was counted since its last comma.
+    /// By open bracket: the count since its last comma.
     open: Vec<u32>,
     /// Their sum.
     depth: u32,
-    /// The columns of the blocks that are open.
+    /// The columns of the open blocks.
     indents: Vec<usize>,
-    /// The branches of the longest chain of `elif`: each is within the one before.
+    /// The branches of the longest `elif` chain: each nests within the one before.
     branches: u32,
 }
 
@@ -49,7 +49,7 @@ impl NestingScan {
     }
 }
 
-/// What follows one token that starts at `at`.
+/// The offset after the token that starts at `at`.
 fn token(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
     match bytes[at] {
         b'(' | b'[' | b'{' => {
@@ -86,7 +86,7 @@ fn token(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
     at + 1
 }
 
-/// The end of a string that starts at `at`.
+/// The end of the string that starts at `at`.
 fn string(bytes: &[u8], at: usize) -> usize {
     let quote = bytes[at];
     let long = bytes[at..].starts_with(&[quote; 3]);
@@ -104,7 +104,7 @@ fn string(bytes: &[u8], at: usize) -> usize {
     bytes.len()
 }
 
-/// Looks at how far the line that starts at `at` is indented; lines without a statement say nothing.
+/// Measures the indentation of the line that starts at `at`; lines without a statement are skipped.
 fn indentation(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
     let width = bytes[at..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
     if bytes.get(at + width).is_some_and(|b| !matches!(b, b'#' | b'\n' | b'\r')) {

@@ -1,5 +1,5 @@
-//! Operators that keep to the limits: those of Starlark can make a list of 16 GB in one step, before any limit is looked
-//! at, so that every one of them is called through here.
+//! Metered operators. Those of Starlark can make a list of 16 GB in one step, before any limit is checked, so
+//! that every operator is called through here.
 use crate::compare::{contains, equal, order};
 use crate::language::{CallError, operate};
 use crate::meter::{Meter, exceeded};
@@ -13,13 +13,13 @@ use starlark::values::{
 use std::cmp::Ordering;
 use std::fmt;
 
-/// Every operator on two values, but `and` and `or`, which look at one at a time.
+/// Every binary operator but `and` and `or`, which evaluate one operand at a time.
 pub(crate) const OPERATORS: [&str; 19] = [
     "+", "-", "*", "/", "//", "%", "|", "&", "^", "<<", ">>", "==", "!=", "<", ">", "<=", ">=", "in",
     "not in",
 ];
 
-/// An operator, which the program calls as a function of two values.
+/// An operator, called by the program as a function of two values.
 #[derive(Debug, ProvidesStaticType, NoSerialize, StarlarkPagablePanic, Allocative)]
 pub(crate) struct StarlarkOperator(#[allocative(skip)] pub &'static str);
 starlark::starlark_simple_value!(StarlarkOperator);
@@ -91,14 +91,14 @@ fn length_is_of_b(a: Value) -> bool {
     number(a).is_some()
 }
 
-/// What an operator makes of two numbers.
+/// Applies an operator to two numbers.
 pub(crate) fn of_numbers<'v>(
     operator: &'static str,
     a: Value<'v>,
     b: Value<'v>,
     heap: Heap<'v>,
 ) -> starlark::Result<Value<'v>> {
-    // Up to here every whole number is handled; beyond, products grow without end.
+    // Whole numbers are handled up to here; beyond, products grow without end.
     const MOST: f64 = (1_u64 << 60) as f64;
     let large = |value: Value| value.get_type() == "int" && number(value).is_none_or(|n| n.abs() > MOST);
     if large(a) || large(b) {

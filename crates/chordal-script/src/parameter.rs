@@ -1,12 +1,12 @@
-//! `Parameter`: a number that a script can be given.
+//! `Parameter`: a numeric input of a script.
 
-/// A number that a script can be given.
+/// A numeric input of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// Its name.
     pub name: String,
-    /// What it is when nobody sets it.
+    /// Its default value.
     pub default: f64,
-    /// What it was set to, else the default.
+    /// Its value: the one set by the caller, else the default.
     pub value: f64,
 }

@@ -1,4 +1,4 @@
-//! `run`: a script to the field that its last expression is.
+//! `run`: evaluates a script to the field of its last expression.
 use crate::Parameter;
 use crate::builtins::builtins;
 use crate::grammar::{Program, ScriptSource, parse};
@@ -16,31 +16,31 @@ use starlark::values::none::NoneType;
 use starlark::values::{Value, ValueLike};
 use std::collections::BTreeMap;
 
-/// What a script is run with.
+/// Options of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunOptions {
-    /// What parameters are set to, by name.
+    /// Parameter values, by name.
     pub set: BTreeMap<String, f64>,
-    /// What the script may use.
+    /// The resource limits.
     pub limits: Limits,
 }
 
-/// What a script says.
+/// The result of a script.
 #[derive(Clone, Debug)]
 pub struct Script {
     /// The value of its last expression.
     pub field: Field,
-    /// Its parameters, in the order in which it asks for them.
+    /// Its parameters, in the order in which it reads them.
     pub parameters: Vec<Parameter>,
 }
 
-/// The field that the last expression of a script is, with its parameters.
+/// Runs a script and returns the field of its last expression, with its parameters.
 ///
 /// Cost: at most what [`Limits`] allow; a shape of some hundred parts takes a millisecond.
 ///
 /// # Errors
-/// When the text is no script, does what no script can, uses more than it may, ends without a shape, or a parameter is set
-/// that it does not have; and when the job is cancelled.
+/// When the text is not a valid script, exceeds a limit, or ends without a shape; when a parameter is set
+/// that the script does not have; when the job is cancelled.
 pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, ScriptError> {
     let Program { module, source } = parse(text.strip_prefix('\u{feff}').unwrap_or(text), &options.limits)?;
     if job.is_cancelled() {
@@ -77,7 +77,7 @@ pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, Script
     Ok(Script { field, parameters })
 }
 
-/// Looks at the limits between statements.
+/// Checks the limits between statements.
 struct StatementHook;
 
 impl<'e> BeforeStmtFuncDyn<'e> for StatementHook {
@@ -91,7 +91,7 @@ impl<'e> BeforeStmtFuncDyn<'e> for StatementHook {
     }
 }
 
-/// Every name that scripts know, and the operators.
+/// Every global name of a script, and the operators.
 fn globals() -> Globals {
     let mut globals = GlobalsBuilder::new().with(builtins);
     for function in functions() {

@@ -1,4 +1,4 @@
-//! Values of the language within Starlark: shapes, formulas and functions.
+//! Starlark values of the language: shapes, formulas and functions.
 use crate::language::{Arg, CallError, Function, operate};
 use crate::meter::Meter;
 use allocative::Allocative;
@@ -26,7 +26,7 @@ impl fmt::Display for StarlarkShape {
 #[starlark_value(type = "shape")]
 impl<'v> StarlarkValue<'v> for StarlarkShape {
     fn minus(&self, heap: Heap<'v>) -> starlark::Result<Value<'v>> {
-        // One more term is weighed when it is used next, and there are only so many turns of loops.
+        // The additional term is charged at its next use, and loop iterations are limited.
         match operate("neg", &self.0, &self.0) {
             Some(made) => Ok(heap.alloc(Self(made.map_err(fault)?))),
             None => Err(undefined_operator("neg", &self.0, &self.0)),
@@ -34,7 +34,7 @@ impl<'v> StarlarkValue<'v> for StarlarkShape {
     }
 }
 
-/// The error of an operator between these values.
+/// The error for an operator that is undefined for these values.
 pub(crate) fn undefined_operator(operator: &str, a: &Arg, b: &Arg) -> starlark::Error {
     let hint = match (operator, a, b) {
         ("+", Arg::Shape(_), Arg::Shape(_)) => ": shapes are joined by |",
@@ -87,7 +87,7 @@ impl<'v> StarlarkValue<'v> for StarlarkFunction {
     }
 }
 
-/// What the language made, as a value of Starlark.
+/// Converts a value of the language to a Starlark value.
 pub(crate) fn to_starlark<'v>(made: Arg, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Value<'v>> {
     match made {
         Arg::Number(value) => Ok(eval.heap().alloc(value)),
@@ -98,7 +98,7 @@ pub(crate) fn to_starlark<'v>(made: Arg, eval: &mut Evaluator<'v, '_, '_>) -> st
     }
 }
 
-/// A value for the language, where looking at lists counts as work.
+/// Converts a Starlark value to one of the language; reading lists is charged as work.
 fn charged_arg<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Arg> {
     if let Some(list) = elements(value) {
         Meter::charge(eval, list.len())?;
@@ -107,7 +107,7 @@ fn charged_arg<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starla
         }
     }
     let arg = arg_of(value);
-    // What a minus sign made has not been weighed yet.
+    // The result of a unary minus has not been charged yet.
     if arg.weight() > Meter::from_eval(eval).limits.terms {
         Meter::from_eval(eval).charge_arg(&arg)?;
     }
@@ -121,7 +121,7 @@ pub(crate) fn elements<'v>(value: Value<'v>) -> Option<&'v [Value<'v>]> {
         .or_else(|| TupleRef::from_value(value).map(TupleRef::content))
 }
 
-/// A value for the language. No function takes lists of lists of lists.
+/// Converts a Starlark value to one of the language. No function takes lists of lists of lists.
 pub(crate) fn arg_of(value: Value) -> Arg {
     arg_within(value, 2)
 }
@@ -145,7 +145,7 @@ fn arg_within(value: Value, lists: u32) -> Arg {
     }
 }
 
-/// A number, whole or not; True is none.
+/// A number, whole or not; True is not one.
 pub(crate) fn number(value: Value) -> Option<f64> {
     if value.unpack_bool().is_some() {
         return None;
@@ -153,5 +153,5 @@ pub(crate) fn number(value: Value) -> Option<f64> {
     UnpackFloat::unpack_value(value).ok().flatten().map(|number| number.0)
 }
 
-/// Characters of a text that are looked at.
+/// The most characters of a text that are read.
 const LONGEST_NAME: usize = 200;

@@ -1,4 +1,4 @@
-//! `bake`: distances to triangles on a lattice.
+//! `bake`: a signed distance grid from triangles.
 use crate::report::{Certificate, DistanceGridFacts};
 use crate::{Input, MeshFailure, Shape, flatten, formats};
 use chordal::Mesh;
@@ -9,28 +9,29 @@ use chordal::math::{add_up, sub_up};
 use chordal_io::{Format, Volume, WriteError, npy, nrrd};
 use std::io::Write;
 
-/// How a lattice is laid around a mesh.
+/// The lattice around a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSpec {
-    /// Cubes along the longest side of the mesh's box.
+    /// Cells along the longest side of the mesh's box.
     pub cells: usize,
-    /// Of so many cells on either side of the surface samples are distances; everywhere unless said.
+    /// The narrow band in cells on either side of the surface; outside it samples are no distances. `None`:
+    /// distances everywhere.
     pub band: Option<f64>,
 }
 
-/// A lattice of distances, with what is known of it.
+/// A distance grid with its certificate.
 #[derive(Clone, Debug)]
 pub struct BakeOutcome {
-    /// The samples, where they stand.
+    /// The samples and their lattice.
     pub volume: Volume,
-    /// Where it goes.
+    /// The output format.
     pub format: Format,
-    /// What is known.
+    /// What is known of the grid.
     pub certificate: Certificate,
 }
 
 impl BakeOutcome {
-    /// Writes the lattice; the certificate too, where the format carries one.
+    /// Writes the grid, and the certificate where the format carries one.
     ///
     /// # Errors
     /// When the sink fails.
@@ -42,8 +43,8 @@ impl BakeOutcome {
     }
 }
 
-/// Samples the distance to triangles on a lattice of cubes, negative inside; every distance is then enclosed from both
-/// sides, so that the error which the certificate states is proved.
+/// Samples the signed distance to triangles on a cubic lattice, negative inside. Every distance is then
+/// bounded from both sides, so that the error in the certificate is proved.
 ///
 /// # Errors
 /// When the shape has no triangles or the format holds no lattice; as for [`mesh_to_grid`].
@@ -87,8 +88,8 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     Ok(BakeOutcome { volume: Volume { frame, ..Volume::from_grid(baked.grid) }, format: to, certificate })
 }
 
-/// How far the samples that are distances are off at most: each is held against a bound from below and one from above
-/// that no rounding can break.
+/// The largest error of the samples that are distances: each is compared with a lower and an upper bound that
+/// rounding cannot break.
 fn off_at_most(mesh: &Mesh, baked: &DistanceGrid, job: &Job) -> Result<f64, MeshFailure> {
     let bvh = Bvh::build(mesh, job).map_err(MeshFailure::from)?;
     let grid = &baked.grid;

@@ -1,4 +1,4 @@
-//! Cages: their smooth surface within a budget, and their refined control meshes.
+//! Cages: their limit surface within a budget, and their refined control meshes.
 use crate::file_rows::to_file_rows;
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
@@ -12,12 +12,12 @@ use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Format, Polygons, Scene, WriteError, losses, losses_of_polygons, obj, ply, snap};
 use std::io::Write;
 
-/// How far the polygons of a refined cage are from its limit surface; `None` where that is not known.
+/// The bound of a refined cage's polygons against its limit surface; `None` where it is unknown.
 fn bound_to_limit(cage: &Cage, job: &Job) -> Option<Bound> {
     check::limit_deviation(cage, job).ok()
 }
 
-/// The smooth surface at the precision of the format, with its bound.
+/// The limit surface at the precision of the format, with its bound.
 pub(crate) fn limit_surface(
     polygons: &Polygons,
     request: &MeshRequest,
@@ -25,11 +25,11 @@ pub(crate) fn limit_surface(
 ) -> Result<(Scene, Bound), MeshFailure> {
     let Bounded { shape: mesh, bound } =
         request.run(job, |budget| cage_to_mesh(&polygons.cage, budget, job))?;
-    // A name that says what it is; no file name, which would tie the bytes to a place.
+    // A descriptive name; a file name would make the bytes depend on a path.
     Ok((Scene::from_mesh("cage", mesh, true, polygons.frame), bound))
 }
 
-/// What becomes of what stands beside the surface of a cage when that is meshed.
+/// Notes on the data of a cage that meshing drops or converts.
 pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(texcoords) = polygons.cage.texcoords() {
@@ -46,7 +46,7 @@ pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<String> {
     notes
 }
 
-/// What faces without texture coordinates get where others have some.
+/// A note for cages where only some faces have texture coordinates.
 fn missing_texcoords_note(cage: &Cage) -> Option<String> {
     let texcoords = cage.texcoords()?;
     let mut rest = &texcoords.corners[..];
@@ -59,28 +59,28 @@ fn missing_texcoords_note(cage: &Cage) -> Option<String> {
     (n > 0).then(|| format!("faces without texture coordinates at all of their corners have 0, 0 ({n}x)"))
 }
 
-/// Polygons, or triangles of them, for a file.
+/// Polygons, or their triangulation, for a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControlMesh {
     /// For formats that hold polygons.
     Polygons(Polygons),
-    /// The same cut into triangles, for formats that hold nothing else.
+    /// The triangulated polygons, for formats that hold only triangles.
     Triangles(Scene),
 }
 
-/// The control mesh of a cage after some rounds of refinement, with what is known of it.
+/// The refined control mesh of a cage, with its certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefineOutcome {
-    /// What will be written.
+    /// The mesh to write.
     pub made: ControlMesh,
-    /// The format that it is for.
+    /// The output format.
     pub format: Format,
-    /// What is known of it, for the file and the report.
+    /// What is known of the mesh, for the file and the report.
     pub certificate: Certificate,
 }
 
 impl RefineOutcome {
-    /// Writes what was made, and the certificate where the format can carry it.
+    /// Writes the mesh, and the certificate where the format can carry it.
     ///
     /// # Errors
     /// When the sink fails.
@@ -96,18 +96,18 @@ impl RefineOutcome {
     }
 }
 
-/// Refines a cage by some rounds, in the order of [`Cage::refined_times`]; none keeps it as it is.
+/// Refines a cage by some levels, in the order of [`Cage::refined_times`]; 0 levels keep it as it is.
 ///
-/// OBJ and PLY hold its polygons; OBJ also what is left of its creases, so that the file has the same limit surface. For
-/// other formats quads are cut into triangles, along the diagonal that the reader of polygons takes, and get `normals`. Groups
-/// of faces go to the parts of each face, texture coordinates are refined by their own rule; colours are kept where there is no round,
-/// else left out, and a note says so.
+/// OBJ and PLY hold its polygons; OBJ also the remaining creases, so that the file has the same limit
+/// surface. For other formats quads are cut into triangles, along the diagonal that the reader of polygons
+/// takes, and get `normals`. Face groups pass to the parts of each face, and texture coordinates are refined
+/// by their own rule. Colours are kept at 0 levels only; otherwise a note says that they were dropped.
 ///
-/// Cost: as [`Cage::refined_times`]; four times as much a round.
+/// Cost: as [`Cage::refined_times`]; four times as much a level.
 ///
 /// # Errors
-/// When the shape is no cage or the format holds no triangles; before the work when the faces, or what they take, are over the
-/// limits of the job; when a coordinate overflows or does not fit the format.
+/// When the shape is no cage or the format holds no triangles; before the work when the faces or their memory
+/// exceed the limits of the job; when a coordinate overflows or does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -155,7 +155,7 @@ pub fn refine(
     Ok(RefineOutcome { made: ControlMesh::Triangles(scene), format: to, certificate })
 }
 
-/// The cage after some rounds, in the order of [`Cage::refined_times`].
+/// The cage after some levels of refinement, in the order of [`Cage::refined_times`].
 ///
 /// # Errors
 /// As [`refine`].
@@ -186,15 +186,16 @@ fn not_a_cage_message(shape: &Shape, format: Format) -> String {
     }
 }
 
-/// Bytes that a face of the result takes at the most while it is made and written, rounded up from what was measured for a cube
-/// and a tetrahedron of a million faces: 72 for quads, 82 for triangles of Loop's scheme.
+/// The most bytes that a face of the result takes while it is made and written, rounded up from what was
+/// measured for a cube and a tetrahedron of a million faces: 72 for quads, 82 for triangles of Loop's scheme.
 const BYTES_A_QUAD: u64 = 96;
 const BYTES_A_TRIANGLE: u64 = 112;
 
-/// Bytes more a face for texture coordinates: four rows of 4, two numbers of 8, a third of these for the round before; rounded up.
+/// Additional bytes a face for texture coordinates: four rows of 4, two numbers of 8, a third of these for
+/// the round before; rounded up.
 const BYTES_OF_TEXCOORDS: u64 = 48;
 
-/// Refuses what would be too large, before anything is made.
+/// Refuses results that would be too large, before anything is made.
 fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), MeshFailure> {
     let n_corners: usize = cage.faces().map(<[u32]>::len).sum();
     let is_loop = cage.scheme() == Scheme::Loop;
@@ -227,7 +228,7 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
     Ok(())
 }
 
-/// The refined cage with the groups of its faces.
+/// The refined cage with its face groups.
 fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<Polygons, MeshFailure> {
     if levels == 0 {
         return Ok(Polygons { certificate: None, ..polygons });
@@ -250,7 +251,7 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<P
     Ok(refined)
 }
 
-/// How many faces each face of the cage becomes: they follow each other.
+/// The number of faces that each face of the cage becomes; they are consecutive.
 fn parts_of_faces(cage: &Cage, levels: u32) -> Vec<usize> {
     let of_rounds = |rounds: u32| 4_usize.saturating_pow(rounds);
     let parts = |face: &[u32]| match cage.scheme() {
@@ -260,7 +261,7 @@ fn parts_of_faces(cage: &Cage, levels: u32) -> Vec<usize> {
     cage.faces().map(parts).collect()
 }
 
-/// Triangles of the polygons at the precision of the format. Holes have none.
+/// Triangulates the polygons at the precision of the format. Holes have no triangles.
 fn triangles(
     polygons: &Polygons,
     formats: [Format; 2],

@@ -1,15 +1,16 @@
-//! The size of a cage's limit surface, for lengths that are a percentage of it.
+//! The size of a cage's limit surface, for lengths given as a percentage of it.
 use chordal::Job;
 use chordal::budget::{Budget, Failure, Tolerance};
 use chordal::convert::cage_to_mesh;
 use chordal::math::{Box3, add_up, sub_down};
 use chordal_io::Polygons;
 
-/// Of the diagonal of the control points, how well the size of the surface is known: chosen, quick to mesh and fine enough for
-/// a percentage.
+/// The precision of that size, as a fraction of the diagonal of the control points: chosen, quick to mesh and
+/// fine enough for a percentage.
 const SIZE_SHARE: f64 = 1e-3;
 
-/// The box that the surface is certain to reach, 0 wide where none is known: that of a mesh of it, less what the mesh may be off.
+/// A box that the surface certainly spans: that of a mesh of it, less the mesh's bound. Along an axis where
+/// nothing is certain its width is 0.
 pub(crate) fn inner_box(polygons: &Polygons) -> Box3 {
     let control = Box3::from_points(polygons.cage.positions());
     let Ok(tolerance) = Tolerance::new(SIZE_SHARE * control.diagonal()) else { return Box3::EMPTY };
@@ -23,7 +24,7 @@ pub(crate) fn inner_box(polygons: &Polygons) -> Box3 {
     let low = min.map(|x| add_up(x, off));
     let high = max.map(|x| sub_down(x, off));
     if (0..3).any(|k| low[k] > high[k]) {
-        // Thinner than the mesh is sure of: along that axis nothing is certain.
+        // Thinner than the bound of the mesh: along that axis nothing is certain.
         let middle = |k: usize| 0.5 * min[k] + 0.5 * max[k];
         let flat = |k: usize| low[k] > high[k];
         return Box3 {

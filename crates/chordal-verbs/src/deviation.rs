@@ -1,4 +1,4 @@
-//! `deviation`: how far two shapes are apart, certified from both sides.
+//! `deviation`: the distance between two shapes, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
 use crate::{Input, MeshFailure, Shape, field, flatten};
 use chordal::budget::{Bound, Length, Reference, Refusal, RefusalCode, Tolerance};
@@ -8,16 +8,16 @@ use chordal::math::{add_up, sub_down};
 use chordal::{Budget, Job, Mesh, convert};
 use std::borrow::Cow;
 
-/// How well the distance of two shapes is to be known, with lengths as a person gives them.
+/// The precision of a distance between two shapes, with lengths as a user gives them.
 ///
-/// A percentage is one of the diagonal of the second shape's box, which is the one that the other is measured against.
+/// A percentage is one of the diagonal of the second shape's box: the second shape is the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviationSpec {
-    /// The upper end may be this share above the lower one.
+    /// The allowed gap above the lower bound, relative to it.
     pub relative: f64,
-    /// It may be this length above.
+    /// The allowed gap as a length.
     pub absolute: Option<Length>,
-    /// Whether the distance is at most this is what matters: stop as soon as that is known.
+    /// A limit: only whether the distance exceeds it matters, so the search stops as soon as that is known.
     pub max: Option<Length>,
 }
 
@@ -27,12 +27,12 @@ impl Default for DeviationSpec {
     }
 }
 
-/// The Hausdorff distance between the surfaces of two shapes, as an interval that is proved, with the worst places.
+/// The Hausdorff distance between the surfaces of two shapes, as a proved interval, with the worst points.
 ///
-/// Triangle meshes are taken as they are: all parts of a scene, each where it stands. Bézier patches are meshed on the
-/// way, more finely until what that loses, which is added at both ends, leaves what was asked for, or a millionth of
-/// their size is reached. Attributes are not compared. Coordinates are
-/// compared as numbers: frames that differ are told in the notes.
+/// Triangle meshes are taken as they are: all parts of a scene, each in its placement. Bézier patches are
+/// meshed on the way. They are meshed more finely until their bound, which widens the interval at both ends,
+/// leaves the required precision, or until a millionth of their size is reached. Attributes are not compared.
+/// Coordinates are compared as numbers; the notes say where frames differ.
 ///
 /// Cost: about 3 µs a vertex of either shape on one core.
 ///
@@ -78,7 +78,7 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
     Ok(Report { deviation: Some(facts), ..Report::new(certificate, run) })
 }
 
-/// Measures two surfaces of triangles, or triangles against a field.
+/// Measures two triangle surfaces, or triangles against a field.
 fn measure(
     a: Shape,
     b: Shape,
@@ -104,7 +104,7 @@ fn measure(
     let bound = if off == 0.0 {
         found.bound
     } else {
-        // Triangles that stand a little off where they belong.
+        // The transforms moved the triangles by at most `off`.
         found.bound.then(&Bound::proved(0.0, off, Reference::InputTriangles))
     };
     Ok(DeviationBounds { bound, forward, backward, reached: found.reached, share: 0.0 })
@@ -124,9 +124,9 @@ fn frames_differ(a: &Input, b: &Input) -> Option<String> {
     Some(format!("the two shapes differ in {what}; their coordinates are compared as they are"))
 }
 
-/// A shape as something with a surface to measure.
+/// A surface to measure.
 enum ComparedSurface {
-    /// Triangles, and how far they may be from where they belong.
+    /// Triangles, and the bound of their displacement by transforms.
     Triangles(Mesh, f64),
     /// Patches and their diagonal.
     Patches(Vec<chordal::Patch>, f64),
@@ -134,7 +134,7 @@ enum ComparedSurface {
     Cage(Box<Cage>, f64),
 }
 
-/// Triangles, how far they are from the true surface at most, and which that is.
+/// Triangles, their largest distance from the true surface, and which surface that is.
 type ApproximateMesh<'a> = (Cow<'a, Mesh>, f64, Reference);
 
 impl ComparedSurface {
@@ -167,7 +167,8 @@ impl ComparedSurface {
         }
     }
 
-    /// The triangles, how far they are from the true surface at most, and which that is.
+    /// Triangles within `share` of the diagonal, their largest distance from the true surface, and which
+    /// surface that is.
     fn within(&self, share: f64, job: &Job) -> Result<ApproximateMesh<'_>, MeshFailure> {
         match self {
             Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles)),
@@ -197,23 +198,23 @@ impl ComparedSurface {
     }
 }
 
-/// What was measured, with what meshing on the way lost.
+/// The measured distances, with the loss of meshing included.
 pub(crate) struct DeviationBounds {
     pub bound: Bound,
     pub forward: OneSidedDistance,
     pub backward: OneSidedDistance,
     pub reached: bool,
-    /// The share of their diagonals to which smooth shapes were meshed.
+    /// The fraction of their diagonals to which smooth shapes were meshed.
     share: f64,
 }
 
-/// Two surfaces.
+/// Two surfaces to compare.
 pub(crate) struct ComparedPair([ComparedSurface; 2]);
 
-/// Shares of the diagonal to which patches are meshed: first, and at the finest.
+/// Fractions of the diagonal to which patches are meshed: first, and at the finest.
 const FIRST: f64 = 1e-4;
 const FINEST: f64 = 1e-6;
-/// Of the gap between the ends, what meshing may take: at each end, in each surface.
+/// The fraction of the gap that meshing may take: at each end, in each surface.
 const OF_GAP: f64 = 0.1;
 
 impl ComparedPair {
@@ -250,7 +251,7 @@ impl ComparedPair {
                 let reached = if exact { found.reached } else { near || decided };
                 return Ok(DeviationBounds { bound, forward, backward, reached, share });
             }
-            // The next share is one that should do, if the distance stays what it seems to be.
+            // A fraction that should do, if the distance stays at its current estimate.
             let aim = OF_GAP * goal.relative * least / off * share;
             let next = if aim > FINEST && aim < 0.25 * share { aim } else { 0.1 * share };
             share = if next > FINEST { next } else { FINEST };
@@ -258,7 +259,7 @@ impl ComparedPair {
     }
 }
 
-/// The goal for meshes that are up to `off` away from what they stand for: half the gap is theirs.
+/// The goal for meshes that are up to `off` away from their surfaces: half of the gap is left to meshing.
 fn tighten_goal(goal: &Goal, off: f64) -> Goal {
     let max = goal.max.and_then(|max| Tolerance::new(sub_down(max.get(), off)).ok());
     let absolute = goal.absolute.and_then(|length| Tolerance::new(0.5 * length.get()).ok());

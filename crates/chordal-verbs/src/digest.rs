@@ -1,4 +1,4 @@
-//! The digest that ties a certificate to the bytes it speaks of.
+//! The digest that ties a certificate to the bytes it describes.
 use sha2::{Digest, Sha256};
 
 /// SHA-256 in lower-case hexadecimal.

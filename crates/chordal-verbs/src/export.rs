@@ -1,4 +1,4 @@
-//! `write`: a scene in any format that holds triangles, polylines in any that holds those.
+//! `write`: writes a scene in any format that holds triangles, or polylines in any that holds polylines.
 use chordal_io::{Format, Polylines, Scene, WriteError, glb, obj, ply, shape_json, stl, svg};
 use serde_json::Value;
 use std::io::Write;

@@ -1,20 +1,20 @@
-//! `MeshFailure`: why nothing was made within the budget.
+//! `MeshFailure`: why a verb made no result within the budget.
 use crate::MeshOutcome;
 use crate::report::Output;
 use chordal::budget::{Failure, InvalidLength, JobError, Refusal, RefusalCode};
 use chordal_io::{CoordinateOverflow, WriteError};
 use std::fmt;
 
-/// Why nothing was made within the budget.
+/// Why a verb made no result within the budget.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeshFailure {
     /// The length has no meaning for this shape.
     Length(InvalidLength),
-    /// What was asked for has no meaning for this shape.
+    /// The request has no meaning for this shape.
     Usage(String),
-    /// The budget was not met; here is the best that was reached.
+    /// The budget was not met; this is the best result that was reached.
     Unmet(Box<MeshOutcome>),
-    /// The work was not started, or not finished, for this reason.
+    /// The work was refused or stopped, for this reason.
     Refused(Refusal),
     /// A coordinate does not fit the format.
     TooWide(CoordinateOverflow),
@@ -28,8 +28,8 @@ impl MeshFailure {
         Self::Refused(Refusal { code, message: message.into() })
     }
 
-    /// For results that are no use where they miss the budget: the miss becomes a refusal, whose sentence starts with
-    /// `what`.
+    /// For results that are useless outside the budget: turns the miss into a refusal, whose sentence starts
+    /// with `what`.
     pub(crate) fn from_missed<T>(failure: Failure<T>, what: &str) -> Self {
         match failure {
             Failure::Unmet(best) => Self::refused(RefusalCode::Budget, format!("{what}{}", best.bound)),
@@ -38,7 +38,7 @@ impl MeshFailure {
         }
     }
 
-    /// Stable, for programs.
+    /// A stable code, for programs.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
@@ -51,7 +51,7 @@ impl MeshFailure {
         }
     }
 
-    /// The exit code of a command that ends like this: 2 usage, 3 input, 4 output, 5 budget, 130 interrupted.
+    /// The exit code of a command: 2 usage, 3 input, 4 output, 5 budget, 130 interrupted.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -67,7 +67,7 @@ impl MeshFailure {
     }
 }
 
-/// A scene that cannot be put in one space.
+/// A scene whose transforms cannot be applied.
 impl From<WriteError> for MeshFailure {
     fn from(error: WriteError) -> Self {
         Self::Refused(Refusal { code: RefusalCode::Unsupported, message: error.to_string() })

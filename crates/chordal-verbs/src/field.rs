@@ -1,4 +1,4 @@
-//! Fields within a budget and against triangles.
+//! Fields: meshed within a budget, and measured against triangles.
 use crate::request::MeshRequest;
 use crate::{ImplicitShape, MeshFailure};
 use chordal::budget::{Bound, RefusalCode};
@@ -7,10 +7,10 @@ use chordal::implicit::Field;
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Format, Scene};
 
-/// The surface of a field as the format will hold it, with its bound.
+/// The isosurface of a field at the precision of the format, with its bound.
 ///
 /// # Errors
-/// When the field is endless; as for [`convert::field_to_mesh`].
+/// When the field is unbounded; as for [`convert::field_to_mesh`].
 pub(crate) fn mesh_field(
     implicit: &ImplicitShape,
     request: &MeshRequest,
@@ -24,23 +24,23 @@ pub(crate) fn mesh_field(
         let [low, high] = [region.min, region.max];
         notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
     }
-    // Where normals are for: other formats keep one row a vertex.
+    // Formats with normals; other formats keep one row a vertex.
     let shaded = matches!(request.to, Format::Glb | Format::Obj);
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
     Ok((Scene::from_mesh("field", mesh, true, implicit.frame), bound))
 }
 
-/// Coordinates up to this have squares, and sums of them, that are finite: derived, 2^1024 is the end of the numbers.
+/// Coordinates up to this have finite squares and sums of squares: derived, 2^1024 is the largest double.
 const LARGEST: f64 = 1e150;
 
-/// What is said of a field that cannot be meshed for want of an end.
+/// The message for a field that cannot be meshed because it is unbounded.
 pub(crate) const ENDLESS: &str = "the shape has no end in some direction: cut it off at a box \
                                   (--region \"-1,-1,-1 1,1,1\", in Python within())";
 
-/// The field cut off at its region.
+/// The field clipped to its region.
 ///
 /// # Errors
-/// When it has no end in some direction, or reaches so far that numbers overflow.
+/// When it is unbounded in some direction, or reaches so far that numbers overflow.
 pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
     let field = implicit.solid();
     let bounds = field.bounds();
@@ -62,7 +62,7 @@ pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
     Ok(field)
 }
 
-/// How far triangles are from the surface of a field.
+/// The distance between triangles and the isosurface of a field.
 pub(crate) fn deviation_of(
     mesh: &Mesh,
     implicit: &ImplicitShape,

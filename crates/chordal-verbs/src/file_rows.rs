@@ -1,11 +1,11 @@
-//! Triangles in the rows that a format gives them, so that what is counted is what a reader of the file will count.
+//! Triangles in the rows that a format gives them, so that counts match those of a reader of the file.
 use chordal::Mesh;
 use chordal::explicit::InvalidMesh;
 use chordal_io::{Format, Scene, WriteError, glb};
 use std::borrow::Cow;
 
-/// The scene in the rows that its file will have: vertices of their own for each look of a corner in GLB, and for each
-/// corner in STL, which also knows one part only and no attributes.
+/// The scene in the rows of its file. GLB has separate vertices for corners with different attributes. STL
+/// has separate vertices for every corner, a single part and no attributes.
 ///
 /// # Errors
 /// When there are more rows than one mesh can hold.
@@ -39,8 +39,8 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
     Ok(scene)
 }
 
-/// The rows of positions that a file of that format has for a mesh: OBJ has one for those that are tied, and its
-/// attributes have rows of their own.
+/// The position rows of a mesh in a file of that format. OBJ has one for tied positions, and its attributes
+/// have rows of their own.
 pub(crate) fn rows_of(mesh: &Mesh, format: Format) -> Result<Cow<'_, Mesh>, WriteError> {
     match mesh.position_id() {
         Some(id) if format == Format::Obj => merged(mesh, id).map(Cow::Owned).map_err(unsupported),
@@ -69,7 +69,7 @@ fn merged(mesh: &Mesh, id: &[u32]) -> Result<Mesh, InvalidMesh> {
 fn soup(scene: &Scene) -> Result<Mesh, WriteError> {
     let meshes = || scene.parts.iter().map(|part| &part.mesh);
     let n_faces: usize = meshes().map(|mesh| mesh.faces().len()).sum();
-    // Numbers that wrap belong to more positions than a mesh may have, which it then refuses.
+    // Wrapped numbers only occur with more positions than a mesh may have, which it then refuses.
     let faces = (0..n_faces as u32).map(|face| [0, 1, 2].map(|k| face.wrapping_mul(3).wrapping_add(k)));
     let corners = meshes().flat_map(|mesh| (0..mesh.faces().len()).flat_map(|face| mesh.corners(face)));
     Mesh::new(corners.collect(), faces.collect()).map_err(unsupported)
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use chordal_io::Frame;
 
-    /// Two triangles of one edge, whose rows are doubled and tied, and a row that no face names.
+    /// Two triangles sharing an edge, whose rows are doubled and tied, and an unused row.
     fn tied() -> Mesh {
         let [a, b, c, d] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
         Mesh::new(vec![a, b, c, b, c, d, d], vec![[0, 1, 2], [4, 3, 5]])

@@ -1,4 +1,4 @@
-//! Drawings filled with triangles, in the plane z = 0 with y up.
+//! Filled regions of drawings as triangles, in the plane z = 0 with y up.
 use crate::report::Certificate;
 use crate::request::MeshRequest;
 use crate::{MeshFailure, report::FrameFacts};
@@ -14,11 +14,11 @@ const MEANING: &str = "the bound is that of each outline and its polyline; a poi
 
 const VANISHED: &str = "no triangles are left: all that the drawing fills is thinner than the bound";
 
-/// The outlines that a drawing fills, with y up, in their order.
+/// The outlines of a drawing's filled regions, with y up, in their order.
 pub(crate) struct FilledRegions {
     pub outlines: Vec<Outline>,
     pub frame: Frame,
-    /// A box around them.
+    /// Their bounding box.
     pub place: Box3,
 }
 
@@ -69,13 +69,14 @@ fn flip_y(contour: &mut Curve<2>) {
     } else {
         Curve::new(pieces, contour.is_closed())
     };
-    // Numbers stay finite and joints stay joints.
+    // Negation keeps numbers finite and joints connected.
     if let Ok(turned) = turned {
         *contour = turned.with_slack(contour.slack());
     }
 }
 
-/// The triangles of a drawing at the precision of the format, their bound, and the request for the box that they lie in.
+/// The triangles of a drawing at the precision of the format, their bound, and the request for their bounding
+/// box.
 pub(crate) fn fill(
     drawing: &Drawing,
     request: &MeshRequest,

@@ -1,4 +1,4 @@
-//! The last step of the verbs: a result is judged as its format holds it, and the report is completed.
+//! The last step of the verbs: checks a result as its format holds it, and completes the report.
 use crate::file_rows::to_file_rows;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
@@ -10,7 +10,7 @@ use chordal_io::{Polylines, Scene, losses};
 
 const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
-/// Judges triangles as the format holds them: the last step of the verbs that make some.
+/// Checks triangles as the format holds them, as the last step of a verb.
 ///
 /// # Errors
 /// When the budget is not met, with the outcome all the same; when the format cannot hold them.
@@ -40,7 +40,7 @@ pub(crate) fn finish_triangles(
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }
 
-/// Judges polylines: the last step of the verbs that make some.
+/// Checks polylines, as the last step of a verb.
 pub(crate) fn finish_polylines(
     polylines: Polylines,
     mut bound: Bound,
@@ -62,15 +62,15 @@ pub(crate) fn finish_polylines(
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }
 
-/// A note where most triangles are smaller than a pixel at the view of the budget: more than half, since every mesh has some
-/// at its poles and seams.
+/// A note where most triangles are smaller than a pixel at the budget's view: more than half, since every
+/// mesh has some at its poles and seams.
 pub(crate) fn too_fine_note(
     scene: &Scene,
     budget: &Budget,
     job: &Job,
 ) -> Result<Option<String>, MeshFailure> {
     let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
-    // What cannot be put together, or is too large to look at: nothing is known, and nothing is said.
+    // A scene that cannot be merged, or is too large to check, gets no note.
     let Ok(mesh) = flatten::one_mesh(scene) else { return Ok(None) };
     let found = match check::micro_triangles(&mesh, &view, job) {
         Ok(found) => found,

@@ -1,4 +1,4 @@
-//! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
+//! Applies the transforms of a scene, and bounds how far they stretch lengths and what their rounding costs.
 use crate::file_rows::unsupported;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
@@ -6,14 +6,14 @@ use chordal::math::{Box3, add_up, mul_up, sqrt_up, sub_down};
 use chordal_io::{Node, Part, Scene, WriteError};
 use std::borrow::Cow;
 
-/// A scene whose parts stand where their coordinates say, with what rounding moved its vertices.
+/// A scene with its transforms applied, and a bound of the rounding.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TransformedScene {
     /// The scene.
     pub scene: Scene,
-    /// No vertex is further than this from where exact arithmetic would put it.
+    /// No vertex is further than this from its position in exact arithmetic.
     pub moved_at_most: f64,
-    /// Parts that stood nowhere, and so are not there any more.
+    /// Parts without a placement, which are dropped.
     pub left_out: usize,
 }
 
@@ -21,15 +21,15 @@ pub(crate) struct TransformedScene {
 type Matrix4 = [f64; 16];
 
 impl TransformedScene {
-    /// A scene with its transforms, which nothing has applied yet.
+    /// A scene whose transforms are not applied.
     pub fn unchanged(scene: Scene) -> Self {
         Self { scene, moved_at_most: 0.0, left_out: 0 }
     }
 }
 
-/// The scene for formats without nodes: one part for each place of a part, in the scene's coordinates.
+/// The scene for formats without nodes: one part for each placement, in world coordinates.
 ///
-/// A scene without transforms, in which every part stands in one place, is left as it is.
+/// A scene without transforms, in which every part has one placement, is left as it is.
 ///
 /// # Errors
 /// When the nodes are no tree, or take coordinates out of range.
@@ -57,8 +57,8 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
     Ok(TransformedScene { scene: flat, moved_at_most, left_out })
 }
 
-/// Everything that a scene shows as one mesh in its coordinates, for a picture: with normals of its own where every
-/// part has some, and without any other attribute.
+/// All placements of a scene as one mesh in world coordinates, for rendering: with normals where every part
+/// has some, and without any other attribute.
 ///
 /// # Errors
 /// When the nodes are no tree, take coordinates out of range, or show more than one mesh can hold.
@@ -76,16 +76,16 @@ pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
     mesh.with_attribute(attribute).map(Cow::Owned).map_err(unsupported)
 }
 
-/// All places of parts as one mesh in the scene's coordinates, and which faces are whose.
+/// All placements as one mesh in world coordinates, with the faces of each.
 pub(crate) struct MergedParts {
-    /// Its indices tie the positions that are one in a part alone.
+    /// Its indices tie only positions that are one within the same part.
     pub mesh: Mesh,
-    /// The part at each place, with the first of its faces, in the order of the faces.
+    /// The part of each placement, with its first face, in the order of the faces.
     pub places: Vec<(usize, u32)>,
 }
 
 impl MergedParts {
-    /// All places of parts in one mesh.
+    /// Merges all placements.
     ///
     /// # Errors
     /// As [`one_mesh`].
@@ -106,24 +106,24 @@ impl MergedParts {
         Ok(Self { mesh, places })
     }
 
-    /// Which place a face is of.
+    /// The placement of a face.
     pub fn place_of(&self, face: u32) -> usize {
         self.places.partition_point(|(_, first)| *first <= face) - 1
     }
 
-    /// The part of a face, and its number there.
+    /// The part of a face, and the face's index there.
     pub fn in_part(&self, face: u32) -> (usize, u32) {
         let (part, first) = self.places[self.place_of(face)];
         (part, face - first)
     }
 }
 
-/// How many places of parts a scene has.
+/// The number of placements in a scene.
 pub(crate) fn n_places(scene: &Scene) -> usize {
     parts_in_order(scene).len()
 }
 
-/// The part at each place, in the order of [`Scene::world_meshes`].
+/// The part of each placement, in the order of [`Scene::world_meshes`].
 fn parts_in_order(scene: &Scene) -> Vec<usize> {
     let mut found = Vec::new();
     let mut open: Vec<usize> = scene.roots.iter().rev().copied().collect();
@@ -135,7 +135,7 @@ fn parts_in_order(scene: &Scene) -> Vec<usize> {
     found
 }
 
-/// The same faces between the first rows of equal coordinates, as indices would name them.
+/// The same faces, with each corner at the first row of equal coordinates.
 fn weld_exact(mesh: &Mesh) -> Result<Mesh, WriteError> {
     let ids = position_id_by_bits(mesh.positions());
     let faces = mesh.faces().iter().map(|face| face.map(|row| ids[row as usize])).collect();
@@ -154,7 +154,7 @@ fn corner_normals(mesh: &Mesh) -> Option<Vec<f64>> {
     Some(corners.flat_map(|row| own.row(row).iter().copied()).collect())
 }
 
-/// The positions and faces of all meshes, one after the other, tied as they are in each.
+/// Concatenates the positions and faces of all meshes; positions stay tied as in each.
 fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
     let (mut positions, mut faces, mut ids) = (Vec::new(), Vec::new(), Vec::new());
     for mesh in meshes {
@@ -168,8 +168,8 @@ fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
     Mesh::new(positions, faces).and_then(|mesh| mesh.with_position_id(ids)).map_err(unsupported)
 }
 
-/// By how much a length in each part's coordinates can grow in the scene's, over all places of the part; 0 for a
-/// part that stands nowhere.
+/// By part: the largest factor by which its transforms lengthen, over all placements; 0 for a part without
+/// any.
 pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
     let mut stretch = vec![0.0; scene.parts.len()];
     for place in part_placements(scene) {
@@ -179,8 +179,8 @@ pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
     stretch
 }
 
-/// By part: around each of its places in the scene's coordinates, rounding included, and whether that is one place
-/// where its own coordinates are the scene's.
+/// By part: a box around each of its placements in world coordinates, rounding included, and whether it has a
+/// single placement without a transform.
 ///
 /// # Errors
 /// As [`one_mesh`].
@@ -193,7 +193,7 @@ pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, Wr
         let (boxes, is_as_it_is) = &mut found[place.part];
         *is_as_it_is &= place.is_identity && boxes.len() == 1;
         if !place.is_identity {
-            // All places of a part, since they come in another order; a box may only be too large.
+            // All placements of the part, since they come in another order; a box may only be too large.
             let off = place.rounding(&scene.parts[place.part]);
             boxes.iter_mut().for_each(|place| *place = pad_box(place, off));
         }
@@ -201,7 +201,7 @@ pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, Wr
     Ok(found)
 }
 
-/// A box around all that is within a length of another, from outside.
+/// A box grown by a length on every side, rounded outward.
 pub(crate) fn pad_box(place: &Box3, off: f64) -> Box3 {
     if off == 0.0 {
         return *place;
@@ -209,7 +209,7 @@ pub(crate) fn pad_box(place: &Box3, off: f64) -> Box3 {
     Box3 { min: place.min.map(|x| sub_down(x, off)), max: place.max.map(|x| add_up(x, off)) }
 }
 
-/// A length times a stretch, from above; a length of 0 stays 0 and a stretch of 1 changes nothing.
+/// A length times a stretch, rounded up; a length of 0 stays 0 and a stretch of 1 changes nothing.
 pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
     if length == 0.0 || stretch == 0.0 {
         0.0
@@ -220,20 +220,20 @@ pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
     }
 }
 
-/// One place of a part.
+/// One placement of a part.
 struct PartPlacement {
     part: usize,
     is_identity: bool,
-    /// Transforms on the way from the part to the scene.
+    /// The number of transforms between the part and the scene.
     depth: u32,
-    /// The product of the transforms' absolute values: what their exact product of anything is at most.
+    /// The product of the transforms' absolute values: an upper bound of their exact product.
     magnitude: Matrix4,
-    /// The largest factor by which the transforms together lengthen, from above.
+    /// The largest factor by which the transforms together lengthen, rounded up.
     stretch: f64,
 }
 
 impl PartPlacement {
-    /// A place inside another.
+    /// Composes this placement with a node's matrix.
     fn compose(&self, matrix: &Matrix4, part: usize) -> Self {
         if *matrix == IDENTITY {
             return Self { part, magnitude: self.magnitude, ..*self };
@@ -247,11 +247,11 @@ impl PartPlacement {
         }
     }
 
-    /// How far the rounding of its transforms can take a vertex of the part.
+    /// How far the rounding of its transforms can move a vertex of the part.
     ///
-    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d transforms
-    /// are off by less than `7d` half steps, relative to the product of the absolute values. `8d` whole steps cover
-    /// that and the rounding of the estimate, which has as many operations.
+    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d
+    /// transforms are off by less than `7d` half steps, relative to the product of the absolute values. `8d`
+    /// whole steps cover that and the rounding of the estimate, which has as many operations.
     fn rounding(&self, part: &Part) -> f64 {
         let bounds = part.mesh.bounds();
         if bounds.is_empty() {
@@ -275,7 +275,7 @@ impl PartPlacement {
 pub(crate) const IDENTITY: Matrix4 =
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// All places of parts, by walking the scene from its roots with a stack of its own. Readers make sure that nodes
+/// All placements, by walking the scene from its roots with an explicit stack. Readers make sure that nodes
 /// are a forest.
 fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
     let outside = PartPlacement { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
@@ -298,7 +298,7 @@ fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
     std::array::from_fn(|i| (0..4).map(|k| a[4 * k + i % 4] * b[i / 4 * 4 + k]).sum())
 }
 
-/// The root of the sum of the squares of the linear part: never less than the largest factor by which it lengthens.
+/// The Frobenius norm of the linear part: never less than the largest factor by which it lengthens.
 fn frobenius_norm(m: &Matrix4) -> f64 {
     let squares =
         [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));

@@ -1,4 +1,4 @@
-//! What the verbs need to know of formats.
+//! What the verbs need to know of file formats.
 use crate::Shape;
 use chordal::explicit::Topology;
 use chordal_io::Format;
@@ -21,7 +21,7 @@ pub fn holds_polygons(format: Format) -> bool {
     matches!(format, Format::Obj | Format::Ply)
 }
 
-/// The names of the formats that triangles can be written in, as in "obj, ply, stl, glb".
+/// The names of the formats that hold triangles, as in "obj, ply, stl, glb".
 #[must_use]
 pub fn mesh_names() -> String {
     let names: Vec<_> =
@@ -42,7 +42,7 @@ pub fn output_names() -> String {
     Format::all().filter(written).map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Why a shape cannot be made into that format, in a sentence with what to do instead.
+/// Refuses a format that cannot hold the shape, in a sentence with an alternative.
 pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
     match shape {
         _ if !holds_triangles(to) && !holds_polylines(to) => {
@@ -68,7 +68,7 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
     }
 }
 
-/// Why something that is not triangles cannot be treated so, in a sentence with what to do instead. `done` is what cannot be done.
+/// The refusal of a shape that is not triangles, in a sentence with an alternative. `done` is the operation.
 pub(crate) fn only_triangles(done: &str, kind: &str) -> String {
     let instead = match kind {
         "cage" => "; --surface faceted takes the polygons as triangles",
@@ -77,7 +77,7 @@ pub(crate) fn only_triangles(done: &str, kind: &str) -> String {
     format!("only triangles can be {done}, and these are {kind}: mesh them first{instead}")
 }
 
-/// What makes two vertices of such a file one position: the file's own indices where it has some, else their bits.
+/// How such a file identifies positions: by its own indices where it has some, else by their bits.
 #[must_use]
 pub fn topology(format: Format) -> Topology {
     match format {

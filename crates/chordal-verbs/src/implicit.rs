@@ -1,36 +1,36 @@
-//! `ImplicitShape`: a field with the region that it is cut off at.
+//! `ImplicitShape`: a field with the region that clips it.
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal_io::Frame;
 use serde::Serialize;
 
-/// A field with the part of space that it is looked at in.
+/// A field with a region of space.
 #[derive(Clone, Debug)]
 pub struct ImplicitShape {
-    /// The rule.
+    /// The field.
     pub field: Field,
-    /// The box that the shape is cut off at, where somebody asked for one.
+    /// The box that clips the shape, where the user gave one.
     pub region: Option<Box3>,
-    /// The space that it is in.
+    /// The frame of its coordinates.
     pub frame: Frame,
-    /// What its script can be given, if it has one.
+    /// The parameters of its script, if it has one.
     pub parameters: Vec<Parameter>,
 }
 
-/// A number that a script can be given.
+/// A numeric input of a script.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Parameter {
     /// Its name.
     pub name: String,
-    /// What it is when nobody sets it.
+    /// Its default value.
     pub default: f64,
-    /// What it is.
+    /// Its value.
     pub value: f64,
 }
 
 impl ImplicitShape {
-    /// The box that holds all that there is of the shape: what is known of the field, cut off at the region. Infinite
-    /// where neither says.
+    /// A bounding box of the shape: the known extent of the field, clipped to the region. Infinite where
+    /// neither gives one.
     #[must_use]
     pub fn place(&self) -> Box3 {
         let known = self.field.bounds();
@@ -44,7 +44,7 @@ impl ImplicitShape {
         }
     }
 
-    /// The field with what the region leaves of it, closed by its sides; a shape of the plane stays one.
+    /// The field clipped to the region and closed by its sides; a plane shape stays one.
     #[must_use]
     pub fn clip_to_region(&self) -> Field {
         let Some(region) = self.region else { return self.field.clone() };
@@ -52,7 +52,7 @@ impl ImplicitShape {
         if flat { self.field.cropped(region) } else { self.field.clipped(region) }
     }
 
-    /// The same as a solid: a shape of the plane goes from the bottom of the region to its top.
+    /// As [`Self::clip_to_region`], but as a solid: a plane shape is extruded over the height of the region.
     #[must_use]
     pub fn solid(&self) -> Field {
         self.region.map_or_else(|| self.field.clone(), |region| self.field.clipped(region))

@@ -1,4 +1,4 @@
-//! `inspect`: what a file holds and whether it is sound.
+//! `inspect`: what a file holds and whether it is valid.
 use crate::recommend::recommend_repairs;
 use crate::report::{
     Certificate, CheckDepth, CountError, CountedTriangles, Inspection, Output, PolygonFacts, PolylineFacts,
@@ -8,10 +8,11 @@ use crate::{Input, Shape};
 use chordal::Job;
 use chordal::budget::JobError;
 
-/// What the input is, with its validity in full and the certificate that it carries, if it carries one.
+/// Describes the input, with its full validity check and the certificate embedded in it, if any.
 ///
-/// Linear in the size of the input: about 0.2 s per million triangles. Where something is to be mended, the cures are tried
-/// on a copy, so that what is prescribed helps: as long again as each of them takes, and up to three copies of the input.
+/// Linear in the size of the input: about 0.2 s per million triangles. Where repairs are needed, they are
+/// tried on a copy, so that the recommended ones help. This takes as long again as each of them, and up to
+/// three copies of the input.
 ///
 /// ```
 /// use chordal_verbs::{FormatHint, inspect, load};
@@ -29,7 +30,7 @@ pub fn inspect(input: &Input) -> Report {
     inspect_to_depth(input, CheckDepth::Full).unwrap_or_else(|_| report(input, None))
 }
 
-/// The same with self-intersections, which take about 1 µs a triangle where there are few.
+/// As [`inspect`], with self-intersections, which take about 1 µs a triangle where there are few.
 ///
 /// # Errors
 /// When the job is cancelled, or its memory is not enough.
@@ -75,7 +76,7 @@ fn report(input: &Input, counted: Option<CountedTriangles>) -> Report {
 const DIFFERS: &str =
     "the certificate in the file speaks of other triangles or polylines than those in the file";
 
-/// What there is of polylines, where a shape is nothing else.
+/// The polyline counts of a shape that is all polylines.
 fn polylines_of(shape: &Shape) -> Option<PolylineFacts> {
     match shape {
         Shape::Drawing(drawing) => PolylineFacts::from_straight_curves(&drawing.lines),

@@ -1,4 +1,5 @@
-//! Surfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a budget.
+//! Isosurfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a
+//! budget.
 use crate::request::MeshRequest;
 use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
 use crate::{MeshFailure, SurfaceSpec};
@@ -8,10 +9,12 @@ use chordal::implicit::{Grid, Samples};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Node, Scene};
 
-/// The surface of a volume as the format will hold it, with its bound against the trilinear interpolant.
+/// The isosurface of a volume at the precision of the format, with its bound against the trilinear
+/// interpolant.
 ///
 /// # Errors
-/// When nobody says which surface and the samples do not either; when there is none; as for [`convert::grid_to_mesh`].
+/// When neither the request nor the samples determine a surface; when there is none; as for
+/// [`convert::grid_to_mesh`].
 pub(crate) fn mesh_volume(
     sampled: &VolumeShape,
     request: &MeshRequest,
@@ -48,7 +51,7 @@ fn set_names(scene: &mut Scene, name: &str) {
     }
 }
 
-/// What makes meshes, and under which conditions.
+/// Makes meshes under the conditions of a request.
 struct SurfaceMesher<'a> {
     sampled: &'a VolumeShape,
     request: &'a MeshRequest,
@@ -66,7 +69,8 @@ impl SurfaceMesher<'_> {
     }
 }
 
-/// How near to a sample a vertex may come: so far that rounding to the format keeps vertices apart.
+/// How near to a sample a vertex may come, as a fraction of an edge, so that rounding to the format keeps
+/// vertices apart.
 fn margin(grid: &Grid, lost: f64) -> f64 {
     if lost == 0.0 {
         return Polygonize::MARGIN;
@@ -75,15 +79,15 @@ fn margin(grid: &Grid, lost: f64) -> f64 {
     let shortest =
         squares.into_iter().fold(f64::INFINITY, |least, s| if s < least { s } else { least }).sqrt();
     let mut margin = Polygonize::MARGIN_F32;
-    // Two vertices at a sample are a margin from it each, so that half of it for each is left for rounding; beyond an eighth
-    // of an edge the surface would be another one.
+    // Two vertices at a sample are a margin from it each, so that half of it for each is left for rounding;
+    // beyond an eighth of an edge the surface would be another one.
     while margin * shortest < 4.0 * lost && margin < 0.125 {
         margin *= 2.0;
     }
     margin
 }
 
-/// The level and the side, from what was asked for and what the samples are.
+/// The level and the inside, from the request and the samples.
 fn polygonize_rule(
     sampled: &VolumeShape,
     range: &ValueRange,
@@ -158,7 +162,7 @@ fn default_side(level: f64, suggested: Option<&SuggestedLevel>) -> Inside {
     }
 }
 
-/// Says where the shape reaches the border of the volume.
+/// Adds a note where the shape reaches the border of the volume.
 fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<String>) {
     let is_inside = |x: f64| match rule.inside {
         Inside::Low => x < rule.level,
@@ -222,14 +226,14 @@ fn selected_labels(
     }
 }
 
-/// One part for each label, halfway between its samples and others; where two meet their vertices are the same.
+/// One part for each label, halfway between its samples and others; adjacent labels share their vertices.
 fn mesh_labels(
     sampled: &VolumeShape,
     labels: &[i64],
     request: &MeshRequest,
     (notes, job): (&mut Vec<String>, &Job),
 ) -> Result<(Scene, Bound), MeshFailure> {
-    // Refuses a budget that rounding to the format alone would break.
+    // Refuses a budget that rounding to the format alone would exceed.
     request.reserve_rounding(request.rounding())?;
     let rule = convert::LabelOptions {
         border: [[sampled.surface.border; 2]; 3],
@@ -259,7 +263,7 @@ fn mesh_labels(
     Ok((scene, worst))
 }
 
-/// The place of each sample's label in the list, counted from 1; 0 for labels that are not in it.
+/// The index of each sample's label in the list, counted from 1; 0 for labels that are not in it.
 fn label_indices(grid: &Grid, labels: &[i64], job: &Job) -> Result<Grid, MeshFailure> {
     let samples = grid.samples();
     let bytes = 4 * samples.len() as u64;

@@ -1,4 +1,5 @@
-//! What every shell calls: bytes in, a verb, a report out. Shells translate; nothing here reads a path or prints.
+//! The verbs that every front end calls: bytes in, a verb, a report out. Front ends only translate; nothing
+//! here reads a path or prints.
 //!
 //! ```
 //! use chordal_io::Format;
@@ -73,7 +74,7 @@ pub use shape::Shape;
 pub use spec::BudgetSpec;
 pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 
-/// The example of the page in `docs/` runs with the tests.
+/// Runs the example of the page in `docs/` with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/volumes.md")]
 struct Volumes;

@@ -1,24 +1,24 @@
-//! `load`: bytes to a shape, with everything that a report says about its input.
+//! `load`: parses bytes to a shape, with everything that a report says about its input.
 use crate::digest::sha256;
 use crate::{Shape, script};
 use chordal::math::Box3;
 use chordal_io::{FileLocation, Format, Limits, PolygonSurface, ReadError, Warning};
 
-/// How the format of some bytes is known.
+/// How to determine the format of some bytes, and options for reading them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FormatHint<'a> {
     /// The file's name; its extension counts.
     pub name: Option<&'a str>,
-    /// The format, whatever name and content say.
+    /// The format, overriding name and content.
     pub format: Option<Format>,
-    /// What a script's parameters are set to.
+    /// Values for a script's parameters.
     pub set: &'a [(String, f64)],
-    /// The box that a field is cut off at, instead of the one that its format says.
+    /// The box that clips a field, instead of the format's own.
     pub region: Option<Box3>,
 }
 
 impl FormatHint<'_> {
-    /// The format that is said, else that of the name, else what the content looks like.
+    /// The given format, else that of the name, else that of the content.
     #[must_use]
     pub fn format_of(self, bytes: &[u8]) -> Option<Format> {
         let extension = self.name.and_then(extension);
@@ -27,18 +27,18 @@ impl FormatHint<'_> {
     }
 }
 
-/// A shape together with what it was read from.
+/// A shape with its source.
 #[derive(Clone, Debug)]
 pub struct Input {
     /// The shape.
     pub shape: Shape,
     /// The format of the bytes.
     pub format: Format,
-    /// Their number.
+    /// The number of bytes.
     pub n_bytes: u64,
     /// Their SHA-256, in hexadecimal.
     pub sha256: String,
-    /// What was odd about them.
+    /// Irregularities in the bytes.
     pub warnings: Vec<Warning>,
 }
 
@@ -47,7 +47,7 @@ pub struct Input {
 /// Time and memory are linear in the bytes and capped by `limits`.
 ///
 /// # Errors
-/// When the format cannot be told, or the bytes do not follow it, with the place.
+/// When the format cannot be determined, or the bytes violate it, with the position.
 ///
 /// ```
 /// use chordal_verbs::{FormatHint, load};
@@ -99,10 +99,10 @@ fn format_of(bytes: &[u8], hint: FormatHint) -> Result<Format, ReadError> {
     })
 }
 
-/// An extension of two parts.
+/// A two-part extension.
 const PACKED: &str = ".nii.gz";
 
-/// What follows the last dot of a file's name; `nii.gz` is one extension.
+/// The extension of a file's name; `nii.gz` counts as one.
 #[must_use]
 pub fn extension(name: &str) -> Option<&str> {
     let file = name.rsplit(['/', '\\']).next()?;

@@ -1,4 +1,5 @@
-//! `mend`: takes away what `inspect` found, cure by cure, as it will read back from a format.
+//! `mend`: repairs the defects that `inspect` found, one repair at a time, as the result reads back from a
+//! format.
 use crate::finish::finish_triangles;
 use crate::flatten::{part_scales, scaled_up};
 use crate::pass_through::pass_through;
@@ -16,37 +17,37 @@ use chordal::mend::{
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Scene};
 
-/// Which cures to apply; at least one.
+/// The repairs to apply; at least one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MendSpec {
-    /// Make vertices at one place one position.
+    /// Merge vertices at the same point into one position.
     pub weld: Option<WeldTolerance>,
     /// Drop faces that repeat the positions of an earlier one.
     pub drop_duplicates: Option<Duplicates>,
     /// Drop faces without area.
     pub drop_degenerate: bool,
-    /// Cut faces where a vertex lies in the middle of their edge.
+    /// Split faces where a vertex lies in the interior of their edge.
     pub resolve_t_junctions: Option<WeldTolerance>,
-    /// Take the surface apart where it is not manifold.
+    /// Split the surface where it is not manifold.
     pub split_non_manifold: bool,
-    /// Wind faces alike, and outwards where they enclose something.
+    /// Orient faces consistently, and outwards where they enclose a volume.
     pub orient: bool,
-    /// Fill what boundary loops leave open.
+    /// Fill boundary loops.
     pub fill_holes: Option<HoleSelection>,
-    /// Drop vertices that no face names.
+    /// Drop vertices that no face uses.
     pub drop_unused: bool,
 }
 
-/// How close is at one place.
+/// How close vertices must be to be merged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WeldTolerance {
-    /// The same numbers.
+    /// Equal coordinates.
     Exact,
-    /// No further than this length.
+    /// Within this length.
     Within(Length),
 }
 
-/// A cure with what it needs, in the order in which cures are applied.
+/// A repair with its parameters, in the order of application.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum RepairStep {
     Weld(Option<Tolerance>),
@@ -59,18 +60,18 @@ pub(crate) enum RepairStep {
     DropUnused,
 }
 
-/// Applies the cures that `spec` asks for to every part by itself, and gives the triangles as they read back from a
+/// Applies the repairs in `spec` to every part by itself, and returns the triangles as they read back from a
 /// file of the format `to`.
 ///
-/// The order: weld, drop duplicates, drop degenerate, resolve T-junctions, split, orient, fill; orient once more where
-/// something was filled, since what is closed now has an outside; drop unused. A length is one of the scene: where a
-/// part is shown larger than it is, it gets as much less. The bound adds what each cure moved, as far as parts are
-/// shown, and what rounding to the format did. [`Certificate::mended`] says what was changed, and
-/// [`Certificate::valid_before`] how it was.
+/// The order: weld, drop duplicates, drop degenerate, resolve T-junctions, split, orient, fill; orient once
+/// more where something was filled, since the closed surface now has an outside; drop unused. Lengths are in
+/// scene units: a part that is scaled up gets a length that much smaller. The bound adds what each repair
+/// moved, as scaled in the scene, and the rounding to the format. [`Certificate::mended`] lists the changes,
+/// and [`Certificate::valid_before`] the state before.
 ///
 /// # Errors
-/// When no cure is asked for, when the shape has no triangles or the length no meaning for it; when the work is refused,
-/// or cancelled; when nothing would be left; when a coordinate does not fit the format.
+/// When no repair is requested, when the shape has no triangles or the length no meaning for it; when the
+/// work is refused, or cancelled; when nothing would be left; when a coordinate does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -122,7 +123,7 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
 }
 
 impl MendSpec {
-    /// Every cure, as it is without a length or a number.
+    /// Every repair, without a length or a number.
     const ALL: Self = Self {
         weld: Some(WeldTolerance::Exact),
         drop_duplicates: Some(Duplicates::EitherWay),
@@ -134,7 +135,7 @@ impl MendSpec {
         drop_unused: true,
     };
 
-    /// The cures in their order.
+    /// The repairs in their order.
     fn cures(&self, shape: &Shape) -> Result<Vec<RepairStep>, MeshFailure> {
         let length = |closeness: WeldTolerance| match closeness {
             WeldTolerance::Exact => Ok(None),
@@ -170,13 +171,13 @@ impl MendSpec {
     }
 }
 
-/// All cures by exact positions, in their order.
+/// All repairs by exact positions, in their order.
 pub(crate) fn trial_steps() -> Vec<RepairStep> {
     MendSpec::ALL.in_order(Some(None), Some(None))
 }
 
 impl RepairStep {
-    /// What it is, without its length or number.
+    /// Its kind, without its length or number.
     pub fn cure(self) -> Cure {
         match self {
             Self::Weld(_) => Cure::Weld,
@@ -190,7 +191,7 @@ impl RepairStep {
         }
     }
 
-    /// Mends every part; what was done, and how far the scene moved by it.
+    /// Repairs every part. Returns what was done, and how far the scene moved.
     pub fn apply(
         self,
         scene: &mut Scene,
@@ -214,7 +215,7 @@ impl RepairStep {
             facts.add(number, &mended);
             bound = max_bound(bound, &mended.bound, stretch[number])?;
             if matches!(self, Self::SplitNonManifold) && !mended.is_unchanged() {
-                // From here on the rows say what is one position: their bits would tie the copies again.
+                // From here on the rows identify positions: their bits would tie the copies again.
                 topologies[number] = Topology::Indices;
             }
             part.mesh = mended.mesh;
@@ -245,7 +246,7 @@ impl RepairStep {
     }
 }
 
-/// A length of the scene in the coordinates of a part that is shown at most so much larger.
+/// A scene length in the coordinates of a part that is scaled by at most `stretch`.
 fn part_tolerance(within: Tolerance, stretch: f64) -> Result<Tolerance, MeshFailure> {
     if stretch == 0.0 || stretch == 1.0 {
         return Ok(within);

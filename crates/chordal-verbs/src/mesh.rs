@@ -1,4 +1,5 @@
-//! `mesh`: any shape into triangles, or curves into polylines, within a budget, as they will read back from a format.
+//! `mesh`: any shape into triangles, or curves into polylines, within a budget, as the result reads back from
+//! a format.
 use crate::finish::{finish_triangles, too_fine_note};
 use crate::pass_through::pass_through;
 use crate::report::{BudgetFacts, Certificate};
@@ -14,14 +15,14 @@ use chordal_io::{Format, Scene};
 
 /// Turns a shape into triangles within a budget, or curves into polylines where the format holds those.
 ///
-/// The bound covers the whole way from the parsed numbers to the triangles as they read back from a file of the
-/// format `to`: what rounding to that format will cost is set aside from the budget first, and what it did cost is
-/// added to the bound. Triangles become fewer, part by part; see `chordal::lod::simplify`. A drawing for a
-/// format of triangles is filled: what its outlines enclose, in the plane z = 0.
+/// The bound covers everything from the parsed numbers to the triangles as they read back from a file of the
+/// format `to`: the rounding to that format is reserved from the budget first, and its actual size is added
+/// to the bound. Triangle meshes are simplified, part by part; see `chordal::lod::simplify`. For a format of
+/// triangles the regions that a drawing's outlines enclose are filled, in the plane z = 0.
 ///
 /// # Errors
-/// When the budget or the format has no meaning for this shape; when the budget is not met, with the best that was reached; when
-/// the work is refused, or cancelled; when a coordinate does not fit the format.
+/// When the budget or the format has no meaning for this shape; when the budget is not met, with the best
+/// that was reached; when the work is refused, or cancelled; when a coordinate does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -64,7 +65,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         }
         Shape::Patches { patches, frame } => {
             let made = request.run(job, |budget| convert::patches_to_mesh(&patches, budget, job))?;
-            // A name that says what it is; no file name, which would tie the bytes to a place.
+            // A descriptive name; a file name would make the bytes depend on a path.
             (Scene::from_mesh("patches", made.shape, true, frame), made.bound)
         }
         Shape::Cage(polygons) => {
@@ -95,8 +96,8 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     finish_triangles(scene, bound, &request, certificate)
 }
 
-/// Whether a shape cannot become triangles without one: volumes have a resolution of their own, and triangles that get
-/// new normals stay as they are.
+/// Whether a shape needs a budget to become triangles: volumes have a resolution of their own, and triangles
+/// that only get new normals stay as they are.
 pub fn needs_budget(shape: &Shape, normals: Normals) -> bool {
     match shape {
         Shape::Volume(_) => false,

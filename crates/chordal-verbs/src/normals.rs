@@ -1,4 +1,4 @@
-//! `Normals`: which normals triangles get, as a person asks for it.
+//! `Normals`: the normals that triangles get, as a user requests them.
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use crate::formats::topology;
@@ -7,7 +7,7 @@ use chordal_io::{Format, Scene};
 use std::fmt;
 use std::str::FromStr;
 
-/// Which normals triangles get.
+/// The normals that triangles get.
 ///
 /// ```
 /// use chordal_verbs::Normals;
@@ -17,17 +17,17 @@ use std::str::FromStr;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Normals {
-    /// Those of the shape. A mesh without gets [`Normals::Crease`] of 30° in formats that hold normals beside the
-    /// positions or know vertices by their bits (OBJ, glTF), and stays without elsewhere.
+    /// Those of the shape. A mesh without gets [`Normals::Crease`] of 30° in formats that hold normals beside
+    /// the positions or identify vertices by their bits (OBJ, glTF), and stays without elsewhere.
     #[default]
     Auto,
     /// Those of the shape, if it has some.
     Keep,
-    /// Each triangle its own.
+    /// Flat: one normal a triangle.
     Flat,
     /// Smooth everywhere.
     Smooth,
-    /// Smooth across edges that are bent by no more than this.
+    /// Smooth across edges whose dihedral angle is at most this.
     Crease {
         /// From 0 to 180.
         angle_deg: f64,
@@ -36,12 +36,12 @@ pub enum Normals {
     Groups,
 }
 
-/// Where a mesh is creased if nothing is said, as in most modellers.
+/// The default crease angle, as in most modellers.
 const USUAL_CREASE_DEG: f64 = 30.0;
 
 impl Normals {
-    /// Gives every part of a scene its normals, and says so. Two vertices are one position where the format `from`
-    /// says so; `to` is what will be written.
+    /// Sets the normals of every part of a scene, and adds a note. The format `from` determines which
+    /// vertices are one position; `to` is the output format.
     pub(crate) fn apply(
         self,
         scene: &mut Scene,
@@ -92,7 +92,7 @@ impl fmt::Display for Normals {
     }
 }
 
-/// The text that says no normals.
+/// A text that names no normals.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidNormals(String);
 

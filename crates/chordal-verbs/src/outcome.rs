@@ -1,11 +1,11 @@
-//! `MeshOutcome`: triangles or polylines at the precision of their format, with what is known of them.
+//! `MeshOutcome`: triangles or polylines at the precision of their format, with their certificate.
 use crate::report::Certificate;
 use crate::{write, write_polylines};
 use chordal::budget::Bound;
 use chordal_io::{Format, Polylines, Scene, WriteError};
 use std::io::Write;
 
-/// What came of a shape, at the precision of its format: what a reader of the file will get.
+/// A tessellation at the precision of its format, as a reader of the file gets it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tessellation {
     /// Triangles.
@@ -14,16 +14,16 @@ pub enum Tessellation {
     Polylines(Polylines),
 }
 
-/// Triangles or polylines at the precision of their format, with everything that is known of them.
+/// Triangles or polylines at the precision of their format, with their bound and certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshOutcome {
-    /// What will be written.
+    /// The tessellation to write.
     pub made: Tessellation,
-    /// The format that it is for.
+    /// The output format.
     pub format: Format,
-    /// How far it is from the true shape, rounding to the format included.
+    /// The distance to the true shape, rounding to the format included.
     pub bound: Bound,
-    /// The same and more, for the file and the report.
+    /// The bound and more, for the file and the report.
     pub certificate: Certificate,
 }
 
@@ -46,7 +46,7 @@ impl MeshOutcome {
         }
     }
 
-    /// Writes what was made, and the certificate where the format can carry it.
+    /// Writes the tessellation, and the certificate where the format can carry it.
     ///
     /// # Errors
     /// When the sink fails.

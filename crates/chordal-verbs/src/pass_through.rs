@@ -1,11 +1,11 @@
-//! Triangles as they are, at the precision of a format.
+//! Passes triangles through unchanged, at the precision of a format.
 use crate::MeshFailure;
 use crate::flatten::{self, TransformedScene};
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::math::add_up;
 use chordal_io::{Format, Scene, snap};
 
-/// Rounds the parts of a scene to the format, and puts them in one space where the format has no nodes.
+/// Rounds the parts of a scene to the format, and applies the transforms where the format has no nodes.
 ///
 /// # Errors
 /// When a coordinate does not fit the format, or the nodes take it out of range.

@@ -13,7 +13,7 @@ use chordal::math::Box3;
 use chordal::{Bound, Job};
 use chordal_io::{Curves, Drawing, DrawingElement, Format, PathSet, Polylines};
 
-/// Curves of the plane.
+/// Flattens plane curves.
 pub(crate) fn flatten_drawing(
     drawing: Drawing,
     request: &MeshRequest,
@@ -24,7 +24,7 @@ pub(crate) fn flatten_drawing(
     finish_polylines(Polylines::Plane(drawn), bound, request, certificate)
 }
 
-/// Curves of space, which SVG cannot hold.
+/// Flattens space curves, which SVG cannot hold.
 pub(crate) fn flatten_curves(
     curves: Curves,
     request: &MeshRequest,
@@ -40,7 +40,7 @@ pub(crate) fn flatten_curves(
     finish_polylines(Polylines::Space(drawn), bound, request, certificate)
 }
 
-/// The curve of a field of the plane.
+/// Flattens the zero contour of a plane field.
 pub(crate) fn contour_field(
     implicit: &ImplicitShape,
     request: &MeshRequest,

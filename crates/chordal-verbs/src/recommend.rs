@@ -1,4 +1,4 @@
-//! What `inspect` prescribes: cures that were tried on the very triangles, and helped.
+//! The repairs that `inspect` recommends: they were tried on the triangles, and helped.
 use crate::formats::topology;
 use crate::mend::{RepairStep, trial_steps};
 use chordal::Job;
@@ -6,16 +6,17 @@ use chordal::check::{Cure, Defect, MeshConnectivity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene};
 
-/// The options of `chordal mend` that help a scene as it was read from a file of that format, in the order in which they
-/// are applied; `None` where the job was stopped.
+/// The options of `chordal mend` that help a scene read from a file of that format, in the order of
+/// application; `None` where the job was stopped.
 ///
-/// Each is tried on what the ones before it left, and prescribed if it changes something, leaves triangles, and makes no
-/// kind of fault more frequent but those that it is known to lay bare ([`may_expose`]) and that later ones mend. So what is
-/// prescribed changes something, and following it ends.
+/// Each is tried on the result of the ones before. It is recommended if it changes something, leaves
+/// triangles, and makes no kind of fault more frequent, except those that it may expose ([`may_expose`]) and
+/// that later ones repair. So every recommended repair changes something, and following the recommendations
+/// terminates.
 ///
-/// Taking a surface apart is not prescribed where the format ties equal positions again.
+/// Splitting a surface is not recommended where the format ties equal positions again.
 ///
-/// Cost: that of the cures that are tried, and two validity checks each; nothing for sound triangles.
+/// Cost: that of the repairs that are tried, and two validity checks each; nothing for valid triangles.
 pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Option<Vec<Cure>> {
     let mut trial = RepairTrial {
         scene: scene.clone(),
@@ -29,7 +30,7 @@ pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Opt
         let skipped = match cure {
             // Such a format has nothing to weld, and ties what is split.
             RepairStep::Weld(_) | RepairStep::SplitNonManifold => ties,
-            // A crack along T-junctions is no hole, and a piece of one side has no inside to close.
+            // A crack along T-junctions is no hole, and a one-sided piece has no inside to close.
             RepairStep::FillHoles(_) => trial.count(Defect::TJunctions) > 0 || !trial.is_orientable(),
             _ => false,
         };
@@ -40,17 +41,18 @@ pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Opt
     Some(Cure::ALL.into_iter().filter(|cure| trial.cures.contains(cure)).collect())
 }
 
-/// Triangles on the way from cure to cure.
+/// The triangles between repairs.
 struct RepairTrial {
     scene: Scene,
     topologies: Vec<Topology>,
-    /// How often each of [`FAULTS`] was found.
+    /// The count of each of [`FAULTS`].
     faults: Vec<u64>,
-    /// What helped.
+    /// The repairs that helped.
     cures: Vec<Cure>,
 }
 
-/// What no cure may make more frequent. Duplicate vertices and slivers are remarks, and the others take a search.
+/// Faults that no repair may make more frequent. Duplicate vertices and slivers are remarks, and the others
+/// take a search.
 const FAULTS: [Defect; 9] = [
     Defect::BoundaryEdges,
     Defect::NonManifoldEdges,
@@ -63,14 +65,14 @@ const FAULTS: [Defect; 9] = [
     Defect::UnusedVertices,
 ];
 
-/// What a cure may lay bare: it was there before, hidden by what the cure takes away.
+/// Whether a repair may expose a defect that was there before, hidden by what the repair removes.
 fn may_expose(cure: RepairStep, defect: Defect) -> bool {
     match defect {
-        // Copies of an edge with three faces are rims; a face that is gone, or cut, leaves its edges.
+        // Copies of a three-face edge become boundaries; a face that is dropped, or cut, leaves its edges.
         Defect::BoundaryEdges => {
             !matches!(cure, RepairStep::Weld(_) | RepairStep::Orient | RepairStep::FillHoles(_))
         }
-        // At an edge with three faces nobody could tell.
+        // At an edge with three faces consistency is undefined.
         Defect::InconsistentEdges => {
             matches!(
                 cure,
@@ -79,7 +81,7 @@ fn may_expose(cure: RepairStep, defect: Defect) -> bool {
                     | RepairStep::ResolveTJunctions(_)
             )
         }
-        // A face between equal points has no area before as after, and by indices no name for it.
+        // A face between equal points has no area before as after, but by indices it is not called collapsed.
         Defect::CollapsedFaces => matches!(cure, RepairStep::Weld(_)),
         Defect::UnusedVertices => matches!(cure, RepairStep::DropDuplicates(_) | RepairStep::DropDegenerate),
         _ => false,
@@ -87,7 +89,7 @@ fn may_expose(cure: RepairStep, defect: Defect) -> bool {
 }
 
 impl RepairTrial {
-    /// Applies a cure, and takes it back where it does not help. `None` where the job was stopped.
+    /// Applies a repair, and reverts it where it does not help. `None` where the job was stopped.
     fn attempt(&mut self, cure: RepairStep, job: &Job) -> Option<()> {
         let (mut scene, mut topologies) = (self.scene.clone(), self.topologies.clone());
         let (facts, _) = cure.apply(&mut scene, &mut topologies, job).ok()?;

@@ -1,4 +1,5 @@
-//! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it, fields are drawn as they are.
+//! `render`: a picture of any shape. Smooth shapes are meshed first, finely enough for the picture; fields
+//! are ray traced directly.
 use crate::ImplicitShape;
 use crate::deviation::ComparedPair;
 use crate::filled_regions::FilledRegions;
@@ -19,23 +20,24 @@ use chordal::{Bounded, Budget, Job, Mesh, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
 use std::io::Write;
 
-/// A picture with what is known of what it shows.
+/// A picture with its certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOutcome {
     /// The picture.
     pub picture: Picture,
     /// Its camera.
     pub camera: Camera,
-    /// The triangles that it shows, and for smooth shapes how far those are from the true shape.
+    /// The certificate of the triangles that it shows, with their distance to the true shape for smooth
+    /// shapes.
     pub certificate: Certificate,
-    /// The distance of the darkest colour, in a picture of distances.
+    /// The distance that maps to the darkest colour, in a picture of distances.
     pub darkest: Option<f64>,
-    /// The share of the triangles that show the eye their backs; none for parallel rays.
+    /// The fraction of back-facing triangles; `None` for parallel rays.
     pub back_share: Option<f64>,
 }
 
 impl RenderOutcome {
-    /// Writes the picture as PNG, with the certificate as text beside it.
+    /// Writes the picture as PNG, with the certificate as text chunk.
     ///
     /// # Errors
     /// When the sink fails.
@@ -49,22 +51,24 @@ impl RenderOutcome {
 /// How finely a smooth shape is meshed for a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PictureTolerance {
-    /// To so many pixels of the picture.
+    /// Within so many pixels of the picture.
     Pixels(Pixels),
-    /// To a length.
+    /// Within a length.
     Length(Length),
 }
 
-/// Takes a picture of a shape. Which way is up comes from the shape's frame, and is z where that does not say.
+/// Renders a shape. The up axis comes from the shape's frame, and is z where that is unknown.
 ///
-/// [`RenderStyle::Overshade`] also counts what a graphics processor shades, for the certificate; a field has no triangles to count.
+/// [`RenderStyle::Overshade`] also counts what a graphics processor shades, for the certificate; a field has
+/// no triangles to count.
 ///
-/// A smooth shape is meshed as finely as `fineness` says or, if it says nothing, to half a pixel of this very picture,
-/// and the certificate says how far the triangles are from the true shape. Where then the eye is so close that no
-/// length is half a pixel, a hundredth of a percent of the diagonal has to do, and a note says so.
+/// A smooth shape is meshed within `fineness` or, by default, within half a pixel of this very picture, and
+/// the certificate holds the distance from the triangles to the true shape. Where the eye is so close that no
+/// length is half a pixel, the default is a hundredth of a percent of the diagonal, and a note says so.
 ///
 /// # Errors
-/// As for [`crate::mesh`]; also when the camera is none, or picture and triangles need more memory than the job allows.
+/// As for [`crate::mesh`]; also when the camera is invalid, or picture and triangles need more memory than
+/// the job allows.
 ///
 /// ```
 /// use chordal::render::RenderOptions;
@@ -114,7 +118,7 @@ pub fn render(
     }
 }
 
-/// A picture straight from a field, cut off at its region; the certificate's notes say what its rays are worth.
+/// Renders a field directly, clipped to its region; the certificate's notes say how reliable its rays are.
 fn draw_field(
     shape: &ImplicitShape,
     options: &RenderOptions,
@@ -142,9 +146,9 @@ fn draw_field(
     })
 }
 
-/// Takes a picture of a shape coloured by its distance from another one, darkest at `darkest` or else at the largest
-/// distance. The certificate's bound is that of [`crate::deviation`] between the two. A percentage is one of the diagonal
-/// of `against`.
+/// Renders a shape coloured by its distance from another one, darkest at `darkest` or else at the largest
+/// distance. The certificate's bound is that of [`crate::deviation`] between the two. A percentage is one of
+/// the diagonal of `against`.
 ///
 /// Smooth shapes are meshed as finely as their distance needs.
 ///
@@ -182,20 +186,20 @@ pub fn render_against(
     Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most), back_share })
 }
 
-/// What culling would save.
+/// The fraction of triangles that back-face culling would save.
 fn back_share(mesh: &Mesh, camera: &Camera) -> Option<f64> {
     let from_a_point = matches!(camera.projection, Projection::Perspective { .. });
     from_a_point.then(|| facing(mesh, camera.eye).back_share())
 }
 
-/// What is asked of a picture.
+/// The parameters of a picture.
 struct RenderRequest<'a> {
     options: RenderOptions,
     fineness: Option<PictureTolerance>,
     shape: &'a Shape,
 }
 
-/// What a drawing fills, seen from straight above unless a camera is given.
+/// The filled regions of a drawing, seen from straight above unless a camera is given.
 fn draw_filled_regions(
     drawing: &Drawing,
     asked: &RenderRequest,
@@ -226,7 +230,7 @@ fn draw_filled_regions(
     draw_mesh(&made.shape, &options, certificate, job)
 }
 
-/// The share of the picture that a drawing takes.
+/// The fraction of the picture that a drawing spans.
 const FRAMED: f64 = 0.92;
 
 /// Parallel rays along −z onto the whole box.
@@ -310,23 +314,24 @@ fn camera_for(shape: &Shape, options: &RenderOptions, job: &Job) -> Result<Camer
     Ok(frame(&mesh, options.up, screen))
 }
 
-/// Of the diagonal: fine enough to say where a shape ends in a picture with a margin, and quickly made.
+/// A fraction of the diagonal: fine enough to frame a shape in a picture with a margin, and fast to mesh.
 const COARSE: f64 = 0.002;
-/// Triangles for a shape so small that it has no diagonal.
+/// The triangle budget of a shape so small that it has no diagonal.
 const FEW: u64 = 10_000;
-/// Pixels that nobody sees, at the edges of a picture whose pixels are mixed of several rays.
+/// An error in pixels that is invisible at the edges of an antialiased picture.
 const UNSEEN_PX: f64 = 0.5;
-/// Of the diagonal, where the eye is too close for pixels: half a pixel of a picture 5,000 pixels wide that shows all.
+/// The fraction of the diagonal where the eye is too close for pixels: half a pixel of a picture 5,000 pixels
+/// wide that shows all.
 const CLOSE_UP: f64 = 1e-4;
 
-/// Triangles for a picture, the budget that they were made for, and how that came about if that is odd.
+/// The triangles of a picture, their budget, and a note where that budget is unusual.
 struct PictureMesh {
     made: Bounded<Mesh>,
     budget: Budget,
     note: Option<String>,
 }
 
-/// From where, and under which conditions.
+/// A camera, and the conditions of the job.
 struct CameraShot<'a> {
     camera: Camera,
     job: &'a Job,
@@ -358,10 +363,10 @@ fn mesh_for(
 const TOO_CLOSE: &str =
     "the eye is too close for a bound in pixels: the mesh is made to 0.01% of the diagonal instead";
 
-/// A share of the diagonal; a shape so small that it has none gets a few triangles.
+/// A fraction of the diagonal as a budget; a shape so small that it has no diagonal gets a few triangles.
 fn fraction_of_diagonal(shape: &Shape, share: f64) -> Result<Budget, MeshFailure> {
     Ok(Tolerance::new(shape.diagonal()? * share).map_or(Budget::triangles(FEW), Budget::length))
 }
 
-/// The screen of a picture if nobody says.
+/// The default screen of a picture.
 pub const USUAL_SCREEN: Screen = Screen { width_px: 1280, height_px: 960 };

@@ -1,4 +1,4 @@
-//! `MeshRequest`: a budget for one shape and one format, and how an arrow is run within it.
+//! `MeshRequest`: a budget for one shape and one format, and how a conversion runs within it.
 use crate::MeshFailure;
 use chordal::budget::{
     Bound, Bounded, Budget, Failure, PixelBudget, Pixels, Reference, RefusalCode, RequiredEvidence, Tolerance,
@@ -9,16 +9,16 @@ use chordal::math::{Box3, sub_down, sub_up};
 use chordal::{Job, Mesh, mend};
 use chordal_io::{Format, snap, worst_snap};
 
-/// What a shape is to become: the budget, resolved for the shape, and the format.
+/// The target of a conversion: the budget, resolved for the shape, and the format.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshRequest {
     pub budget: Budget,
     pub to: Format,
-    /// A box around the shape.
+    /// The bounding box of the shape.
     pub place: Box3,
-    /// The same with room for the rounding of evaluated points.
+    /// The same box, grown by the rounding of evaluated points.
     reach: Box3,
-    /// How the ends of segments are placed on curves.
+    /// How segment ends are spaced on curves.
     pub spacing: Spacing,
 }
 
@@ -27,14 +27,15 @@ impl MeshRequest {
         Self { budget, to, place, reach: widen_box(&place), spacing: Spacing::default() }
     }
 
-    /// Runs an arrow so that the budget holds for what a reader of the file gets: what rounding to the format may cost is
-    /// set aside first, the arrow runs within the rest, and the bound counts what rounding did cost.
+    /// Runs a conversion so that the budget holds for what a reader of the file gets. The possible rounding
+    /// to the format is reserved first, the conversion runs within the rest, and the bound adds the actual
+    /// rounding.
     ///
-    /// Where the budget is missed the result is the best that was reached: whether the whole is within the budget is
-    /// judged for the whole (`finish.rs`).
+    /// Where the budget is missed, the result is the best that was reached; `finish.rs` judges whether the
+    /// whole is within the budget.
     ///
     /// # Errors
-    /// When rounding alone may cost more than the budget; as for the arrow.
+    /// When rounding alone may exceed the budget; as for the conversion.
     pub fn run(
         &self,
         job: &Job,
@@ -44,7 +45,7 @@ impl MeshRequest {
         self.snap(&made.shape, made.bound, job)
     }
 
-    /// The same request for a box with room for the rounding of evaluated points.
+    /// The same request for a box grown by the rounding of evaluated points.
     pub fn widened(self) -> Self {
         Self { place: self.reach, ..self }
     }
@@ -62,7 +63,7 @@ impl MeshRequest {
         worst_snap(&self.reach, self.to)
     }
 
-    /// The budget of an arrow: that of the user less the length that rounding to the format may cost.
+    /// The budget of a conversion: the user's, less the length that rounding to the format may cost.
     ///
     /// # Errors
     /// When nothing is left of it, or the shape reaches the eye.
@@ -99,10 +100,11 @@ impl MeshRequest {
         Ok(inner)
     }
 
-    /// Rounds a mesh to the precision of the format and adds to the bound what that moved.
+    /// Rounds a mesh to the precision of the format and adds the displacement to the bound.
     ///
-    /// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from there
-    /// to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the surface closed.
+    /// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and
+    /// from there to the rounded one. Faces that rounding left without area are dropped; their neighbours
+    /// keep the surface closed.
     pub fn snap(&self, mesh: &Mesh, bound: Bound, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
         let Budget { pixels, .. } = self.budget;
         let snapped = snap(mesh, self.to)?;
@@ -114,14 +116,15 @@ impl MeshRequest {
         let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
         let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
         let mut chain = bound.then(&step);
-        // What rounding to the format does to normals is not seen at angles that make sense.
+        // The rounding of normals is negligible at realistic angles.
         chain.angle_deg = bound.angle_deg;
         let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
         chain.pixels = pixels.and_then(both);
         Ok(Bounded { shape: whole.mesh, bound: chain })
     }
 
-    /// The bound on the screen: the smaller of what the arrow proved and what the length in space becomes.
+    /// The bound on the screen: the smaller of the conversion's own and the projection of the length in
+    /// space.
     pub fn pixels_of(&self, bound: &Bound) -> Option<f64> {
         let view = self.budget.pixels?.view;
         let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &self.place));
@@ -131,8 +134,8 @@ impl MeshRequest {
         }
     }
 
-    /// Whether a bound is within the length and the pixels of the budget. Where a measurement is enough and there is
-    /// nothing else, the measured error counts.
+    /// Whether a bound is within the length and the pixels of the budget. Where a measurement suffices and
+    /// there is no proof, the measured error counts.
     pub fn lengths_are_met(&self, bound: &Bound) -> bool {
         let Self { budget, place, .. } = self;
         let measured = budget.require == RequiredEvidence::Measured && bound.at_most().is_none();
@@ -149,7 +152,7 @@ impl MeshRequest {
     }
 }
 
-/// The box with room for the rounding of evaluated points, which may leave the hull of their control points: an
+/// The box grown by the rounding of evaluated points, which may leave the hull of their control points: an
 /// evaluation has less than 32 roundings of half a step each.
 fn widen_box(place: &Box3) -> Box3 {
     let reach =

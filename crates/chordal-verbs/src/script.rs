@@ -1,8 +1,8 @@
-//! Shape scripts as an input, in builds that run them.
+//! Shape scripts as an input, in builds with the interpreter.
 use crate::Shape;
 use chordal_io::{Limits, ReadError};
 
-/// The shape that a script makes.
+/// Runs a script to its shape.
 #[cfg(feature = "script")]
 pub(crate) fn shape(bytes: &[u8], set: &[(String, f64)], limits: &Limits) -> Result<Shape, ReadError> {
     use crate::{ImplicitShape, Parameter};
@@ -31,7 +31,7 @@ pub(crate) fn shape(bytes: &[u8], set: &[(String, f64)], limits: &Limits) -> Res
     Ok(Shape::Field(ImplicitShape { field: script.field, region: None, frame: Frame::default(), parameters }))
 }
 
-/// There is none: this build has no interpreter.
+/// Refuses every script: this build has no interpreter.
 #[cfg(not(feature = "script"))]
 pub(crate) fn shape(bytes: &[u8], _: &[(String, f64)], limits: &Limits) -> Result<Shape, ReadError> {
     chordal_io::read(bytes, chordal_io::Format::Star, limits).map(|loaded| loaded.content.into())

@@ -1,4 +1,4 @@
-//! `Shape`: anything that a verb can be applied to, in its frame.
+//! `Shape`: anything that a verb can be applied to, with its frame.
 use crate::implicit::ImplicitShape;
 use crate::{SurfaceSpec, VolumeShape, cage_size};
 use chordal::Patch;
@@ -14,18 +14,18 @@ pub enum Shape {
     Patches {
         /// The patches.
         patches: Vec<Patch>,
-        /// The space that they are in.
+        /// The frame of their coordinates.
         frame: Frame,
     },
-    /// Triangle meshes with their places.
+    /// Triangle meshes with their transforms.
     Scene(Scene),
-    /// A polygon cage, for the smooth surface that it stands for.
+    /// A polygon cage, representing its limit surface.
     Cage(Polygons),
-    /// Curves in the plane.
+    /// Plane curves.
     Drawing(Drawing),
-    /// Curves in space.
+    /// Space curves.
     Curves(Curves),
-    /// A shape as a rule.
+    /// An implicit shape.
     Field(ImplicitShape),
     /// Samples on a lattice.
     Volume(VolumeShape),
@@ -62,7 +62,7 @@ impl Shape {
         }
     }
 
-    /// What is known of the space.
+    /// The frame of the shape.
     #[must_use]
     pub fn frame(&self) -> &Frame {
         match self {
@@ -76,7 +76,7 @@ impl Shape {
         }
     }
 
-    /// The same, to be told what a file does not say.
+    /// The frame, to add what a file does not state.
     pub fn frame_mut(&mut self) -> &mut Frame {
         match self {
             Self::Patches { frame, .. } => frame,
@@ -89,8 +89,8 @@ impl Shape {
         }
     }
 
-    /// A box around the shape, in the scene's coordinates: the hull of control points, or the box of the vertices. A drawing lies
-    /// in the plane z = 0.
+    /// A bounding box of the shape in world coordinates: the hull of control points, or the box of the
+    /// vertices. A drawing lies in the plane z = 0.
     ///
     /// # Errors
     /// When the nodes of a scene are no tree, or take its coordinates out of range.
@@ -112,11 +112,11 @@ impl Shape {
         }
     }
 
-    /// The diagonal of the shape's own box, bounded from below, so that a percentage of it is never more than was
-    /// asked for. 0 where the box is a point or so small that nothing is left below.
+    /// The diagonal of the shape's own box, bounded from below, so that a percentage of it is never more than
+    /// requested. 0 where the box is a point or so small that nothing is left below.
     ///
-    /// For triangles the box is exact. A patch or curve is sampled, since its box can be much smaller than that of its
-    /// control points; what a sample misses makes the result smaller, never larger.
+    /// For triangles the box is exact. A patch or curve is sampled, since its box can be much smaller than
+    /// that of its control points; what a sample misses makes the result smaller, never larger.
     ///
     /// # Errors
     /// As for [`Shape::hull`].
@@ -124,15 +124,16 @@ impl Shape {
         match self {
             Self::Patches { patches, .. } => {
                 let reach = patches.iter().fold(0.0, |most, p| if p.size() > most { p.size() } else { most });
-                // An evaluated coordinate is a sum of 16 terms with four roundings each and four sums on the way:
-                // it is off by less than 12 half steps of the largest control coordinate. 16 whole ones cover it.
+                // An evaluated coordinate is a sum of 16 terms with four roundings each and four sums on the
+                // way: it is off by less than 12 half steps of the largest control coordinate. 16 whole ones
+                // cover it.
                 Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
             Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
             Self::Cage(polygons) => Ok(diagonal_below(&cage_size::inner_box(polygons), 0.0)),
             Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
-            // The box may be larger than the shape. What its surface spans is known once it is meshed.
+            // The box may be larger than the shape. The extent of its surface is known once it is meshed.
             Self::Field(field) => Ok(diagonal_below(&field.place(), 0.0)),
             Self::Volume(sampled) => {
                 let place = sampled.place();
@@ -145,10 +146,10 @@ impl Shape {
     }
 }
 
-/// Points along one side of a sampled patch.
+/// Samples along one side of a patch.
 const SAMPLES: u32 = 16;
 
-/// The box of points on the patches: all corners, and a lattice on those patches that could reach beyond them.
+/// The box of points on the patches: all corners, and a lattice on those patches that could extend it.
 fn sampled_box(patches: &[Patch]) -> Box3 {
     let corners = |patch: &Patch| [(0, 0), (0, 3), (3, 0), (3, 3)].map(|(i, j)| patch.control[i][j]);
     let known = patches.iter().fold(Box3::EMPTY, |all, patch| all.union(Box3::from_points(&corners(patch))));
@@ -163,7 +164,7 @@ fn sampled_box(patches: &[Patch]) -> Box3 {
     })
 }
 
-/// A point of the plane or of space, in space.
+/// Embeds a point of the plane or of space in space.
 pub(crate) fn in_space<const D: usize>(p: [f64; D]) -> [f64; 3] {
     std::array::from_fn(|k| p.get(k).copied().unwrap_or(0.0))
 }
@@ -175,7 +176,8 @@ fn hull_of<const D: usize>(curves: &[Curve<D>]) -> Box3 {
     })
 }
 
-/// The diagonal of the box of points on the curves: the ends of all pieces, and samples of those that could reach beyond.
+/// The diagonal of the box of points on the curves: the ends of all pieces, and samples of those that could
+/// extend it.
 fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
     let pieces = || curves.iter().flat_map(|curve| curve.segments());
     let known = curves.iter().fold(Box3::EMPTY, |all, curve| all.with(in_space(curve.start())));
@@ -194,8 +196,8 @@ fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
         .iter()
         .chain(&hull.max)
         .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
-    // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc's takes sine and
-    // cosine, and is off by less than its own slack and 16 steps of its reach.
+    // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc's takes
+    // sine and cosine, and is off by less than its own slack and 16 steps of its reach.
     let slack = |piece: &CurveSegment<D>| if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
     let more = |most: f64, x: f64| if x > most { x } else { most };
     let of_arcs = pieces().map(slack).fold(0.0, more);
@@ -203,7 +205,7 @@ fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
     diagonal_below(&sampled, add_up(add_up(of_arcs, of_curves), mul_up(32.0 * f64::EPSILON, reach)))
 }
 
-/// The diagonal of a box from below, when each of its faces may lie up to `off` too far out.
+/// A lower bound of a box's diagonal, when each of its faces may lie up to `off` too far out.
 fn diagonal_below(bounds: &Box3, off: f64) -> f64 {
     if bounds.is_empty() {
         return 0.0;
@@ -221,7 +223,7 @@ fn diagonal_below(bounds: &Box3, off: f64) -> f64 {
     let squares = side.map(|side| (side / longest).next_down()).map(|s| mul_down(s, s));
     let sum = squares.into_iter().fold(0.0, |sum, s| if s > 0.0 { (sum + s).next_down() } else { sum });
     let diagonal = mul_down(longest, sqrt_down(sum));
-    // A single side is its own diagonal, which the scaled form only reaches from below.
+    // A single side is its own diagonal, which the scaled form only approaches from below.
     if diagonal > longest { diagonal } else { longest }
 }
 

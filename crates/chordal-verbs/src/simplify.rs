@@ -1,4 +1,4 @@
-//! Triangles into fewer triangles: what `mesh` does with a scene, part by part.
+//! Simplifies the triangles of a scene, part by part: the `mesh` verb for triangles.
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use crate::flatten::{self, MergedParts, TransformedScene};
@@ -12,8 +12,8 @@ use chordal::math::{Box3, add_up, div_down};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{CoordinateOverflow, Format, Part, Scene, snap, worst_snap};
 
-/// The scene with fewer triangles within the budget, as it will be written, and the bound for all of it. What else is known
-/// goes to the certificate.
+/// Simplifies a scene within the budget. Returns it as it will be written, with its overall bound, and adds
+/// the rest to the certificate.
 pub(crate) fn simplify_scene(
     scene: Scene,
     request: &MeshRequest,
@@ -39,7 +39,7 @@ pub(crate) fn simplify_scene(
         }
     }
     let stretch = flatten::part_scales(&scene);
-    // 1. What each part may lose, in its own coordinates: what is left when places and rounding took theirs.
+    // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
     let shares: Vec<PartBudget> = match &eye {
         Some(_) => view_budgets(&scene, &stretch, (request, placed))?,
@@ -72,7 +72,7 @@ pub(crate) fn simplify_scene(
         let seen = seen.or_else(|| eye.and_then(|eye| pixels_at(&share.boxes, most, &eye.view)));
         pixels = pixels.zip(seen).map(|(most, seen)| if seen > most { seen } else { most });
         if worst.as_ref().is_none_or(|worst| worst.at_most() < Some(most)) {
-            // What one part is off may be made up for by another, so that only one alone is known from below.
+            // Another part may compensate for the error of one, so that only a single part has a lower bound.
             let alone = is_alone && *stretch == 1.0 && placed == 0.0;
             let least = if alone { bound.at_least() } else { 0.0 };
             let mut of_all =
@@ -89,17 +89,17 @@ pub(crate) fn simplify_scene(
     Ok((scene, worst))
 }
 
-/// What one part may lose.
+/// The budget of one part.
 struct PartBudget {
     /// In its own coordinates: without any limit it stays as it is.
     budget: Budget,
-    /// Where an eye sees it: around its places in the scene.
+    /// Where an eye sees it: the boxes of its placements.
     boxes: Vec<Box3>,
 }
 
 impl PartBudget {
-    /// How far a part is off on the screen that was simplified by place, or not at all: by that, and by rounding to the format
-    /// and in its place.
+    /// The error on the screen of a part that was simplified by pixels, or not at all: of that step, of
+    /// rounding to the format and of its transform.
     fn pixels_of(
         &self,
         made: &Bounded<SimplifiedMesh>,
@@ -107,7 +107,7 @@ impl PartBudget {
         view: &View,
     ) -> Option<f64> {
         let simplified = made.bound.pixels?;
-        // What was made may reach out of where the part was.
+        // The result may extend beyond the original box.
         let own = [made.shape.mesh.bounds()];
         let now = if self.budget.pixels.is_some() { &own } else { self.boxes.as_slice() };
         let rounded =
@@ -116,7 +116,7 @@ impl PartBudget {
     }
 }
 
-/// How much a length of the scene is on the screen, in all of some places.
+/// The projection of a length of the scene to the screen: the largest over some boxes.
 fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
     let mut most = 0.0;
     for place in places {
@@ -126,7 +126,7 @@ fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
     Some(most)
 }
 
-/// Shares where all places are alike: the same length for all parts, or a number of triangles for each.
+/// Budgets that do not depend on the placement: the same length for all parts, or a triangle count for each.
 fn uniform_budgets(
     scene: &Scene,
     stretch: &[f64],
@@ -157,8 +157,8 @@ fn uniform_budgets(
     Ok(stretch.iter().enumerate().map(share).collect())
 }
 
-/// Shares where one eye sees the scene: each part what its own places allow. In a part whose coordinates are the
-/// scene's, each place of it for itself.
+/// Budgets where one eye sees the scene: what the placements of each part allow. For a part in world
+/// coordinates, the pixels themselves.
 fn view_budgets(
     scene: &Scene,
     stretch: &[f64],
@@ -179,7 +179,7 @@ fn view_budgets(
                 left = here;
                 continue;
             }
-            // A part that comes too close in one of its places stays as it is.
+            // A part that comes too close in one of its placements stays as it is.
             let length = here.length_in(place).unwrap_or(0.0);
             let least = left.length.map_or(f64::INFINITY, Tolerance::get);
             left = part_budget(Some(if length < least { length } else { least }), 1.0);
@@ -195,18 +195,19 @@ fn view_budgets(
     Ok(shares)
 }
 
-/// What is set aside for rounding where an eye sees it, as a multiple: what is made may stand nearer to the eye than
-/// what was given, by the pixels' share of half the picture. Chosen: enough for 8 % of it.
+/// The factor on the reserve for rounding where an eye sees the part: the result may be nearer to the eye
+/// than the input, by the pixels' fraction of half the picture. Chosen: enough for 8 % of it.
 const ROOM_TO_THE_EYE: f64 = 1.125;
 
-/// A length of the scene as a budget of a part that is stretched there; none where nothing is left of it.
+/// A length of the scene as the budget of a part that is scaled by `stretch`; no limit where nothing is left
+/// of it.
 fn part_budget(length: Option<f64>, stretch: f64) -> Budget {
     let own = length.filter(|_| stretch > 0.0).map(|length| div_down(length, stretch));
     let length = own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok());
     Budget { length, ..Budget::default() }
 }
 
-/// The scene without the normals that it has, which will be computed anew: they are no reason to keep an edge.
+/// Drops the normals of a scene that will be recomputed, so that they preserve no edge.
 pub(crate) fn without_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
     for part in &mut scene.parts {
         let mesh = &part.mesh;
@@ -223,8 +224,8 @@ pub(crate) fn without_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
     Ok(())
 }
 
-/// Adds how far attributes went off on the way from one mesh to the other; a note where that is not known. Lines between
-/// charts are within the bound of where they were.
+/// Adds the attribute deviation between two meshes; returns a note where it is unknown. Lines between charts
+/// are within the bound of where they were.
 fn measure_attributes(
     attributes: &mut Vec<AttributeFacts>,
     [before, after]: [&Mesh; 2],
@@ -259,7 +260,7 @@ fn length_for_all(budget: &Budget, place: &Box3) -> Result<Option<Tolerance>, Me
     Tolerance::new(length).map(Some).map_err(|_| close())
 }
 
-/// One part with fewer triangles, or `None` where there is nothing to do.
+/// Simplifies one part; `None` where there is nothing to do.
 fn simplify_part(
     part: &Part,
     budget: &Budget,
@@ -284,8 +285,8 @@ fn simplify_part(
     }
 }
 
-/// How many triangles each part may have of `most` for all: as if all of them were one mesh, so that triangles stay where
-/// they are worth most.
+/// Distributes a triangle count over the parts, as if they were one mesh, so that triangles are kept where
+/// they matter most.
 fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, MeshFailure> {
     let n_parts = scene.parts.len();
     if flatten::n_places(scene) == 1 {
@@ -308,7 +309,7 @@ fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, Mesh
         .or_else(Failure::best_effort)?
         .shape
         .mesh;
-    // A part that stands in several places has one number of triangles: the least that one of them got.
+    // A part with several placements has one triangle count: the least over them.
     let mut got = vec![0_u64; places.len()];
     if let Some(of_faces) = made.attribute(&place_of.semantic) {
         of_faces.values.iter().for_each(|place| got[*place as usize] += 1);
@@ -320,7 +321,7 @@ fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, Mesh
     Ok(counts)
 }
 
-/// The name of the attribute that says of which place a triangle is.
+/// The attribute that holds the placement of a triangle.
 const PLACE: &str = "place";
 
 pub(crate) fn add(all: &mut ReductionStats, one: ReductionStats) {
@@ -329,7 +330,7 @@ pub(crate) fn add(all: &mut ReductionStats, one: ReductionStats) {
     all.dropped_components += one.dropped_components;
 }
 
-/// What a reader should know of how it went.
+/// Notes on the course of a simplification.
 pub(crate) fn summary_notes(kept: &ReductionStats) -> Vec<String> {
     let mut notes = Vec::new();
     if kept.locked_vertices > 0 {

@@ -1,9 +1,9 @@
-//! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
+//! `BudgetSpec`: a budget as a user requests it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
 use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
 use chordal::convert::Spacing;
 
-/// What may be lost, with a length that can be a percentage or have a unit.
+/// A budget whose length can be a percentage or have a unit.
 ///
 /// ```
 /// use chordal_verbs::BudgetSpec;
@@ -23,12 +23,12 @@ pub struct BudgetSpec {
     pub triangles: Option<u64>,
     /// The most segments of polylines, all together.
     pub segments: Option<u64>,
-    /// How the ends of segments are placed on curves.
+    /// How segment ends are spaced on curves.
     pub spacing: Spacing,
-    /// Which normals triangles get.
+    /// The normals that triangles get.
     pub normals: Normals,
-    /// The evidence that is asked for. Where nothing is said that is a proof, and for a field with a part of which no ranges are
-    /// known, a function of the user's without a Lipschitz constant, a measurement.
+    /// The required evidence. The default is a proof; for a field with a part whose ranges are unknown, a
+    /// user function without a Lipschitz constant, it is a measurement.
     pub require: Option<RequiredEvidence>,
 }
 
@@ -40,7 +40,7 @@ impl BudgetSpec {
         counted || self.length.is_some() || self.pixels.is_some()
     }
 
-    /// Polylines have segments and meshes have triangles: a count of the others says nothing.
+    /// Checks that counts apply: polylines have segments and meshes have triangles.
     pub(crate) fn check_counts(&self, lines: bool) -> Result<(), String> {
         let wrong = match (lines, self.triangles, self.segments) {
             (true, Some(n), _) => {
@@ -63,10 +63,11 @@ impl BudgetSpec {
         self.require.unwrap_or(if provable { RequiredEvidence::Proved } else { RequiredEvidence::Measured })
     }
 
-    /// The budget for one shape, and what was made of the length, in a sentence where it had to be converted.
+    /// Resolves the budget for one shape. Returns a sentence on the length where it was converted.
     ///
     /// # Errors
-    /// When the length has a unit and the shape has none, or is a percentage and the shape is a point or has no size.
+    /// When the length has a unit and the shape has none, or is a percentage and the shape is a point or has
+    /// no size.
     pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<String>), MeshFailure> {
         let mut budget = Budget {
             pixels: self.pixels,

@@ -1,11 +1,11 @@
-//! `VolumeShape`: a volume with the surface of it that is meant, and what its numbers say of where that is.
+//! `VolumeShape`: a volume with the choice of its surface, and the level that its samples suggest.
 use chordal::convert::{Border, Inside};
 use chordal::implicit::Samples;
 use chordal::math::Box3;
 use chordal_io::Volume;
 use std::collections::BTreeMap;
 
-/// A volume with the surface of it that is meant.
+/// A volume with the choice of its surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeShape {
     /// The samples.
@@ -26,68 +26,69 @@ impl VolumeShape {
     }
 }
 
-/// Which surface of a volume is meant; what is not said follows from the samples.
+/// The choice of a volume's surface; what is not given follows from the samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceSpec {
     /// The level.
     pub level: Option<f64>,
     /// Which samples are inside.
     pub inside: Option<Inside>,
-    /// What happens at the border.
+    /// How the border is treated.
     pub border: Border,
-    /// Samples are labels, each of which has a surface of its own.
+    /// Treats samples as labels, each with a surface of its own.
     pub labels: Option<LabelSelection>,
 }
 
-/// Labels that get a surface.
+/// The labels that get a surface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LabelSelection {
-    /// All but 0, which stands for nothing.
+    /// All but 0, the background.
     All,
     /// These.
     Listed(Vec<i64>),
 }
 
-/// What the samples are, taken together.
+/// A summary of the samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValueRange {
-    /// The lowest and highest finite sample; none where there is none.
+    /// The lowest and highest finite sample; `None` where there is none.
     pub ends: Option<[f64; 2]>,
     /// Samples that are NaN.
     pub nan: u64,
     /// Samples that are infinite.
     pub infinite: u64,
-    /// How often each value occurs, where all are whole numbers by their type and different ones are not too many.
+    /// How often each value occurs, where the type is a whole number and there are few enough distinct
+    /// values.
     pub labels: Option<BTreeMap<i64, u64>>,
 }
 
-/// A level that suits the samples.
+/// A suggested level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SuggestedLevel {
     /// The level.
     pub level: f64,
     /// Which samples are inside.
     pub inside: Inside,
-    /// What the samples are taken for: "mask", "occupancy", "signed distance" or "intensity".
+    /// The interpretation of the samples: "mask", "occupancy", "signed distance" or "intensity".
     pub kind: &'static str,
 }
 
 impl SuggestedLevel {
-    /// Whether the level follows from what the samples are; else it is a guess.
+    /// Whether the level follows from the kind of samples; otherwise it is a guess.
     #[must_use]
     pub fn follows(&self) -> bool {
         self.kind != "intensity"
     }
 }
 
-/// Floating point that comes as near as this to 0 is an occupancy where it comes as near as that to 1: chosen, so that
-/// what is neither is asked for instead of guessed.
+/// The tolerance around 0 and 1 of floating-point samples that count as an occupancy: chosen, so that
+/// ambiguous samples require an explicit level instead of a guess.
 const FROM_0: f64 = 0.05;
 const NEARLY_1: f64 = 0.9;
-/// So few different values may be labels.
+/// At most this many distinct values may be labels.
 const FEW_LABELS: usize = 128;
 
-/// Whether its file says that the samples are distances that were baked.
+/// Whether the file states that the samples are baked distances.
 fn is_baked(volume: &Volume) -> bool {
     volume
         .certificate
@@ -96,7 +97,7 @@ fn is_baked(volume: &Volume) -> bool {
         .is_some_and(|of| !of.is_null())
 }
 
-/// More values than these are no labels.
+/// More distinct values than these are no labels.
 const MOST_LABELS: usize = 1 << 16;
 
 /// Whether samples of that type are whole numbers.
@@ -105,7 +106,7 @@ fn is_whole(samples: &Samples) -> bool {
 }
 
 impl ValueRange {
-    /// One pass over the samples.
+    /// Summarises the samples in one pass.
     #[must_use]
     pub fn from_samples(samples: &Samples) -> Self {
         let mut range =
@@ -147,7 +148,7 @@ impl ValueRange {
         }
     }
 
-    /// A level that suits the samples of a volume, which are in this range; none where all are equal.
+    /// Suggests a level for samples in this range; `None` where all are equal.
     #[must_use]
     pub fn suggest(&self, volume: &Volume) -> Option<SuggestedLevel> {
         let samples = volume.grid.samples();
@@ -160,7 +161,7 @@ impl ValueRange {
         if !is_float && self.labels.as_ref().is_some_and(|values| values.len() == 2) {
             return found(0.5 * low + 0.5 * high, Inside::High, "mask");
         }
-        // From 0 to less than nearly 1 they may as well be distances from a sheet.
+        // Between 0 and less than nearly 1 they may also be distances from a sheet.
         let is_sheet = low < FROM_0 && high < NEARLY_1;
         if is_float && low >= 0.0 && high <= 1.0 && low < 0.5 && high > 0.5 && !is_sheet {
             return found(0.5, Inside::High, "occupancy");
@@ -171,10 +172,10 @@ impl ValueRange {
     }
 }
 
-/// Boxes of a histogram.
+/// Bins of a histogram.
 const BOXES: usize = 256;
 
-/// The level that parts samples into two sets that are as different as can be, by their histogram.
+/// The level that separates samples into two classes of maximal variance between them, by their histogram.
 ///
 /// Source: N. Otsu, *A threshold selection method from gray-level histograms*, 1979.
 fn otsu_threshold(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
@@ -191,7 +192,7 @@ fn otsu_threshold(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
     let all: u64 = counts.iter().sum();
     let total: f64 = counts.iter().enumerate().map(|(k, n)| k as f64 * *n as f64).sum();
     let (mut below, mut sum, mut most) = (0_u64, 0.0, -1.0);
-    // Between heaps that are far apart many levels are as good: the first and the last of them.
+    // Between modes that are far apart many levels are equally good: the first and the last of them.
     let (mut best, mut last) = (0, 0);
     for (k, n) in counts.iter().enumerate().take(BOXES - 1) {
         below += n;
@@ -212,7 +213,7 @@ fn otsu_threshold(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
     low + 2.0 * width * (0.5 * (best + last + 2) as f64 / BOXES as f64)
 }
 
-/// The type of samples as a report names it.
+/// The name of a sample type in a report.
 pub(crate) fn type_name(samples: &Samples) -> &'static str {
     match samples {
         Samples::U8(_) => "u8",

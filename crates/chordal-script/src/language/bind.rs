@@ -1,4 +1,4 @@
-//! `Function`: one function of the language, and how its arguments find their places.
+//! `Function`: one function of the language, and how it binds its arguments.
 use super::{Arg, CallError, Formula, Solid};
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{Expr, Field};
@@ -8,32 +8,32 @@ use chordal::implicit::{Expr, Field};
 pub struct Function {
     /// Its name.
     pub name: &'static str,
-    /// What it takes, in order.
+    /// Its parameters, in order.
     pub parameters: &'static [FunctionParameter],
-    /// What it makes, in one line.
+    /// What it returns, in one line.
     pub about: &'static str,
-    /// What the value of the result is worth as a distance; nothing where it is no shape.
+    /// How far the result's value can be trusted as a distance; empty where the result is no shape.
     pub distance: &'static str,
     pub(super) make: fn(&BoundArgs) -> Result<Arg, CallError>,
 }
 
-/// What a function takes.
+/// A parameter of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FunctionParameter {
     /// Its name.
     pub name: &'static str,
-    /// What it is when it is left out.
+    /// Its default value; `None` where it is required.
     pub default: Option<f64>,
-    /// Whether it stands for any number of arguments.
+    /// Whether it takes any number of arguments.
     pub rest: bool,
 }
 
-/// An argument that has to be there.
+/// A required argument.
 pub(super) const fn required(name: &'static str) -> FunctionParameter {
     FunctionParameter { name, default: None, rest: false }
 }
 
-/// An argument that can be left out.
+/// An optional argument.
 pub(super) const fn optional(name: &'static str, default: f64) -> FunctionParameter {
     FunctionParameter { name, default: Some(default), rest: false }
 }
@@ -43,7 +43,7 @@ pub(super) const fn variadic(name: &'static str) -> FunctionParameter {
     FunctionParameter { name, default: None, rest: true }
 }
 
-/// The arguments of a call in their places.
+/// The arguments of a call, bound to parameters.
 #[derive(Debug)]
 pub struct BoundArgs {
     function: &'static Function,
@@ -52,7 +52,7 @@ pub struct BoundArgs {
 }
 
 impl Function {
-    /// Calls it with arguments by position and by name.
+    /// Calls it with positional and named arguments.
     ///
     /// # Errors
     /// When an argument is missing, unknown, given twice or of the wrong kind, or the shape does not exist.
@@ -95,7 +95,7 @@ impl Function {
         CallError(format!("{}() {what}", self.name))
     }
 
-    /// How it is called, as in `gyroid(period, level=0)`.
+    /// Its signature, as in `gyroid(period, level=0)`.
     #[must_use]
     pub fn usage(&self) -> String {
         let shown = self.parameters.iter().map(|p| match (p.rest, p.default) {
@@ -118,7 +118,7 @@ impl BoundArgs {
         self.function.fault(format!("needs {expected} for '{name}', not {found}"))
     }
 
-    /// The number in place `k`.
+    /// The number at index `k`.
     pub(super) fn number(&self, k: usize) -> Result<f64, CallError> {
         match &self.args[k] {
             Arg::Number(value) => Ok(*value),
@@ -126,7 +126,7 @@ impl BoundArgs {
         }
     }
 
-    /// The numbers in these places.
+    /// `N` numbers from index `first` on.
     pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], CallError> {
         let mut numbers = [0.0; N];
         for (k, number) in numbers.iter_mut().enumerate() {
@@ -135,7 +135,7 @@ impl BoundArgs {
         Ok(numbers)
     }
 
-    /// The whole number in place `k`, not below 0.
+    /// The whole number at index `k`, not below 0.
     pub(super) fn count(&self, k: usize) -> Result<u32, CallError> {
         let value = self.number(k)?;
         if value >= 0.0 && value <= f64::from(u32::MAX) && value.floor() == value {
@@ -146,7 +146,7 @@ impl BoundArgs {
         }
     }
 
-    /// The shape in place `k`.
+    /// The shape at index `k`.
     pub(super) fn shape(&self, k: usize) -> Result<&Solid, CallError> {
         match &self.args[k] {
             Arg::Shape(solid) => Ok(solid),
@@ -154,7 +154,7 @@ impl BoundArgs {
         }
     }
 
-    /// All shapes: the first ones and the rest. A list of shapes stands for the shapes.
+    /// All shapes: the first ones and the rest. A list of shapes stands for its elements.
     pub(super) fn shapes(&self) -> Result<Vec<&Solid>, CallError> {
         let mut all = Vec::new();
         for arg in self.args.iter().chain(&self.rest) {
@@ -169,7 +169,7 @@ impl BoundArgs {
         Ok(all)
     }
 
-    /// The expression in place `k`; a number is one too.
+    /// The expression at index `k`; a number counts as one.
     pub(super) fn formula(&self, k: usize) -> Result<Formula, CallError> {
         match &self.args[k] {
             Arg::Formula(formula) => Ok(formula.clone()),
@@ -178,17 +178,17 @@ impl BoundArgs {
         }
     }
 
-    /// Whatever is in place `k`.
+    /// The argument at index `k`, of any kind.
     pub(super) fn any(&self, k: usize) -> &Arg {
         &self.args[k]
     }
 
-    /// The point in place `k`.
+    /// The point at index `k`.
     pub(super) fn point<const D: usize>(&self, k: usize) -> Result<[f64; D], CallError> {
         self.point_of(k, &self.args[k])
     }
 
-    /// The points in place `k`.
+    /// The points at index `k`.
     pub(super) fn points<const D: usize>(&self, k: usize) -> Result<Vec<[f64; D]>, CallError> {
         match &self.args[k] {
             Arg::List(points) => points.iter().map(|point| self.point_of(k, point)).collect(),
@@ -207,7 +207,7 @@ impl BoundArgs {
         numbers.try_into().map_err(|_| wrong(&format!("{}", list.len())))
     }
 
-    /// A shape made of those in the first places, or why there is none.
+    /// A shape made of those in the first arguments, or why there is none.
     pub(super) fn shape_result(
         &self,
         field: Result<Field, InvalidShape>,
@@ -216,7 +216,7 @@ impl BoundArgs {
         self.weighted_shape_result(field, from, 1)
     }
 
-    /// The same, where each of the others counts so many times.
+    /// As `shape_result`, where each of the others counts several times.
     pub(super) fn weighted_shape_result(
         &self,
         field: Result<Field, InvalidShape>,
@@ -233,5 +233,5 @@ impl BoundArgs {
     }
 }
 
-/// More terms than any one step has of its own, seen in the tests.
+/// More terms than any single step adds by itself, as measured in the tests.
 const OWN: u64 = 80;

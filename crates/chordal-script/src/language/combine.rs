@@ -1,10 +1,10 @@
-//! Unions, intersections, differences, and their smooth kin.
+//! Unions, intersections and differences, sharp and smooth.
 use super::bind::{BoundArgs, Function, required, variadic};
 use super::{Arg, CallError, Solid};
 use chordal::implicit::Field;
 use chordal::implicit::shapes::InvalidShape;
 
-/// Shapes made of several shapes.
+/// Functions that combine several shapes.
 pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "union",
@@ -80,7 +80,7 @@ fn combine_all(given: &BoundArgs, all_of: fn(&[Field]) -> Field) -> Result<Arg, 
     given.shape_result(Ok(all_of(&fields)), &solids)
 }
 
-/// An operation on two shapes with a radius.
+/// A blend of two shapes with a radius.
 type BlendFn = fn(&Field, &Field, f64) -> Result<Field, InvalidShape>;
 
 fn smooth(given: &BoundArgs, blend: BlendFn) -> Result<Arg, CallError> {

@@ -1,11 +1,11 @@
-//! Formulas: expressions in x, y and z, and what operators and functions of numbers make of them.
+//! Formulas: expressions in x, y and z, and the operators and functions on them.
 use super::bind::{BoundArgs, Function, required};
 use super::transforms::RADIANS;
 use super::{Arg, CallError, Formula, Solid};
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{Binary, Expr, Field, Unary};
 
-/// Functions of numbers and formulas, and the way from formulas to shapes.
+/// Functions of numbers and formulas, and conversions from formulas to shapes.
 pub(super) const FORMULAS: &[Function] = &[
     Function {
         name: "field",
@@ -93,12 +93,12 @@ impl Formula {
 }
 
 impl BoundArgs {
-    /// A sentence about this call.
+    /// An error about this call.
     pub(super) fn fault(&self, what: &str) -> CallError {
         CallError(format!("{}() {what}", self.name()))
     }
 
-    /// A shape made of one and a formula.
+    /// A shape made of another shape and a formula.
     pub(super) fn formula_result(
         &self,
         field: Result<Field, InvalidShape>,
@@ -115,8 +115,8 @@ impl BoundArgs {
     }
 }
 
-/// What an operator makes of two values of which one is a shape or a formula, or both are numbers; nothing where it has no
-/// meaning. `abs` and `neg` look at the first alone.
+/// Applies an operator to two values, of which one is a shape or a formula, or both are numbers. `None` where
+/// it is undefined. `abs` and `neg` use the first value alone.
 #[must_use]
 pub fn operate(operator: &str, a: &Arg, b: &Arg) -> Option<Result<Arg, CallError>> {
     if let (Arg::Shape(a), Arg::Shape(b)) = (a, b) {

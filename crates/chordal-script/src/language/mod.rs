@@ -1,6 +1,7 @@
-//! The language of shape scripts: its values, its functions and what its operators do, whatever the syntax around them.
+//! The language of shape scripts: its values, functions and operators, independent of syntax.
 //!
-//! Starlark and Python both translate into this and compute nothing themselves, so that one text means one shape in both.
+//! Starlark and Python both translate into this and compute nothing themselves, so that one text means one
+//! shape in both.
 mod bind;
 mod combine;
 mod formula;
@@ -13,7 +14,7 @@ use std::fmt;
 pub use bind::{BoundArgs, Function, FunctionParameter};
 pub use formula::operate;
 
-/// A value that functions of the language take and make.
+/// A value that functions of the language take and return.
 #[derive(Clone, Debug)]
 pub enum Arg {
     /// A number.
@@ -26,22 +27,22 @@ pub enum Arg {
     Shape(Solid),
     /// An expression in x, y and z.
     Formula(Formula),
-    /// Something that no function takes, by its name in the language around.
+    /// Something that no function takes, by its name in the host language.
     Other(String),
 }
 
-/// A shape with what it costs.
+/// A shape with its cost.
 #[derive(Clone, Debug)]
 pub struct Solid {
     /// The shape.
     pub field: Field,
-    /// At least the terms of its expression, were nothing shared.
+    /// An upper bound of the terms of its expression, as if nothing were shared.
     pub(crate) weight: u64,
-    /// The part of that which its last step made.
+    /// The terms of these that the last step added.
     pub(crate) own: u64,
 }
 
-/// An expression with what it costs.
+/// An expression with its cost.
 #[derive(Clone, Debug)]
 pub struct Formula {
     /// The expression.
@@ -50,7 +51,7 @@ pub struct Formula {
 }
 
 impl Arg {
-    /// The coordinates, by their names.
+    /// The coordinates, by name.
     #[must_use]
     pub fn axes() -> [(&'static str, Self); 3] {
         let axes = Expr::axes().map(|expr| Self::Formula(Formula { expr, weight: 1 }));
@@ -58,13 +59,13 @@ impl Arg {
         [("x", x), ("y", y), ("z", z)]
     }
 
-    /// A shape from elsewhere.
+    /// Wraps a shape made elsewhere.
     #[must_use]
     pub fn shape(field: Field) -> Self {
         Self::Shape(Solid { field, weight: 1, own: 1 })
     }
 
-    /// What it is, in an error.
+    /// Its kind, for an error.
     #[must_use]
     pub fn kind(&self) -> &str {
         match self {
@@ -77,7 +78,7 @@ impl Arg {
         }
     }
 
-    /// At least the terms of the expression.
+    /// An upper bound of the terms of the expression.
     pub(crate) fn weight(&self) -> u64 {
         match self {
             Self::Shape(solid) => solid.weight,
@@ -86,7 +87,7 @@ impl Arg {
         }
     }
 
-    /// What the last step made of that.
+    /// The terms that the last step added.
     pub(crate) fn step_weight(&self) -> u64 {
         match self {
             Self::Shape(solid) => solid.own,
@@ -108,7 +109,7 @@ impl fmt::Display for CallError {
 
 impl std::error::Error for CallError {}
 
-/// The groups of functions, as a page on them would show them.
+/// The groups of functions, in the order of a reference page.
 #[must_use]
 pub fn groups() -> [(&'static str, &'static [Function]); 6] {
     [
@@ -126,7 +127,7 @@ pub fn functions() -> impl Iterator<Item = &'static Function> {
     groups().into_iter().flat_map(|(_, functions)| functions)
 }
 
-/// The function of a name.
+/// Looks a function up by name.
 #[must_use]
 pub fn function(name: &str) -> Option<&'static Function> {
     functions().find(|function| function.name == name)

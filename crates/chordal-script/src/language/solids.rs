@@ -1,4 +1,4 @@
-//! Solids and shapes of the plane.
+//! Primitive solids and plane shapes.
 use super::bind::{Function, optional, required};
 use chordal::implicit::shapes;
 
@@ -133,7 +133,7 @@ pub(super) const SOLIDS: &[Function] = &[
     },
 ];
 
-/// Shapes of the plane.
+/// Plane shapes.
 pub(super) const FLAT: &[Function] = &[
     Function {
         name: "circle",

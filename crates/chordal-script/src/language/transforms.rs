@@ -1,4 +1,4 @@
-//! Where shapes are, and what is done to one of them.
+//! Transforms: placing shapes, and operations on a single shape.
 use super::bind::{BoundArgs, Function, optional, required};
 use super::{Arg, CallError, Solid};
 use chordal::implicit::shapes::InvalidShape;
@@ -7,7 +7,7 @@ use chordal::implicit::{Field, Repeat};
 const KEPT: &str = "as it was";
 const BOUND: &str = "a lower bound";
 
-/// Moves, turns and the like.
+/// Translations, rotations and the like.
 pub(super) const PLACE: &[Function] = &[
     Function {
         name: "move",
@@ -90,7 +90,7 @@ pub(super) const PLACE: &[Function] = &[
     },
 ];
 
-/// What changes the shape itself.
+/// Operations that change the shape itself.
 pub(super) const CHANGE: &[Function] = &[
     Function {
         name: "offset",
@@ -147,10 +147,10 @@ pub(super) const CHANGE: &[Function] = &[
     },
 ];
 
-/// Radians of a degree; derived: π/180, rounded.
+/// Radians per degree; derived: π/180, rounded.
 pub(super) const RADIANS: f64 = std::f64::consts::PI / 180.0;
 
-/// What is made of a field; the outer error is about arguments.
+/// An operation on a field; the outer error is about arguments.
 type FieldStep = fn(&BoundArgs, &Field) -> Result<Result<Field, InvalidShape>, CallError>;
 
 fn apply_step(given: &BoundArgs, step: FieldStep) -> Result<Arg, CallError> {
@@ -169,11 +169,11 @@ fn repeat(given: &BoundArgs) -> Result<Arg, CallError> {
             continue;
         }
         along[k] = if count == 0 { Repeat::Every(periods[k]) } else { Repeat::Times(count, periods[k]) };
-        // As many periods as the box reaches to either side, and the next ones.
+        // As many periods as the box spans on either side, and the next ones.
         let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
         let reach = if low > high { low } else { high };
         copies *= 3.0 + 2.0 * reach / periods[k].abs();
     }
-    // Saturates; NaN and what is endless are refused by the shape itself.
+    // Saturates; the shape itself refuses NaN and infinity.
     given.weighted_shape_result(solid.field.repeated(along), &[solid], (copies as u64).saturating_add(1))
 }

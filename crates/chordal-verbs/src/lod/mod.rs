@@ -1,4 +1,4 @@
-//! `lod`: any surface into levels of detail, each with its own bound, as one GLB or as 3D Tiles.
+//! `lod`: levels of detail of any surface, each with its own bound, as one GLB or as 3D Tiles.
 mod tileset;
 
 use crate::file_rows::to_file_rows;
@@ -24,43 +24,45 @@ use serde_json::{Value, json};
 use std::io::Write;
 use tileset::TileHierarchy;
 
-/// Which levels are wanted.
+/// Options for levels of detail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodSpec {
-    /// The most that may be lost on the screen.
+    /// The largest error on the screen.
     pub pixels: Pixels,
-    /// The lens and the screen for which distances are computed; its own distance does not count.
+    /// The lens and the screen for which distances are computed; its own distance is ignored.
     pub lens: MinDistanceView,
-    /// The nearest that the eye comes to the box: the finest level is fine enough there.
+    /// The nearest distance of the eye to the box: the finest level is fine enough there.
     pub nearest: Option<f64>,
-    /// What the finest level may lose, instead of what `nearest` says.
+    /// The tolerance of the finest level, overriding `nearest`.
     pub length: Option<Length>,
-    /// Distances for the table, beside those at which levels change and at which the shape covers few pixels.
+    /// Additional distances for the table, beside the switch distances and those at which the shape covers
+    /// few pixels.
     pub distances: Vec<f64>,
-    /// Which normals triangles get.
+    /// The normals of the triangles.
     pub normals: Normals,
-    /// What tiles say of their errors.
+    /// The error that tiles declare.
     pub errors: TileErrors,
-    /// Triangles that a tile may have: a finest level with more is cut in space. `None` where there are to be no tiles.
+    /// The most triangles of a tile: a finest level with more is cut in space. `None` for no tiles.
     pub tile_triangles: Option<u64>,
 }
 
-/// What tiles say of their errors, by which viewers choose.
+/// The error that tiles declare, by which viewers choose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TileErrors {
-    /// So much that viewers, whose formula holds in the middle of the screen, keep the pixels everywhere on it.
+    /// Large enough that viewers, whose formula holds in the middle of the screen, keep the pixels everywhere
+    /// on it.
     #[default]
     Scaled,
     /// The proved error itself.
     Plain,
 }
 
-/// What was made.
+/// How the levels are laid out.
 #[derive(Clone, Debug, PartialEq)]
 enum LodLayout {
     /// One mesh a level, the finest first.
     Levels(Vec<LevelMesh>),
-    /// Tiles over regions.
+    /// A hierarchy of tiles over regions.
     Cut(Box<TileHierarchy>),
 }
 
@@ -73,7 +75,7 @@ struct LevelMesh {
     vertices: u64,
 }
 
-/// Levels of detail with everything that is known of them.
+/// Levels of detail with their certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodOutcome {
     made: LodLayout,
@@ -84,18 +86,18 @@ pub struct LodOutcome {
     pub certificate: Certificate,
 }
 
-/// The diagonal of the box on the screen at which a row of the table is given, in pixels.
+/// The diagonals of the box on the screen, in pixels, that get a row in the table.
 const COVERED: [f64; 4] = [1000.0, 200.0, 20.0, 2.0];
 
-/// Turns a surface into levels of detail: see [`chordal::lod::chain`].
+/// Makes levels of detail of a surface: see [`chordal::lod::chain`].
 ///
-/// The finest level is within `spec.length`, or loses at most `spec.pixels` at `spec.nearest`, or, where neither is said,
-/// where the box fills the height of the screen. Each level is proved against the shape itself, as it will be
-/// written: positions in single precision.
+/// The finest level is within `spec.length`, or loses at most `spec.pixels` at `spec.nearest`. Where neither
+/// is given, it loses at most that where the box fills the height of the screen. Each level is proved against
+/// the shape itself, as it will be written: positions in single precision.
 ///
 /// # Errors
-/// As for [`crate::mesh()`]; [`MeshFailure::Usage`] for curves, which have no levels, for parallel rays, and where tiles would be
-/// more than 20,000.
+/// As for [`crate::mesh()`]; [`MeshFailure::Usage`] for curves, which have no levels, for parallel rays, and
+/// where there would be more than 20,000 tiles.
 pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFailure> {
     if matches!(input.shape, Shape::Drawing(_) | Shape::Curves(_)) {
         return Err(MeshFailure::Usage("levels of detail are for surfaces, and these are curves".to_owned()));
@@ -112,7 +114,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     certificate.budget = Some(BudgetFacts::new(&Budget::length(finest)));
     let frame = *input.shape.frame();
     let from = input.format;
-    // Rounding to single precision is the same for every level, about.
+    // Rounding to single precision is about the same for every level.
     let request = MeshRequest::new(Budget::length(finest), Format::Glb, place);
     let mut inner = request.reserve_rounding(request.rounding())?;
     let has_new_normals = !matches!(spec.normals, Normals::Auto | Normals::Keep);
@@ -198,7 +200,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     Ok(outcome)
 }
 
-/// How triangles are to look.
+/// The shading of triangles.
 struct LevelShading {
     normals: Normals,
     from: Format,
@@ -234,21 +236,22 @@ fn counts(scene: &Scene) -> (u64, u64) {
     })
 }
 
-/// Leaves of a tree of tiles, at most. Chosen: each is a file, and all are in memory at once.
+/// The most leaves of a tree of tiles. Chosen: each is a file, and all are in memory at once.
 const MOST_TILES: usize = 20_000;
 
-/// What triangles of fields may use of the finest error. Chosen: half of it takes several times as long to make and to prove.
+/// The fraction of the finest error that meshing a field may use. Chosen: half of it takes several times as
+/// long to make and to prove.
 const SHARE_OF_FIELDS: f64 = 0.8;
 
-/// The name of what is shown: no file name, which would tie the bytes to a place.
+/// A descriptive name; a file name would make the bytes depend on a path.
 const NAME: &str = "level";
 
-/// Which rows are one position when normals are made: what was simplified has indices of its own.
+/// How positions are identified when normals are computed: a simplified mesh has indices of its own.
 fn normals_by(from: Format) -> Format {
     if matches!(from, Format::Stl | Format::Glb) { Format::Obj } else { from }
 }
 
-/// What the finest level may lose.
+/// The tolerance of the finest level.
 fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Result<Tolerance, MeshFailure> {
     if let Some(length) = spec.length {
         let asked = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
@@ -277,18 +280,18 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
     })
 }
 
-/// What makes the triangles of a shape.
+/// Makes the triangles of a shape.
 struct LevelMesher<'a> {
     shape: Shape,
     notes: Vec<String>,
     place: Box3,
-    /// Whether normals are made anew, so that those that came along keep no edge.
+    /// Whether normals are recomputed, so that existing ones preserve no edge.
     has_new_normals: bool,
     job: &'a Job,
 }
 
 impl LevelMesher<'_> {
-    /// The triangles of a shape that is triangles, as one mesh, how far its places moved it, and how rows are tied.
+    /// The triangles of a triangle shape as one mesh, how far its transforms moved it, and how rows are tied.
     fn triangles(&mut self, notes: &mut Vec<String>) -> Result<Option<(Mesh, f64, Topology)>, MeshFailure> {
         let Shape::Scene(scene) = &mut self.shape else { return Ok(None) };
         let TransformedScene { mut scene, moved_at_most, left_out } =
@@ -315,7 +318,7 @@ impl LevelMesher<'_> {
         Ok(Some((assembled.mesh, moved_at_most, Topology::Indices)))
     }
 
-    /// Triangles within a length of a shape that is something smooth, at full precision.
+    /// Triangles within a tolerance of a smooth shape, at full precision.
     fn make(&mut self, length: Tolerance) -> Result<Bounded<Mesh>, JobError> {
         let budget = Budget::length(length);
         // A format that keeps every digit.
@@ -356,7 +359,7 @@ impl LodLayout {
         }
     }
 
-    /// What there is to choose from.
+    /// The levels to choose from.
     fn counts(&self) -> Vec<LevelFacts> {
         let of = |level: &LevelMesh| LevelFacts {
             triangles: level.triangles,
@@ -375,8 +378,8 @@ impl LodLayout {
 }
 
 impl LodOutcome {
-    /// A level as it will be written, the finest first, with its bound; `None` where the finest level is cut in space, and beyond the last
-    /// one.
+    /// A level as it will be written, the finest first, with its bound; `None` where the finest level is cut
+    /// in space, and beyond the last one.
     #[must_use]
     pub fn level(&self, k: usize) -> Option<(&Scene, &Bound)> {
         let LodLayout::Levels(levels) = &self.made else { return None };
@@ -441,8 +444,8 @@ impl LodOutcome {
         glb::write_levels(&levels, out)
     }
 
-    /// The share of the screen that a ball around the shape covers where each level gives way to the next: viewers see its middle, which may be
-    /// half a diagonal behind the side of the box.
+    /// The fraction of the screen that the bounding sphere covers where each level gives way to the next:
+    /// viewers use its centre, which may be half a diagonal behind the side of the box.
     fn coverages(&self, n_levels: usize) -> Vec<f64> {
         let lens = &self.spec.lens;
         let pixels = f64::from(lens.screen.width_px) * f64::from(lens.screen.height_px);
@@ -453,7 +456,7 @@ impl LodOutcome {
                 let Some((distance, focal)) = next.zip(lens.focal_px()) else { return 0.0 };
                 let across = self.diagonal * focal / (distance + 0.5 * self.diagonal);
                 let share = 0.25 * std::f64::consts::PI * across * across / pixels;
-                // Shares fall from level to level, also where the shape is larger than the screen.
+                // Fractions decrease from level to level, also where the shape is larger than the screen.
                 let most = if before <= 1.0 { 0.99 * before } else { 1.0 };
                 before = if share < most { share } else { most };
                 before
@@ -462,7 +465,7 @@ impl LodOutcome {
     }
 }
 
-/// What is said of one mesh in its file.
+/// The extras of one mesh in its file.
 fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Value {
     json!({
         "version": certificate.version,

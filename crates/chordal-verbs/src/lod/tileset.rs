@@ -1,4 +1,4 @@
-//! Levels as 3D Tiles: one below the other, or as a tree of regions.
+//! Levels as 3D Tiles: a chain, or a tree of regions.
 use super::{LevelMesh, LevelShading, LodLayout, LodOutcome, NAME, TileErrors, counts, file_extras};
 use crate::MeshFailure;
 use crate::file_rows::{to_file_rows, unsupported};
@@ -14,23 +14,23 @@ use chordal_io::tiles::{self, Tile, Tileset};
 use chordal_io::{Axis, Format, Frame, Scene, WriteError, glb, snap};
 use serde_json::{Value, json};
 
-/// A finest level that is cut in space, with everything above it.
+/// A finest level that is cut in space, with all coarser levels.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TileHierarchy {
-    /// All of it in one piece, as it is shown from near.
+    /// The finest level in one piece, as it is shown from near.
     pub finest: LevelMesh,
     /// Tiles as they will be written, parents before children.
     tiles: Vec<LevelMesh>,
-    /// By tile: those that show the same region finer.
+    /// By tile: those that show the same region at a finer level.
     children: Vec<Vec<usize>>,
     roots: Vec<usize>,
-    /// The point that all coordinates are about.
+    /// The origin of all coordinates.
     origin: [f64; 3],
 }
 
 impl TileHierarchy {
-    /// Cuts a mesh into tiles of at most so many triangles. Coordinates are those of single precision about one point for all of
-    /// them, so that what two tiles share is one number.
+    /// Cuts a mesh into tiles of at most so many triangles. Coordinates are in single precision relative to
+    /// one common origin, so that coordinates shared by two tiles are identical.
     pub fn build(
         finest: Bounded<Mesh>,
         looks: &LevelShading,
@@ -41,8 +41,8 @@ impl TileHierarchy {
         let origin = snap(&mesh, Format::Glb)?.origin;
         let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
         let local = mesh.with_positions(local).map_err(unsupported)?;
-        // Half a unit in the last place of each of three differences, and of each coordinate of the origin in metres: less than two
-        // units of the largest number.
+        // Half a unit in the last place of each of three differences, and of each coordinate of the origin in
+        // metres: less than two units of the largest number.
         let largest = reach(local.positions().as_flattened());
         let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
         let room = if origin == [0.0; 3] { 0.0 } else { room };
@@ -55,7 +55,7 @@ impl TileHierarchy {
         let Some(part) = scene.parts.first() else {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
         };
-        // A finest level that lost nothing starts at about what single precision tells apart.
+        // A finest level without loss starts at about the resolution of single precision.
         let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
         let step =
             step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
@@ -84,7 +84,7 @@ impl TileHierarchy {
         Ok(Self { finest, tiles, children, roots: made.roots, origin })
     }
 
-    /// The tiles that are shown where an error may be: the coarsest that have no larger one, and leaves.
+    /// The tiles that are shown for an allowed error: the coarsest within it, and leaves.
     fn visible_tiles(&self, error: f64) -> Vec<usize> {
         let mut open = self.roots.clone();
         let mut shown = Vec::new();
@@ -98,7 +98,7 @@ impl TileHierarchy {
         shown
     }
 
-    /// What is shown wherever all of the shape is equally far away, for each error that a tile has.
+    /// What is shown where all of the shape is equally far away, for each error that a tile has.
     pub fn counts(&self) -> Vec<LevelFacts> {
         let mut errors: Vec<f64> = self.tiles.iter().map(LevelMesh::error).collect();
         errors.sort_by(f64::total_cmp);
@@ -108,7 +108,7 @@ impl TileHierarchy {
             let shown = self.visible_tiles(error);
             let sum = |of: fn(&LevelMesh) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
             let at_most = shown.iter().fold(0.0, |most, tile| larger(most, self.tiles[*tile].error()));
-            // What one tile is off another may make up for.
+            // One tile may compensate for the error of another.
             let at_least = if let [one] = shown[..] { self.tiles[one].bound.at_least() } else { 0.0 };
             let tiles = shown.len() as u64;
             let level = LevelFacts {
@@ -142,9 +142,10 @@ fn reach(numbers: &[f64]) -> f64 {
 }
 
 impl LodOutcome {
-    /// The files of a tileset of 3D Tiles 1.1 by their names, `tileset.json` the last. Up to `spec.tile_triangles` in the
-    /// finest level it has one tile a level, each the child of the next coarser one; above, the finest level is cut in
-    /// space ([`chordal::lod::tree`]), and tiles meet without cracks whichever are shown.
+    /// The files of a tileset of 3D Tiles 1.1 by name, `tileset.json` last. With up to `spec.tile_triangles`
+    /// in the finest level, it has one tile a level, each the child of the next coarser one. Above that, the
+    /// finest level is cut in space ([`chordal::lod::tree`]), and tiles meet without cracks whichever are
+    /// shown.
     ///
     /// # Errors
     /// As for [`glb::write`] and [`tiles::write`].
@@ -174,7 +175,7 @@ impl LodOutcome {
 
     /// One tile a region.
     fn as_tree(&self, cut: &TileHierarchy, files: &mut OutputFiles) -> Result<Tile, MeshFailure> {
-        // Children come after their parents, so that backwards every tile finds its children made.
+        // Children come after their parents, so that in reverse order every tile finds its children made.
         let mut done: Vec<Option<(Tile, Box3)>> = cut.tiles.iter().map(|_| None).collect();
         for (k, tile) in cut.tiles.iter().enumerate().rev() {
             let name = format!("tile_{k}.glb");
@@ -190,7 +191,7 @@ impl LodOutcome {
         let mut root = if roots.len() == 1 {
             roots.remove(0).0
         } else {
-            // Nothing coarser than several tiles together: an empty one above them.
+            // No tile covers all of them: an empty root above them.
             let bounds = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
             let children: Vec<Tile> = roots.into_iter().map(|(tile, _)| tile).collect();
             let mut above = Tile::leaf(tiles::aligned_box(&bounds), "");
@@ -216,7 +217,7 @@ impl LodOutcome {
         Ok(tiles::content_bounds(&level.scene)?)
     }
 
-    /// A tile for a file, above finer ones.
+    /// A tile for a file, with finer ones as its children.
     fn tile(&self, level: &LevelMesh, (bounds, name): (&Box3, &str), children: Vec<Tile>) -> Tile {
         let metres = self.metres();
         let mut tile = Tile::leaf(tiles::aligned_box(bounds), name);
@@ -254,8 +255,8 @@ impl LodOutcome {
         }
     }
 
-    /// What a tile says of its error: viewers show it from where this is the wanted pixels in the middle of the screen. More
-    /// than its children say, as the specification wants it.
+    /// The geometric error of a tile: viewers show it from where this is the wanted pixels in the middle of
+    /// the screen. It exceeds that of the children, as the specification requires.
     fn geometric_error(&self, bound: &Bound, metres: f64, finer: f64) -> f64 {
         let lens = &self.spec.lens;
         let own = bound.at_most().unwrap_or(f64::INFINITY);
@@ -274,15 +275,15 @@ impl LodOutcome {
     }
 }
 
-/// Files by their names.
+/// Files by name.
 type OutputFiles = Vec<(String, Vec<u8>)>;
 
-/// The largest error that one of several tiles says.
+/// The largest geometric error of several tiles.
 fn largest_error(tiles: &[Tile]) -> f64 {
     tiles.iter().fold(0.0, |most, tile| larger(most, tile.geometric_error))
 }
 
-/// What is said of a tile beside its error.
+/// The extras of a tile.
 fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
     json!({ "chordal": {
         "at_most": flatten::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
@@ -290,7 +291,7 @@ fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
     }})
 }
 
-/// The matrix that brings coordinates about a point back, in the space of tiles: z-up and in metres.
+/// The matrix that moves coordinates back from their origin, in the space of tiles: z-up and in metres.
 fn placement_matrix(origin: [f64; 3], frame: &Frame) -> Option<Box<[f64; 16]>> {
     if origin == [0.0; 3] {
         return None;

@@ -1,25 +1,25 @@
-//! How far attributes went off, as a report says it.
+//! Attribute deviation in the report.
 use chordal::check::AttributeDeviation;
 use chordal::explicit::Semantic;
 use serde::Serialize;
 
-/// How far the values of one attribute are from those of the input at the nearest points, both ways: the worst part.
-/// Measured, so that between samples there may be more.
+/// How far the values of one attribute are from those of the input at the nearest points, both ways, over the
+/// worst part. Measured, so that between samples there may be more.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AttributeFacts {
     /// "normal", "tangent", "texcoord", "color" or "custom".
     pub semantic: &'static str,
-    /// Which of them, as in "texcoord 0"; of "custom" the file's own name.
+    /// Its name, as in "texcoord 0"; for "custom" the file's own name.
     pub name: String,
-    /// The largest difference that was found; none where a value is not a number.
+    /// The largest difference that was found; `None` where a value is not a number.
     pub largest: Option<f64>,
-    /// The root of the mean square over the area; none where a value is not a number.
+    /// The root mean square over the area; `None` where a value is not a number.
     pub rms: Option<f64>,
     /// "degrees" for directions, "value" for lengths in the attribute's own numbers.
     pub unit: &'static str,
-    /// How that is known: "measured".
+    /// The evidence: "measured".
     pub evidence: &'static str,
-    /// Samples, over all parts.
+    /// The number of samples, over all parts.
     pub samples: u64,
 }
 
@@ -44,7 +44,7 @@ impl AttributeFacts {
         }
     }
 
-    /// Takes in what was found of one more part.
+    /// Adds the result of one more part.
     pub(crate) fn add(all: &mut Vec<Self>, found: &AttributeDeviation) {
         let new = Self::from_deviation(found);
         let Some(known) =
@@ -52,7 +52,7 @@ impl AttributeFacts {
         else {
             return all.push(new);
         };
-        // What is no number is worse than any.
+        // NaN is worse than any number.
         let worse = |a: Option<f64>, b: Option<f64>| {
             let (a, b) = (a?, b?);
             Some(if a > b { a } else { b })

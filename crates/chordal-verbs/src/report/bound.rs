@@ -1,32 +1,33 @@
-//! What was lost, as a report says it.
+//! The bound in the report.
 use chordal::{Bound, Evidence};
 use serde::Serialize;
 
-/// A [`Bound`] as a report says it.
+/// A [`Bound`] in the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoundFacts {
     /// The distance is at least this.
     pub at_least: f64,
-    /// The distance is at most this; none where nothing bounds it from above.
+    /// The distance is at most this; `None` without an upper bound.
     pub at_most: Option<f64>,
-    /// The distance on the screen is at most this many pixels; none without a view.
+    /// The distance on the screen is at most this many pixels; `None` without a view.
     pub pixels: Option<f64>,
-    /// The largest angle that was found between a triangle's normal and the shape's, in degrees; there where one was asked for.
+    /// The largest measured angle between a triangle's normal and the shape's, in degrees; present where an
+    /// angle was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
     /// "proved", "proved-if", "measured" or "estimated".
     pub evidence: &'static str,
-    /// What a proof rests on, for "proved-if".
+    /// The assumptions of a proof, for "proved-if".
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assumptions: Vec<String>,
-    /// How many samples were taken, for "measured".
+    /// The number of samples, for "measured".
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<u64>,
-    /// What the distance measures.
+    /// The metric of the distance.
     pub metric: &'static str,
-    /// The true shape.
+    /// The reference: the true shape.
     pub reference: &'static str,
-    /// Where the loss is worst, as far as is known.
+    /// The point of the largest known loss.
     pub at: Option<[f64; 3]>,
 }
 

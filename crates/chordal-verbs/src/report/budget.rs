@@ -1,15 +1,15 @@
-//! What could be lost, as a report says it.
+//! The budget in the report.
 use chordal::budget::{Budget, Projection, View};
 use serde::Serialize;
 
-/// A [`Budget`] as a report says it: lengths are absolute, whatever was asked for.
+/// A [`Budget`] in the report: lengths are absolute, however they were given.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BudgetFacts {
     /// The largest distance to the true shape.
     pub length: Option<f64>,
     /// The largest distance on the screen, in device pixels.
     pub pixels: Option<f64>,
-    /// From where.
+    /// The view that the pixels are for.
     pub view: Option<ViewFacts>,
     /// The largest angle to the true normals, in degrees.
     pub angle_deg: Option<f64>,
@@ -34,10 +34,10 @@ impl BudgetFacts {
     }
 }
 
-/// A [`View`] as a report says it. `text` alone is enough to have it back.
+/// A [`View`] in the report. `text` alone suffices to restore it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ViewFacts {
-    /// As it is written on a command line.
+    /// As on a command line.
     pub text: String,
     /// "camera" for one eye, "closest" for every eye that keeps its distance.
     pub kind: &'static str,
@@ -45,19 +45,19 @@ pub struct ViewFacts {
     pub width_px: u32,
     /// Rows of the screen.
     pub height_px: u32,
-    /// The vertical field of view in degrees; none for parallel rays.
+    /// The vertical field of view in degrees; `None` for parallel rays.
     pub fov_y_deg: Option<f64>,
     /// The height of the picture in the shape's units, for parallel rays.
     pub height: Option<f64>,
     /// The nearest distance to the shape's box, for "closest".
     pub distance: Option<f64>,
-    /// Where the eye is, for "camera".
+    /// The position of the eye, for "camera".
     pub eye: Option<[f64; 3]>,
     /// The point in the middle of the picture, for "camera".
     pub target: Option<[f64; 3]>,
-    /// A direction that is up in the picture, for "camera".
+    /// The up direction of the picture, for "camera".
     pub up: Option<[f64; 3]>,
-    /// Depth below which nothing is drawn, for "camera".
+    /// The near plane: depth below which nothing is drawn, for "camera".
     pub near: Option<f64>,
 }
 

@@ -1,13 +1,13 @@
-//! What a cage is, and what refining it gave.
+//! Cages and refined polygons in the report.
 use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme};
 use chordal_io::Polygons;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What there is of polygons.
+/// The counts of polygons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PolygonFacts {
-    /// Polygons, with holes.
+    /// Polygons, holes included.
     pub faces: u64,
     /// Vertices.
     pub vertices: u64,
@@ -24,13 +24,13 @@ impl PolygonFacts {
 /// How a cage was refined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RefinementFacts {
-    /// Rounds.
+    /// Refinement levels.
     pub levels: u32,
-    /// By which rules.
+    /// The subdivision scheme.
     pub scheme: &'static str,
     /// Edges that are still sharp.
     pub creases: u64,
-    /// Vertices that are.
+    /// Vertices that are still sharp.
     pub corners: u64,
 }
 
@@ -41,50 +41,50 @@ impl RefinementFacts {
     }
 }
 
-/// What a cage is: only `inspect` says it.
+/// What a cage is; only from `inspect`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CageFacts {
     /// The scheme, as in "catmull-clark".
     pub scheme: &'static str,
-    /// The rule for its border: "none", "edge-only" or "edge-and-corner".
+    /// The boundary rule: "none", "edge-only" or "edge-and-corner".
     pub boundary: &'static str,
-    /// How sharpness falls: "uniform" or "chaikin".
+    /// How sharpness decreases: "uniform" or "chaikin".
     pub creasing: &'static str,
-    /// How many faces there are of so many corners.
+    /// The number of faces by their number of corners.
     pub faces_by_corners: BTreeMap<u64, u64>,
     /// Edges.
     pub edges: u64,
-    /// Those that one face alone has.
+    /// Edges with one face.
     pub border_edges: u64,
-    /// Those that more than two have, or two that are wound against each other.
+    /// Non-manifold edges: with more than two faces, or with two that are wound against each other.
     pub crowded_edges: u64,
-    /// Vertices of no face.
+    /// Vertices without a face.
     pub isolated_vertices: u64,
-    /// How many vertices within the surface have so many edges, other than the regular number: 4, or 6 for Loop.
+    /// Extraordinary interior vertices by valence; 4 is regular, or 6 for Loop.
     pub irregular: BTreeMap<u64, u64>,
-    /// The same on the border, where 3 is regular, or 4 for Loop.
+    /// The same on the boundary, where 3 is regular, or 4 for Loop.
     pub irregular_border: BTreeMap<u64, u64>,
     /// Sharp edges.
     pub creases: SharpnessFacts,
     /// Sharp vertices.
     pub corners: SharpnessFacts,
-    /// Faces without surface.
+    /// Hole faces, which have no surface.
     pub holes: u64,
-    /// Rows of texture coordinates that corners name; none where there are none.
+    /// Rows of texture coordinates that corners use; `None` where there are none.
     pub texcoords: Option<u64>,
-    /// Where refinement interpolates them linearly: "none", "corners-only", "corners-plus-1", "corners-plus-2", "boundaries" or
-    /// "all"; none where there are none.
+    /// Where refinement interpolates them linearly: "none", "corners-only", "corners-plus-1",
+    /// "corners-plus-2", "boundaries" or "all"; `None` where there are none.
     pub texcoords_linear: Option<&'static str>,
 }
 
-/// What is sharp.
+/// Sharp elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SharpnessFacts {
-    /// How many.
+    /// Their number.
     pub count: u64,
-    /// Those that stay sharp for ever.
+    /// Those that are infinitely sharp.
     pub infinite: u64,
-    /// The least and the greatest sharpness of the others; none where there are none.
+    /// The least and the greatest finite sharpness; `None` where there is none.
     pub range: Option<[f64; 2]>,
 }
 
@@ -139,7 +139,7 @@ impl CageFacts {
     }
 
     fn count_edges(&mut self, cage: &Cage) {
-        // The lower vertex first, and which way a face runs.
+        // The lower vertex first, and the direction in which a face runs along the edge.
         let mut halves: Vec<([u32; 2], bool)> = Vec::new();
         for face in cage.faces() {
             for (k, &a) in face.iter().enumerate() {

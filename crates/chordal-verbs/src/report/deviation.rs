@@ -1,30 +1,30 @@
-//! How far two shapes are apart, as a report says it.
+//! The distance between two shapes in the report.
 use super::InputFacts;
 use chordal::Bound;
 use chordal::budget::Tolerance;
 use chordal::check::OneSidedDistance;
 use serde::Serialize;
 
-/// What `deviation` found beside the bound, which stands in the certificate.
+/// The result of `deviation` beside the bound, which is in the certificate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeviationFacts {
     /// The second shape.
     pub against: InputFacts,
-    /// From the points of the first shape to the second.
+    /// The one-sided distance from the first shape to the second.
     pub forward: OneSidedFacts,
-    /// From the points of the second shape to the first.
+    /// The one-sided distance from the second shape to the first.
     pub backward: OneSidedFacts,
-    /// The diagonal of the second shape's box, from below.
+    /// The diagonal of the second shape's box, rounded down.
     pub diagonal: f64,
-    /// Whether the ends came as close together as was asked for.
+    /// Whether the requested precision was reached.
     pub reached: bool,
-    /// The limit, in the units of the second shape; none where none was given.
+    /// The limit, in the units of the second shape; `None` without one.
     pub max: Option<f64>,
-    /// On which side of the limit the distance is; none without a limit.
+    /// The verdict on the limit; `None` without one.
     pub verdict: Option<Verdict>,
 }
 
-/// The distance from the points of one shape to the other, at most.
+/// The largest distance from the points of one shape to the other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OneSidedFacts {
     /// Some point is at least this far.
@@ -43,7 +43,7 @@ impl From<OneSidedDistance> for OneSidedFacts {
     }
 }
 
-/// On which side of a limit a distance is.
+/// The comparison of a distance with a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -51,12 +51,12 @@ pub enum Verdict {
     Within,
     /// More than the limit, proved.
     Exceeds,
-    /// So close to it that neither is proved.
+    /// Neither is proved.
     Undecided,
 }
 
 impl Verdict {
-    /// What a bound says about a limit.
+    /// The verdict of a bound on a limit.
     #[must_use]
     pub fn from_bound(bound: &Bound, max: Tolerance) -> Self {
         if bound.at_most().is_some_and(|most| most <= max.get()) {

@@ -1,42 +1,44 @@
-//! What `bake` made, as a report says it.
+//! The distance grid of `bake` in the report.
 use chordal::convert::{DistanceGrid, SolidReport};
 use serde::Serialize;
 
-/// A lattice of distances.
+/// A distance grid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DistanceGridFacts {
     /// Samples along each index, the first of which runs fastest.
     pub size: [u64; 3],
-    /// The place of the first sample.
+    /// The position of the first sample.
     pub origin: [f64; 3],
-    /// By how much x, y or z grows with its index.
+    /// The increment of x, y or z per index.
     pub spacing: f64,
-    /// The largest distance that samples have; none where every sample is a distance.
+    /// The largest distance that samples hold; `None` where every sample is a distance.
     pub band: Option<f64>,
-    /// Samples whose value is a distance; all others say only that they are beyond the band, and on which side.
+    /// Samples whose value is a distance; all others say only that they are beyond the band, and on which
+    /// side.
     pub distances: u64,
     /// No such value is further than this from the distance to the triangles.
     pub off_at_most: f64,
-    /// How that is known: "proved", each of them by two bounds that no rounding can break.
+    /// The evidence: "proved", each of them by two bounds that rounding cannot break.
     pub evidence: &'static str,
-    /// What the sides of samples rest on.
+    /// What the signs of samples rest on.
     pub solid: SolidFacts,
 }
 
-/// Whether a mesh bounds a solid, and what keeps it from that.
+/// Whether a mesh bounds a solid, and why not.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct SolidFacts {
-    /// Whether it does.
+    /// Whether it bounds a solid.
     pub is_solid: bool,
-    /// Whether as many triangles run one way as the other along every edge; only then is every side known for sure.
+    /// Whether equally many triangles run in either direction along every edge; only then is every sign
+    /// certain.
     pub closed: bool,
-    /// Its front is inside, so that nothing is inside of it.
+    /// Its front faces inward, so that nothing is inside of it.
     pub inside_out: bool,
-    /// Pairs of triangles that meet where they should not.
+    /// Pairs of triangles that intersect.
     pub self_intersections: u64,
     /// "whole winding numbers" for closed meshes, else "winding numbers above a half".
     pub side: &'static str,
-    /// All of it in one sentence.
+    /// A summary in one sentence.
     pub sentence: String,
 }
 

@@ -1,38 +1,38 @@
-//! What curves are: only `inspect` says it.
+//! Curves in the report; only from `inspect`.
 use crate::shape::in_space;
 use chordal::check::{Join, joins};
 use chordal::explicit::{Curve, CurveSegment};
 use chordal_io::{DrawingElement, PathSet};
 use serde::Serialize;
 
-/// What there is of curves.
+/// The counts of curves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DrawingFacts {
     /// Drawn elements.
     pub elements: u64,
-    /// Those of them that the file fills.
+    /// Filled elements.
     pub filled: u64,
     /// Subpaths of all elements.
     pub subpaths: u64,
-    /// Those that are closed.
+    /// Closed subpaths.
     pub closed: u64,
-    /// Those that are not.
+    /// Open subpaths.
     pub open: u64,
     /// The smooth pieces of all subpaths.
     pub pieces: PieceCounts,
-    /// How pieces that follow each other meet.
+    /// Joins between consecutive pieces.
     pub joins: JoinCounts,
-    /// The length of all curves together: an estimate by quadrature, without a bound.
+    /// The total length of all curves: an estimate by quadrature, without a bound.
     pub length_estimate: f64,
-    /// The largest distance that a curve may be from what the file means, because numbers were rounded on the way.
+    /// The largest distance from a curve to what the file means, due to rounded numbers.
     pub slack: f64,
-    /// The picture that the file asks for: lowest x and y, width and height; none where it does not say.
+    /// The view box of the file: lowest x and y, width and height; `None` where it has none.
     pub view_box: Option<[f64; 4]>,
-    /// The first places where a path kinks.
+    /// The first kinks of the paths.
     pub kinks: Vec<KinkFacts>,
 }
 
-/// Pieces by their kind.
+/// Pieces by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PieceCounts {
     /// Straight lines.
@@ -43,21 +43,21 @@ pub struct PieceCounts {
     pub arcs: u64,
 }
 
-/// Joins by how smooth they look.
+/// Joins by apparent smoothness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct JoinCounts {
     /// The direction jumps: a kink.
     pub g0: u64,
-    /// The direction is kept and the curvature jumps.
+    /// The direction is continuous and the curvature jumps.
     pub g1: u64,
-    /// Direction and curvature are kept.
+    /// Direction and curvature are continuous.
     pub g2: u64,
 }
 
-/// A place where a path kinks.
+/// A kink of a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KinkFacts {
-    /// The index of the element among those that are drawn.
+    /// The index of the element among those drawn.
     pub element: u64,
     /// What the element is, as in "path".
     pub kind: &'static str,
@@ -69,7 +69,7 @@ pub struct KinkFacts {
     pub piece: u64,
     /// The point.
     pub at: [f64; 3],
-    /// By how much the direction turns; none where a piece has none because it is a point.
+    /// The turning angle; `None` where a piece has no direction because it is a point.
     pub angle_deg: Option<f64>,
 }
 

@@ -1,29 +1,29 @@
-//! What a field is: only `inspect` says it.
+//! Fields in the report; only from `inspect`.
 use crate::{ImplicitShape, Parameter};
 use chordal::budget::Evidence;
 use chordal::math::Box3;
 use serde::Serialize;
 
-/// What there is of a field.
+/// What is known of a field.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldFacts {
     /// 2 where the value does not depend on z, else 3.
     pub dimensions: u32,
     /// The distinct terms of its expression.
     pub terms: u64,
-    /// What its value is worth as a distance where it is not negative: exact distance, lower bound or sign.
+    /// How its value relates to the distance where it is not negative: exact distance, lower bound or sign.
     pub outside: &'static str,
     /// The same where it is negative.
     pub inside: &'static str,
-    /// What proofs about it are worth.
+    /// The evidence of proofs about it.
     pub evidence: &'static str,
-    /// What that rests on without being checked: a sentence each.
+    /// The unchecked assumptions of that evidence: a sentence each.
     pub assumptions: Vec<String>,
-    /// The lowest and highest coordinates between which all of it is known to be; null where none is known.
+    /// The lowest and highest coordinates of its known extent; null where it is unknown.
     pub reach: [[Option<f64>; 3]; 2],
-    /// The box that it is cut off at, if there is one.
+    /// The box that clips it, if there is one.
     pub region: Option<[[f64; 3]; 2]>,
-    /// What its script can be given.
+    /// The parameters of its script.
     pub parameters: Vec<Parameter>,
 }
 

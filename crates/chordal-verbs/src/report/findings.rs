@@ -4,28 +4,29 @@ use super::validity::ValidityFacts;
 use chordal::check::{Cure, Defect, Severity};
 use serde::{Serialize, Serializer};
 
-/// One thing that was found, in words, with what mends it.
+/// One kind of defect that was found, in words, with its repairs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FindingFacts {
     /// The name of its count.
     pub of: &'static str,
-    /// How often.
+    /// How often it occurs.
     pub count: u64,
-    /// "fault" where the surface is not what it should be, "remark" where its triangles could be better.
+    /// "fault" where the surface is invalid, "remark" where its triangles could be better.
     pub weight: &'static str,
-    /// One of them, or several, in words.
+    /// Its name in words, singular or plural.
     pub words: &'static str,
-    /// What it means, as half a sentence.
+    /// Its meaning, as half a sentence.
     pub means: &'static str,
-    /// The options of `chordal mend` that mend it, in this order; empty where there is none.
+    /// The options of `chordal mend` that repair it, in this order; empty where there is none.
     #[serde(serialize_with = "as_options")]
     pub cures: Vec<Cure>,
-    /// What to do where no option mends it.
+    /// What to do where no option repairs it.
     pub advice: Option<&'static str>,
 }
 
 impl FindingFacts {
-    /// All that was found, the heaviest first; nothing where there are no triangles, which points do not lack.
+    /// All defects that were found, the most severe first. Empty where there are no triangles, which a set of
+    /// points does not need.
     #[must_use]
     pub fn list(valid: &ValidityFacts) -> Vec<Self> {
         if !valid.has_triangles() {
@@ -43,7 +44,7 @@ impl FindingFacts {
         all
     }
 
-    /// Whether anything was found that some cure is for.
+    /// Whether any defect was found that a repair exists for.
     pub(super) fn has_repairable(valid: &ValidityFacts, anatomy: &SurfaceFacts) -> bool {
         let is_met = |defect: &&Defect| match defect {
             Defect::InsideOut => anatomy.inside_out > 0,
@@ -60,7 +61,7 @@ impl FindingFacts {
             count,
             weight: if defect.severity() == Severity::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
-            // A cure with a price says so where it is named.
+            // A repair with a side effect says so where it is named.
             means: if cures.contains(&Cure::FillHoles) { MAY_CROSS } else { defect.meaning() },
             advice: advice(defect, valid, &cures),
             cures,
@@ -68,15 +69,15 @@ impl FindingFacts {
     }
 }
 
-/// What a boundary means where it can be filled.
+/// The meaning of a boundary that can be filled.
 const MAY_CROSS: &str = "the surface ends there, so that it has no inside; what fills it may cross the surface, \
     which `inspect --self-intersections` tells afterwards";
 
-/// The cures of a defect that help.
+/// The repairs of a defect that help.
 fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<Cure> {
     let (counts, other) = (&valid.counts, &valid.other.counts);
     let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
-    // Equal points can be what keeps sheets apart that would branch, touch or disagree: a split is not to be undone.
+    // Equal points may keep sheets apart that would branch, touch or disagree: welding must not undo a split.
     let sound = other.non_manifold_edges <= counts.non_manifold_edges
         && other.non_manifold_vertices <= counts.non_manifold_vertices
         && other.duplicate_faces <= counts.duplicate_faces
@@ -97,8 +98,8 @@ fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<Cure> {
     defect.cures().iter().copied().filter(|cure| helps(*cure) && was_tried(cure)).collect()
 }
 
-/// What mends only what others lay bare stands with them: a hole that is closed has an outside to be oriented by, a face
-/// that is dropped leaves vertices.
+/// Adds repairs for defects that other repairs expose: a filled hole has an outside to be oriented by, a
+/// dropped face leaves vertices.
 fn add_consequences(all: &mut [FindingFacts], tried: &[Cure]) {
     for cure in tried {
         if all.iter().any(|finding| finding.cures.contains(cure)) {
@@ -114,7 +115,7 @@ fn add_consequences(all: &mut [FindingFacts], tried: &[Cure]) {
     }
 }
 
-/// What to do where no option mends it.
+/// The advice for a defect that no option repairs.
 fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<&'static str> {
     let ties = valid.topology == "positions";
     match defect {
@@ -136,13 +137,13 @@ pub fn cures_of_all(findings: &[FindingFacts]) -> Vec<Cure> {
     Cure::ALL.into_iter().filter(wanted).collect()
 }
 
-/// In reports repairs are named as the options of the command, which is what users of a report call.
+/// Reports name repairs by the options of the command, which users of a report call.
 fn as_options<S: Serializer>(cures: &[Cure], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(cures.iter().map(|cure| format!("--{}", cure.name())))
 }
 
 impl ValidityFacts {
-    /// Where there is something to repair, keeps which repairs helped when they were tried.
+    /// Where repairs are needed, stores those that helped when they were tried.
     pub(crate) fn prescribe(&mut self, recommend: impl FnOnce() -> Option<Vec<Cure>>) {
         if self.anatomy.as_ref().is_some_and(|anatomy| FindingFacts::has_repairable(self, anatomy)) {
             let prescribed = recommend();

@@ -1,4 +1,4 @@
-//! What an input is: only `inspect` says it.
+//! The description of an input in the report; only from `inspect`.
 use super::{
     CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, TriangleFacts, VolumeFacts,
     to_value,
@@ -15,33 +15,34 @@ use serde::Serialize;
 use serde_json::Value;
 use std::borrow::Cow;
 
-/// What an input is.
+/// The description of an input.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inspection {
     /// The size of the file in bytes.
     pub bytes: u64,
-    /// The lowest and highest coordinates of the vertices, or of the control points; none for an empty shape.
+    /// The lowest and highest coordinates of the vertices, or of the control points; `None` for an empty
+    /// shape.
     #[serde(rename = "box")]
     pub bounds: Option<[[f64; 3]; 2]>,
-    /// The number of patches; none for other shapes.
+    /// The number of patches; `None` for other shapes.
     pub patches: Option<u64>,
-    /// The parts of a scene; none for other shapes.
+    /// The parts of a scene; `None` for other shapes.
     pub parts: Option<Vec<PartFacts>>,
-    /// What there is of curves; none for other shapes.
+    /// The facts of curves; `None` for other shapes.
     pub drawing: Option<DrawingFacts>,
-    /// What there is of a cage; not there for other shapes.
+    /// The facts of a cage; absent for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cage: Option<CageFacts>,
-    /// What there is of samples; not there for other shapes.
+    /// The facts of a volume; absent for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeFacts>,
-    /// What there is of a field; none for other shapes.
+    /// The facts of a field; `None` for other shapes.
     pub field: Option<FieldFacts>,
-    /// What the triangles take; none for other shapes.
+    /// The memory of the triangles; `None` for other shapes.
     pub sizes: Option<GeometrySizes>,
-    /// What was found to be wrong with the triangles, the heaviest first; none for other shapes.
+    /// The defects of the triangles, the most severe first; `None` for other shapes.
     pub findings: Option<Vec<FindingFacts>>,
-    /// The certificate that travels in the file, and whether it still fits; none where there is none.
+    /// The certificate embedded in the file, and whether it still fits; `None` where there is none.
     pub found: Option<EmbeddedCertificate>,
 }
 
@@ -53,43 +54,43 @@ pub struct PartFacts {
     /// Its triangles.
     #[serde(flatten)]
     pub counts: TriangleFacts,
-    /// In how many places of the scene it stands.
+    /// The number of its placements in the scene.
     pub instances: u64,
 }
 
-/// Bytes of positions and indices, without attributes: three single-precision numbers a position, and indices of
-/// 16 bits while they fit, else of 32.
+/// Bytes of positions and indices, without attributes: three single-precision numbers a position, and indices
+/// of 16 bits while they fit, else of 32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct GeometrySizes {
-    /// With every vertex once and triangles by index; in a file without indices, equal corners are one vertex.
+    /// With shared vertices and indexed triangles; in a file without indices, equal corners are one vertex.
     pub indexed_bytes: u64,
     /// With three vertices a triangle.
     pub unindexed_bytes: u64,
-    /// How many vertices a graphics processor computes for each triangle, in the file's order, by a first-in, first-out
-    /// cache of [`CACHE`]; 0 without triangles.
+    /// The average cache miss ratio: vertices that a graphics processor computes for each triangle, in the
+    /// file's order, with a first-in, first-out cache of [`CACHE`]; 0 without triangles.
     pub acmr: f64,
-    /// The same in the order that Chordal finds for it.
+    /// The same in Chordal's cache-optimised order.
     pub acmr_ordered: f64,
 }
 
-/// Vertices that a cache of a graphics processor holds: few enough for any of them.
+/// The vertices of the simulated cache: few enough for any graphics processor.
 const CACHE: u32 = 16;
 
 /// A certificate that was found in a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EmbeddedCertificate {
-    /// The certificate, as it stands in the file.
+    /// The certificate, as embedded in the file.
     pub certificate: Value,
-    /// Which of its counts do not fit the triangles of the file, as JSON pointers into it; empty for a file that is
-    /// as it was written. That the counts fit is no proof of the bound.
+    /// The counts that do not match the triangles of the file, as JSON pointers into the certificate; empty
+    /// for an unchanged file. Matching counts do not prove the bound.
     pub differs: Vec<String>,
 }
 
 impl Inspection {
-    /// What `input` is. The certificate holds what was counted of its triangles.
+    /// Describes `input`. The certificate holds the counts of its triangles.
     #[must_use]
     pub fn from_input(input: &Input, counted: &Certificate) -> Self {
-        // A scene that cannot be put in one space has no box.
+        // A scene whose transforms cannot be applied has no box.
         let bounds = input.shape.hull().unwrap_or(Box3::EMPTY);
         let endless = bounds.min.iter().chain(&bounds.max).any(|x| !x.is_finite());
         let scene = match &input.shape {
@@ -159,7 +160,7 @@ impl Inspection {
 }
 
 impl Inspection {
-    /// The kinks of a drawing, in order; none for other shapes.
+    /// The kinks of a drawing, in order; `None` for other shapes.
     #[must_use]
     pub fn kinks(&self) -> &[KinkFacts] {
         self.drawing.as_ref().map_or(&[], |drawing| &drawing.kinks)
@@ -204,8 +205,8 @@ impl GeometrySizes {
     }
 }
 
-/// How many vertices there are, and the triangles by their rows. Where the file has no indices, equal corners are one
-/// vertex: its rows, one for each corner of each triangle, are no choice of order or size.
+/// The number of vertices, and the triangles by their rows. Where the file has no indices, equal corners are
+/// one vertex: its rows, one for each corner of each triangle, imply no order or size.
 fn rows(mesh: &Mesh, format: Format) -> (usize, Cow<'_, [[u32; 3]]>) {
     if format != Format::Stl {
         return (mesh.positions().len(), mesh.faces().into());

@@ -1,7 +1,7 @@
 //! The report: one object for every verb. `docs/schema/report.schema.json` describes it.
 //!
-//! The *certificate* is deterministic: same input, version and budget give the same bytes, so it holds no clock, no
-//! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
+//! The *certificate* is deterministic: same input, version and budget give the same bytes. So it holds no
+//! clock, no path and no thread count, and can be embedded in the file. *Run* describes this one execution.
 mod attributes;
 mod bound;
 mod budget;
@@ -53,7 +53,7 @@ use chordal_io::{Axis, Format, Frame, Polylines, Warning};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The name of this version of the report. What it means is never changed; what is added gets a new number.
+/// The name of this version of the report. Its meaning never changes; additions get a new number.
 pub const SCHEMA: &str = "chordal.report/1";
 
 /// What a verb did and what is known of the result.
@@ -61,62 +61,62 @@ pub const SCHEMA: &str = "chordal.report/1";
 pub struct Report {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// What holds of the result, wherever and whenever it was made.
+    /// The reproducible part: what holds of the result.
     pub certificate: Certificate,
-    /// What the input is; only from `inspect`.
+    /// The description of the input; only from `inspect`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inspection: Option<Inspection>,
-    /// How far two shapes are apart; only from `deviation`.
+    /// The distance between two shapes; only from `deviation`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deviation: Option<DeviationFacts>,
     /// This run.
     pub run: RunFacts,
 }
 
-/// What holds of a result, wherever and whenever it was made.
+/// The reproducible facts of a result, independent of the machine and the time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Certificate {
     /// The version of Chordal.
     pub version: &'static str,
-    /// What went in.
+    /// The input.
     pub input: InputFacts,
-    /// The space that all lengths and points are in.
+    /// The frame of all lengths and points.
     pub frame: FrameFacts,
-    /// What could be lost; none where nothing was asked.
+    /// The budget; `None` where there is none.
     pub budget: Option<BudgetFacts>,
-    /// What was lost; none where nothing was made.
+    /// The bound; `None` where nothing was made.
     pub bound: Option<BoundFacts>,
-    /// What came out; none where nothing was made.
+    /// The counts of the output; `None` where nothing was made.
     pub output: Option<Output>,
-    /// Whether the triangles are sound; none where there are none to be.
+    /// The validity of the triangles; `None` for other results.
     pub valid: Option<ValidityFacts>,
-    /// Whether those of the input were; only from `mend`.
+    /// The validity of the input's triangles; only from `mend`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub valid_before: Option<ValidityFacts>,
-    /// What was mended, in the order in which it was; only from `mend`.
+    /// The repairs, in the order of application; only from `mend`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mended: Vec<RepairFacts>,
-    /// How a cage was refined; only where its polygons were.
+    /// How a cage was refined; only where its polygons are the result.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refined: Option<RefinementFacts>,
-    /// The lattice that was made; only from `bake`.
+    /// The distance grid; only from `bake`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub baked: Option<DistanceGridFacts>,
-    /// How far attributes went off where triangles were simplified; only from `mesh`.
+    /// The attribute deviation of simplified triangles; only from `mesh`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub attributes: Vec<AttributeFacts>,
-    /// The levels of detail that were made; only from `lod`.
+    /// The levels of detail; only from `lod`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub levels: Option<LevelsFacts>,
-    /// What a graphics processor shades; only from `render --show overshade`.
+    /// The shading cost on a graphics processor; only from `render --show overshade`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overshade: Option<OvershadeFacts>,
-    /// What else a reader should know, in sentences.
+    /// Further notes for the reader, in sentences.
     pub notes: Vec<String>,
 }
 
 impl Certificate {
-    /// What is known before anything was made.
+    /// The certificate of an input, before anything is made.
     #[must_use]
     pub fn from_input(input: &Input) -> Self {
         Self {
@@ -146,7 +146,7 @@ impl Certificate {
 }
 
 impl Report {
-    /// A report of a run.
+    /// The report of a run.
     #[must_use]
     pub fn new(certificate: Certificate, run: RunFacts) -> Self {
         Self { schema: SCHEMA, certificate, inspection: None, deviation: None, run }
@@ -159,7 +159,7 @@ impl Report {
     }
 }
 
-/// What is assumed where a format does not say what part of space its field is for.
+/// The note on the assumed region, where a format does not state the region of its field.
 fn assumed_region(input: &Input) -> Option<&'static str> {
     let Shape::Field(implicit) = &input.shape else { return None };
     let assumed = input.format == Format::Vm && implicit.region == Some(chordal_io::vm::REGION);
@@ -168,13 +168,13 @@ fn assumed_region(input: &Input) -> Option<&'static str> {
     )
 }
 
-/// These structs hold numbers, texts and lists with texts as keys, all of which JSON can say; a number that is not
-/// finite becomes null.
+/// These structs hold numbers, texts and lists with texts as keys, all of which JSON can represent; a number
+/// that is not finite becomes null.
 pub(crate) fn to_value(facts: &impl Serialize) -> Value {
     serde_json::to_value(facts).unwrap_or_default()
 }
 
-/// What went in.
+/// The input.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct InputFacts {
     /// The kind of shape, as in "patches".
@@ -183,7 +183,7 @@ pub struct InputFacts {
     pub format: String,
     /// The SHA-256 of the bytes, in hexadecimal.
     pub sha256: String,
-    /// What was odd about the bytes.
+    /// Irregularities in the bytes.
     pub warnings: Vec<WarningFacts>,
 }
 
@@ -198,14 +198,14 @@ impl InputFacts {
     }
 }
 
-/// Something odd about a file, counted.
+/// An irregularity of a file, counted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct WarningFacts {
-    /// Stable, for programs.
+    /// A stable code, for programs.
     pub code: &'static str,
-    /// How often.
+    /// How often it occurs.
     pub count: u64,
-    /// Where it was seen first.
+    /// Its first position.
     pub place: String,
     /// One sentence.
     pub message: String,
@@ -222,12 +222,12 @@ impl WarningFacts {
     }
 }
 
-/// The space that lengths and points are in.
+/// The frame of lengths and points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrameFacts {
-    /// The axis that is up, "y" or "z", if that is known.
+    /// The up axis, "y" or "z", where it is known.
     pub up: Option<&'static str>,
-    /// The length of one unit, if that is known.
+    /// The length of one unit in metres, where it is known.
     pub metres_per_unit: Option<f64>,
 }
 
@@ -241,7 +241,7 @@ impl FrameFacts {
     }
 }
 
-/// What came out.
+/// The counts of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
 pub enum Output {
@@ -254,7 +254,7 @@ pub enum Output {
 }
 
 impl Output {
-    /// The counts of triangles, where there are some.
+    /// The counts of triangles, if the output is triangles.
     #[must_use]
     pub fn triangles(&self) -> Option<&TriangleFacts> {
         match self {
@@ -263,7 +263,7 @@ impl Output {
         }
     }
 
-    /// The counts of polylines, where there are some.
+    /// The counts of polylines, if the output is polylines.
     #[must_use]
     pub fn polylines(&self) -> Option<&PolylineFacts> {
         match self {
@@ -272,7 +272,7 @@ impl Output {
         }
     }
 
-    /// The counts of polygons, where there are some.
+    /// The counts of polygons, if the output is polygons.
     #[must_use]
     pub fn polygons(&self) -> Option<&PolygonFacts> {
         match self {
@@ -282,14 +282,14 @@ impl Output {
     }
 }
 
-/// What there is of polylines.
+/// The counts of polylines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PolylineFacts {
     /// Polylines.
     pub polylines: u64,
-    /// Points; the first of a closed polyline once.
+    /// Points; the first of a closed polyline counts once.
     pub points: u64,
-    /// Segments, with those that close.
+    /// Segments, including the closing ones.
     pub segments: u64,
 }
 
@@ -301,7 +301,8 @@ impl PolylineFacts {
         Self { polylines: polylines.len() as u64, points, segments }
     }
 
-    /// The counts of curves that are all straight, as they read back from a file of polylines; none for others.
+    /// The counts of curves that are all straight, as they read back from a file of polylines; `None` for
+    /// others.
     #[must_use]
     pub fn from_straight_curves<const D: usize>(curves: &[Curve<D>]) -> Option<Self> {
         let mut facts = Self { polylines: curves.len() as u64, ..Self::default() };
@@ -317,12 +318,12 @@ impl PolylineFacts {
     }
 }
 
-/// What there is of triangles.
+/// The counts of triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct TriangleFacts {
-    /// Rows of positions; vertices that differ only in attributes count apart.
+    /// Rows of positions; vertices that differ only in attributes count separately.
     pub vertices: u64,
-    /// Distinct positions, by the meaning of that word that `valid` has too.
+    /// Distinct positions, as defined by the topology in `valid`.
     pub positions: u64,
     /// Triangles.
     pub triangles: u64,
@@ -346,7 +347,7 @@ impl TriangleFacts {
     }
 }
 
-/// This run of a verb. Shells fill in what only they know.
+/// This run of a verb. Front ends fill in what only they know.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RunFacts {
     /// The verb.
@@ -357,13 +358,13 @@ pub struct RunFacts {
     pub output: Option<String>,
     /// The size of the output.
     pub bytes: Option<u64>,
-    /// From the first byte read to the last byte written.
+    /// Seconds from the first byte read to the last byte written.
     pub seconds: Option<f64>,
-    /// The most memory that the process held.
+    /// The peak memory of the process.
     pub peak_bytes: Option<u64>,
-    /// Threads that were used.
+    /// The number of threads.
     pub threads: Option<u64>,
-    /// Points at which functions of the user's were evaluated; none where there is no such function.
+    /// Points at which user functions were evaluated; `None` where there is no such function.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<u64>,
 }

@@ -1,42 +1,42 @@
-//! What a graphics processor shades, as a report says it.
+//! The shading cost on a graphics processor, in the report.
 use chordal::View;
 use chordal::budget::Camera;
 use chordal::check::{Flicker, Overshade, ShadingCounts};
 use chordal::explicit::HitSides;
 use serde::Serialize;
 
-/// What a mesh costs a graphics processor at a view.
+/// The shading cost of a mesh at a view.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OvershadeFacts {
     /// The camera, as `--view` takes it.
     pub view: String,
-    /// Which sides are left out: "none", "back" or "front".
+    /// The culled sides: "none", "back" or "front".
     pub culled: &'static str,
-    /// Triangles of which something is on the screen and not culled.
+    /// Triangles that are on the screen, at least in part, and not culled.
     pub in_view: u64,
-    /// Those that cover no pixel's centre.
+    /// Those that cover no pixel centre.
     pub missed: u64,
     /// Those whose area on the screen is less than a pixel's.
     pub micro: u64,
     /// Pixels whose centre at least one triangle covers.
     pub covered_px: u64,
-    /// What is shaded when every triangle is, hidden or not.
+    /// The cost when every triangle is shaded, hidden or not.
     pub every: ShadingFacts,
-    /// What is shaded after a depth pre-pass.
+    /// The cost after a depth pre-pass.
     pub visible: ShadingFacts,
-    /// Lanes of the visible a covered pixel.
+    /// Lanes of `visible` per covered pixel.
     pub ratio: f64,
-    /// The root of the mean square of what pixels change by when the view moves by less than a pixel, of the way from
-    /// black to white.
+    /// The root mean square change of pixels when the view moves by less than a pixel, as a fraction of the
+    /// range from black to white.
     pub flicker: f64,
-    /// The pixels that this was looked at: those that are covered wherever the view moves to.
+    /// The pixels measured for `flicker`: those that stay covered wherever the view moves.
     pub flicker_px: u64,
 }
 
 /// Quads and their lanes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadingFacts {
-    /// Pairs of a triangle and a pixel that it is shaded at.
+    /// Pairs of a triangle and a pixel where it is shaded.
     pub fragments: u64,
     /// Pairs of a triangle and a quad of pixels in which it has a fragment.
     pub quads: u64,
@@ -44,7 +44,7 @@ pub struct ShadingFacts {
     pub lanes: u64,
     /// Lanes without a fragment.
     pub helpers: u64,
-    /// Their share.
+    /// The fraction of lanes without a fragment.
     pub helper_share: f64,
 }
 

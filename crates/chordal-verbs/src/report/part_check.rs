@@ -1,4 +1,4 @@
-//! All that was found of one part of a scene, by both meanings of "the same position".
+//! The validity of one part of a scene, by both definitions of "the same position".
 use super::witness::WitnessFacts;
 use crate::file_rows::rows_of;
 use crate::formats::topology;
@@ -12,10 +12,10 @@ use chordal::explicit::Topology;
 use chordal_io::{Format, WriteError};
 use std::convert::Infallible;
 
-/// How closely to look.
+/// The depth of a check.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum CheckDepth<'a> {
-    /// Components with what they are, and witnesses.
+    /// Components with their properties, and witnesses.
     Full,
     /// Self-intersections as well, under the conditions of a job.
     Deep(&'a chordal::Job),
@@ -24,13 +24,13 @@ pub(crate) enum CheckDepth<'a> {
 /// Why triangles could not be counted.
 #[derive(Debug)]
 pub(crate) enum CountError {
-    /// The scene cannot be put in the rows of the format.
+    /// The scene cannot be expressed in the rows of the format.
     Unwritten,
-    /// The search for self-intersections was not finished.
+    /// The search for self-intersections was stopped.
     Stopped(JobError),
 }
 
-/// All that was found of one part by one meaning.
+/// The validity of one part by one topology.
 #[derive(Clone)]
 pub(super) struct PartCheck {
     pub found: Validity,
@@ -38,25 +38,25 @@ pub(super) struct PartCheck {
     pub duplicate_vertices: Finding,
     pub components: Vec<Component>,
     pub inside_out: Finding,
-    /// None where it was not looked for.
+    /// `None` where they were not searched for.
     pub self_intersections: Option<Finding>,
 }
 
-/// What was found by the format's own meaning of a position, and by the other one.
+/// The validity by the format's own topology, and by the other one.
 pub(super) struct TopologyChecks {
     pub own: PartCheck,
     pub other: PartCheck,
 }
 
 impl TopologyChecks {
-    /// What can be counted without a search.
+    /// Everything that needs no search.
     pub fn quick(mesh: &Mesh, format: Format) -> Result<Self, WriteError> {
         let mesh = rows_of(mesh, format)?;
         let Ok(both) = Self::new(&mesh, topology(format), |_, _| Ok::<(), Infallible>(()));
         Ok(both)
     }
 
-    /// The components as well, and self-intersections where they are asked for.
+    /// The components as well, and self-intersections where requested.
     pub fn thorough(mesh: &Mesh, format: Format, look: CheckDepth) -> Result<Self, CountError> {
         let mesh = rows_of(mesh, format).map_err(|_| CountError::Unwritten)?;
         let mut both = Self::new(&mesh, topology(format), |surface, checked| {
@@ -73,7 +73,7 @@ impl TopologyChecks {
         Ok(both)
     }
 
-    /// `examine` looks closer at the format's own way.
+    /// `examine` checks the format's own topology in more depth.
     fn new<E>(
         mesh: &Mesh,
         own: Topology,
@@ -91,7 +91,7 @@ impl TopologyChecks {
         by_indices.duplicate_vertices = seen.duplicate_vertices;
         let by_positions = match &seen.by_positions {
             Some(surface) => check(surface, Topology::Positions)?,
-            // The same, at the cost of nothing but the closer look.
+            // The same check, at the cost of `examine` alone.
             None => {
                 let mut same = by_indices.clone();
                 same.found.topology = Topology::Positions;
@@ -139,7 +139,7 @@ impl PartCheck {
         }
     }
 
-    /// The first places of everything, defect by defect.
+    /// The first witnesses of every defect.
     pub fn witnesses(&self, part: usize) -> Vec<WitnessFacts> {
         let named = Defect::ALL.iter().map(|defect| (defect.name(), self.finding(*defect)));
         let opposite = ("opposite_faces", Some(&self.found.opposite_faces));
@@ -153,7 +153,7 @@ impl PartCheck {
     }
 }
 
-/// A witness of what is called `of`, in that part.
+/// A witness of the count `of`, in that part.
 pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
     let (vertices, faces) = rows(&witness.place);
     WitnessFacts { of, part: part as u64, other_part: None, vertices, faces, at: witness.at }
@@ -168,7 +168,7 @@ fn rows(place: &MeshLocation) -> (Vec<u32>, Vec<u32>) {
         MeshLocation::Repeated { face, of } => (Vec::new(), vec![*face, *of]),
         MeshLocation::Faces(faces) => (Vec::new(), faces.to_vec()),
         MeshLocation::OnEdge { vertex, edge, face } => (vec![*vertex, edge[0], edge[1]], vec![*face]),
-        // A kind of place that is newer than this list has its point and its name.
+        // A kind of witness that is newer than this list has its point and its name.
         _ => (Vec::new(), Vec::new()),
     }
 }

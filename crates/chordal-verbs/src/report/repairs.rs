@@ -1,20 +1,20 @@
-//! What cures changed, as a report says it.
+//! Repairs in the report.
 use super::{BoundFacts, WitnessFacts, witness_facts};
 use chordal::check::MAX_WITNESSES;
 use chordal::mend::MendedMesh;
 use serde::Serialize;
 
-/// What one cure did, over all parts.
+/// The changes of one repair, over all parts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RepairFacts {
-    /// The name of the cure, as in "weld".
+    /// The name of the repair, as in "weld".
     pub cure: &'static str,
-    /// The length that it was given, in the units of the scene.
+    /// Its length parameter, in the units of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within: Option<f64>,
-    /// What was changed, and what was met and left: names with `left_`.
+    /// What was changed, and what was found and left: names with `left_`.
     pub changes: Vec<ChangeFacts>,
-    /// How far the surface moved by this alone.
+    /// How far this repair alone moved the surface.
     pub bound: BoundFacts,
 }
 
@@ -23,14 +23,14 @@ pub struct RepairFacts {
 pub struct ChangeFacts {
     /// Stable, for programs.
     pub what: &'static str,
-    /// How often.
+    /// How often it occurs.
     pub count: u64,
-    /// The first places, in the rows that the part had before this cure; of what was added, in those it had after.
+    /// The first witnesses, in the rows of the part before this repair; of additions, in those after it.
     pub witnesses: Vec<WitnessFacts>,
 }
 
 impl RepairFacts {
-    /// Adds what was done to one more part.
+    /// Adds the changes of one more part.
     pub(crate) fn add(&mut self, part: usize, mended: &MendedMesh) {
         for change in &mended.changes {
             let at = self.changes.iter().position(|known| known.what == change.what).unwrap_or_else(|| {

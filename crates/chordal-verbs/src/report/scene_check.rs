@@ -1,4 +1,5 @@
-//! What only shows where all parts of a scene stand: parts that cross or touch, and parts that lie within others.
+//! Checks across the parts of a scene in world coordinates: parts that cross or touch, and parts that lie
+//! within others.
 use super::witness::WitnessFacts;
 use crate::flatten::{MergedParts, n_places};
 use chordal::Job;
@@ -7,23 +8,25 @@ use chordal::check::{Defect, MeshConnectivity, Witness, intersections_between, o
 use chordal::explicit::Topology;
 use chordal_io::Scene;
 
-/// What was found of all places of parts together.
+/// The combined check of all placements.
 pub(super) struct SceneCheck {
-    /// Pairs of triangles of different places that meet; none where the parts could not be put in one space.
+    /// Pairs of intersecting triangles of different placements; `None` where the transforms could not be
+    /// applied.
     pub crossing: Option<u64>,
-    /// The first of them.
+    /// The first of these pairs.
     pub witnesses: Vec<WitnessFacts>,
-    /// Whether all is wound outward when parts are cavities of those that they lie in; none where that is open.
+    /// Whether everything is wound outward, with parts taken as cavities of those that enclose them; `None`
+    /// where that is undecided.
     pub outward: Option<bool>,
 }
 
 impl SceneCheck {
-    /// None where there is one place at most, so that the parts alone tell all.
+    /// `None` where there is at most one placement, so that the check of each part is complete.
     pub fn from_scene(scene: &Scene, topology: Topology, job: &Job) -> Result<Option<Self>, JobError> {
         if n_places(scene) < 2 {
             return Ok(None);
         }
-        // A scene that cannot be put in one space has places of which nothing is known.
+        // Nothing is known of placements whose transforms cannot be applied.
         let Ok(assembled) = MergedParts::from_scene(scene, topology) else {
             return Ok(Some(Self { crossing: None, witnesses: Vec::new(), outward: None }));
         };

@@ -1,4 +1,4 @@
-//! What takes a closer look: components, which side is out, self-intersections, and what mends what was found.
+//! The detailed part of a validity check: components, orientation, self-intersections, and repairs.
 use super::part_check::PartCheck;
 use super::scene_check::SceneCheck;
 use super::validity_counts::ValidityCounts;
@@ -7,30 +7,31 @@ use chordal::check::{Component, Cure, Facing, Finding, outward};
 use chordal_io::Scene;
 use serde::Serialize;
 
-/// What `inspect` says of triangles beyond the counts.
+/// What `inspect` reports of triangles beyond the counts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceFacts {
-    /// Every component is wound with its material inside, cavities with it outside; none where a component has no
-    /// inside, or it is not decided. Parts are taken one by one; where self-intersections were looked for, none as
-    /// well where one lies within another, which may be its cavity.
+    /// Whether every component is wound with its material inside, and cavities with it outside. `None` where
+    /// a component has no inside, or where that is undecided. Parts are taken one by one; where
+    /// self-intersections were searched for, `None` as well where one part lies within another, which may be
+    /// its cavity.
     pub outward: Option<bool>,
-    /// Components that are wound the other way.
+    /// Components that are wound inside out.
     pub inside_out: u64,
-    /// Pairs of triangles that meet where they should not, those of different places of parts among them; none where
-    /// nobody asked, or the parts cannot be put in one space.
+    /// Pairs of intersecting triangles, including those of different placements; `None` where they were not
+    /// searched for, or the transforms cannot be applied.
     pub self_intersections: Option<u64>,
-    /// Triangles at a position, on average; none without triangles.
+    /// The average number of triangles at a position; `None` without triangles.
     pub triangles_per_vertex: Option<f64>,
-    /// No node moves a part. Else all points, areas and volumes here are in the parts' own coordinates, which are not
-    /// those of the scene's box.
+    /// Whether no node moves a part. Otherwise all points, areas and volumes here are in the parts' own
+    /// coordinates, which are not those of the scene's box.
     pub in_place: bool,
     /// The area of all triangles, each part once.
     pub area: f64,
-    /// The volume inside, in cubed units; none unless the triangles are closed and oriented.
+    /// The enclosed volume, in cubed units; `None` unless the triangles are closed and oriented.
     pub volume: Option<f64>,
     /// The components with the most triangles, at most [`MOST_COMPONENTS`]; `components` counts all.
     pub component_list: Vec<ComponentFacts>,
-    /// The cures that were tried on these triangles and help; none where nobody tried.
+    /// The repairs that helped when tried on these triangles; `None` where none were tried.
     #[serde(skip)]
     pub prescribed: Option<Vec<Cure>>,
 }
@@ -53,27 +54,27 @@ pub struct ComponentFacts {
     pub positions: u64,
     /// Edges with one triangle.
     pub boundary_edges: u64,
-    /// Closed strings of them.
+    /// Boundary loops.
     pub boundary_loops: u64,
     /// No edge has one triangle only.
     pub closed: bool,
-    /// No edge has more than two triangles, and those at each position are one fan.
+    /// No edge has more than two triangles, and the triangles at each position are one fan.
     pub manifold: bool,
-    /// Neighbours agree on which side is out.
+    /// Adjacent triangles are wound consistently.
     pub oriented: bool,
-    /// They could.
+    /// Its triangles can be wound consistently.
     pub orientable: bool,
-    /// Positions − edges + triangles.
+    /// The Euler characteristic: positions − edges + triangles.
     pub euler: i64,
-    /// Handles; none where that means nothing.
+    /// Handles; `None` where the genus is undefined.
     pub genus: Option<u64>,
     /// Its area.
     pub area: f64,
-    /// The volume inside, negative where the front looks inward; none without an inside.
+    /// The enclosed volume, negative where the front faces inward; `None` without an inside.
     pub volume: Option<f64>,
     /// "outward", "inside-out", "undecided" or "no-inside".
     pub facing: &'static str,
-    /// How many others enclose it; none where that is not decided.
+    /// The number of components that enclose it; `None` where that is undecided.
     pub depth: Option<u32>,
     /// Its lowest and highest coordinates.
     #[serde(rename = "box")]
@@ -125,15 +126,16 @@ impl SurfaceFacts {
         }
     }
 
-    /// Adds what only shows where all parts stand.
+    /// Adds the check across the parts of the scene.
     pub(super) fn add_scene_check(&mut self, together: &SceneCheck) {
         let alone = self.self_intersections.unwrap_or(0);
-        // Where parts could not be put together, those that were found are there, but that there are none is not known.
+        // Where transforms could not be applied, intersections that were found count, but their absence is
+        // unknown.
         self.self_intersections = match together.crossing {
             Some(crossing) => Some(alone + crossing),
             None => (alone > 0).then_some(alone),
         };
-        // Parts within parts are bodies or cavities: only where both readings agree is it known which side is out.
+        // Parts within parts are bodies or cavities: the outside is only known where both readings agree.
         if self.outward == Some(true) && together.outward != Some(true) {
             self.outward = None;
         }
@@ -150,11 +152,11 @@ fn outward_of(parts: &[&PartCheck]) -> Option<bool> {
     (!each.is_empty() && !each.contains(&None)).then_some(true)
 }
 
-/// The mean over the positions of all parts that take part.
+/// The mean over the used positions of all parts.
 fn triangles_per_vertex(parts: &[&PartCheck]) -> Option<f64> {
     let found = || parts.iter().map(|part| &part.found);
     let faces: u64 = found().map(|found| found.triangles - found.collapsed_faces.count).sum();
-    // Euler's formula the other way round: positions that take part are χ + edges − faces.
+    // Euler's formula, solved for the positions that take part: χ + edges − faces.
     let edges: u64 = found().map(|found| found.edges).sum();
     let positions = found().map(|found| found.euler).sum::<i64>() + edges as i64 - faces as i64;
     (positions > 0).then(|| 3.0 * faces as f64 / positions as f64)

@@ -1,4 +1,5 @@
-//! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
+//! The validity of triangles in the report: counts by one definition of "the same position", and by the
+//! other.
 use super::TriangleFacts;
 use super::part_check::{CheckDepth, CountError, PartCheck, TopologyChecks};
 use super::scene_check::SceneCheck;
@@ -11,32 +12,32 @@ use chordal::explicit::Topology;
 use chordal_io::{Format, Scene, WriteError};
 use serde::Serialize;
 
-/// What holds of all parts of a scene together, counted twice.
+/// The validity of all parts of a scene together, counted twice.
 ///
-/// Where a format names positions by indices of its own, those decide which edges meet; elsewhere bit-identical
-/// positions do. The other count stands in `other`: where the two differ, a reader that looks at the file in the
-/// other way sees another surface.
+/// Where a format has its own indices of positions, those decide which edges meet; elsewhere bit-identical
+/// positions do. The other count is in `other`: where the two differ, a reader that uses the other definition
+/// sees another surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidityFacts {
-    /// What made two rows the same position: "indices" or "positions".
+    /// The definition of the same position: "indices" or "positions".
     pub topology: &'static str,
-    /// The counts by that.
+    /// The counts by that definition.
     #[serde(flatten)]
     pub counts: ValidityCounts,
-    /// The counts by the other.
+    /// The counts by the other definition.
     pub other: OtherCounts,
-    /// What takes a search; only from `inspect`.
+    /// Results that take a search; only from `inspect`.
     #[serde(flatten)]
     pub anatomy: Option<SurfaceFacts>,
     /// The counts of each part; only from `inspect`, where there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartValidity>,
-    /// The first places where something was found; only from `inspect`.
+    /// The first witnesses; only from `inspect`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub witnesses: Option<Vec<WitnessFacts>>,
 }
 
-/// The counts by the meaning that the format does not have.
+/// The counts by the definition that the format does not use.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OtherCounts {
     /// "indices" or "positions".
@@ -58,7 +59,7 @@ pub struct PartValidity {
     pub counts: ValidityCounts,
 }
 
-/// How much there is of the triangles of a scene, and whether they are sound.
+/// The triangle counts of a scene, and their validity.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CountedTriangles {
     pub output: TriangleFacts,
@@ -66,14 +67,14 @@ pub(crate) struct CountedTriangles {
 }
 
 impl CountedTriangles {
-    /// What is counted of a scene, without witnesses.
+    /// The counts of a scene, without witnesses.
     pub fn from_scene(scene: &Scene, format: Format) -> Result<Self, WriteError> {
         let parts: Result<Vec<_>, _> =
             scene.parts.iter().map(|part| TopologyChecks::quick(&part.mesh, format)).collect();
         Ok(Self::total(&parts?, topology(format)))
     }
 
-    /// The same in full.
+    /// As `from_scene`, in full.
     pub fn thorough(scene: &Scene, format: Format, look: CheckDepth) -> Result<Self, CountError> {
         let mut parts = Vec::new();
         for part in &scene.parts {
@@ -135,19 +136,19 @@ pub(super) fn other_topology(topology: Topology) -> Topology {
 }
 
 impl ValidityFacts {
-    /// Whether every component is wound outward; `None` where that is not decided, or was not looked at.
+    /// Whether every component is wound outward; `None` where that is undecided or unchecked.
     #[must_use]
     pub fn outward(&self) -> Option<bool> {
         self.anatomy.as_ref().and_then(|anatomy| anatomy.outward)
     }
 
-    /// Whether there are triangles at all: points alone are no surface of which anything holds.
+    /// Whether there are triangles at all: points alone are no surface.
     #[must_use]
     pub fn has_triangles(&self) -> bool {
         self.counts.edges > 0 || self.counts.collapsed_faces > 0
     }
 
-    /// How often a defect was met; `None` where it was not looked for.
+    /// The count of a defect; `None` where it was not searched for.
     #[must_use]
     pub fn count(&self, defect: Defect) -> Option<u64> {
         let anatomy = self.anatomy.as_ref();

@@ -1,54 +1,54 @@
-//! `ValidityCounts`: what a validity check counts, as a report says it.
+//! `ValidityCounts`: the counts of a validity check in the report.
 use super::part_check::PartCheck;
 use chordal::check::Defect;
 use serde::Serialize;
 
-/// What [`Validity`] counts.
+/// The counts of [`chordal::check::Validity`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidityCounts {
-    /// There are triangles, and each part that has some has no edge with one triangle only.
+    /// There are triangles, and in each part that has some no edge has one triangle only.
     pub closed: bool,
-    /// No edge has more than two triangles, and those at each position are one fan.
+    /// No edge has more than two triangles, and the triangles at each position are one fan.
     pub manifold: bool,
-    /// Neighbours agree on which side is out.
+    /// Adjacent triangles are wound consistently.
     pub oriented: bool,
-    /// They could: no part is a Möbius strip.
+    /// They can be wound consistently: no part is a Möbius strip.
     pub orientable: bool,
     /// Edges with one triangle.
     pub boundary_edges: u64,
-    /// Closed strings of them.
+    /// Closed loops of boundary edges.
     pub boundary_loops: u64,
-    /// Open strings of them, which end at non-manifold edges.
+    /// Open chains of boundary edges, which end at non-manifold edges.
     pub boundary_chains: u64,
     /// Edges with three triangles or more.
     pub non_manifold_edges: u64,
     /// Positions with two fans or more.
     pub non_manifold_vertices: u64,
-    /// Boundary vertices that lie exactly inside a boundary edge of others.
+    /// Boundary vertices that lie exactly in the interior of a boundary edge of others.
     pub t_junctions: u64,
     /// Edges whose two triangles are wound against each other.
     pub inconsistent_edges: u64,
-    /// Triangles that have the positions of an earlier one.
+    /// Triangles that repeat the positions of an earlier one.
     pub duplicate_faces: u64,
-    /// Those of them that are wound the other way.
+    /// Duplicates that are wound the other way.
     pub opposite_faces: u64,
     /// Triangles with two corners at one position.
     pub collapsed_faces: u64,
-    /// Triangles without area, exactly; of the collapsed ones, all.
+    /// Triangles of exactly zero area, including all collapsed ones.
     pub zero_area_faces: u64,
     /// Triangles with an area that are more than 100 times longer than high.
     pub slivers: u64,
-    /// Positions at the place of an earlier one; none where equal places are one position.
+    /// Positions at the point of an earlier one; 0 where equal points are one position.
     pub duplicate_vertices: u64,
-    /// Vertices that no triangle names.
+    /// Vertices that no triangle uses.
     pub unused_vertices: u64,
-    /// Sets of triangles that hang together by edges.
+    /// Sets of triangles that are connected by edges.
     pub components: u64,
     /// Edges.
     pub edges: u64,
-    /// Positions − edges + triangles, of those that take part.
+    /// The Euler characteristic: positions − edges + triangles, of those that take part.
     pub euler: i64,
-    /// Handles of all components together; none where that means nothing.
+    /// Handles of all components together; `None` where the genus is undefined.
     pub genus: Option<u64>,
 }
 
@@ -83,7 +83,7 @@ impl ValidityCounts {
     pub(super) fn total<'a>(parts: impl Iterator<Item = &'a PartCheck> + Clone) -> Self {
         let mut filled = parts.clone().filter(|part| part.found.triangles > 0).peekable();
         let mut sum = parts.map(Self::from_check).reduce(Self::plus).unwrap_or(Self::NONE);
-        // Of parts without triangles, none is closed, and none keeps the others from being so.
+        // Parts without triangles are not closed, and do not keep the others from being so.
         sum.closed = filled.peek().is_some() && filled.all(|part| part.found.closed);
         sum
     }

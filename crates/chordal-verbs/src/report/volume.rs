@@ -1,75 +1,75 @@
-//! What a volume is, as `inspect` says it.
+//! Volumes in the report; only from `inspect`.
 use crate::volume::{ValueRange, VolumeShape, type_name};
 use chordal::convert::Inside;
 use chordal::implicit::Affine3;
 use serde::Serialize;
 
-/// What a volume is.
+/// The description of a volume.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VolumeFacts {
-    /// What the file calls it, or empty.
+    /// Its name in the file, or empty.
     pub name: String,
     /// Samples along each index, the first of which runs fastest.
     pub size: [u64; 3],
     /// The type of a sample, as in "u8" or "f32".
     pub samples: &'static str,
-    /// What the axes of space are called, as in "RAS"; none where the file does not say.
+    /// The names of the axes of space, as in "RAS"; `None` where the file has none.
     pub space: Option<String>,
-    /// To which side of the patient each index runs, as in "LAS"; none where the file does not say.
+    /// The patient side that each index runs to, as in "LAS"; `None` where the file does not say.
     pub axes: Option<String>,
-    /// The place of the first sample.
+    /// The position of the first sample.
     pub origin: [f64; 3],
-    /// By how much a place moves when one index grows by 1.
+    /// The displacement when one index grows by 1, by index.
     pub steps: [[f64; 3]; 3],
     /// The lengths of those steps.
     pub spacing: [f64; 3],
-    /// The indices run left-handed.
+    /// Whether the indices run left-handed.
     pub mirrored: bool,
-    /// The steps are not at right angles.
+    /// Whether the steps are not at right angles.
     pub sheared: bool,
-    /// The lowest finite sample; none where there is none.
+    /// The lowest finite sample; `None` where there is none.
     pub low: Option<f64>,
-    /// The highest finite sample; none where there is none.
+    /// The highest finite sample; `None` where there is none.
     pub high: Option<f64>,
     /// Samples that are NaN.
     pub nan: u64,
     /// Samples that are infinite.
     pub infinite: u64,
-    /// Different values, where all samples are whole numbers and they are not more than 65,536.
+    /// The number of distinct values, where all samples are whole numbers and there are at most 65,536.
     pub labels: Option<u64>,
     /// The values with the most samples, at most [`MOST_LABELS`], in their order.
     pub label_list: Vec<LabelFacts>,
-    /// A level that suits the samples; none where all are equal.
+    /// A suggested level; `None` where all samples are equal.
     pub suggested: Option<SuggestedLevelFacts>,
 }
 
 /// The most values that are listed.
 pub const MOST_LABELS: usize = 64;
 
-/// One value.
+/// One value of the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LabelFacts {
     /// The value.
     pub label: i64,
-    /// How many samples have it.
+    /// The number of its samples.
     pub samples: u64,
 }
 
-/// A level that suits the samples.
+/// A suggested level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SuggestedLevelFacts {
     /// The level.
     pub level: f64,
     /// "high" where samples above it are inside, "low" where those below it are.
     pub inside: &'static str,
-    /// What the samples are taken for: "mask", "occupancy", "signed distance" or "intensity".
+    /// The interpretation of the samples: "mask", "occupancy", "signed distance" or "intensity".
     pub kind: &'static str,
-    /// Whether `mesh` takes it where nobody says a level; else it is a guess.
+    /// Whether `mesh` uses it by default; otherwise it is a guess.
     pub follows: bool,
 }
 
 impl VolumeFacts {
-    /// What there is to say of a volume: two passes over its samples.
+    /// Describes a volume, in two passes over its samples.
     #[must_use]
     pub fn new(sampled: &VolumeShape) -> Self {
         let volume = &sampled.volume;
@@ -120,14 +120,14 @@ fn length(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Whether steps are not at right angles, beyond what single precision makes of right ones.
+/// Whether steps are not at right angles, beyond the rounding of single precision.
 fn is_sheared([a, b, c]: [[f64; 3]; 3]) -> bool {
     // Cosines of angles below this are rounding: 2⁻²⁰, eight steps of single precision.
     const ROUNDING: f64 = 1.0 / 1_048_576.0;
     [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| dot(p, q).abs() > ROUNDING * length(p) * length(q))
 }
 
-/// To which side each index runs the most: each side once, the clearest index first.
+/// The side that each index mostly runs to: each side once, the clearest index first.
 fn axes(affine: &Affine3, space: &str) -> Option<String> {
     let letters: [char; 3] = space.chars().collect::<Vec<_>>().try_into().ok()?;
     let steps = affine.steps();

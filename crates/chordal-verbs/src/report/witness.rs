@@ -1,20 +1,20 @@
-//! `WitnessFacts`: one position where something was found, as a report says it.
+//! `WitnessFacts`: one position where something was found, in the report.
 use serde::Serialize;
 
-/// One place where something was found. All numbers are rows of the part's arrays.
+/// One occurrence of a defect. All numbers are rows of the part's arrays.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WitnessFacts {
     /// The name of the count that it belongs to.
     pub of: &'static str,
     /// The index of the part.
     pub part: u64,
-    /// The part of the second triangle, where two places of parts meet.
+    /// The part of the second triangle, where two placements intersect.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub other_part: Option<u64>,
     /// Rows of the positions.
     pub vertices: Vec<u32>,
     /// Rows of the triangles.
     pub faces: Vec<u32>,
-    /// A point there, in the part's own coordinates; in the scene's where two places of parts meet.
+    /// A point there, in the part's own coordinates; in world coordinates where two placements intersect.
     pub at: [f64; 3],
 }

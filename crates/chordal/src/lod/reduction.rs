@@ -28,17 +28,17 @@ impl ReductionFrame {
         Self { origin: bounds.centre(), scale: power_of_two(-exponent(half).clamp(-1000, 1000)) }
     }
 
-    fn to_local(&self, p: [f64; 3]) -> [f64; 3] {
+    fn in_frame(&self, p: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| (p[k] - self.origin[k]) * self.scale)
     }
 
-    fn to_world(&self, p: [f64; 3]) -> [f64; 3] {
+    fn in_world(&self, p: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| p[k] / self.scale + self.origin[k])
     }
 
     /// A local box in world coordinates, rounded.
     pub fn world_box(&self, local: &Box3) -> Box3 {
-        Box3 { min: self.to_world(local.min), max: self.to_world(local.max) }
+        Box3 { min: self.in_world(local.min), max: self.in_world(local.max) }
     }
 
     /// A world length in this frame.
@@ -85,7 +85,7 @@ impl<'a> MeshReduction<'a> {
         let used = mesh.faces().as_flattened().iter().map(|row| &mesh.positions()[*row as usize]);
         let frame = ReductionFrame::from_bounds(&Box3::from_points(used));
         let at: Vec<[f64; 3]> =
-            row.iter().map(|row| frame.to_local(mesh.positions()[*row as usize])).collect();
+            row.iter().map(|row| frame.in_frame(mesh.positions()[*row as usize])).collect();
         let tied_vertices = is_tied.iter().filter(|tied| **tied).count() as u64;
         let stays = |row: u32| stays.get(row as usize).copied().unwrap_or(false);
         is_tied.iter_mut().zip(&row).for_each(|(tied, row)| *tied |= stays(*row));
@@ -473,7 +473,7 @@ impl MeshReduction<'_> {
             let first = self.engine.first_fan[self.engine.source_vertex[v as usize] as usize];
             self.mesh.positions()[self.row[first as usize] as usize]
         } else {
-            self.frame.to_world(self.engine.at[v as usize])
+            self.frame.in_world(self.engine.at[v as usize])
         }
     }
 }

@@ -137,7 +137,7 @@ impl<'a> IsosurfaceProof<'a> {
             rows.finish()
         });
         let all = slabs.iter().map(Vec::len).sum::<usize>();
-        let top = self.from_diagonals(largest_bound(&slabs));
+        let top = self.length_of(largest_bound(&slabs));
         let none = IsosurfaceDistance { most: top, at: [0; 3], least: 0.0, witness: None };
         if job.is_cancelled() || all == 0 {
             return none;
@@ -193,7 +193,7 @@ impl<'a> IsosurfaceProof<'a> {
             });
             seen = farther(seen, more);
             let before = worst.most;
-            worst.most = self.from_diagonals(largest_bound(&slabs));
+            worst.most = self.length_of(largest_bound(&slabs));
             worst.at = cells.first().map_or([0; 3], |cell| cell.at.map(|i| i as usize));
             // Another round would not help.
             if worst.most > 0.97 * before {
@@ -207,7 +207,7 @@ impl<'a> IsosurfaceProof<'a> {
     fn tighten(&self, cell: CellBound, aim: f64) -> CellBound {
         let at = cell.at.map(|i| i as usize);
         let corners = self.corners(at);
-        let mut most = self.from_diagonals(cell.most);
+        let mut most = self.length_of(cell.most);
         for axis in 0..3 {
             if most > aim {
                 let planes = self.planes(at, axis, &corners);
@@ -230,7 +230,7 @@ impl<'a> IsosurfaceProof<'a> {
     }
 
     /// The length of a fraction of the diagonal, rounded up.
-    fn from_diagonals(&self, part: f32) -> f64 {
+    fn length_of(&self, part: f32) -> f64 {
         smaller(mul_up(f64::from(part), self.local.diagonal), self.local.diagonal)
     }
 

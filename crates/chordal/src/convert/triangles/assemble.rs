@@ -77,7 +77,7 @@ pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
         let sheet = run.first().and_then(|leaf| texcoords.sheet(sheet_of(*leaf as usize) as usize));
         let of_leaf = |leaf: &u32| {
             let leaf = &leaves[*leaf as usize].0;
-            leaf.places.map(|place| texcoords::at(sheet.as_ref(), cells[leaf.cell as usize].to_sheet(place)))
+            leaf.places.map(|place| texcoords::at(sheet.as_ref(), cells[leaf.cell as usize].on_sheet(place)))
         };
         run.iter().map(of_leaf).collect::<Vec<_>>()
     });

@@ -92,7 +92,7 @@ impl<'a> LoopCell<'a> {
     }
 
     /// The sheet parameters of a point of the cell.
-    pub(crate) fn to_sheet(&self, place: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn on_sheet(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| self.begin[k] + self.scale * place[k])
     }
 }
