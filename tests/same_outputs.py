@@ -6,7 +6,9 @@
 `record` runs the command CHORDAL over the examples and the data in `../shared/data` (CHORDAL_DATA names another place),
 and keeps for every run the exit code, both streams and a hash of each file written. `compare` does the same with
 another build and lists what differs. Times and memory are left out of both. `--sums` compares files and exit codes
-alone, for changes that mean to change messages. Only the Python standard library is needed. About ten minutes on two cores.
+alone, for changes that mean to change messages. Only the Python standard library is needed. All are some 5,000 runs;
+the 2,725 of `--only '^(inspect |mend|counted|deviation|bake|render|normals|polyline|help) '` took ten minutes on two
+cores.
 """
 
 import argparse
@@ -31,7 +33,10 @@ MESHES = {".obj", ".ply", ".stl", ".glb"}
 VOLUMES = {".npy", ".nrrd", ".nii", ".gz"}
 #: What differs from run to run: seconds, bytes of memory, and the rate made of them.
 VOLATILE = re.compile(r'"(seconds|peak_bytes|memory_bytes)": ?[0-9.e+-]+|[0-9.,]+ (s|ms|min|MB|MiB|GB|GiB)\b')
-CURES = "--weld --drop-duplicates --drop-degenerate --resolve-t-junctions --split-nonmanifold --orient --fill-holes=100 --drop-unused"
+CURES = (
+    "--weld --drop-duplicates --drop-degenerate --resolve-t-junctions --split-nonmanifold --orient --fill-holes=100"
+    " --drop-unused"
+)
 
 
 def jobs():

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
     /// The file to read; '-' reads stdin
-    #[arg(value_name = "IN")]
+    #[arg(value_name = "IN", index = 1, help_heading = None::<&str>)]
     pub input: PathBuf,
 
     /// The format of the input, instead of what its name or content says

@@ -24,12 +24,6 @@ Examples:
   chordal bake part.stl --cells 512 --band 3 -o part.npy
   chordal bake scan.ply --cells 200 -o scan.nrrd && chordal mesh scan.nrrd -o closed.ply")]
 pub struct BakeArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
-
-    #[command(flatten)]
-    pub output: OutputArgs,
-
     /// The format of the output, npy or nrrd, instead of what its name says
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
@@ -41,6 +35,12 @@ pub struct BakeArgs {
     /// Distances only within so many cells of the surface, and the band's width with a sign elsewhere
     #[arg(long, value_name = "W", value_parser = band, allow_hyphen_values = true)]
     pub band: Option<f64>,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub input: InputArgs,
 
     #[command(flatten)]
     pub console: ConsoleArgs,

@@ -21,12 +21,9 @@ Examples:
   chordal deviation teapot.glb teapot.bpt --max 0.1%
   chordal deviation a.stl b.stl --relative 0.01 --json")]
 pub struct DeviationArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
-
     /// The shape to measure against; options about the input hold for it too, those about
     /// fields for what is one
-    #[arg(value_name = "AGAINST")]
+    #[arg(value_name = "AGAINST", index = 2)]
     pub against: PathBuf,
 
     /// Fail with exit code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the diagonal of
@@ -45,6 +42,9 @@ pub struct DeviationArgs {
     /// Threads to use; 0 means all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
+
+    #[command(flatten)]
+    pub input: InputArgs,
 
     #[command(flatten)]
     pub console: ConsoleArgs,

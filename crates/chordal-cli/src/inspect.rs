@@ -20,9 +20,6 @@ Examples:
   chordal inspect part.stl --self-intersections
   chordal inspect part.stl --require solid")]
 pub struct InspectArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
-
     /// Fail with exit code 1 unless the mesh is all of these
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
@@ -30,6 +27,9 @@ pub struct InspectArgs {
     /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for some million
     #[arg(long)]
     pub self_intersections: bool,
+
+    #[command(flatten)]
+    pub input: InputArgs,
 
     #[command(flatten)]
     pub console: ConsoleArgs,

@@ -24,12 +24,6 @@ Examples:
   chordal lod cage.obj --px 1 --nearest 2 -o tiles/
   chordal lod model.star --px 1 --tol 0.01% --view \"3840x2160 fov=60\" -o tiles/ --json")]
 pub struct LodArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
-
-    #[command(flatten)]
-    pub output: OutputArgs,
-
     /// The most that may be lost on the screen, in device pixels: what viewers of the tiles are to be set to
     #[arg(long, value_name = "PIXELS", default_value = "1", allow_hyphen_values = true)]
     pub px: Pixels,
@@ -65,7 +59,13 @@ pub struct LodArgs {
     pub normals: Normals,
 
     #[command(flatten)]
+    pub output: OutputArgs,
+
+    #[command(flatten)]
     pub volume: crate::volume::VolumeArgs,
+
+    #[command(flatten)]
+    pub input: InputArgs,
 
     #[command(flatten)]
     pub console: ConsoleArgs,

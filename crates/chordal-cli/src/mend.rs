@@ -30,12 +30,6 @@ Examples:
   chordal mend part.obj -o part.glb --weld=0.01mm --unit mm --fill-holes=20
   chordal inspect broken.ply && chordal mend broken.ply -o whole.ply --split-nonmanifold --orient --fill-holes")]
 pub struct MendArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
-
-    #[command(flatten)]
-    pub output: OutputArgs,
-
     /// The format of the output, instead of what its name says
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
@@ -71,6 +65,12 @@ pub struct MendArgs {
     /// Drop vertices that no face names
     #[arg(long)]
     pub drop_unused: bool,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub input: InputArgs,
 
     #[command(flatten)]
     pub console: ConsoleArgs,

@@ -34,56 +34,11 @@ pub struct MeshArgs {
     #[command(flatten)]
     pub output: OutputArgs,
 
-    /// The format of the output, instead of what its name says
-    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
-    pub to: Option<Format>,
+    #[command(flatten)]
+    pub budget: BudgetArgs,
 
-    /// The largest distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its box
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, help_heading = "Budget")]
-    pub tol: Option<Length>,
-
-    /// The largest distance on the screen of --view, in device pixels
-    #[arg(long, value_name = "PIXELS", allow_hyphen_values = true, help_heading = "Budget")]
-    pub px: Option<Pixels>,
-
-    /// From where the shape is seen: "1920x1080 fov=45 dist=4" for every direction at that distance from its box or
-    /// more, "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one eye; height=LENGTH instead of fov for parallel rays
-    #[arg(long, value_name = "VIEW", help_heading = "Budget")]
-    pub view: Option<View>,
-
-    /// For smooth surfaces, beside one of the others: the largest angle between the normals of the triangles and those of the shape, as in 5deg
-    #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "budget", allow_hyphen_values = true, help_heading = "Budget")]
-    pub angle: Option<f64>,
-
-    /// The most triangles: the best mesh with no more than these
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true, help_heading = "Budget")]
-    pub triangles: Option<u64>,
-
-    /// For curves to polylines (.svg, .json): the most segments, all together
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true, help_heading = "Budget")]
-    pub segments: Option<u64>,
-
-    /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where there is anything to
-    /// prove with. Other shapes are proved either way
-    #[arg(long, value_name = "EVIDENCE", help_heading = "Budget")]
-    pub require: Option<RequiredEvidence>,
-
-    /// Write the best result even where the budget was not reached; the exit code is 5 all the same
-    #[arg(long, help_heading = "Budget")]
-    pub keep_best: bool,
-
-    /// For curves: as few segments as the budget allows, or equal steps of each piece's parameter
-    #[arg(long, value_name = "HOW", default_value = "fewest", help_heading = "Result")]
-    pub spacing: SpacingArg,
-
-    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto); keep, none
-    /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
-    #[arg(long, value_name = "HOW", default_value = "auto", help_heading = "Result")]
-    pub normals: Normals,
-
-    /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth surface; 0 keeps them
-    #[arg(long, value_name = "N", conflicts_with = "budget", help_heading = "Result")]
-    pub level: Option<u32>,
+    #[command(flatten)]
+    pub result: ResultArgs,
 
     #[command(flatten)]
     pub volume: VolumeArgs,
@@ -93,6 +48,68 @@ pub struct MeshArgs {
 
     #[command(flatten)]
     pub console: ConsoleArgs,
+}
+
+/// What may be lost.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Budget")]
+pub struct BudgetArgs {
+    /// The largest distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its box
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub tol: Option<Length>,
+
+    /// The largest distance on the screen of --view, in device pixels
+    #[arg(long, value_name = "PIXELS", allow_hyphen_values = true)]
+    pub px: Option<Pixels>,
+
+    /// From where the shape is seen: "1920x1080 fov=45 dist=4" for every direction at that distance from its box or
+    /// more, "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one eye; height=LENGTH instead of fov for parallel rays
+    #[arg(long, value_name = "VIEW")]
+    pub view: Option<View>,
+
+    /// For smooth surfaces, beside one of the others: the largest angle between the normals of the triangles and
+    /// those of the shape, as in 5deg
+    #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "budget", allow_hyphen_values = true)]
+    pub angle: Option<f64>,
+
+    /// The most triangles: the best mesh with no more than these
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
+    pub triangles: Option<u64>,
+
+    /// For curves to polylines (.svg, .json): the most segments, all together
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
+    pub segments: Option<u64>,
+
+    /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where there
+    /// is anything to prove with. Other shapes are proved either way
+    #[arg(long, value_name = "EVIDENCE")]
+    pub require: Option<RequiredEvidence>,
+
+    /// Write the best result even where the budget was not reached; the exit code is 5 all the same
+    #[arg(long)]
+    pub keep_best: bool,
+}
+
+/// What is made.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Result")]
+pub struct ResultArgs {
+    /// The format of the output, instead of what its name says
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Option<Format>,
+
+    /// For curves: as few segments as the budget allows, or equal steps of each piece's parameter
+    #[arg(long, value_name = "HOW", default_value = "fewest")]
+    pub spacing: SpacingArg,
+
+    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto); keep, none
+    /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub normals: Normals,
+
+    /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth surface; 0 keeps them
+    #[arg(long, value_name = "N", conflicts_with = "budget")]
+    pub level: Option<u32>,
 }
 
 /// How the ends of segments are placed.
@@ -117,21 +134,21 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let talk = Console::new(&args.console);
     let spec = spec(args)?;
-    let to = output_format(&args.output.output, args.to)?;
+    let to = output_format(&args.output.output, args.result.to)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
     let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let mut input = common::read(&args.input, &talk)?;
     args.volume.apply(&mut input.shape)?;
-    if let Some(level) = args.level {
-        let made = refine(input, (level, args.normals), to, &job);
+    if let Some(level) = args.result.level {
+        let made = refine(input, (level, args.result.normals), to, &job);
         let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
         let bytes = target.write(&mut |out| outcome.write(out))?;
         let run = common::run("mesh", source.name(), &target, bytes);
         return print_summary(outcome.certificate, clock.fill(run, &job), (&talk, stdout));
     }
-    if !spec.has_limit() && needs_budget(&input.shape, args.normals) {
+    if !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
 
@@ -141,7 +158,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         Err(failure) => {
             let fault = common::fault(&name, &failure, &hint(args, &failure));
             match failure {
-                MeshFailure::Unmet(best) if args.keep_best => (*best, Some(fault)),
+                MeshFailure::Unmet(best) if args.budget.keep_best => (*best, Some(fault)),
                 _ => return Err(fault),
             }
         }
@@ -157,11 +174,11 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
 fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     let MeshFailure::Unmet(best) = failure else { return String::new() };
     let mut hints: Vec<&str> = Vec::new();
-    if !args.keep_best {
+    if !args.budget.keep_best {
         hints.push("--keep-best writes it");
     }
     let is_field = best.bound.reference == Reference::Field;
-    if is_field && best.bound.at_most().is_none() && args.require.is_none() {
+    if is_field && best.bound.at_most().is_none() && args.budget.require.is_none() {
         hints.push("--require measured asks for no proof");
     }
     hints.iter().map(|hint| format!("; {hint}")).collect()
@@ -188,7 +205,7 @@ const NO_LEVEL: &str = "a cage becomes triangles within a budget (--tol, --px or
 
 /// The budget, as far as it makes sense before the shape is known.
 fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
-    let pixels = match (args.px, args.view) {
+    let pixels = match (args.budget.px, args.budget.view) {
         (Some(pixels), Some(view)) => Some(PixelBudget { pixels, view }),
         (None, None) => None,
         (Some(_), None) => {
@@ -198,19 +215,19 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
             return Err(Fault::usage("--view is for a budget in pixels: add --px, as in --px 1"));
         }
     };
-    let spacing = match args.spacing {
+    let spacing = match args.result.spacing {
         SpacingArg::Fewest => Spacing::Fewest,
         SpacingArg::Even => Spacing::Even,
     };
     Ok(BudgetSpec {
-        length: args.tol,
+        length: args.budget.tol,
         pixels,
-        angle_deg: args.angle,
-        triangles: args.triangles,
-        segments: args.segments,
+        angle_deg: args.budget.angle,
+        triangles: args.budget.triangles,
+        segments: args.budget.segments,
         spacing,
-        normals: args.normals,
-        require: args.require,
+        normals: args.result.normals,
+        require: args.budget.require,
     })
 }
 

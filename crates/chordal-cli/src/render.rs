@@ -18,12 +18,6 @@ use std::path::{Path, PathBuf};
 /// `chordal render`
 #[derive(Args, Debug)]
 pub struct RenderArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
-
-    #[command(flatten)]
-    pub output: OutputArgs,
-
     /// What the picture shows
     #[arg(long, value_name = "WHAT", default_value = "shaded")]
     pub show: RenderMode,
@@ -55,6 +49,12 @@ pub struct RenderArgs {
     /// For smooth shapes: the largest distance in the picture, in pixels; half a pixel if nothing is said
     #[arg(long, value_name = "PIXELS", allow_hyphen_values = true, conflicts_with = "tol")]
     pub px: Option<Pixels>,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub input: InputArgs,
 
     #[command(flatten)]
     pub console: ConsoleArgs,

@@ -41,7 +41,8 @@ impl Default for DeviationSpec {
 ///
 /// ```
 /// use chordal_verbs::{DeviationSpec, FormatHint, deviation, load};
-/// let read = |text: &str| load(text.as_bytes(), FormatHint { name: Some("a.obj"), ..FormatHint::default() }, &Default::default());
+/// let hint = FormatHint { name: Some("a.obj"), ..FormatHint::default() };
+/// let read = |text: &str| load(text.as_bytes(), hint, &Default::default());
 /// let a = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
 /// let b = read("v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n")?;
 /// let report = deviation(a, b, &DeviationSpec::default(), &Default::default())?;

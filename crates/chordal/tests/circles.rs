@@ -72,7 +72,7 @@ impl Crate {
         // What the module has from another one is looked up there.
         let from = self.names[module].get(name).filter(|from| from.as_slice() != path && depth < 8);
         match from.and_then(|from| self.home(from, depth + 1)) {
-            Some(home) if home.len() > module.len() || home != module => Some(home),
+            Some(home) if home != module => Some(home),
             _ if module.is_empty() => None,
             _ => Some(module.to_vec()),
         }

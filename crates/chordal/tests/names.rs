@@ -10,16 +10,10 @@ const ROLES: [&str; 20] = [
     "Piece", "Place", "Rows", "Seen", "Taken", "Told", "Wanted", "Work",
 ];
 /// Types that keep such a name, with the reason.
-const EXCEPTIONS: [(&str, &str, &str); 5] = [
+const EXCEPTIONS: [(&str, &str, &str); 3] = [
     ("chordal-py", "Asked", "the name of a TypedDict in the stubs, and in messages of TypeError"),
     ("chordal-py", "Wanted", "the same"),
     ("chordal-io", "Part", "a part of a scene, with its own mesh, as modelling programs say"),
-    (
-        "chordal-io",
-        "Place",
-        "where in a file an error is; the alternative would rename what every reader returns",
-    ),
-    ("chordal-script", "Place", "the words of the script that move shapes"),
 ];
 
 /// The types that a file defines, with their lines; associated types of traits are none.
