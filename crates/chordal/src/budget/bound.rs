@@ -1,5 +1,5 @@
 //! `Bound`: an enclosure of the error of a result, with its metric, its reference shape and its evidence.
-use crate::math::{add_up, sub_down};
+use crate::math::{add_up, greater, sub_down};
 use std::fmt;
 
 /// How a bound is known, strongest first.
@@ -240,7 +240,7 @@ impl Bound {
             (self.remaining_lower_bound(next, metric), next.remaining_lower_bound(self, metric));
         let at = if self.at_most >= next.at_most { self.at.or(next.at) } else { next.at.or(self.at) };
         Self {
-            at_least: if first > second { first } else { second },
+            at_least: greater(first, second),
             at_most,
             evidence,
             reference: self.reference.clone(),
@@ -256,7 +256,7 @@ impl Bound {
         match other.at_most {
             Some(most) if self.metric == metric && other.metric != Metric::OneSided => {
                 let left = sub_down(self.at_least, most);
-                if left > 0.0 { left } else { 0.0 }
+                greater(left, 0.0)
             }
             _ => 0.0,
         }

@@ -1,7 +1,7 @@
 //! `ErrorLimit`: the length that a budget allows, uniform or by place.
 use super::lens::{Lens, PixelScale};
 use super::{Budget, PixelBudget, Pixels, View};
-use crate::math::Box3;
+use crate::math::{Box3, lesser};
 
 /// The error that is allowed: a length and, for a camera, pixels, which are worth more length farther away.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +43,7 @@ impl ErrorLimit {
     pub fn at_with_scale(&self, place: &Box3) -> (Option<f64>, Option<PixelScale>) {
         let Some((pixels, lens)) = &self.pixel_limit else { return (Some(self.length), None) };
         let sight = lens.scale_at(place);
-        let length = sight.length_of(*pixels).map(|seen| if self.length < seen { self.length } else { seen });
+        let length = sight.length_of(*pixels).map(|seen| lesser(self.length, seen));
         (length, Some(sight))
     }
 }

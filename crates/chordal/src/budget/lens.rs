@@ -29,7 +29,7 @@
 //! The shorter formula `ε·F/z` that viewers use is the first-order term on the axis. It is too low by
 //! `1/cos²θ` at the corner of the screen: 1.71 at a vertical field of view of 45° and 16:9.
 use super::view::{Camera, MinDistanceView, Pixels, Projection, Screen, View};
-use crate::math::{Box3, add_up, div_down, div_up, mul_down, mul_up, sqrt_up, sub_down};
+use crate::math::{Box3, add_up, div_down, div_up, greater, lesser, mul_down, mul_up, sqrt_up, sub_down};
 
 /// A prepared view: build it once with [`View::lens`] and use it for many places.
 ///
@@ -201,9 +201,9 @@ impl Lens {
                 let Some(corner) = corner else {
                     return PixelScale { scale: self.focal, depth: None, hidden };
                 };
-                let depth = if extent.near > near { extent.near } else { near };
+                let depth = greater(extent.near, near);
                 let secant = sqrt_up(add_up(1.0, mul_up(extent.tan, extent.tan)));
-                let secant = if secant < corner { secant } else { corner };
+                let secant = lesser(secant, corner);
                 PixelScale { scale: mul_up(self.focal, secant), depth: Some(depth), hidden }
             }
         }
@@ -236,14 +236,14 @@ impl PixelScale {
             None => wanted / self.scale,
             Some(depth) => depth / (1.0 + self.scale / wanted),
         };
-        let guess = if guess < f64::MAX { guess } else { f64::MAX };
+        let guess = lesser(guess, f64::MAX);
         let fits = |length: &f64| *length > 0.0 && self.pixels_of(*length).is_some_and(|p| p <= wanted);
         // `pixels_of` rounds up, so the guess may be a few units in the last place too long, and many where
         // the difference `D − ε` cancels: shorten it by 0, 1, 2, 4, … such units until it fits.
         let shortened = |k: i32| guess - guess * (f64::EPSILON * (1_u64 << k) as f64);
         let seen = std::iter::once(guess).chain((0..52).map(shortened)).find(fits).unwrap_or(0.0);
         let unseen = if self.hidden > 0.0 { self.hidden.next_down() } else { 0.0 };
-        let length = if seen > unseen { seen } else { unseen };
+        let length = greater(seen, unseen);
         (length > 0.0).then_some(length)
     }
 }
@@ -291,14 +291,14 @@ impl ViewExtent {
             }
             let depth = to.dot(forward);
             let (low, high) = (sub_down(depth, slack), add_up(depth, slack));
-            extent.near = if low < extent.near { low } else { extent.near };
-            extent.far = if high > extent.far { high } else { extent.far };
+            extent.near = lesser(low, extent.near);
+            extent.far = greater(high, extent.far);
             let tan = if low > 0.0 {
                 div_up(add_up(norm_up(to.cross(forward)), slack), low)
             } else {
                 f64::INFINITY
             };
-            extent.tan = if tan > extent.tan { tan } else { extent.tan };
+            extent.tan = greater(tan, extent.tan);
         }
         extent
     }

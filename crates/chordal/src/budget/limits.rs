@@ -1,6 +1,6 @@
 //! `Budget`: the allowed error, in units, in pixels at a view, in degrees, or as a number of triangles.
 use super::{Pixels, Tolerance, View};
-use crate::math::Box3;
+use crate::math::{Box3, lesser};
 use std::fmt;
 use std::str::FromStr;
 
@@ -122,7 +122,7 @@ impl Budget {
             None => f64::INFINITY,
         };
         let by_length = self.length.map_or(f64::INFINITY, Tolerance::get);
-        Some(if by_length < by_view { by_length } else { by_view })
+        Some(lesser(by_length, by_view))
     }
 
     /// Whether it has a limit that a mesh can be built for.

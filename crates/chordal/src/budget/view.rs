@@ -1,4 +1,5 @@
 //! `View`: how a shape is viewed. [`super::Lens`] converts lengths into pixels of the view.
+use crate::math::{cross, difference, length, unit};
 use std::fmt;
 use std::str::FromStr;
 
@@ -159,23 +160,15 @@ impl Camera {
     /// forward is at most 4 units in the last place of each coordinate; right and up are as uncertain as `up`
     /// is close to forward.
     pub(crate) fn axes(&self) -> Option<[[f64; 3]; 3]> {
-        let forward = unit(glam::DVec3::from(self.target) - glam::DVec3::from(self.eye))?;
-        let right = forward.cross(unit(glam::DVec3::from(self.up))?);
+        let forward = unit(difference(self.target, self.eye))?;
+        let right = cross(forward, unit(self.up)?);
         // Below this, rounding alone would decide the upward direction.
-        if right.length() <= 64.0 * f64::EPSILON {
+        if length(right) <= 64.0 * f64::EPSILON {
             return None;
         }
         let right = unit(right)?;
-        Some([right, right.cross(forward), forward].map(Into::into))
+        Some([right, cross(right, forward), forward])
     }
-}
-
-/// `v` scaled to length 1; `None` when it is 0 or not finite.
-fn unit(v: glam::DVec3) -> Option<glam::DVec3> {
-    // Scaled first, so that no square overflows or underflows.
-    let scale = v.abs().max_element();
-    let scaled = v / scale;
-    (v.is_finite() && scale > 0.0).then(|| scaled / scaled.length())
 }
 
 impl fmt::Display for View {

@@ -5,7 +5,7 @@ use crate::explicit::{
     Attribute, Bvh, Domain, Mesh, Semantic, Topology, closest_on_triangle, distance_sq_to_triangle,
 };
 use crate::math::elementary::atan2;
-use crate::math::{Box3, cross, difference, dot, exponent, length, power_of_two};
+use crate::math::{Box3, cross, difference, dot, exponent, greater, length, lesser, power_of_two};
 
 /// The difference of one attribute between two meshes. All of it is measured: at samples, and rounded.
 #[derive(Clone, Debug, PartialEq)]
@@ -311,7 +311,7 @@ impl AttributeErrorStats {
         let Self { largest, at, sum, weight, samples } = *self;
         let rms = if weight > 0.0 { (sum / weight).sqrt() } else { largest };
         // Rounding may take the mean beyond the largest where all differences are equal.
-        let rms = if rms < largest { rms } else { largest };
+        let rms = lesser(rms, largest);
         AttributeDeviation { semantic: semantic.clone(), largest, rms, at, samples }
     }
 }
@@ -344,7 +344,7 @@ const AS_NEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 impl AttributeComparison<'_> {
     fn scale_of(place: &Box3) -> f64 {
         let largest = place.min.iter().chain(&place.max);
-        let largest = largest.fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+        let largest = largest.fold(0.0, |most, x| greater(x.abs(), most));
         // The scale and its inverse are normal numbers.
         power_of_two(-exponent(largest).clamp(-1000, 1000))
     }
@@ -393,7 +393,7 @@ impl AttributeComparison<'_> {
                             face,
                             weights: closest_on_triangle(near.q, near.corners),
                         });
-                        least = if off < least { off } else { least };
+                        least = lesser(off, least);
                     });
                 }
                 found.add_sample(least, p, share);

@@ -7,7 +7,7 @@ use super::measure::{Measure, power_of_two_near};
 use super::nesting::{NestingDepth, nesting_depths};
 use crate::budget::{Job, JobError};
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 use glam::DVec3;
 
 /// Which way the front of a component faces.
@@ -345,7 +345,7 @@ fn measure_components(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> V
     let bounds = mesh.bounds();
     let size = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| {
         let x = x.abs();
-        if x > most { x } else { most }
+        greater(x, most)
     });
     let (down, up) = power_of_two_near(size);
     let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down;

@@ -18,7 +18,7 @@
 //! result zero.
 use super::parallel::over_chunks;
 use crate::explicit::Mesh;
-use crate::math::{Box3, add_down, add_up, div_down, mul_down, mul_up, sqrt_up, sub_down};
+use crate::math::{Box3, add_down, add_up, div_down, greater, lesser, mul_down, mul_up, sqrt_up, sub_down};
 use glam::DVec3;
 
 /// Consecutive triangles with one box. Measured on a torus of a million triangles in the order of its grid:
@@ -106,7 +106,7 @@ impl PointDistanceSearch<'_> {
             let corners = self.mesh.corners(face);
             if box_distance_sq(self.point, &Box3::from_points(&corners)) < mul_up(off, off) {
                 let bound = triangle_at_least(self.point, corners);
-                off = if bound < off { bound } else { off };
+                off = lesser(bound, off);
             }
         }
         off
@@ -117,12 +117,12 @@ impl PointDistanceSearch<'_> {
 fn box_distance_sq(p: [f64; 3], bounds: &Box3) -> f64 {
     let outside = |k: usize| {
         let (below, above) = (sub_down(bounds.min[k], p[k]), sub_down(p[k], bounds.max[k]));
-        let most = if below > above { below } else { above };
-        if most > 0.0 { most } else { 0.0 }
+        let most = greater(below, above);
+        greater(most, 0.0)
     };
     let square = |x: f64| mul_down(x, x);
     let sum = add_down(add_down(square(outside(0)), square(outside(1))), square(outside(2)));
-    if sum > 0.0 { sum } else { 0.0 }
+    greater(sum, 0.0)
 }
 
 /// The distance from a point to a triangle, bounded from below: the best of four directions, from the plane
@@ -130,9 +130,7 @@ fn box_distance_sq(p: [f64; 3], bounds: &Box3) -> f64 {
 pub(crate) fn triangle_at_least(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     let from = corners.map(|v| DVec3::from(p) - DVec3::from(v));
     // In units of the farthest corner's distance, so that products of directions stay in the range of f64.
-    let size = from
-        .iter()
-        .fold(0.0, |most, w| if w.abs().max_element() > most { w.abs().max_element() } else { most });
+    let size = from.iter().fold(0.0, |most, w| greater(w.abs().max_element(), most));
     if !(size > 0.0 && size < f64::INFINITY) {
         return 0.0;
     }
@@ -146,7 +144,7 @@ pub(crate) fn triangle_at_least(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     ];
     directions.iter().fold(0.0, |best, &n| {
         let bound = support(n, p, corners);
-        if bound > best { bound } else { best }
+        greater(bound, best)
     })
 }
 
@@ -193,8 +191,7 @@ fn support(n: DVec3, p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
         let bound = sub_down(sum, 3.0 * f64::EPSILON * size + f64::MIN_POSITIVE);
         if bound.is_finite() { bound } else { f64::NEG_INFINITY }
     };
-    let least =
-        corners.into_iter().map(along).fold(f64::INFINITY, |least, s| if s < least { s } else { least });
+    let least = corners.into_iter().map(along).fold(f64::INFINITY, |least, s| lesser(s, least));
     let length = sqrt_up(add_up(add_up(mul_up(n[0], n[0]), mul_up(n[1], n[1])), mul_up(n[2], n[2])));
     let bound = div_down(least, length);
     if bound > 0.0 && bound < f64::INFINITY { bound } else { 0.0 }

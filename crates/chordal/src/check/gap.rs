@@ -1,6 +1,6 @@
 //! The measured deviation between a path and its polyline: the largest gap found, and its location.
 use crate::explicit::{Curve, Polyline};
-use crate::math::{difference, length};
+use crate::math::{difference, length, lesser};
 
 /// A gap between a path and a polyline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,7 @@ pub fn distance_to_polyline<const D: usize>(point: [f64; D], polyline: &Polyline
     let to_first = polyline.points.first().map_or(f64::INFINITY, |first| length(difference(point, *first)));
     polyline.segments().fold(to_first, |least, segment| {
         let far = length(difference(point, closest_on_segment(point, segment)));
-        if far < least { far } else { least }
+        lesser(far, least)
     })
 }
 

@@ -1,6 +1,6 @@
 //! The continuity (Cⁿ, Gⁿ) between the pieces of a path.
 use crate::explicit::{Curve, CurveSegment};
-use crate::math::{difference, dot, length};
+use crate::math::{difference, dot, greater, length, lesser};
 
 /// The continuity between two pieces of a path.
 ///
@@ -77,7 +77,7 @@ pub fn join<const D: usize>(
         scaled(before.second_derivative(1.0), widths[0] * widths[0]),
         scaled(after.second_derivative(0.0), widths[1] * widths[1]),
     ];
-    let narrow = if widths[0] < widths[1] { widths[0] } else { widths[1] };
+    let narrow = lesser(widths[0], widths[1]);
     // See FIRST.
     let off = [FIRST * f64::EPSILON * size / narrow, SECOND * f64::EPSILON * size / (narrow * narrow)];
     let position_gap = length(difference(end, start));
@@ -94,13 +94,13 @@ pub fn join<const D: usize>(
     let directions = [direction(before, 1.0), direction(after, 0.0)];
     let angle_rad = directions[0].zip(directions[1]).map(|(a, b)| angle(a, b));
     let speeds = first.map(length);
-    let slow = if speeds[0] < speeds[1] { speeds[0] } else { speeds[1] };
+    let slow = lesser(speeds[0], speeds[1]);
     let bent = [curvature(first[0], second[0]), curvature(first[1], second[1])];
     let curvature_gap = bent[0].zip(bent[1]).map(|(a, b)| length(difference(a, b)));
     let curvatures = bent.map(|bent| bent.map(length));
     // Angles and curvatures are as accurate as the derivatives are, relative to the speed.
     let angle_off = off[0] / slow;
-    let curved = curvatures.iter().flatten().fold(0.0, |most, c| if *c > most { *c } else { most });
+    let curved = curvatures.iter().flatten().fold(0.0, |most, c| greater(*c, most));
     let curvature_off = (off[1] / slow + 4.0 * curved * off[0]) / slow;
     let geometric = (position_gap == 0.0).then(|| match (angle_rad, curvature_gap) {
         // Directions of unit length.
@@ -154,7 +154,7 @@ fn angle<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
 }
 
 fn size_of<const D: usize>(piece: &CurveSegment<D>) -> f64 {
-    piece.bounds().as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most })
+    piece.bounds().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most))
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 //! Integer lattice points: exact predicates in some nanoseconds where coordinates have few digits.
-use crate::math::Orientation;
+use crate::math::{Orientation, greater, lesser};
 
 /// A point with integer coordinates below 2⁶⁰.
 pub(super) type LatticePoint = [i64; 3];
@@ -16,8 +16,8 @@ pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Latti
         let (mantissa, exponent) = decompose(*x);
         let lowest = exponent + mantissa.trailing_zeros() as i32;
         let highest = exponent + 64 - mantissa.leading_zeros() as i32;
-        low = if lowest < low { lowest } else { low };
-        high = if highest > high { highest } else { high };
+        low = lesser(lowest, low);
+        high = greater(highest, high);
     }
     if high > low.saturating_add(SPAN) {
         return None;

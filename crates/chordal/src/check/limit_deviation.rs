@@ -3,7 +3,7 @@ use super::loop_deviation;
 use crate::budget::{Bound, Job, Reference, par_map};
 use crate::explicit::cage::limit::{ExtraordinaryQuad, LimitPatches, QuadPatchTree};
 use crate::explicit::{Cage, InvalidCage, LimitSheet, Patch};
-use crate::math::PriorityItem;
+use crate::math::{PriorityItem, greater};
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
@@ -35,7 +35,7 @@ use std::collections::BinaryHeap;
 /// ```
 pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
     let sheets = sheet_deviations(cage, |_| true, job)?;
-    let most = sheets.into_iter().flatten().fold(0.0, |most, off| if off > most { off } else { most });
+    let most = sheets.into_iter().flatten().fold(0.0, |most, off| greater(off, most));
     Ok(Bound::proved(0.0, most, Reference::LimitSurface))
 }
 

@@ -1,5 +1,5 @@
 //! A tree over points that finds those in a box or near a segment.
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 
 /// A tree of nested boxes, each split at the median of its longest side.
 pub(crate) struct PointTree<'a> {
@@ -85,10 +85,8 @@ impl<'a> PointTree<'a> {
 /// Whether a segment may come within `reach` of a box: false only when one of six planes separates them with
 /// certainty.
 fn may_meet([a, b]: [[f64; 3]; 2], bounds: &Box3, reach: f64) -> bool {
-    let largest = [a, b, bounds.min, bounds.max]
-        .as_flattened()
-        .iter()
-        .fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let largest =
+        [a, b, bounds.min, bounds.max].as_flattened().iter().fold(0.0, |most, x| greater(x.abs(), most));
     // Centres and half sides below are off by at most two roundings of the largest coordinate each.
     let reach = reach + 8.0 * f64::EPSILON * largest + f64::MIN_POSITIVE;
     let half = |k: usize| 0.5 * b[k] - 0.5 * a[k];
@@ -100,7 +98,7 @@ fn may_meet([a, b]: [[f64; 3]; 2], bounds: &Box3, reach: f64) -> bool {
         return false;
     }
     // Only its direction matters from here; with length about one, no product leaves the range of f64.
-    let longest = half.iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let longest = half.iter().fold(0.0, |most, x| greater(x.abs(), most));
     let along = half.map(|x| x / longest);
     !(0..3).any(|k| is_separating_axis(along, apart, room, ((k + 1) % 3, (k + 2) % 3)))
 }

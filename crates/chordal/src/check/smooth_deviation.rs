@@ -8,12 +8,12 @@
 //! itself.
 //!
 //! No code of the arrows in `convert` is used, so that this can check them.
-use super::deviation::{Deviation, Goal, OneSidedDistance, deviation, larger, refused, two_sided};
+use super::deviation::{Deviation, Goal, OneSidedDistance, deviation, refused, two_sided};
 use super::limit_deviation::{limit_deviation, sheet_deviations};
 use crate::budget::{Job, JobError, Reference, RefusalCode, Tolerance, par_map};
 use crate::explicit::cage::limit::QuadPatchTree;
 use crate::explicit::{Bvh, Cage, InvalidCage, Mesh, Patch, SurfaceTree};
-use crate::math::{add_up, difference, length_up, mul_up, sub_down};
+use crate::math::{add_up, difference, greater, length_up, lesser, mul_up, sub_down};
 
 /// Encloses the Hausdorff distance between a mesh and Bézier patches: the largest distance from any point of
 /// either to the nearest point of the other.
@@ -141,7 +141,7 @@ impl SmoothReference<'_> {
 
     /// The most triangles that the job can hold and that can be indexed.
     fn limit(&self, job: &Job) -> u64 {
-        smaller(smaller(job.triangle_limit, job.memory_limit / BYTES_A_CUT), u64::from(u32::MAX) / 4)
+        lesser(lesser(job.triangle_limit, job.memory_limit / BYTES_A_CUT), u64::from(u32::MAX) / 4)
     }
 
     /// The first tessellation level that is informative.
@@ -193,7 +193,7 @@ fn cut_patches(patches: &[Patch], level: u32, job: &Job) -> Result<(Mesh, f64), 
         grid.off = add_up(grid.off, mul_up(OF_CUTS, patch.size()));
         grid
     });
-    let off = grids.iter().fold(0.0, |most, grid| larger(most, grid.off));
+    let off = grids.iter().fold(0.0, |most, grid| greater(most, grid.off));
     let rows = n as u32 + 1;
     let squares = (0..rows - 1).flat_map(|i| (0..rows - 1).map(move |j| i * rows + j));
     let triangles = squares.flat_map(|k| [[k, k + 1, k + 1 + rows], [k, k + 1 + rows, k + rows]]);
@@ -226,7 +226,7 @@ impl PatchTessellation {
         for (at, corner) in [(0, c[0][0]), (1, c[0][3]), (rows, c[3][0]), (rows + 1, c[3][3])] {
             self.points[row * rows + column + at] = corner;
         }
-        self.off = larger(self.off, flatness(c));
+        self.off = greater(self.off, flatness(c));
     }
 }
 
@@ -241,15 +241,15 @@ fn flatness(c: &[[[f64; 3]; 4]; 4]) -> f64 {
             let bend = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
                 length_up(difference(difference(c, b), difference(b, a)))
             };
-            uu = larger(uu, bend(c[i][j], c[i][j + 1], c[i][j + 2]));
-            vv = larger(vv, bend(c[j][i], c[j + 1][i], c[j + 2][i]));
+            uu = greater(uu, bend(c[i][j], c[i][j + 1], c[i][j + 2]));
+            vv = greater(vv, bend(c[j][i], c[j + 1][i], c[j + 2][i]));
         }
     }
     for i in 0..3 {
         for j in 0..3 {
             let twist =
                 difference(difference(c[i + 1][j + 1], c[i + 1][j]), difference(c[i][j + 1], c[i][j]));
-            uv = larger(uv, length_up(twist));
+            uv = greater(uv, length_up(twist));
         }
     }
     mul_up(0.125, add_up(mul_up(6.0, add_up(uu, vv)), mul_up(18.0, uv)))
@@ -273,7 +273,7 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError>
     let rough_faces: Vec<usize> = quads.iter().copied().filter(|quad| beside[*quad]).collect();
     let smooth = of_sheets().filter(|(quad, _)| !beside[*quad]);
     let mut off = smooth.fold(0.0, |most, (quad, off)| match off {
-        Some(off) => larger(most, add_up(*off, twist(&fine, quad))),
+        Some(off) => greater(most, add_up(*off, twist(&fine, quad))),
         None => f64::INFINITY,
     });
     if !rough_faces.is_empty() && !job.is_cancelled() {
@@ -288,14 +288,14 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError>
         let by_parameters =
             limit_deviation(&finest, job).or_else(invalid_cage)?.at_most().unwrap_or(f64::INFINITY);
         let by_parameters =
-            add_up(by_parameters, kept.iter().fold(0.0, |most, quad| larger(most, twist(&finest, *quad))));
+            add_up(by_parameters, kept.iter().fold(0.0, |most, quad| greater(most, twist(&finest, *quad))));
         let (coarse, finest) = (triangles_of(&fine, &rough_faces)?, triangles_of(&finest, &kept)?);
         let goal =
-            Goal { absolute: Tolerance::new(larger(by_parameters, 0.25 * off)).ok(), ..Goal::default() };
+            Goal { absolute: Tolerance::new(greater(by_parameters, 0.25 * off)).ok(), ..Goal::default() };
         let beside = deviation(&coarse, &finest, &goal, job)?;
-        off = larger(off, add_up(beside.bound.at_most().unwrap_or(f64::INFINITY), by_parameters));
+        off = greater(off, add_up(beside.bound.at_most().unwrap_or(f64::INFINITY), by_parameters));
     }
-    let size = cage.positions().as_flattened().iter().fold(0.0, |most, x| larger(most, x.abs()));
+    let size = cage.positions().as_flattened().iter().fold(0.0, |most, x| greater(most, x.abs()));
     // A mean of k points in a row is off by k roundings, weights included, and means do not amplify earlier
     // errors.
     let most_corners = cage.faces().map(<[u32]>::len).fold(4, usize::max);
@@ -383,11 +383,11 @@ struct TwoSidedDistance {
 
 impl TwoSidedDistance {
     fn least(&self) -> f64 {
-        larger(self.forward.at_least, self.backward.at_least)
+        greater(self.forward.at_least, self.backward.at_least)
     }
 
     fn most(&self) -> f64 {
-        larger(self.forward.at_most, self.backward.at_most)
+        greater(self.forward.at_most, self.backward.at_most)
     }
 }
 
@@ -407,14 +407,14 @@ fn measured(
         if !farthest.is_finite() {
             return refused(RefusalCode::NotFinite, "the extent of the mesh and the surface overflows");
         }
-        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| larger(most, x.abs()));
+        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(most, x.abs()));
         let wanted = SmoothGoal { goal, floor: FLOOR * reach };
         let judge = SmoothSampler { smooth, bvh: &bvh };
         let nothing = OneSidedDistance { at_least: 0.0, at_most: farthest, from: [0.0; 3], to: [0.0; 3] };
         let mut known = TwoSidedDistance { forward: nothing, backward: nothing };
         judge.probe_some_faces(mesh, &mut known.forward, job);
         let mut level = smooth.first_level(job)?;
-        let most_cuts = smaller(MOST_CUTS, smooth.limit(job));
+        let most_cuts = lesser(MOST_CUTS, smooth.limit(job));
         while !wanted.is_met(&known) {
             let (cuts, off) = smooth.cut(level, job)?;
             if job.is_cancelled() {
@@ -457,20 +457,20 @@ impl SmoothGoal<'_> {
         let (least, most) = (known.least(), known.most());
         match self.goal.max {
             Some(max) => least > max.get() || most <= max.get(),
-            None => most - least <= larger(self.gap(least), self.floor),
+            None => most - least <= greater(self.gap(least), self.floor),
         }
     }
 
     /// The allowed gap between the two bounds.
     fn gap(&self, least: f64) -> f64 {
-        larger(self.goal.relative * least, self.goal.absolute.map_or(0.0, Tolerance::get))
+        greater(self.goal.relative * least, self.goal.absolute.map_or(0.0, Tolerance::get))
     }
 
     /// The number of rounds after which a tessellation that is `off` from the surface is close enough, if
     /// each round leaves a quarter of that.
     fn rounds(&self, off: f64, least: f64) -> u32 {
         let gap = self.goal.max.map_or(self.gap(least), Tolerance::get);
-        let wanted = larger(OF_GOAL * gap, self.floor);
+        let wanted = greater(OF_GOAL * gap, self.floor);
         // Where nothing is known, no further rounds.
         let (mut left, mut rounds) = (if gap > 0.0 { off } else { 0.0 }, 0);
         while left > wanted && rounds < DEEPEST {
@@ -483,7 +483,7 @@ impl SmoothGoal<'_> {
     /// leaves, and at least a part of `off` itself.
     fn goal_for_cuts(&self, off: f64, least: f64) -> Goal {
         let max = self.goal.max.and_then(|max| Tolerance::new(sub_down(max.get(), off)).ok());
-        let absolute = larger(0.9 * (self.gap(least) - off), 0.25 * off);
+        let absolute = greater(0.9 * (self.gap(least) - off), 0.25 * off);
         Goal { relative: 0.0, absolute: Tolerance::new(absolute).ok(), max }
     }
 }
@@ -500,7 +500,7 @@ impl SmoothSampler<'_> {
     fn forward_at(&self, from: [f64; 3], tolerance: Option<Tolerance>) -> Option<OneSidedDistance> {
         let beside = self.bvh.closest_distance_up(from)?;
         let foot = self.smooth.tree.closest_point(from, tolerance)?;
-        let at_least = larger(sub_down(foot.at_least, beside), 0.0);
+        let at_least = greater(sub_down(foot.at_least, beside), 0.0);
         Some(OneSidedDistance { at_least, at_most: f64::INFINITY, from, to: foot.point })
     }
 
@@ -508,7 +508,7 @@ impl SmoothSampler<'_> {
     fn backward_at(&self, near: [f64; 3]) -> Option<OneSidedDistance> {
         let from = self.smooth.tree.closest_point(near, None)?.point;
         let beside = self.smooth.tree.closest_point(from, None)?.at_most;
-        let at_least = larger(sub_down(self.bvh.closest_distance_down(from)?, beside), 0.0);
+        let at_least = greater(sub_down(self.bvh.closest_distance_down(from)?, beside), 0.0);
         let to = self.bvh.closest_point(from)?.point;
         Some(OneSidedDistance { at_least, at_most: f64::INFINITY, from, to })
     }
@@ -534,7 +534,7 @@ impl SmoothSampler<'_> {
     /// Merges the result for a tessellation that is up to `off` from the surface.
     fn take(&self, known: &mut TwoSidedDistance, found: &Deviation, off: f64) {
         let widened = |side: &OneSidedDistance| OneSidedDistance {
-            at_least: larger(sub_down(side.at_least, off), 0.0),
+            at_least: greater(sub_down(side.at_least, off), 0.0),
             at_most: add_up(side.at_most, off),
             ..*side
         };
@@ -558,9 +558,5 @@ fn improve(known: &mut OneSidedDistance, other: OneSidedDistance) {
         known.at_most = other.at_most;
     }
     // Both bounds are proved, so this changes nothing.
-    known.at_most = larger(known.at_most, known.at_least);
-}
-
-fn smaller(a: u64, b: u64) -> u64 {
-    if a < b { a } else { b }
+    known.at_most = greater(known.at_most, known.at_least);
 }

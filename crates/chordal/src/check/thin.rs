@@ -3,6 +3,7 @@ use super::degenerate::has_zero_area;
 use super::finding::{Finding, Witness};
 use super::parallel::over_chunks;
 use crate::explicit::Mesh;
+use crate::math::greater;
 use glam::DVec3;
 
 /// A sliver's longest side is more than this many times its height on that side. Defined: at 1:100 the
@@ -53,8 +54,8 @@ fn thinner_than_limit(sides: [DVec3; 3], longest_sq: f64) -> bool {
 #[inline]
 fn longest_sq(sides: [DVec3; 3]) -> f64 {
     let [x, y, z] = [sides[0].length_squared(), sides[1].length_squared(), sides[2].length_squared()];
-    let xy = if x > y { x } else { y };
-    if xy > z { xy } else { z }
+    let xy = greater(x, y);
+    greater(xy, z)
 }
 
 /// The sides of a triangle of any size, scaled by the power of two that brings them to about 1.
@@ -68,7 +69,7 @@ fn scaled_to_unit(corners: [[f64; 3]; 3]) -> [DVec3; 3] {
     }
     let largest = found.iter().fold(0.0, |most, side| {
         let size = side.abs().max_element();
-        if size > most { size } else { most }
+        greater(size, most)
     });
     let exponent = (largest.to_bits() >> 52 & 0x7ff) as i64 - 1023;
     // In two steps: the inverse of a subnormal number is beyond the range of f64.

@@ -12,7 +12,7 @@ use super::triangles::{self, mesher::LoopMesher};
 use crate::budget::{Bounded, Budget, Failure, Job, Reference, RefusalCode, par_map};
 use crate::explicit::cage::limit::QuadPatchTree;
 use crate::explicit::{Cage, Chart, DisjointSets, LimitSheet, LimitSurface, Mesh, Patch, PatchSide, Scheme};
-use crate::math::{Box3, flushes_subnormals};
+use crate::math::{Box3, flushes_subnormals, greater};
 
 /// Meshes the limit surface of a cage within a budget.
 ///
@@ -386,9 +386,9 @@ impl PatchSurface for CageSheets<'_> {
                 }
             };
             let diagonal = hull.diagonal();
-            if diagonal > lost { diagonal } else { lost }
+            greater(diagonal, lost)
         };
-        self.sheets.iter().map(own).fold(0.0, |longest, d| if d > longest { d } else { longest })
+        self.sheets.iter().map(own).fold(0.0, |longest, d| greater(d, longest))
     }
 
     fn reference(&self) -> Reference {

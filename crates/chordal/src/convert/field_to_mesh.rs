@@ -5,7 +5,7 @@ use crate::budget::{
 };
 use crate::explicit::{Mesh, NormalWeight, Semantic, Shading, Topology, with_normals, with_vertex_normals};
 use crate::implicit::{Field, Tape};
-use crate::math::{Box3, dot, flushes_subnormals, length};
+use crate::math::{Box3, dot, flushes_subnormals, length, lesser};
 
 /// Meshes the surface of a field, the boundary of where it is negative, within a budget. Adaptive tetrahedra
 /// cut the primitives of the field's sign as linear functions. Newton's method moves vertices onto
@@ -77,7 +77,7 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
         Some(px) => Some(length_from_pixels(&bounds, px)?),
     };
     let length = match (budget.length.map(Tolerance::get), seen) {
-        (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+        (Some(a), Some(b)) => Some(lesser(a, b)),
         (a, b) => a.or(b),
     };
     let length = match length.map(Tolerance::new) {

@@ -4,7 +4,7 @@ use super::field_to_mesh::length_from_pixels;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, RequiredEvidence, Tolerance};
 use crate::explicit::Polyline;
 use crate::implicit::Field;
-use crate::math::{Box3, flushes_subnormals};
+use crate::math::{Box3, flushes_subnormals, lesser};
 
 /// Traces the curve of a field in the plane z = 0, the boundary of where it is negative, within a budget. The
 /// polylines are closed, with inside on their left: marching squares on a lattice that is fine enough.
@@ -72,7 +72,7 @@ pub fn field_to_polyline(
     }
     let seen = budget.pixels.as_ref().map(|px| length_from_pixels(&bounds, px)).transpose()?;
     let length = match (budget.length.map(Tolerance::get), seen) {
-        (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+        (Some(a), Some(b)) => Some(lesser(a, b)),
         (a, b) => a.or(b),
     };
     let is_length = length.is_none_or(|length| length > 0.0);

@@ -11,7 +11,7 @@ use crate::budget::{
 };
 use crate::explicit::{Attribute, Mesh};
 use crate::implicit::{Affine3, Grid, Samples, SparseGrid, with_samples};
-use crate::math::{Box3, add_up, cross, dot, flushes_subnormals, length, mul_up, sub_down};
+use crate::math::{Box3, add_up, cross, dot, flushes_subnormals, greater, length, lesser, mul_up, sub_down};
 use std::sync::atomic::Ordering;
 
 /// Meshes the isosurface of a grid's trilinear interpolant.
@@ -210,7 +210,7 @@ fn sample_precision(samples: &Samples) -> (f64, Option<u32>) {
         whole => Some(8 * whole.width() as u32),
     };
     let largest = with_samples!(samples, values => {
-        values.iter().map(|v| f64::from(*v).abs()).map(|v| if v == f64::INFINITY { f64::MAX } else { v }).fold(0.0, |most, v| if v > most { v } else { most })
+        values.iter().map(|v| f64::from(*v).abs()).map(|v| if v == f64::INFINITY { f64::MAX } else { v }).fold(0.0, |most, v| greater(v, most))
     });
     (largest, bits)
 }
@@ -328,7 +328,7 @@ pub(super) fn bound(
     size: [usize; 3],
 ) -> Bound {
     let most = add_up(farthest.most, vertex_displacement(affine, rule, size));
-    let least = if farthest.least < most { farthest.least } else { most };
+    let least = lesser(farthest.least, most);
     let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Trilinear);
     let at = farthest.at.map(|i| i as f64 + 0.5);
     let there = affine.at([0, 1, 2].map(|k| at[k] + rule.offset[k] as f64));
@@ -338,7 +338,7 @@ pub(super) fn bound(
 
 /// How far the written vertices are from the interpolant's own zeros.
 fn vertex_displacement(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
-    let edge = affine.steps().map(length).into_iter().fold(0.0, |most, l| if l > most { l } else { most });
+    let edge = affine.steps().map(length).into_iter().fold(0.0, |most, l| greater(l, most));
     // A position on an edge has three roundings and the margin; the rest are those of the transform.
     let moved = mul_up(mul_up(edge, 1.0 + 8.0 * f64::EPSILON), add_up(rule.margin, 4.0 * f64::EPSILON));
     add_up(moved, rounding_error(affine, rule, size))
@@ -359,11 +359,11 @@ fn sufficient_length(length: f64, affine: &Affine3, rule: &Polygonize, size: [us
 fn rounding_error(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
     let far = [0, 1, 2].map(|k| {
         let (low, high) = (rule.offset[k] as f64, rule.offset[k] as f64 + size[k] as f64);
-        if low.abs() > high.abs() { low.abs() } else { high.abs() }
+        greater(low.abs(), high.abs())
     });
     let sizes =
         affine.rows().map(|[a, b, c, d]| a.abs() * far[0] + b.abs() * far[1] + c.abs() * far[2] + d.abs());
-    let most = sizes.into_iter().fold(0.0, |most, size| if size > most { size } else { most });
+    let most = sizes.into_iter().fold(0.0, |most, size| greater(size, most));
     // Twice eight half units in the last place.
     8.0 * f64::EPSILON * most
 }
@@ -382,8 +382,8 @@ fn no_surface<S: SampleSource>(source: &S, rule: &Polygonize, plan: &MarchingPla
     for index in (0..nx * ny * nz).map(|at| [at % nx, at / nx % ny, at / (nx * ny)]) {
         let sample = source.at(index);
         unknown += u64::from(sample.is_nan());
-        low = if sample < low { sample } else { low };
-        high = if sample > high { sample } else { high };
+        low = lesser(sample, low);
+        high = greater(sample, high);
     }
     let no_numbers = if unknown > 0 { format!(", and {unknown} are no number") } else { String::new() };
     if low > high {
@@ -421,10 +421,8 @@ pub(super) fn check(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Re
     }
     let [a, b, c] = affine.steps();
     let volume = dot(a, cross(b, c)).abs();
-    let widest = [cross(b, c), cross(c, a), cross(a, b)]
-        .map(length)
-        .into_iter()
-        .fold(0.0, |m, l| if l > m { l } else { m });
+    let widest =
+        [cross(b, c), cross(c, a), cross(a, b)].map(length).into_iter().fold(0.0, |m, l| greater(l, m));
     // Half of the flattest triangle that the margin leaves is derived to be wider than an eighth of margin
     // times width.
     let apart = 0.125 * rule.margin * (volume / widest);
@@ -451,5 +449,5 @@ fn allowed_length(budget: Option<&Budget>, bounds: &Box3) -> Result<f64, Failure
     let length = budget.length.map_or(f64::INFINITY, Tolerance::get);
     let Some(px) = &budget.pixels else { return Ok(length) };
     let seen = length_from_pixels(bounds, px)?;
-    Ok(if seen < length { seen } else { length })
+    Ok(lesser(seen, length))
 }

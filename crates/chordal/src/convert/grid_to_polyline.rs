@@ -5,7 +5,7 @@ use super::cubes::rule::{LatticeTransform, Polygonize};
 use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode};
 use crate::explicit::Polyline;
 use crate::implicit::Grid;
-use crate::math::{add_up, length, mul_up};
+use crate::math::{add_up, greater, length, mul_up};
 
 /// Traces the level curves of a grid of one plane of samples. The polylines are closed or end at the border,
 /// with inside on the left where the lattice is not mirrored.
@@ -73,8 +73,8 @@ pub fn grid_to_polyline(
     });
     let [a, b, _] = grid.affine().steps();
     let diagonal = |sign: f64| length([a[0] + sign * b[0], a[1] + sign * b[1]]);
-    let longest = if diagonal(1.0) > diagonal(-1.0) { diagonal(1.0) } else { diagonal(-1.0) };
-    let largest = far.into_iter().fold(0.0, |most, x| if x > most { x } else { most });
+    let longest = greater(diagonal(1.0), diagonal(-1.0));
+    let largest = far.into_iter().fold(0.0, |most, x| greater(x, most));
     // A point is moved by the margin, on an edge no longer than the diagonal, and by a few roundings of its
     // coordinates.
     let moved = add_up(mul_up(longest, rule.margin), mul_up(16.0 * f64::EPSILON, add_up(largest, longest)));

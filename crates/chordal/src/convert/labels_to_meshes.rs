@@ -8,6 +8,7 @@ use super::grid_to_mesh::{bound, check};
 use crate::budget::{Bounded, Evidence, Failure, Job, JobError, Progress, RefusalCode};
 use crate::explicit::Mesh;
 use crate::implicit::{Grid, with_samples};
+use crate::math::lesser;
 use std::collections::BTreeMap;
 
 /// How labels become meshes.
@@ -326,7 +327,7 @@ impl<'a> LabelMesher<'a> {
                 CapVertex::Corner(i) => planes[corners[i].0].samples[corners[i].1],
                 CapVertex::Side(i) => {
                     let (here, there) = (corners[i], corners[(i + 1) % 4]);
-                    let lower = if here < there { here } else { there };
+                    let lower = lesser(here, there);
                     sides[i][usize::from(of(lower) != label)]
                 }
             };

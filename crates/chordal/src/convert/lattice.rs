@@ -1,6 +1,6 @@
 //! Lattices: where a field is sampled, and the bricks in which the samples are processed.
 use crate::implicit::Affine3;
-use crate::math::{Box3, add_up};
+use crate::math::{Box3, add_up, greater, lesser};
 
 /// Samples along each side of a brick.
 pub(super) const BRICK: usize = 8;
@@ -24,7 +24,7 @@ impl Lattice {
             return None;
         }
         let sides: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
-        let longest = sides.iter().fold(0.0, |m, s| if *s > m { *s } else { m });
+        let longest = sides.iter().fold(0.0, |m, s| greater(*s, m));
         let step = longest / cells as f64;
         if !(step > 0.0 && step.is_finite()) {
             return None;
@@ -77,7 +77,7 @@ impl Lattice {
                 let first = [i * BRICK, j * BRICK, layer * BRICK];
                 let end = std::array::from_fn(|k| {
                     let end = first[k] + BRICK;
-                    if end < self.size[k] { end } else { self.size[k] }
+                    lesser(end, self.size[k])
                 });
                 [first, end]
             })

@@ -2,7 +2,9 @@
 use crate::budget::{Evidence, Job, JobError, par_map_owned};
 use crate::explicit::{Bvh, Mesh, PointLocation, WindingMoments, closest_on_triangle};
 use crate::implicit::{Leaf, LeafAnswer, LeafError};
-use crate::math::{Box3, Interval, add_up, difference, length, mul_down, mul_up, sqrt_up, sub_down, sub_up};
+use crate::math::{
+    Box3, Interval, add_up, difference, greater, length, mul_down, mul_up, sqrt_up, sub_down, sub_up,
+};
 
 /// Points in a task: at a microsecond each, enough to repay its start, and few enough for an even balance.
 const TASK: usize = 1024;
@@ -40,8 +42,7 @@ impl MeshLeaf {
         // The error is a few units in the last place of the extent; 64 are far more, and include the rounding
         // of coordinates.
         let bounds = bvh.bounds();
-        let largest =
-            bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        let largest = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
         let rounding =
             if bounds.is_empty() { 0.0 } else { 64.0 * f64::EPSILON * (largest + bounds.diagonal()) };
         Ok(Self { bvh, sides: None, job: job.clone(), rounding })
@@ -85,7 +86,7 @@ impl MeshLeaf {
 
     /// The largest error of the computed distance at `p`.
     fn distance_error(&self, p: [f64; 3]) -> f64 {
-        let size = p.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        let size = p.iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
         // Far more than the roundings of a point and of its offsets.
         add_up(self.rounding, 64.0 * f64::EPSILON * size)
     }
@@ -165,7 +166,7 @@ impl MeshLeaf {
             let size = length(offset);
             let most = add_up(size, off);
             let slack = sub_up(mul_up(most, most), mul_down(down, down));
-            let slide = sqrt_up(if slack > 0.0 { slack } else { 0.0 });
+            let slide = sqrt_up(greater(slack, 0.0));
             let play = add_up(radius, add_up(slide, off));
             let around =
                 |x: f64| Interval::new(sub_down(x, play), add_up(x, play)).unwrap_or(Interval::ENTIRE);

@@ -9,7 +9,7 @@ use crate::explicit::fill::snap_grid::SnapGrid;
 use crate::explicit::fill::sweep::InsideRule;
 use crate::explicit::fill::{FillTriangles, fill};
 use crate::explicit::{Curve, CurveSegment, FillRule, Mesh, Outline, Polyline};
-use crate::math::{Box3, add_up, sub_down};
+use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
 /// Turns outlines into triangles in the plane z = 0. Each outline encloses what its fill rule says, however
 /// its contours cross themselves and each other. Overlapping outlines stay separate, in their order.
@@ -119,10 +119,11 @@ impl ClosedOutlines {
                         format!("outline {index} has a coordinate that is not finite or beyond {LARGEST:e}");
                     return Err(Failure::refused(RefusalCode::NotFinite, message));
                 }
-                let less = |a: f64, b: f64| if a < b { a } else { b };
-                let more = |a: f64, b: f64| if a > b { a } else { b };
                 hull = Some(hull.map_or([low, high], |[l, h]| {
-                    [[less(l[0], low[0]), less(l[1], low[1])], [more(h[0], high[0]), more(h[1], high[1])]]
+                    [
+                        [lesser(l[0], low[0]), lesser(l[1], low[1])],
+                        [greater(h[0], high[0]), greater(h[1], high[1])],
+                    ]
                 }));
                 closed.contours.push(closed_contour(contour));
             }
@@ -138,7 +139,7 @@ impl ClosedOutlines {
     /// The most that rounding to the grids moves a point.
     fn snapping_error(&self) -> f64 {
         let all = self.grids.iter().map(SnapGrid::moved_at_most);
-        all.fold(0.0, |most: f64, lost| if lost > most { lost } else { most })
+        all.fold(0.0, |most: f64, lost| greater(lost, most))
     }
 
     fn mesh_within(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
@@ -251,7 +252,7 @@ impl ClosedOutlines {
         let before = made.bound;
         let at_most = add_up(before.at_most().unwrap_or(0.0), lost);
         let at_least = sub_down(before.at_least(), lost);
-        let at_least = if at_least > 0.0 { at_least } else { 0.0 };
+        let at_least = greater(at_least, 0.0);
         let mut bound = Bound::proved(at_least, at_most, before.reference);
         bound.at = before.at;
         bound.pixels = match (budget.pixels, before.pixels) {

@@ -1,6 +1,6 @@
 //! `Arc`: an arc of an ellipse in the plane or in space.
 use super::AffineMap;
-use crate::math::{DoubleDouble, add_up, mul_up};
+use crate::math::{DoubleDouble, add_up, greater, lesser, mul_up};
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -65,7 +65,7 @@ impl<const D: usize> Arc<D> {
     #[must_use]
     pub fn with_ends(mut self, ends: [[f64; D]; 2]) -> Self {
         let moved = [0, 1].map(|i| distance_up(ends[i], self.ends[i]));
-        self.slack = add_up(self.slack, if moved[0] > moved[1] { moved[0] } else { moved[1] });
+        self.slack = add_up(self.slack, greater(moved[0], moved[1]));
         self.ends = ends;
         self
     }
@@ -174,8 +174,8 @@ impl<const D: usize> Arc<D> {
         let [mut low, mut high] = [self.ends[0]; 2];
         let mut widen = |p: [f64; D], by: f64| {
             for k in 0..D {
-                low[k] = if p[k] - by < low[k] { p[k] - by } else { low[k] };
-                high[k] = if p[k] + by > high[k] { p[k] + by } else { high[k] };
+                low[k] = lesser(p[k] - by, low[k]);
+                high[k] = greater(p[k] + by, high[k]);
             }
         };
         widen(self.ends[1], 0.0);
@@ -190,7 +190,7 @@ impl<const D: usize> Arc<D> {
     fn reach(&self) -> f64 {
         (0..D).fold(0.0, |most, k| {
             let reach = self.centre[k].abs() + self.axes[0][k].abs() + self.axes[1][k].abs();
-            if reach > most { reach } else { most }
+            greater(reach, most)
         })
     }
 
@@ -298,7 +298,7 @@ impl Arc<2> {
         //    by less than one unit in the last place), to 8 ε times what they rotate, in units of the shorter
         //    radius: a flat ellipse is the most sensitive to a rotation. Its root is off by that over the
         //    height, and never by more than its own root. The rest is plain rounding.
-        let shorter = if radii[0] < radii[1] { radii[0] } else { radii[1] };
+        let shorter = lesser(radii[0], radii[1]);
         let turned_over = (half[0].hi.abs() + half[1].hi.abs()) / shorter;
         let known = if sin == 0.0 {
             16.0 * f64::EPSILON * f64::EPSILON
@@ -306,8 +306,8 @@ impl Arc<2> {
             8.0 * f64::EPSILON * (1.0 + turned_over)
         };
         let by_slope = known / height.abs();
-        let of_height = if by_slope < known.sqrt() { by_slope } else { known.sqrt() };
-        let longest = if rx > ry { rx } else { ry };
+        let of_height = lesser(by_slope, known.sqrt());
+        let longest = greater(rx, ry);
         let rounding = mul_up(32.0 * f64::EPSILON, add_up(longest, arc.reach()));
         let slack = add_up(arc.slack, add_up(mul_up(2.0 * of_height, longest), rounding));
         Ok(Self { slack, ..arc })

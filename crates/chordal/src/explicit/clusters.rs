@@ -1,7 +1,7 @@
 //! Clusters of neighbouring triangles with normal cones, and the parts of a mesh that face away from a
 //! viewer.
 use super::{Mesh, Triangle};
-use crate::math::{Orientation, difference, dot, length, orient3d};
+use crate::math::{Orientation, difference, dot, greater, length, lesser, orient3d};
 use std::ops::Range;
 
 /// The numbers of triangles that a viewer sees from the front, from the back, and edge-on.
@@ -121,21 +121,20 @@ fn cluster(mesh: &Mesh, faces: Range<usize>) -> Cluster {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in corners() {
         for k in 0..3 {
-            low[k] = if p[k] < low[k] { p[k] } else { low[k] };
-            high[k] = if p[k] > high[k] { p[k] } else { high[k] };
+            low[k] = lesser(p[k], low[k]);
+            high[k] = greater(p[k], high[k]);
         }
     }
     let centre = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
-    let radius = corners().map(|p| length(difference(p, centre))).fold(0.0, |m, d| if d > m { d } else { m });
+    let radius = corners().map(|p| length(difference(p, centre))).fold(0.0, |m, d| greater(d, m));
     // Triangles without area have no front.
     let normals: Vec<[f64; 3]> =
         faces.clone().filter_map(|face| Triangle::from_face(mesh, face).normal()).collect();
     let sum = normals.iter().fold([0.0; 3], |sum: [f64; 3], n| std::array::from_fn(|k| sum[k] + n[k]));
     let long = length(sum);
     let axis = (long > 0.0).then(|| sum.map(|x| x / long));
-    let cos = axis.map_or(-1.0, |axis| {
-        normals.iter().map(|n| dot(*n, axis)).fold(1.0, |least, c| if c < least { c } else { least })
-    });
+    let cos = axis
+        .map_or(-1.0, |axis| normals.iter().map(|n| dot(*n, axis)).fold(1.0, |least, c| lesser(c, least)));
     let cos_angle = cos - MARGIN;
     Cluster {
         faces,

@@ -1,6 +1,6 @@
 //! `Curve`: a path, an open or closed chain of smooth pieces.
 use super::{AffineMap, CurveSegment};
-use crate::math::{add_up, mul_up};
+use crate::math::{add_up, greater, lesser, mul_up};
 use std::fmt;
 
 /// A path in `D` dimensions: smooth pieces, each of which starts, bit for bit, where the one before it ends.
@@ -111,7 +111,7 @@ impl<const D: usize> Curve<D> {
         // A cast from float to integer saturates, and takes NaN to 0.
         let piece = (s as usize).min(last);
         let t = s - piece as f64;
-        Some((piece, if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 }))
+        Some((piece, if t > 0.0 { lesser(t, 1.0) } else { 0.0 }))
     }
 
     /// The lowest and highest coordinates of a box that contains the path.
@@ -119,10 +119,7 @@ impl<const D: usize> Curve<D> {
     pub fn bounds(&self) -> [[f64; D]; 2] {
         self.segments.iter().fold([self.start; 2], |[low, high], piece| {
             let [l, h] = piece.bounds();
-            [
-                std::array::from_fn(|k| if l[k] < low[k] { l[k] } else { low[k] }),
-                std::array::from_fn(|k| if h[k] > high[k] { h[k] } else { high[k] }),
-            ]
+            [std::array::from_fn(|k| lesser(l[k], low[k])), std::array::from_fn(|k| greater(h[k], high[k]))]
         })
     }
 
@@ -139,8 +136,7 @@ impl<const D: usize> Curve<D> {
     /// When a coordinate overflows.
     pub fn transformed(&self, map: &AffineMap<D>) -> Result<Self, InvalidCurve> {
         let [low, high] = self.bounds();
-        let reach =
-            low.iter().chain(&high).fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let reach = low.iter().chain(&high).fold(0.0, |most: f64, x| greater(x.abs(), most));
         let offset = map.offset.iter().fold(0.0, |sum, x| add_up(sum, x.abs()));
         // A coordinate is a sum of D products and an offset: 2D roundings of half a step of the intermediate
         // values, which are at most stretch·√D·reach + offset; D coordinates of them. 4·D² ε covers it, and

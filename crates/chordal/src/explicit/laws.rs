@@ -5,6 +5,7 @@
 //! coordinate. One evaluation is three levels of `(1−t)·a + t·b`, each four roundings of at most half an ulp,
 //! most of which cancel.
 use super::Bezier;
+use crate::math::greater;
 
 /// The operations of a cubic Bézier curve in `D` dimensions that the laws need.
 pub trait CubicCurve<const D: usize>: Sized {
@@ -206,7 +207,7 @@ pub fn stays_inside_its_hull<C: CubicCurve<D>, const D: usize>() {
                 .control()
                 .iter()
                 .map(|p| out(*p, d))
-                .fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
+                .fold(f64::NEG_INFINITY, |most, x| greater(x, most));
             out(point, d) > most + SAME * ulp
         };
         directions

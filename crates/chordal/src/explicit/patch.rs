@@ -1,7 +1,7 @@
 //! `Patch`: one bicubic Bézier patch.
 use super::Bezier;
 use super::bezier::{bernstein, lerp};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 
 /// A bicubic Bézier patch: `S(u, v) = Σ B_i(v)·B_j(u)·control[i][j]`, with `u` along a row and `v` from row
 /// to row.
@@ -187,11 +187,7 @@ impl Patch {
     /// The largest absolute coordinate of the control points.
     #[must_use]
     pub fn size(&self) -> f64 {
-        self.control
-            .iter()
-            .flatten()
-            .flatten()
-            .fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most })
+        self.control.iter().flatten().flatten().fold(0.0, |most, x| greater(x.abs(), most))
     }
 
     /// Whether every coordinate is finite.
@@ -216,6 +212,5 @@ pub(super) fn front(a: [f64; 3], b: [f64; 3]) -> ([f64; 3], f64) {
 /// The largest absolute value.
 #[inline(always)]
 pub(super) fn largest([x, y, z]: [f64; 3]) -> f64 {
-    let more = |a: f64, b: f64| if a > b { a } else { b };
-    more(x.abs(), more(y.abs(), z.abs()))
+    greater(x.abs(), greater(y.abs(), z.abs()))
 }

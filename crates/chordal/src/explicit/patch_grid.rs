@@ -8,6 +8,7 @@
 use super::Patch;
 use super::bezier::bernstein;
 use super::patch::{front, largest};
+use crate::math::lesser;
 use crate::math::simd::{self, Isa, Kernel};
 
 /// Parameters per block: enough to fill the widest registers, few enough to stay in the first-level cache.
@@ -113,7 +114,7 @@ impl Kernel for PatchNormalsKernel<'_> {
                 let (by_u, by_v) = tangents(&patch.control, u[i], v[i]);
                 ([x[i], y[i], z[i]], scale[i]) = front(by_u, by_v);
                 let (a, b) = (largest(by_u), largest(by_v));
-                shorter[i] = if a < b { a } else { b };
+                shorter[i] = lesser(a, b);
             }
             for (i, normal) in normals.iter_mut().enumerate() {
                 // Only the plain case is handled here; `patch.normal` handles all others, NaN included.

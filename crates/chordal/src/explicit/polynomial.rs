@@ -1,5 +1,6 @@
 //! `Polynomial`: the single polynomial through many points, for comparison with splines.
 use super::spline::InvalidSpline;
+use crate::math::{greater, lesser};
 
 /// The polynomial of least degree through `points` at `nodes`.
 ///
@@ -37,9 +38,8 @@ impl<const D: usize> Polynomial<D> {
             return Err(InvalidSpline::NotFinite);
         }
         // Scaled by the width of all nodes, so that products of many differences overflow later.
-        let (low, high) = nodes.iter().fold((nodes[0], nodes[0]), |(low, high), x| {
-            (if *x < low { *x } else { low }, if *x > high { *x } else { high })
-        });
+        let (low, high) =
+            nodes.iter().fold((nodes[0], nodes[0]), |(low, high), x| (lesser(*x, low), greater(*x, high)));
         let scale = if high > low { 4.0 / (high - low) } else { 1.0 };
         let weight = |i: usize| {
             let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);

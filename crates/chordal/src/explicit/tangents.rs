@@ -1,5 +1,6 @@
 //! Tangents for normal maps by MikkTSpace, the method of the programs that bake or render them.
 use super::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
+use crate::math::greater;
 use bevy_mikktspace::{Geometry, Ops, TangentSpace};
 
 /// The mesh with MikkTSpace tangents for the texture coordinates of a set, which replace any others. `None`
@@ -46,7 +47,7 @@ pub fn with_tangents(mesh: &Mesh, set: u32) -> Option<Result<Mesh, InvalidMesh>>
     let texture = mesh.attribute(&Semantic::TexCoord(set)).filter(|rows| rows.width == 2)?;
     let bounds = mesh.bounds();
     let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
-    let extent = half.fold(0.0, |most: f64, x| if x > most { x } else { most });
+    let extent = half.fold(0.0, |most: f64, x| greater(x, most));
     let mut corners = MikktGeometry {
         mesh,
         normals,

@@ -5,7 +5,9 @@
 //! areas of thin triangles far from the origin keep their digits.
 use super::triangulate::unit_scale;
 use super::{Attribute, Domain, Mesh, face_normal};
-use crate::math::{DoubleDouble, Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
+use crate::math::{
+    DoubleDouble, Orientation, PointInTriangle, greater, lesser, orient2d, orient3d, triangle_contains,
+};
 
 /// Three corners in D dimensions; the front is counter-clockwise.
 ///
@@ -181,7 +183,7 @@ impl Triangle<3> {
         let sum = edges[0] + edges[1] + edges[2];
         let share = 2.0 * 3.0_f64.sqrt() * size(scaled.doubled_area()) / sum;
         // The ratio is NaN where all corners coincide; the quality is 0 then.
-        if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 }
+        if share > 0.0 { lesser(share, 1.0) } else { 0.0 }
     }
 
     /// The ratio of the least height to the longest edge, from 0 for corners on one line to `√3/2` for three
@@ -190,10 +192,10 @@ impl Triangle<3> {
     #[must_use]
     pub fn slenderness(&self) -> f64 {
         let (scaled, _) = self.scaled();
-        let longest_sq = scaled.edges_sq().into_iter().fold(0.0, |m, e| if e > m { e } else { m });
+        let longest_sq = scaled.edges_sq().into_iter().fold(0.0, |m, e| greater(e, m));
         let share = size(scaled.doubled_area()) / longest_sq;
         // The ratio is NaN where all corners coincide; the slenderness is 0 then.
-        if share > 0.0 { share } else { 0.0 }
+        greater(share, 0.0)
     }
 }
 
@@ -251,7 +253,7 @@ fn dot(a: Wide3, b: Wide3) -> DoubleDouble {
 
 fn size(v: Wide3) -> f64 {
     let [x, y, z] = v.map(|x| x.hi);
-    let most = [x, y, z].into_iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
+    let most = [x, y, z].into_iter().fold(0.0, |m, x| greater(x.abs(), m));
     if most == 0.0 {
         return 0.0;
     }

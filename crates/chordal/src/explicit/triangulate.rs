@@ -10,7 +10,7 @@ mod ears;
 mod holes;
 
 use crate::explicit::{Diagonal, Quad};
-use crate::math::cross;
+use crate::math::{cross, greater, lesser};
 use ears::EarClipper;
 use robust::{Coord, orient2d};
 
@@ -206,8 +206,7 @@ fn scale_of(points: &[[f64; 3]]) -> f64 {
 
 /// A power of two that scales the largest coordinate to near 1.
 pub(super) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
-    let largest =
-        points.iter().flatten().fold(0.0_f64, |most, x| if x.abs() > most { x.abs() } else { most });
+    let largest = points.iter().flatten().fold(0.0_f64, |most, x| greater(x.abs(), most));
     let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i64 - 1023;
     if largest == 0.0 {
         return 1.0;
@@ -227,8 +226,8 @@ fn newell(points: &[[f64; 3]], scale: f64) -> [f64; 3] {
 /// The axis along which the points have the smallest extent.
 fn thinnest(points: &[[f64; 3]]) -> usize {
     let extent = |k: usize| {
-        let low = points.iter().fold(f64::INFINITY, |m, p| if p[k] < m { p[k] } else { m });
-        let high = points.iter().fold(f64::NEG_INFINITY, |m, p| if p[k] > m { p[k] } else { m });
+        let low = points.iter().fold(f64::INFINITY, |m, p| lesser(p[k], m));
+        let high = points.iter().fold(f64::NEG_INFINITY, |m, p| greater(p[k], m));
         0.5 * high - 0.5 * low
     };
     let extents = [extent(0), extent(1), extent(2)];

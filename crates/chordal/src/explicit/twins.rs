@@ -1,5 +1,6 @@
 //! `Twins`: for every half-edge its twin along the same edge in the neighbouring triangle.
 use super::{Mesh, Topology};
+use crate::math::lesser;
 
 /// The most half-edges that a mesh may have: the upper half of `u32` is used for flags and states.
 pub(super) const MAX_HALF_EDGES: usize = (1 << 31) - 4;
@@ -192,7 +193,7 @@ impl HalfEdgeBuckets {
         let mut start = vec![0_u32; n_rows + 1];
         for [a, b, c] in faces.iter().filter_map(proper) {
             for (from, to) in [(a, b), (b, c), (c, a)] {
-                start[if from < to { from } else { to } as usize] += 1;
+                start[lesser(from, to) as usize] += 1;
             }
         }
         // 2. Turn counts into offsets.

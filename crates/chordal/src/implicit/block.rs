@@ -2,7 +2,7 @@
 use super::dual::{Dual, each_axis};
 use super::inputs::LeafScalar;
 use super::number::TapeInterval;
-use crate::math::{BareInterval, Interval};
+use crate::math::{BareInterval, Interval, lesser};
 
 /// A number type that is stored in blocks.
 pub(super) trait BlockScalar: LeafScalar + 'static {
@@ -211,5 +211,5 @@ pub(super) fn all_near<N: BlockScalar>(n: usize, a: &N::Block) -> bool {
 /// `n`, at most the block size, which the compiler then knows.
 #[inline(always)]
 pub(super) fn at_most<N: BlockScalar>(n: usize) -> usize {
-    if n < N::LANES { n } else { N::LANES }
+    lesser(n, N::LANES)
 }

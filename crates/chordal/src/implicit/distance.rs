@@ -1,5 +1,7 @@
 //! `Distance`: what the value of a field is worth as a distance.
 
+use crate::math::lesser;
+
 /// What the absolute value of a field says about the distance to its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DistanceQuality {
@@ -52,11 +54,8 @@ impl Distance {
     /// other shape may cover that surface, so only a bound is left.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
-        let inside = if self.inside < other.inside { self.inside } else { other.inside };
-        Self {
-            outside: if self.outside < other.outside { self.outside } else { other.outside },
-            inside: if inside < DistanceQuality::Bound { inside } else { DistanceQuality::Bound },
-        }
+        let inside = lesser(self.inside, other.inside);
+        Self { outside: lesser(self.outside, other.outside), inside: lesser(inside, DistanceQuality::Bound) }
     }
 
     /// That of `max(a, b)`: [`Distance::union`] with both sides exchanged.
@@ -74,6 +73,6 @@ impl Distance {
     /// The weaker of the two sides.
     #[must_use]
     pub fn weakest(self) -> DistanceQuality {
-        if self.outside < self.inside { self.outside } else { self.inside }
+        lesser(self.outside, self.inside)
     }
 }

@@ -1,7 +1,7 @@
 //! `Dual`: a value with its partial derivatives, and the operations on both.
 use super::number::{Scalar, squares};
 use super::op::{Binary, Unary};
-use crate::math::Interval;
+use crate::math::{Interval, greater};
 
 /// A value with its partial derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,7 @@ impl GeneralizedDerivative for f64 {
         }
         if sides[largest] > 0.0 {
             for side in &mut sides {
-                *side = if *side > 0.0 { *side } else { 0.0 };
+                *side = greater(*side, 0.0);
             }
             return Self::length_gradient(sides, Self::length(sides));
         }

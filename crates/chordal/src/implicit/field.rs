@@ -6,7 +6,7 @@ use super::outside::is_empty_outside;
 use super::promises::Promises;
 use super::tape::Tape;
 use crate::budget::Evidence;
-use crate::math::{Box3, add_up, sub_down};
+use crate::math::{Box3, add_up, greater, sub_down};
 use std::sync::Arc;
 
 /// An implicit shape: the set of points where an expression is negative.
@@ -238,6 +238,6 @@ fn with_margin(bounds: &Box3) -> Box3 {
     /// Derived: an interval of some thousand steps is off by less than 2⁻⁴⁰ of its numbers.
     const ROOM: f64 = 1.0 / (1_u64 << 40) as f64;
     let ends = bounds.min.iter().chain(&bounds.max).map(|x| x.abs()).filter(|x| x.is_finite());
-    let room = ROOM * ends.fold(0.0, |most, x| if x > most { x } else { most });
+    let room = ROOM * ends.fold(0.0, |most, x| greater(x, most));
     Box3 { min: bounds.min.map(|x| sub_down(x, room)), max: bounds.max.map(|x| add_up(x, room)) }
 }

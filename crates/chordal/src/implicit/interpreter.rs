@@ -3,6 +3,7 @@ use super::block::{BlockScalar, Decorations, MOST_CLAIMS, all_near, at_most, put
 use super::number::is_periodic;
 use super::op::{Binary, Unary};
 use super::program::{Instruction, Opcode, Program, VectorOp};
+use crate::math::lesser;
 use crate::math::simd::{self, Kernel};
 use std::any::Any;
 use std::cell::RefCell;
@@ -30,7 +31,7 @@ impl<N: BlockScalar, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Progra
         let mut start = 0;
         while start < self.rows {
             let left = self.rows - start;
-            let n = if left < N::LANES { left } else { N::LANES };
+            let n = lesser(left, N::LANES);
             let mut claims = [u64::MAX; MOST_CLAIMS];
             for (input, read) in program.reads.iter().enumerate() {
                 if !read {

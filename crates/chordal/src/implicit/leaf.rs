@@ -1,6 +1,6 @@
 //! `Leaf`: a part of a field that is not an expression, such as a grid, a mesh or a function of the user's.
 use crate::budget::Evidence;
-use crate::math::{Box3, Interval, add_up, mul_up, sub_up};
+use crate::math::{Box3, Interval, add_up, greater, mul_up, sub_up};
 use std::fmt;
 use std::sync::Arc;
 
@@ -112,7 +112,7 @@ pub trait Leaf: Send + Sync + fmt::Debug {
 fn radius_around(bounds: &Box3, middle: [f64; 3]) -> f64 {
     let far = |k: usize| {
         let (low, high) = (sub_up(middle[k], bounds.min[k]), sub_up(bounds.max[k], middle[k]));
-        if low > high { low } else { high }
+        greater(low, high)
     };
     Box3 { min: [0.0; 3], max: [far(0), far(1), far(2)] }.diagonal()
 }

@@ -1,5 +1,6 @@
 //! The operations of expressions: their names, and their effect on numbers.
 use crate::math::elementary::{self, single};
+use crate::math::{greater, lesser};
 
 /// An operation on one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -178,9 +179,9 @@ impl Binary {
             Self::Min | Self::Max => b,
             Self::SmoothMin => {
                 let near = 1.0 - (a - b).abs();
-                let near = if near > 0.0 { near } else { 0.0 };
+                let near = greater(near, 0.0);
                 // Not by `Self::Min` of this function: a function that calls itself is not inlined.
-                let least = if a < b { a } else { b };
+                let least = lesser(a, b);
                 least - 0.25 * (near * near)
             }
             Self::LogSumExp => {
@@ -225,8 +226,8 @@ impl Binary {
             Self::Min | Self::Max => b,
             Self::SmoothMin => {
                 let near = 1.0 - (a - b).abs();
-                let near = if near > 0.0 { near } else { 0.0 };
-                let least = if a < b { a } else { b };
+                let near = greater(near, 0.0);
+                let least = lesser(a, b);
                 least - 0.25 * (near * near)
             }
             Self::LogSumExp => {

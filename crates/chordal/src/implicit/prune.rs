@@ -12,7 +12,9 @@ use super::leaf::LeafError;
 use super::number::Scalar;
 use super::op::{Binary, Unary};
 use super::program::box_distance_terms;
-use crate::math::{Box3, Interval, add_up, div_down, div_up, mul_down, mul_up, sub_down, sub_up};
+use crate::math::{
+    Box3, Interval, add_up, div_down, div_up, greater, lesser, mul_down, mul_up, sub_down, sub_up,
+};
 
 /// What replaces a term in the region.
 #[derive(Clone, Copy, PartialEq)]
@@ -122,10 +124,7 @@ impl PruningBounds {
 
     /// The values without effect in both of two uses.
     fn both(self, other: Self) -> Self {
-        Self {
-            above: if self.above > other.above { self.above } else { other.above },
-            below: if self.below < other.below { self.below } else { other.below },
-        }
+        Self { above: greater(self.above, other.above), below: lesser(self.below, other.below) }
     }
 
     fn mirrored(self) -> Self {
@@ -134,7 +133,7 @@ impl PruningBounds {
 
     /// The same with values from there on without effect.
     fn from(self, above: f64) -> Self {
-        Self { above: if above < self.above { above } else { self.above }, ..self }
+        Self { above: lesser(above, self.above), ..self }
     }
 
     /// Whether the operand with this interval can be left out: of a minimum one without effect above, of a

@@ -1,6 +1,7 @@
 //! `SparseGrid`: samples on a lattice in bricks of 8³, without the bricks that hold only background.
 use super::affine::Affine3;
 use super::grid::{Grid, InvalidGrid, Samples};
+use crate::math::greater;
 
 /// Samples along each side of a brick.
 pub(crate) const BRICK: usize = 8;
@@ -114,7 +115,7 @@ impl SparseGrid {
     /// The largest absolute value; infinite samples count as the largest number.
     pub(crate) fn largest(&self) -> f64 {
         let sizes = self.values.iter().map(|x| if x.is_infinite() { f64::MAX } else { x.abs() });
-        sizes.fold(self.background.abs(), |most, x| if x > most { x } else { most })
+        sizes.fold(self.background.abs(), |most, x| greater(x, most))
     }
 
     /// One sample.

@@ -4,7 +4,7 @@ use super::grid::Grid;
 use super::leaf::{Leaf, LeafAnswer, LeafError};
 use super::sparse::SparseGrid;
 use crate::budget::Evidence;
-use crate::math::{Box3, Interval, add_up, mul_up};
+use crate::math::{Box3, Interval, add_up, greater, lesser, mul_up};
 use std::sync::Arc;
 
 /// The trilinear interpolant of a grid, dense or in bricks, as a leaf of expressions: the same bits for the
@@ -121,7 +121,7 @@ impl<G: SampleGrid> Trilinear<G> {
     /// The lower sample along an axis and the fraction of the way to the next one, clamped to the lattice.
     fn split(&self, axis: usize, place: f64) -> (usize, f64) {
         let last = (self.grid.size()[axis] - 1) as f64;
-        let kept = if place > 0.0 { if place < last { place } else { last } } else { 0.0 };
+        let kept = if place > 0.0 { lesser(place, last) } else { 0.0 };
         let low = (kept.floor() as usize).min(self.grid.size()[axis].saturating_sub(2));
         (low, kept - low as f64)
     }
@@ -349,7 +349,7 @@ fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
 /// can be off by its last place. A mean of numbers that are not negative is not negative either, rounded or
 /// not, and likewise of numbers that are not positive.
 fn with_rounding(range: Interval, samples: &[f64]) -> Interval {
-    let largest = samples.iter().fold(0.0, |most: f64, v| if v.abs() > most { v.abs() } else { most });
+    let largest = samples.iter().fold(0.0, |most: f64, v| greater(v.abs(), most));
     // Three means of three roundings each, of numbers no larger than the largest. The smallest normal number
     // covers underflow.
     let off = add_up(mul_up(8.0 * f64::EPSILON, largest), f64::MIN_POSITIVE);

@@ -8,7 +8,7 @@ use super::surface::{HalfEdgeSurface, NONE};
 use super::wedges::{WedgeTransfer, Wedges};
 use crate::budget::Job;
 use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
-use crate::math::{Box3, cross, difference, dot};
+use crate::math::{Box3, cross, difference, dot, greater, lesser, unit_and_length};
 
 /// How a vertex may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,7 +156,7 @@ impl EdgeCollapser {
                 continue;
             }
             let along = difference(p[(k + 1) % 3], p[k]);
-            let (upright, size) = unit(cross(along, normal));
+            let (upright, size) = unit_and_length(cross(along, normal));
             if size > 0.0 {
                 let plane = Quadric::from_plane(upright, p[k], LINE_WEIGHT * dot(along, along));
                 self.quadric[corners[k] as usize].add(&plane);
@@ -213,7 +213,7 @@ impl EdgeCollapser {
     #[inline]
     fn enqueue(&mut self, h: u32) {
         let twin = self.surface.twin[h as usize];
-        let h = if twin < h { twin } else { h };
+        let h = lesser(twin, h);
         if let Some(EdgeCollapse { cost, .. }) = self.collapse_of(h) {
             self.cost[h as usize] = cost;
             self.queue.push(cost, h);
@@ -388,11 +388,7 @@ impl EdgeCollapser {
         let mut most = 0.0;
         let mut next = Vec::new();
         for v in ends {
-            most = if self.feature_deviation[v as usize] > most {
-                self.feature_deviation[v as usize]
-            } else {
-                most
-            };
+            most = greater(self.feature_deviation[v as usize], most);
             for g in self.surface.one_ring(v) {
                 let arrives = previous_in_face(g);
                 let leaves = (self.is_kept_line(g)).then(|| self.surface.end(g));
@@ -405,10 +401,10 @@ impl EdgeCollapser {
             let p = self.at[v as usize];
             let to = |w: &u32| distance_sq_to_triangle(p, [shrink.to, self.at[*w as usize], shrink.to]);
             let start = difference(p, shrink.to);
-            next.iter().map(to).fold(dot(start, start), |least, x| if x < least { x } else { least })
+            next.iter().map(to).fold(dot(start, start), |least, x| lesser(x, least))
         };
         let step = ends.map(off);
-        most + (if step[0] > step[1] { step[0] } else { step[1] }).sqrt()
+        most + (greater(step[0], step[1])).sqrt()
     }
 
     /// The box around the faces that change, before and after.
@@ -460,7 +456,7 @@ impl EdgeCollapser {
                     [self.surface.start[h as usize], self.surface.end(h)].map(|v| self.at[v as usize]);
                 let along = difference(r, p);
                 let t = dot(difference(shrink.to, p), along) / dot(along, along);
-                let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
+                let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
                 let values: Vec<_> = (0..2)
                     .filter(|side| at_end[*side] != NONE)
                     .map(|side| (at_end[side], wedges.blend(&[(at_start[side], 1.0 - t), (at_end[side], t)])))
@@ -563,11 +559,5 @@ const FAR: f64 = 4.0;
 /// The unit normal and twice the area.
 #[inline]
 fn normal_and_area(p: [[f64; 3]; 3]) -> ([f64; 3], f64) {
-    unit(cross(difference(p[1], p[0]), difference(p[2], p[0])))
-}
-
-#[inline]
-fn unit(v: [f64; 3]) -> ([f64; 3], f64) {
-    let size = dot(v, v).sqrt();
-    (v.map(|x| x / size), size)
+    unit_and_length(cross(difference(p[1], p[0]), difference(p[2], p[0])))
 }

@@ -5,6 +5,7 @@ use super::surface::{HalfEdgeSurface, NONE};
 use crate::budget::{Job, JobError};
 use crate::check::ProximityChecker;
 use crate::explicit::Mesh;
+use crate::math::lesser;
 use std::borrow::Cow;
 use std::rc::Rc;
 
@@ -67,7 +68,7 @@ impl CheckLevel {
     /// The stricter of two levels.
     pub fn stricter(self, other: Self) -> Self {
         match (self, other) {
-            (Self::ProvedFrom(a), Self::ProvedFrom(b)) => Self::ProvedFrom(if a < b { a } else { b }),
+            (Self::ProvedFrom(a), Self::ProvedFrom(b)) => Self::ProvedFrom(lesser(a, b)),
             _ if self.rank() < other.rank() => other,
             _ => self,
         }

@@ -1,6 +1,6 @@
 //! Flat shading: normals that equal those of the faces, recomputed for the remaining faces.
 use crate::explicit::{Attribute, Domain, Mesh, Semantic};
-use crate::math::{cross, difference, dot};
+use crate::math::{cross, difference, dot, greater};
 
 /// The largest angle between a normal and that of its face that counts as equal: 5°. Chosen: for normals in
 /// eight bits per component and positions in f32.
@@ -26,7 +26,7 @@ fn is_flat_at(mesh: &Mesh, attribute: &Attribute, face: u32) -> bool {
     // Halved, so that no difference overflows, and scaled to an extent of 1.
     let corners = mesh.corners(face as usize).map(|p| p.map(|x| 0.5 * x));
     let sides = [difference(corners[1], corners[0]), difference(corners[2], corners[0])];
-    let most = sides.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let most = sides.as_flattened().iter().fold(0.0, |most, x| greater(x.abs(), most));
     let [u, v] = sides.map(|side| side.map(|x| x / most));
     let own = cross(u, v);
     let longest = dot(u, u) + dot(v, v);

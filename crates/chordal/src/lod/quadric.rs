@@ -1,5 +1,5 @@
 //! `Quadric`: the weighted sum of squared distances to a set of planes, as a function of the point.
-use crate::math::dot;
+use crate::math::{dot, greater};
 
 /// `p·A·p + 2 b·p + c`: the cost of a point by its distances from the planes.
 ///
@@ -72,7 +72,7 @@ impl Quadric {
     pub fn at(&self, p: [f64; 3]) -> f64 {
         let g = self.half_gradient(p);
         let value = dot(g, p) + dot(self.b, p) + self.c;
-        if value > 0.0 { value } else { 0.0 }
+        greater(value, 0.0)
     }
 
     /// The point near `middle` with the least value, and that value. Where the planes leave it open, it stays

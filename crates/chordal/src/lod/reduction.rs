@@ -8,7 +8,7 @@ use super::wedges::{Wedges, is_carried};
 use crate::budget::{ErrorLimit, Job, JobError};
 use crate::check::{ProximityChecker, ViolationReport};
 use crate::explicit::{Attribute, DisjointSets, Domain, InvalidMesh, Mesh, Topology};
-use crate::math::{Box3, difference, exponent, length, power_of_two};
+use crate::math::{Box3, difference, exponent, greater, length, lesser, power_of_two};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,7 +23,7 @@ impl ReductionFrame {
     fn from_bounds(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
-        let half = half.fold(0.0, |most, x| if x > most { x } else { most });
+        let half = half.fold(0.0, |most, x| greater(x, most));
         // A scale and its inverse are normal numbers.
         Self { origin: bounds.centre(), scale: power_of_two(-exponent(half).clamp(-1000, 1000)) }
     }
@@ -164,8 +164,7 @@ impl<'a> MeshReduction<'a> {
             // A face that was left out from the start has no vertices here.
             if corners[0] != NONE {
                 let costs = corners.map(|v| made_at(then.samples.holder(v)));
-                let cost =
-                    costs.into_iter().fold(f32::INFINITY, |least, x| if x < least { x } else { least });
+                let cost = costs.into_iter().fold(f32::INFINITY, |least, x| lesser(x, least));
                 corners.into_iter().for_each(|v| mark(v, cost));
             }
         }

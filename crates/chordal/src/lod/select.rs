@@ -1,6 +1,6 @@
 //! `SwitchDistances`: which level of detail is fine enough at a distance.
 use crate::budget::{MinDistanceView, Pixels, View};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 
 /// Switching distances of levels by their errors, the finest first, for one projection and a limit in pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl SwitchDistances {
         let level = match before {
             Some(before) if now > before => {
                 let late = coarsest(distance / HYSTERESIS);
-                if late > before { late } else { before }
+                greater(late, before)
             }
             _ => now,
         };

@@ -7,7 +7,7 @@ use crate::budget::{
 };
 use crate::check::{Deviation, Goal, OneSidedDistance, ViolationReport, deviation, tolerance_violations};
 use crate::explicit::{Mesh, Topology};
-use crate::math::Box3;
+use crate::math::{Box3, lesser};
 
 /// A simplified mesh, with details beside the bound.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,7 +120,7 @@ pub fn simplify(
         // anywhere in the bounding box.
         let of_length = made.bound.at_most().and_then(|most| view.pixels_of(most, &bounds));
         made.bound.pixels = match (made.bound.pixels, of_length) {
-            (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+            (Some(a), Some(b)) => Some(lesser(a, b)),
             (a, b) => a.or(b),
         };
     }

@@ -2,7 +2,7 @@
 use super::flat_normals::is_flat;
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
-use crate::math::dot;
+use crate::math::{dot, lesser};
 
 /// One row of values for all corners around a vertex between two feature lines.
 ///
@@ -159,7 +159,7 @@ impl Wedges {
             }
             for span in self.spans.clone() {
                 if span.blending == WedgeBlending::Direction {
-                    for k in 0..if span.width < 3 { span.width } else { 3 } {
+                    for k in 0..lesser(span.width, 3) {
                         let more = self.values[wedge as usize * self.width + span.from + k];
                         self.values[root as usize * self.width + span.from + k] += more;
                     }

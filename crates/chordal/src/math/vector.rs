@@ -23,3 +23,36 @@ pub(crate) fn length<const D: usize>(a: [f64; D]) -> f64 {
 pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
+
+/// `v` scaled to length 1, or `None` where it has no direction: zero, infinite or NaN.
+#[inline]
+pub(crate) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    let largest = v.iter().fold(0.0, |most, x| greater(x.abs(), most));
+    if !(largest > 0.0 && v.iter().all(|x| x.is_finite())) {
+        return None;
+    }
+    // Scaled first, so that squares neither overflow nor vanish.
+    let scaled = v.map(|x| x / largest);
+    let length = length(scaled);
+    Some(scaled.map(|x| x / length))
+}
+
+/// `v` divided by its length, and the length, for vectors whose squares neither overflow nor vanish; NaN for zero.
+#[inline(always)]
+pub(crate) fn unit_and_length(v: [f64; 3]) -> ([f64; 3], f64) {
+    let length = length(v);
+    (v.map(|x| x / length), length)
+}
+
+/// The lesser of two numbers: `b` where they are equal or one is NaN, so that signs of zero are the same on every
+/// platform, as those of `f64::min` need not be.
+#[inline(always)]
+pub(crate) fn lesser<T: PartialOrd>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers: `b` where they are equal or one is NaN.
+#[inline(always)]
+pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}

@@ -4,6 +4,7 @@ use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
 use crate::Mesh;
 use crate::check::has_zero_area;
 use crate::explicit::Domain;
+use crate::math::lesser;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -103,7 +104,7 @@ impl<'a> FaceCutter<'a> {
         let (along, from_a) = (along / size, (at(row) - a) / size);
         let t = from_a.dot(along) / along.dot(along);
         // Strictly inside, so that a stop with 0 is a corner; only rounding can bring it to an end.
-        if t > f64::MIN_POSITIVE { if t < 1.0 { t } else { 1.0 } } else { f64::MIN_POSITIVE }
+        if t > f64::MIN_POSITIVE { lesser(t, 1.0) } else { f64::MIN_POSITIVE }
     }
 
     /// Whether no edge gets a third face. If so, counts the edges of the new faces.

@@ -7,7 +7,7 @@ use crate::Mesh;
 use crate::budget::{Bound, Evidence, Job, JobError, Reference};
 use crate::check::{Finding, Witness, has_zero_area};
 use crate::explicit::{Bvh, Topology, Twin, Twins, previous_in_face};
-use crate::math::{add_up, mul_up};
+use crate::math::{add_up, greater, mul_up};
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -204,7 +204,7 @@ fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError
         let lengths = [0, 1, 2].map(|k| mul_up(0.5, distance_up(corners[k], corners[(k + 1) % 3])));
         // No point of a segment is farther from one of its ends than half its length.
         let reach = add_up(largest(far), largest(lengths));
-        most = if reach > most { reach } else { most };
+        most = greater(reach, most);
     }
     if most.is_finite() {
         return Ok(Bound::proved(0.0, most, Reference::InputTriangles));
@@ -213,5 +213,5 @@ fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError
 }
 
 fn largest(numbers: [f64; 3]) -> f64 {
-    numbers.into_iter().fold(0.0, |most, x| if x > most { x } else { most })
+    numbers.into_iter().fold(0.0, |most, x| greater(x, most))
 }

@@ -6,7 +6,7 @@ use crate::Mesh;
 use crate::budget::{Job, JobError, Tolerance};
 use crate::check::{Finding, MeshConnectivity, MeshLocation, Witness, has_zero_area, vertices_in_edges};
 use crate::explicit::{Topology, next_in_face};
-use crate::math::{add_up, mul_up};
+use crate::math::{add_up, greater, lesser, mul_up};
 
 /// Cuts every face with a boundary vertex in the middle of one of its boundary edges so that the vertex
 /// becomes a corner of it: the T-junctions that [`check::t_junctions`](crate::check::t_junctions) finds,
@@ -74,7 +74,7 @@ pub fn resolve_t_junctions(
             finding.add(|| witness(mesh, insertion));
             if let (Some(_), true) = (within, is_cut) {
                 let off = distance_up(mesh, insertion);
-                most = if off > most { off } else { most };
+                most = greater(off, most);
             }
         }
     }
@@ -100,13 +100,13 @@ fn distance_up(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertio
     let [a, b] = ends(mesh, half_edge).map(|row| mesh.positions()[row as usize]);
     let p = mesh.positions()[row as usize];
     let along: [f64; 3] = std::array::from_fn(|k| 0.5 * b[k] - 0.5 * a[k]);
-    let size = along.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    let size = along.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
     let along = along.map(|x| x / size);
     let from_a: [f64; 3] = std::array::from_fn(|k| (0.5 * p[k] - 0.5 * a[k]) / size);
     let t = crate::math::dot(from_a, along) / crate::math::dot(along, along);
-    let t = if t > 1.0 { 1.0 } else { t };
+    let t = lesser(1.0, t);
     let foot: [f64; 3] = std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k]);
-    let reach = [a, b].as_flattened().iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    let reach = [a, b].as_flattened().iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
     // For any t in [0, 1] the point is on the edge; each coordinate has four roundings of half a step of
     // `reach`, and the three together are at most √3 of that: below 4 whole steps. The smallest number covers
     // underflow.

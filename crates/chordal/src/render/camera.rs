@@ -2,6 +2,7 @@
 use super::options::UpAxis;
 use crate::budget::{Camera, Projection, Screen};
 use crate::explicit::{Mesh, Ray};
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// The vertical field of view of the automatic viewpoint: a short telephoto, which keeps proportions.
@@ -49,14 +50,14 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     // half-planes, each pushed out by one point. Opposite ones meet at the nearest eye for that axis; the
     // farther one serves both.
     let farthest = |slope: &dyn Fn(DVec3) -> f64| {
-        used().map(|p| slope(p - centre)).fold(f64::NEG_INFINITY, |a, b| if b > a { b } else { a })
+        used().map(|p| slope(p - centre)).fold(f64::NEG_INFINITY, |a, b| greater(b, a))
     };
     let ends = |axis: DVec3, tan: f64| {
         [1.0, -1.0].map(|sign| farthest(&|p| sign * axis.dot(p) - tan * forward.dot(p)))
     };
     let (x, y) = (ends(right, tan_x), ends(above, tan_y));
     let depth = [(x, tan_x), (y, tan_y)].map(|([a, b], tan)| -(a + b) / (2.0 * tan));
-    let depth = if depth[0] < depth[1] { depth[0] } else { depth[1] };
+    let depth = lesser(depth[0], depth[1]);
     let middle = |[a, b]: [f64; 2]| 0.5 * (a - b);
     let nearest = -farthest(&|p| -forward.dot(p));
     let offset = right * middle(x) + above * middle(y) + forward * depth;

@@ -7,7 +7,7 @@ use super::trace::{PremultipliedColor, backdrop, ray_generator};
 use crate::budget::{Camera, Job, Projection, Screen};
 use crate::implicit::query::{BeamCounts, contains, normals};
 use crate::implicit::{Field, LeafError, Tape};
-use crate::math::{Box3, Interval};
+use crate::math::{Box3, Interval, greater};
 use glam::DVec3;
 
 /// The colour of the inside, in sRGB.
@@ -58,7 +58,7 @@ fn top_view_camera(place: &Box3, screen: Screen) -> Result<Camera, FieldRenderEr
     let size = |k: usize| max[k] - min[k];
     let aspect = f64::from(screen.height_px) / f64::from(screen.width_px.max(1));
     let by_width = size(0) * aspect;
-    let height = if by_width > size(1) { by_width } else { size(1) } / framed;
+    let height = greater(by_width, size(1)) / framed;
     if !(height > 0.0 && height.is_finite()) {
         return Err(refusal(format!("the field's box {min:?} to {max:?} has no extent to show")));
     }

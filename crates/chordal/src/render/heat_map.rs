@@ -2,6 +2,7 @@
 use super::color::srgb_to_linear;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh};
+use crate::math::greater;
 use glam::DVec3;
 
 /// Another surface, from which the distance of each point is shown.
@@ -35,7 +36,7 @@ impl HeatMap {
         let off = self.bvh.closest_point(place).map_or(f64::INFINITY, |closest| closest.distance_sq.sqrt());
         let share = off / self.most;
         // 0/0 counts as distance 0 on a scale without extent.
-        let share = if share < 1.0 || off == 0.0 { if share > 0.0 { share } else { 0.0 } } else { 1.0 };
+        let share = if share < 1.0 || off == 0.0 { greater(share, 0.0) } else { 1.0 };
         self.ramp.at(share)
     }
 }

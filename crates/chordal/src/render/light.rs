@@ -4,7 +4,7 @@ use super::options::UpAxis;
 use super::render_mesh::ShadingPoint;
 use super::sample_pattern::{PixelPattern, tangents};
 use crate::budget::Camera;
-use crate::math::Box3;
+use crate::math::{Box3, greater, lesser};
 use glam::DVec3;
 
 /// The radius of the lamp over its distance: soft shadows, as from a large window.
@@ -55,7 +55,7 @@ pub(super) struct StudioLights {
 /// A smooth step: 0 up to `low`, 1 from `high` on.
 fn smoothstep([low, high]: [f64; 2], t: f64) -> f64 {
     let x = (t - low) / (high - low);
-    let x = if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
+    let x = if x > 0.0 { lesser(x, 1.0) } else { 0.0 };
     x * x * (3.0 - 2.0 * x)
 }
 
@@ -169,7 +169,7 @@ impl StudioLights {
             )
         };
         // Source: C. Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994.
-        let off = 1.0 - if cos > 0.0 { cos } else { 0.0 };
+        let off = 1.0 - greater(cos, 0.0);
         let share = GLAZE + (GLAZE_GRAZING - GLAZE) * (off * off) * (off * off) * off;
         diffuse * (1.0 - share) + seen * share
     }

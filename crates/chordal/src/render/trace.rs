@@ -10,6 +10,7 @@ use super::zebra::zebra_color;
 use super::{Picture, frame, render_overshade};
 use crate::budget::{Camera, Job, JobError, Progress, Refusal, RefusalCode, Screen, View, par_map};
 use crate::explicit::{Mesh, Ray};
+use crate::math::lesser;
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -262,9 +263,9 @@ impl MeshRenderer<'_> {
     /// The strength of the lines where a ray meets a triangle.
     fn line_strength(&self, ray: &Ray, corners: [[f64; 3]; 3]) -> f64 {
         let edges = self.eye.edge_distances(ray, corners);
-        let nearest = edges.iter().fold(f64::INFINITY, |least, e| if e[0] < least { e[0] } else { least });
+        let nearest = edges.iter().fold(f64::INFINITY, |least, e| lesser(e[0], least));
         let side = (0.5 * (LINE_PX + LINE_SOFT_PX) - nearest) / LINE_SOFT_PX;
-        let side = if side > 0.0 { if side < 1.0 { side } else { 1.0 } } else { 0.0 };
+        let side = if side > 0.0 { lesser(side, 1.0) } else { 0.0 };
         // The radius of the inscribed circle is the inverse sum of the inverse heights. Triangles that are
         // narrower than their lines would be all line: these fade, so that fine meshes turn grey and not
         // black.

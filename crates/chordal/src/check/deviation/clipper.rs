@@ -1,7 +1,8 @@
 //! `ConvexClipper`: clips a piece to a face, conservatively in rounded arithmetic.
 use super::distance::distance_up;
 use super::projection::SubtriangleProjection;
-use super::subtriangle::{MeshSubtriangle, larger};
+use super::subtriangle::MeshSubtriangle;
+use crate::math::{greater, lesser};
 
 /// Clips a piece to the image of a face, rounded outwards.
 ///
@@ -36,12 +37,12 @@ impl<'a> ConvexClipper<'a> {
     /// A clipper for a piece and its projection.
     pub fn new(view: &'a SubtriangleProjection, piece: &MeshSubtriangle) -> Self {
         let corners = piece.corners.map(|corner| corner.at);
-        let reach = corners.as_flattened().iter().fold(0.0, |most, x| larger(most, x.abs()));
+        let reach = corners.as_flattened().iter().fold(0.0, |most, x| greater(most, x.abs()));
         let wide = |k: usize| {
             let [ab, bc, ca] = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (corners[i][k] - corners[j][k]).abs());
-            larger(larger(ab, bc), ca)
+            greater(greater(ab, bc), ca)
         };
-        let wide = larger(larger(wide(0), wide(1)), wide(2));
+        let wide = greater(greater(wide(0), wide(1)), wide(2));
         Self { view, moved: f64::EPSILON * (1.8 * wide + 0.9 * reach) } // √3 and √3/2, rounded up
     }
 
@@ -79,9 +80,9 @@ impl<'a> ConvexClipper<'a> {
     fn extent(&self, flat: &[[f64; 2]; 3]) -> f64 {
         let all = || flat.iter().chain(&self.view.piece);
         (0..2).fold(0.0, |most, k| {
-            let low = all().fold(f64::INFINITY, |low, p| if p[k] < low { p[k] } else { low });
-            let high = all().fold(f64::NEG_INFINITY, |high, p| if p[k] > high { p[k] } else { high });
-            larger(most, high - low)
+            let low = all().fold(f64::INFINITY, |low, p| lesser(p[k], low));
+            let high = all().fold(f64::NEG_INFINITY, |high, p| greater(p[k], high));
+            greater(most, high - low)
         })
     }
 }
@@ -90,7 +91,7 @@ impl<'a> ConvexClipper<'a> {
 fn cut(part: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
     let e = [b[0] - a[0], b[1] - a[1]];
     // Products that underflow lose less than the smallest normal number.
-    let least = -(margin * larger(e[0].abs(), e[1].abs()) + f64::MIN_POSITIVE);
+    let least = -(margin * greater(e[0].abs(), e[1].abs()) + f64::MIN_POSITIVE);
     let old = *part;
     let mut sides = [0.0; MOST];
     for (side, p) in sides.iter_mut().zip(&old.image[..old.n]) {
@@ -109,7 +110,7 @@ fn cut(part: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
         if inside != next_inside {
             let (from, to) = if inside { (i, j) } else { (j, i) };
             let t = (sides[from] - least) / (sides[from] - sides[to]);
-            let t = if t < 1.0 { t } else { 1.0 };
+            let t = lesser(t, 1.0);
             part.push(between(old.at[from], old.at[to], t), between(old.image[from], old.image[to], t));
         }
     }

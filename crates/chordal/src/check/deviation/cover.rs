@@ -25,9 +25,9 @@
 use super::clipper::ConvexClipper;
 use super::distance_surface::DistanceSurface;
 use super::projection::SubtriangleProjection;
-use super::subtriangle::{MeshSubtriangle, larger};
+use super::subtriangle::MeshSubtriangle;
 use crate::explicit::{Twin, Twins};
-use crate::math::{Orientation, orient2d};
+use crate::math::{Orientation, greater, orient2d};
 
 /// The result of the search for a cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +121,7 @@ pub(super) fn cover(
             }
             match across(other.twins(), 3 * face + k as u32) {
                 Some(neighbour) => scratch.meet(neighbour),
-                None => trim = larger(trim, view.depth(side)),
+                None => trim = greater(trim, view.depth(side)),
             }
         }
         // 3. The distance of the piece's part over this face.
@@ -133,7 +133,7 @@ pub(super) fn cover(
             if far > terms.tolerance {
                 return Cover::TooFar(at);
             }
-            most = larger(most, far);
+            most = greater(most, far);
         }
     }
     if trim == 0.0 {

@@ -1,8 +1,9 @@
 //! `DeviationFrame`: coordinates in which two meshes lie around zero with an extent near 1, and the rounding
 //! of the transform.
-use super::subtriangle::smaller;
 use crate::explicit::Mesh;
-use crate::math::{Box3, DoubleDouble, add_down, add_up, div_down, div_up, mul_up, sqrt_up, sub_down};
+use crate::math::{
+    Box3, DoubleDouble, add_down, add_up, div_down, div_up, greater, lesser, mul_up, sqrt_up, sub_down,
+};
 use std::borrow::Cow;
 
 /// World → local: subtract the origin, multiply by a power of two.
@@ -23,9 +24,9 @@ impl DeviationFrame {
     pub fn around(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
-        let half = half.fold(0.0, |most, x| if x > most { x } else { most });
+        let half = half.fold(0.0, |most, x| greater(x, most));
         let reach = bounds.min.iter().chain(&bounds.max);
-        let reach = reach.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let reach = reach.fold(0.0, |most: f64, x| greater(x.abs(), most));
         let exponent = exponent(half);
         let origin = if reach > FAR * half { bounds.centre() } else { [0.0; 3] };
         let scale = if EXPONENTS.contains(&exponent) || half == 0.0 {
@@ -55,7 +56,7 @@ impl DeviationFrame {
                 let lost = DoubleDouble::two_sum(p[k], -self.origin[k]).lo;
                 if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
             });
-            moved = if square > moved { square } else { moved };
+            moved = greater(square, moved);
             let scaled = shifted.map(|x| x * self.scale);
             underflowed |= (0..3).any(|k| scaled[k] / self.scale != shifted[k]);
             positions.push(scaled);
@@ -79,7 +80,7 @@ impl DeviationFrame {
     pub fn length_up(&self, local: f64) -> f64 {
         let world = local / self.scale;
         let world = if world * self.scale < local { world.next_up() } else { world };
-        smaller(world, f64::MAX)
+        lesser(world, f64::MAX)
     }
 
     /// A world-space length in this frame.

@@ -6,9 +6,9 @@
 use super::cover::{Cover, CoverLimits, CoverScratch, cover};
 use super::distance_surface::DistanceSurface;
 use super::shared::VertexDistances;
-use super::subtriangle::{DistanceSample, MeshSubtriangle, larger, smaller};
+use super::subtriangle::{DistanceSample, MeshSubtriangle};
 use crate::budget::{Job, par_map};
-use crate::math::{add_up, sub_down};
+use crate::math::{add_up, greater, lesser, sub_down};
 use std::collections::VecDeque;
 
 /// Pieces in one task.
@@ -64,8 +64,8 @@ impl HausdorffGoal {
     fn sufficient_distance(&self, least: f64) -> f64 {
         match self.max {
             // Closer to the limit than rounding allows, nothing is required.
-            Some(limit) => larger(limit.within, least + self.floor),
-            None => larger(least * (1.0 + self.relative), least + larger(self.absolute, self.floor)),
+            Some(limit) => greater(limit.within, least + self.floor),
+            None => greater(least * (1.0 + self.relative), least + greater(self.absolute, self.floor)),
         }
     }
 }
@@ -145,7 +145,7 @@ impl<'a> OneSidedSearch<'a> {
 
     /// An upper bound on the distance from the surface to the other.
     pub fn at_most(&self) -> f64 {
-        self.open.iter().fold(self.settled, |most, piece| larger(most, piece.known))
+        self.open.iter().fold(self.settled, |most, piece| greater(most, piece.known))
     }
 
     /// Merges the results of the tasks of a round in their order; returns the number of bisections.
@@ -154,7 +154,7 @@ impl<'a> OneSidedSearch<'a> {
         let mut seen: Option<(DistanceSample, f64)> = None;
         self.open.clear();
         for part in found {
-            self.settled = larger(self.settled, part.settled);
+            self.settled = greater(self.settled, part.settled);
             self.open.extend(part.open);
             cuts += part.cuts;
             seen = farther_of(seen, part.seen);
@@ -190,7 +190,7 @@ pub(super) fn search(
     job: &Job,
 ) -> bool {
     let n_faces: u64 = directions.iter().map(|d| d.own.mesh().faces().len() as u64).sum();
-    let most_cuts = CUTS_A_FACE * if n_faces > FEW_FACES { n_faces } else { FEW_FACES };
+    let most_cuts = CUTS_A_FACE * greater(n_faces, FEW_FACES);
     probe_some_faces(directions, vertices, asked, job);
     let (mut cuts, mut a_piece) = (0, FIRST_CUTS);
     let mut first = true;
@@ -200,7 +200,7 @@ pub(super) fn search(
         let share = most_cuts.saturating_sub(cuts) / (n_open + 1) + 1;
         let share = if share < u64::from(a_piece) { share as u32 } else { a_piece };
         let cuts_before = cuts;
-        let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
+        let least = greater(directions[0].farthest.at_least, directions[1].farthest.at_least);
         let enough = reachable_bound(asked.goal, directions, least);
         if asked.goal.max.is_some_and(|limit| least > limit.beyond) {
             // The side of the limit is known; open pieces stay open.
@@ -231,14 +231,14 @@ pub(super) fn search(
             return false;
         }
         let least_before = least;
-        let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
+        let least = greater(directions[0].farthest.at_least, directions[1].farthest.at_least);
         let wanted = asked.goal.sufficient_distance(least);
         let enough = reachable_bound(asked.goal, directions, least);
         // A bound too large for the old lower bound may suffice for the new one.
         for direction in directions.iter_mut() {
             let open = std::mem::take(&mut direction.open);
             let (done, open): (Vec<_>, Vec<_>) = open.into_iter().partition(|piece| piece.known <= enough);
-            direction.settled = done.iter().fold(direction.settled, |most, piece| larger(most, piece.known));
+            direction.settled = done.iter().fold(direction.settled, |most, piece| greater(most, piece.known));
             direction.open = open;
         }
         if directions.iter().all(|direction| direction.open.is_empty()) {
@@ -248,13 +248,13 @@ pub(super) fn search(
         if cuts > most_cuts || stuck {
             return false;
         }
-        a_piece = if 2 * a_piece < MOST_CUTS { 2 * a_piece } else { MOST_CUTS };
+        a_piece = lesser(2 * a_piece, MOST_CUTS);
     }
 }
 
 /// The distance that suffices when some point has `least`, or that of pieces too small to be bisected.
 fn reachable_bound(wanted: HausdorffGoal, directions: &[OneSidedSearch; 2], least: f64) -> f64 {
-    larger(wanted.sufficient_distance(least), larger(directions[0].settled, directions[1].settled))
+    greater(wanted.sufficient_distance(least), greater(directions[0].settled, directions[1].settled))
 }
 
 /// Faces of each direction that are sampled first, to raise the lower bound.
@@ -267,7 +267,7 @@ fn probe_some_faces(
     asked: &HausdorffQuery,
     job: &Job,
 ) {
-    let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
+    let least = greater(directions[0].farthest.at_least, directions[1].farthest.at_least);
     let enough = asked.goal.sufficient_distance(least);
     for (direction, vertices) in directions.iter_mut().zip(vertices) {
         let every = vertices.faces.len() / PILOT + 1;
@@ -363,7 +363,7 @@ fn run_batch(
             let mut cut = cuts < round.cuts;
             if piece.known > enough {
                 match cover(&piece, other, round.terms, &mut scratch) {
-                    Cover::Within(most) => piece.known = smaller(piece.known, most),
+                    Cover::Within(most) => piece.known = lesser(piece.known, most),
                     Cover::TooFar(at) => {
                         // Clipped three times: each moves it by at most 4.5 ε of the largest coordinate; see
                         // `ConvexClipper`.
@@ -374,7 +374,7 @@ fn run_batch(
                 }
             }
             if piece.known <= enough {
-                found.settled = larger(found.settled, piece.known);
+                found.settled = greater(found.settled, piece.known);
                 continue;
             }
             if !cut {
@@ -391,7 +391,7 @@ fn run_batch(
                     }
                 }
                 // Too small to be bisected: its bound is final.
-                None => found.settled = larger(found.settled, piece.known),
+                None => found.settled = greater(found.settled, piece.known),
             }
         }
         found.cuts += u64::from(cuts);

@@ -12,12 +12,11 @@ mod violations;
 
 use crate::budget::{Bound, Job, JobError, Reference, Refusal, RefusalCode, Tolerance, par_map};
 use crate::explicit::{Bvh, Mesh};
-use crate::math::{Box3, add_up, flushes_subnormals, sub_down};
+use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 use distance_surface::DistanceSurface;
 use frame::DeviationFrame;
 use hausdorff::{HausdorffGoal, HausdorffQuery, LimitInterval, OneSidedSearch, search};
 use shared::{SharedPositionIds, VertexDistances};
-pub(super) use subtriangle::larger;
 pub(crate) use violations::{
     ProximityChecker, RegionTolerance, ToleranceField, ViolationReport, tolerance_violations,
 };
@@ -114,7 +113,7 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
         let pair = SurfacePair::from_meshes([a, b], job)?;
         let SurfacePair { frame, sides: [a, b], moved, reach, .. } = &pair;
         let wanted = HausdorffGoal {
-            relative: if goal.relative > 0.0 { goal.relative } else { 0.0 },
+            relative: greater(goal.relative, 0.0),
             absolute: goal.absolute.map_or(0.0, |length| frame.local_length(length.get())),
             floor: FLOOR * used_bounds(a.mesh()).union(used_bounds(b.mesh())).diagonal(),
             max: goal.max.map(|length| pair.limit(length.get())),
@@ -177,7 +176,7 @@ impl<'a> SurfacePair<'a> {
         };
         let moved = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
         let reach = Box3::from_points(a.positions().iter().chain(b.positions()));
-        let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| larger(most, x.abs()));
+        let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| greater(most, x.abs()));
         let sides = [DistanceSurface::new(local_a, job)?, DistanceSurface::new(local_b, job)?];
         Ok(Self { frame, common, sides, moved, reach })
     }
@@ -242,10 +241,10 @@ fn one_sided(
 ) -> OneSidedDistance {
     let far = direction.farthest;
     let least = if moved == 0.0 { far.at_least } else { sub_down(far.at_least, moved) };
-    let most = larger(direction.at_most(), far.at_least);
+    let most = greater(direction.at_most(), far.at_least);
     let most = if moved == 0.0 { most } else { add_up(most, moved) };
     OneSidedDistance {
-        at_least: frame.length_down(if least > 0.0 { least } else { 0.0 }),
+        at_least: frame.length_down(greater(least, 0.0)),
         at_most: frame.length_up(most),
         from: frame.world(far.at),
         to: frame.world(other.nearest(far.at)),
@@ -253,8 +252,8 @@ fn one_sided(
 }
 
 pub(super) fn two_sided(forward: &OneSidedDistance, backward: &OneSidedDistance) -> Bound {
-    let at_least = larger(forward.at_least, backward.at_least);
-    let at_most = larger(forward.at_most, backward.at_most);
+    let at_least = greater(forward.at_least, backward.at_least);
+    let at_most = greater(forward.at_most, backward.at_most);
     let mut bound = Bound::proved(at_least, at_most, Reference::InputTriangles);
     bound.at = Some(if backward.at_least > forward.at_least { backward.from } else { forward.from });
     bound

@@ -1,6 +1,6 @@
 //! `SubtriangleProjection`: the projection of a piece and of points beside it along the piece's normal.
-use super::subtriangle::{MeshSubtriangle, larger};
-use crate::math::{Orientation, cross, difference, dot, length, orient2d};
+use super::subtriangle::MeshSubtriangle;
+use crate::math::{Orientation, cross, difference, dot, greater, length, lesser, orient2d, unit_and_length};
 
 /// Projects points; `piece` is the piece's image, counter-clockwise.
 pub(super) struct SubtriangleProjection {
@@ -13,8 +13,8 @@ impl SubtriangleProjection {
     /// `None` for a piece whose image has no inside.
     pub fn along_normal(piece: &MeshSubtriangle) -> Option<Self> {
         let [a, b, c] = piece.corners.map(|corner| corner.at);
-        let x = unit(difference(b, a))?;
-        let normal = unit(cross(x, difference(c, a)))?;
+        let x = direction(difference(b, a))?;
+        let normal = direction(cross(x, difference(c, a)))?;
         let axes = [x, cross(normal, x)];
         let mut view = Self { origin: a, axes, piece: [[0.0; 2]; 3] };
         let [a, b, c] = [a, b, c].map(|p| view.project(p));
@@ -58,12 +58,12 @@ impl SubtriangleProjection {
                 let [x, y] = difference(p, a);
                 (e[0] * y - e[1] * x) + 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs())
             };
-            let ends = larger(beyond(segment[0]), beyond(segment[1]));
+            let ends = greater(beyond(segment[0]), beyond(segment[1]));
             // The length of the side, rounded down.
             // Roundings: 4 and 2.
             let depth = ends / (length(e) * (1.0 - 4.0 * f64::EPSILON)) * (1.0 + f64::EPSILON);
-            let depth = if depth > f64::MIN_POSITIVE { depth } else { f64::MIN_POSITIVE };
-            if depth < least { depth } else { least }
+            let depth = greater(depth, f64::MIN_POSITIVE);
+            lesser(depth, least)
         })
     }
 
@@ -88,7 +88,7 @@ impl SubtriangleProjection {
             let s =
                 (e[0] * y - e[1] * x) - 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs());
             let deep = s / (length(e) * (1.0 + 4.0 * f64::EPSILON)) * (1.0 - f64::EPSILON);
-            if deep < least { deep } else { least }
+            lesser(deep, least)
         });
         // The centre itself must be inside of the shrunk piece.
         if radius.is_nan() || radius <= trim {
@@ -114,7 +114,7 @@ impl SubtriangleProjection {
 }
 
 /// A vector scaled to a length of about 1; `None` for one without direction.
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    let length = length(v);
-    (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))
+fn direction(v: [f64; 3]) -> Option<[f64; 3]> {
+    let (unit, length) = unit_and_length(v);
+    (length > 0.0 && length.is_finite()).then_some(unit)
 }

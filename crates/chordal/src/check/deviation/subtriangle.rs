@@ -1,7 +1,7 @@
 //! `MeshSubtriangle`: a part of a triangle with distance samples at its corners, and the bounds that follow.
 use super::distance::{apart_up, distance_up, length_up};
 use super::distance_surface::DistanceSurface;
-use crate::math::DoubleDouble;
+use crate::math::{DoubleDouble, greater, lesser};
 
 /// A point of one surface with a nearby face of the other.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,7 @@ impl MeshSubtriangle {
     /// And no point is farther than its nearest corner plus the distance to that corner.
     pub fn bound_by_corners(&self, other: &DistanceSurface, enough: f64) -> f64 {
         let up = self.corners.map(|c| c.up);
-        let farthest = larger(larger(up[0], up[1]), up[2]);
+        let farthest = greater(greater(up[0], up[1]), up[2]);
         let mut best = self.known;
         for k in 0..3 {
             let face = self.corners[k].face;
@@ -56,19 +56,19 @@ impl MeshSubtriangle {
             let mut most = 0.0;
             for corner in &self.corners {
                 let to = if corner.face == face { corner.up } else { distance_up(corner.at, &triangle) };
-                most = larger(most, to);
+                most = greater(most, to);
                 if most >= best {
                     break;
                 }
             }
-            best = smaller(best, self.with_slack(most));
+            best = lesser(best, self.with_slack(most));
             if best <= enough {
                 return best;
             }
         }
         let (longest, _) = self.longest();
         let reached = (farthest + COVERING * longest) * (1.0 + 2.0 * f64::EPSILON); // three roundings
-        smaller(best, self.with_slack(reached))
+        lesser(best, self.with_slack(reached))
     }
 
     /// Turns a bound for the piece into one for the part of the surface that it represents.
@@ -94,12 +94,4 @@ impl MeshSubtriangle {
         let half = |corners| Self { corners, off, known: self.known };
         Some([half([from, middle, apex]), half([middle, to, apex])])
     }
-}
-
-pub(in super::super) fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-pub(super) fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }

@@ -3,10 +3,10 @@ use super::SurfacePair;
 use super::cover::{Cover, CoverLimits, CoverScratch, cover};
 use super::distance_surface::DistanceSurface;
 use super::shared::VertexDistances;
-use super::subtriangle::{MeshSubtriangle, larger};
+use super::subtriangle::MeshSubtriangle;
 use crate::budget::{ErrorLimit, Job, JobError, PixelScale, par_map};
 use crate::explicit::Mesh;
-use crate::math::add_up;
+use crate::math::{add_up, greater};
 use std::borrow::Cow;
 use std::cell::RefCell;
 
@@ -156,11 +156,11 @@ fn find_violations(
             let asked = FaceComparison { pair, own, other, vertices: &vertices };
             if job.is_cancelled() { ViolationReport::NONE } else { asked.find_in_faces(faces, which, near) }
         });
-        let most = found.iter().fold(0.0, |most, found| larger(most, found.at_most));
-        pixels = found.iter().fold(pixels, |most, found| larger(most, found.pixels));
+        let most = found.iter().fold(0.0, |most, found| greater(most, found.at_most));
+        pixels = found.iter().fold(pixels, |most, found| greater(most, found.pixels));
         // Faces that both surfaces share were not queried, and nothing of them was rounded.
         let rounded = !vertices.faces.is_empty() && *moved > 0.0;
-        at_most = larger(at_most, if rounded { add_up(most, *moved) } else { most });
+        at_most = greater(at_most, if rounded { add_up(most, *moved) } else { most });
         found.into_iter().flat_map(|found| found.violations).flatten().collect()
     });
     ViolationReport { violations: beyond, at_most: frame.length_up(at_most), pixels }
@@ -186,8 +186,8 @@ impl FaceComparison<'_> {
             let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
             match classify(piece, self.other, (terms, ViolationSearch::Farthest, near), &mut scratch) {
                 SubtriangleVerdict::Within { up, pixels } => {
-                    found.at_most = larger(found.at_most, up);
-                    found.pixels = larger(found.pixels, pixels);
+                    found.at_most = greater(found.at_most, up);
+                    found.pixels = greater(found.pixels, pixels);
                 }
                 SubtriangleVerdict::TooFar(at, up) => {
                     let (at, distance) = (frame.world(at), frame.length_up(up));
@@ -258,14 +258,14 @@ fn classify(
         let terms = CoverLimits { tolerance: here.tolerance, ..terms };
         piece.known = piece.bound_by_corners(other, terms.tolerance);
         if piece.known <= terms.tolerance {
-            most = larger(most, piece.known);
-            pixels = larger(pixels, near.pixels_of(&here, piece.known));
+            most = greater(most, piece.known);
+            pixels = greater(pixels, near.pixels_of(&here, piece.known));
             continue;
         }
         match cover(&piece, other, terms, scratch) {
             Cover::Within(up) if up <= terms.tolerance => {
-                most = larger(most, up);
-                pixels = larger(pixels, near.pixels_of(&here, up));
+                most = greater(most, up);
+                pixels = greater(pixels, near.pixels_of(&here, up));
                 continue;
             }
             // A border of the other surface that leaves a gap adds to the bound: halves are closer.
@@ -318,7 +318,7 @@ impl<'a> ProximityChecker<'a> {
     /// # Errors
     /// As for [`crate::explicit::Bvh::build`].
     pub fn new(mesh: Cow<'a, Mesh>, job: &Job) -> Result<Self, JobError> {
-        let reach = mesh.positions().as_flattened().iter().fold(0.0, |most, x| larger(most, x.abs()));
+        let reach = mesh.positions().as_flattened().iter().fold(0.0, |most, x| greater(most, x.abs()));
         Ok(Self { side: DistanceSurface::new(mesh, job)?, scratch: RefCell::default(), reach })
     }
 
@@ -337,7 +337,7 @@ impl<'a> ProximityChecker<'a> {
     /// not known.
     pub fn is_within(&self, triangle: [[f64; 3]; 3], near: &impl ToleranceField) -> bool {
         let corners = triangle.map(|at| self.side.sample(at));
-        let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| larger(most, x.abs()));
+        let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| greater(most, x.abs()));
         let terms = CoverLimits { tolerance: 0.0, most_faces: FEW_FACES, reach };
         let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
         let look =

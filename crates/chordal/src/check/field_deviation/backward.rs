@@ -5,10 +5,10 @@
 //! bound. When the allowed work is used up, the answer is the largest upper bound of the remaining boxes.
 use super::forward::ForwardDistance;
 use super::from_field::{self, BoxVerdict, TargetMesh, may_cross};
-use super::{FieldDeviationSearch, LEAF_CHUNK, cube, larger, leaf_failure, smaller, sub_boxes};
+use super::{FieldDeviationSearch, LEAF_CHUNK, cube, leaf_failure, sub_boxes};
 use crate::budget::{JobError, par_map};
 use crate::implicit::{LeafError, Tape};
-use crate::math::{Box3, Interval};
+use crate::math::{Box3, Interval, greater, lesser};
 use std::sync::Arc;
 
 /// The bounds for all points of the field's surface.
@@ -59,14 +59,14 @@ impl FieldDeviationSearch<'_> {
             vec![OpenBox { tape, bounds: whole, most: from_field::distance_of(&whole, target), cuts: 0 }];
         loop {
             self.check_cancelled()?;
-            out.least = larger(out.least, self.farthest(&open, larger(out.least, forward.least), target)?);
-            let least = larger(out.least, forward.least);
+            out.least = greater(out.least, self.farthest(&open, greater(out.least, forward.least), target)?);
+            let least = greater(out.least, forward.least);
             target.tolerance = self.sufficient_distance(least);
             if relative && forward.most > self.aim(least, super::FORWARD_SHARE) {
                 // The other direction's remaining gap cannot be closed here. And the residual of the mesh, by
                 // which columns are measured, is no less for the surface.
-                let room = 1.0 + (1.0 - super::FORWARD_SHARE) * larger(self.goal.relative, 0.0);
-                target.tolerance = larger(target.tolerance, room * forward.most);
+                let room = 1.0 + (1.0 - super::FORWARD_SHARE) * greater(self.goal.relative, 0.0);
+                target.tolerance = greater(target.tolerance, room * forward.most);
             }
             let beyond = self.goal.max.is_some_and(|max| least > max.get());
             let tiny = |open: &OpenBox| {
@@ -127,7 +127,7 @@ impl FieldDeviationSearch<'_> {
         };
         let crossed = far.iter().zip(values.chunks_exact(8)).filter(|(_, values)| changes(values));
         let sure = crossed.map(|((_, k), _)| from_field::at_least(&open[*k].bounds, target));
-        Ok(sure.fold(0.0, larger))
+        Ok(sure.fold(0.0, greater))
     }
 
     /// The batches of a round, with pruned tapes where that pays.
@@ -189,7 +189,7 @@ impl BoxBatch {
             let most = match found {
                 BoxVerdict::Nothing => continue,
                 // A bound for the whole holds for its parts.
-                BoxVerdict::Near(far) | BoxVerdict::Open(far) => smaller(far, whole.most),
+                BoxVerdict::Near(far) | BoxVerdict::Open(far) => lesser(far, whole.most),
             };
             if most > target.tolerance {
                 let tape = Arc::clone(&self.tape);
@@ -204,7 +204,7 @@ impl BoxBatch {
 
 /// The upper bound above which boxes are split in this round.
 fn round_threshold(open: &[OpenBox], enough: f64) -> f64 {
-    let most = open.iter().map(|b| b.most).filter(|most| *most < f64::INFINITY).fold(enough, larger);
+    let most = open.iter().map(|b| b.most).filter(|most| *most < f64::INFINITY).fold(enough, greater);
     enough + UPPER_PART * (most - enough)
 }
 

@@ -49,7 +49,7 @@ use super::local_trees::{LiteralSides, LocalTree, LocalTrees, MOST_CASES, by_val
 use super::regions::SignRegions;
 use super::walls;
 use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{Box3, Interval, add_down, add_up, mul_up, sub_up};
+use crate::math::{Box3, Interval, add_down, add_up, greater, lesser, mul_up, sub_up};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CellState {
@@ -188,13 +188,11 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
 impl FieldCover {
     /// A cover whose cells are not classified yet.
     pub fn new(evaluator: &PrimitiveEvaluator, bounds: &Box3, memory_limit: u64) -> Self {
-        let longest =
-            (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a: f64, b| if b > a { b } else { a });
-        let reach =
-            bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| if b.abs() > a { b.abs() } else { a });
+        let longest = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a: f64, b| greater(b, a));
+        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| greater(b.abs(), a));
         // A nearly degenerate box gets a cube that is larger than the padding of its cells.
         let least = reach * f64::EPSILON * f64::from(1 << 20);
-        let longest = if longest > least { longest } else { least };
+        let longest = greater(longest, least);
         let longest =
             if longest > 0.0 { longest } else { f64::MIN_POSITIVE * f64::from(1 << 30) * f64::from(1 << 20) };
         let side = ROOM * longest;
@@ -412,12 +410,12 @@ impl FieldCover {
                 let stray = (0..3).fold(0.0, |sum, k| {
                     let (low, high) =
                         (sub_up(centre[k], ranges.bounds.min[k]), sub_up(ranges.bounds.max[k], centre[k]));
-                    add_up(sum, mul_up(gradient[k].magnitude(), if low > high { low } else { high }))
+                    add_up(sum, mul_up(gradient[k].magnitude(), greater(low, high)))
                 });
                 let (low, high) = (add_down(middle[0], -stray), add_up(middle[1], stray));
                 let [a, b] = &mut slope.value;
-                *a = if low > *a { low } else { *a };
-                *b = if high < *b { high } else { *b };
+                *a = greater(low, *a);
+                *b = lesser(high, *b);
             }
         }
         Ok(())
@@ -512,8 +510,7 @@ fn root(sets: &mut [u32], mut of: u32) -> u32 {
 }
 
 pub(super) fn padded(bounds: &Box3) -> Box3 {
-    let reach =
-        bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| if b.abs() > a { b.abs() } else { a });
+    let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| greater(b.abs(), a));
     let pad = PAD * reach;
     Box3 { min: bounds.min.map(|x| (x - pad).next_down()), max: bounds.max.map(|x| (x + pad).next_up()) }
 }

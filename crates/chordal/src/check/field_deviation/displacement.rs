@@ -12,7 +12,7 @@ use super::local_trees::{LocalTree, LocalTrees, MOST_CASES};
 use super::regions::SignRegions;
 use crate::explicit::Mesh;
 use crate::implicit::{CsgNode, Dual, LeafError, PrimitiveEvaluator};
-use crate::math::{Box3, cross, difference, dot, length};
+use crate::math::{Box3, cross, difference, dot, greater, length, lesser};
 use std::ops::Range;
 
 /// Estimates of how far the corners of a face are displaced.
@@ -157,7 +157,7 @@ pub(super) fn deviations(
             };
             let value = |p: u32, sample: usize| distance(&slopes[local.place(p) * SAMPLES.len() + sample]);
             let far = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
-            found.push(far.fold(0.0, |most: f64, far| if far > most { far } else { most }));
+            found.push(far.fold(0.0, |most: f64, far| greater(far, most)));
         }
     }
     Ok(found)
@@ -241,7 +241,7 @@ impl NodeSamples {
     /// The least value, without the corners, where several primitives may be equal and most are unrelated to
     /// the face.
     fn least(&self) -> f64 {
-        self.values[3..].iter().fold(f64::INFINITY, |a, b| if *b < a { *b } else { a })
+        self.values[3..].iter().fold(f64::INFINITY, |a, b| lesser(*b, a))
     }
 
     /// A node that is on the required side everywhere, or nowhere.
@@ -252,7 +252,7 @@ impl NodeSamples {
 
     /// Both operands are required.
     fn and(mut self, other: Self) -> Self {
-        self.values.iter_mut().zip(other.values).for_each(|(a, b)| *a = if b < *a { b } else { *a });
+        self.values.iter_mut().zip(other.values).for_each(|(a, b)| *a = lesser(b, *a));
         self.literals.extend(other.literals);
         self.is_across |= other.is_across;
         self
@@ -421,12 +421,12 @@ fn face_constraint(
     // A corner farther than its possible displacement counts as one at that distance.
     let at_corners: [f64; 3] = std::array::from_fn(|k| {
         let far = sign * slopes[first + k].value / length(beside[k]);
-        if far > reach.now { reach.now } else { far }
+        lesser(reach.now, far)
     });
     let mut bulge = 0.0;
     for (k, weights) in SAMPLES.iter().enumerate().filter(|(k, _)| literal.samples >> k & 1 == 1) {
         let below = dot(at_corners, *weights) - far[k];
-        bulge = if below > bulge { below } else { bulge };
+        bulge = greater(below, bulge);
     }
     let lacks = at_corners.map(|far| bulge - far);
     let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
@@ -512,9 +512,9 @@ fn on_line([a, b]: [&HalfSpace; 2], others: &[HalfSpace]) -> Option<[f64; 3]> {
         }
         let end = lack / rate;
         if rate > 0.0 {
-            low = if end > low { end } else { low };
+            low = greater(end, low);
         } else {
-            high = if end < high { end } else { high };
+            high = lesser(end, high);
         }
     }
     let is_empty = low > high + ROUNDING * (low.abs() + high.abs());

@@ -25,7 +25,9 @@
 use super::local_trees::LiteralSides;
 use super::regions::SignRegions;
 use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{Box3, add_down, add_up, difference, dot, length, length_up, mul_up, sub_down, sub_up};
+use crate::math::{
+    Box3, add_down, add_up, difference, dot, greater, length, length_up, lesser, mul_up, sub_down, sub_up,
+};
 use std::collections::HashMap;
 
 /// How far a point of a triangle may be off its piece, relative to its largest coordinate: derived, each of
@@ -326,11 +328,11 @@ fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[LiteralSides], slopes: &[DualRa
                 let (a, b) = (g.lo() * x, g.hi() * x);
                 if a < b { [low + a, high + b] } else { [low + b, high + a] }
             });
-            let most = if -low > high { -low } else { high };
+            let most = greater(-low, high);
             most / length(gradient.map(|g| g.magnitude()))
         };
         let open = sides.iter().zip(slopes).filter(is_open).map(of_one);
-        open.fold(0.0, |most: f64, one| if one > most { one } else { most })
+        open.fold(0.0, |most: f64, one| greater(one, most))
     };
     let changes = [0, 1, 2].map(along);
     let best = (0..3).fold(0, |best, k| if changes[k] > changes[best] { k } else { best });
@@ -347,8 +349,7 @@ fn longest_side(corners: &[[f64; 3]; 3]) -> usize {
 
 /// How far points of a triangle with these corners may be off its pieces.
 fn rounding_slack(corners: &[[f64; 3]; 3]) -> f64 {
-    let most =
-        corners.as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    let most = corners.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
     mul_up(OFF, most)
 }
 
@@ -380,7 +381,7 @@ impl SignTriangleExtent {
         let radius = corners.iter().fold(0.0, |most, corner| {
             let far =
                 length_up(std::array::from_fn::<_, 3, _>(|k| sub_up(corner[k], centre[k]).abs().next_up()));
-            if far > most { far } else { most }
+            greater(far, most)
         });
         let bare = Box3::from_points(corners);
         let widths = std::array::from_fn(|k| sub_up(bare.max[k], bare.min[k]));
@@ -395,12 +396,11 @@ impl SignTriangleExtent {
         let by_radius = mul_up(length_up(half_widths), self.radius);
         let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(half_widths[k], self.widths[k])));
         let by_widths = mul_up(0.5, sum);
-        let stray = if by_widths < by_radius { by_widths } else { by_radius };
+        let stray = lesser(by_widths, by_radius);
         let steep = gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude()));
         let stray = add_up(stray, mul_up(steep, self.off));
-        let low = at_corners.iter().fold(f64::INFINITY, |low, [a, _]| if *a < low { *a } else { low });
-        let high =
-            at_corners.iter().fold(f64::NEG_INFINITY, |high, [_, b]| if *b > high { *b } else { high });
+        let low = at_corners.iter().fold(f64::INFINITY, |low, [a, _]| lesser(*a, low));
+        let high = at_corners.iter().fold(f64::NEG_INFINITY, |high, [_, b]| greater(*b, high));
         if add_down(low, -stray) > 0.0 {
             LiteralSides::OUTSIDE
         } else if add_up(high, stray) < 0.0 {

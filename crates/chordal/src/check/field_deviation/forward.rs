@@ -8,10 +8,10 @@
 use super::from_mesh::{self, FieldSubtriangle, MOST_CUTS, SubtriangleBounds};
 use super::probe::{DistanceProbe, probe_distances};
 use super::surface_ball::{SurfaceBall, SurfaceBalls, project_to_surface};
-use super::{CHUNK, FieldDeviationSearch, LEAF_CHUNK, larger, leaf_failure, refine_some};
+use super::{CHUNK, FieldDeviationSearch, LEAF_CHUNK, leaf_failure, refine_some};
 use crate::budget::{JobError, par_map};
 use crate::implicit::{Dual, LeafError, Tape};
-use crate::math::{Box3, length, sub_down};
+use crate::math::{Box3, greater, length, lesser, sub_down};
 
 /// The bounds for all points of the mesh.
 pub(super) struct ForwardDistance {
@@ -51,7 +51,7 @@ impl FieldDeviationSearch<'_> {
     /// `least` is a lower bound known for either direction, and `share` the part of the goal's gap that may
     /// be used.
     pub fn forward(&self, least: f64, share: f64) -> Result<ForwardDistance, JobError> {
-        let aim = |out: &ForwardDistance| self.aim(larger(least, out.least), share);
+        let aim = |out: &ForwardDistance| self.aim(greater(least, out.least), share);
         let faces = self.mesh.faces();
         let relative = self.goal.max.is_none();
         let mut out = ForwardDistance {
@@ -84,7 +84,7 @@ impl FieldDeviationSearch<'_> {
             // Beyond the limit nothing else matters, and the bounds so far are final.
             let beyond = self.goal.max.is_some_and(|max| out.least > max.get());
             let enough = aim(&out);
-            let tight = if relative { enough } else { larger(1.15 * out.least, TIGHT * enough) };
+            let tight = if relative { enough } else { greater(1.15 * out.least, TIGHT * enough) };
             let eager = |piece: &FieldSubtriangle| piece.cuts() < EAGER && left > reserve;
             let wanted = |piece: &FieldSubtriangle| if eager(piece) { tight } else { enough };
             let (next, done): (OpenSubtriangles, OpenSubtriangles) =
@@ -122,7 +122,7 @@ impl FieldDeviationSearch<'_> {
         let parts: Result<Vec<Vec<f64>>, LeafError> = parts.into_iter().collect();
         for ((_, known), strays) in done.iter_mut().zip(parts.map_err(leaf_failure)?.concat()) {
             // NaN is no bound.
-            known.residual = if known.residual < strays { known.residual } else { strays };
+            known.residual = lesser(known.residual, strays);
         }
         Ok(())
     }
@@ -149,7 +149,7 @@ impl FieldDeviationSearch<'_> {
                     next.extend(piece.halves().map(|half| (n, half)));
                 } else {
                     let strays = if known.residual.is_nan() { f64::INFINITY } else { known.residual };
-                    most[n] = larger(most[n], strays);
+                    most[n] = greater(most[n], strays);
                 }
             }
             open = next;
@@ -268,7 +268,7 @@ impl FieldDeviationSearch<'_> {
             lost.iter().copied().filter(|k| pieces[*k].cuts() > 3 && pieces[*k].is_within(enough)).collect();
         refine_some(&near, pieces, known, |of, known| from_mesh::bound_by_samples(tape, of, known, enough))?;
         // A surface point does not settle pieces whose distance is small compared to their size.
-        lost.retain(|k| known[*k].at_most > larger(enough, 0.5 * pieces[*k].extent()));
+        lost.retain(|k| known[*k].at_most > greater(enough, 0.5 * pieces[*k].extent()));
         refine_some(&lost, pieces, known, |of, known| {
             let points: Vec<[f64; 3]> = of.iter().map(|piece| piece.middle()).collect();
             let sizes: Vec<f64> = of.iter().map(|piece| piece.extent()).collect();
@@ -293,8 +293,8 @@ impl FieldDeviationSearch<'_> {
 impl ForwardDistance {
     fn settle(&mut self, piece: &FieldSubtriangle, known: &SubtriangleBounds) {
         let strays = &mut self.residuals[piece.face as usize];
-        *strays = larger(*strays, if known.residual.is_nan() { f64::INFINITY } else { known.residual });
-        self.most = larger(self.most, known.at_most);
+        *strays = greater(*strays, if known.residual.is_nan() { f64::INFINITY } else { known.residual });
+        self.most = greater(self.most, known.at_most);
         self.unresolved += u64::from(known.at_most == f64::INFINITY);
     }
 }
@@ -302,6 +302,6 @@ impl ForwardDistance {
 /// The upper bound above which pieces are processed in this round.
 fn round_threshold(open: &OpenSubtriangles, enough: f64) -> f64 {
     let finite = open.iter().map(|(_, known)| known.at_most).filter(|most| *most < f64::INFINITY);
-    let most = finite.fold(enough, larger);
+    let most = finite.fold(enough, greater);
     enough + UPPER_PART * (most - enough)
 }

@@ -21,10 +21,12 @@
 //! Where that fails (edges of opposite turn, stationary points of the field, meshes that are not closed) a
 //! box is settled by the distance of its middle to the mesh, plus its half diagonal; or it is split.
 use super::slope::{GrowthRate, dot, exactly, is_lipschitz, step};
-use super::{larger, sub_boxes};
+use super::sub_boxes;
 use crate::explicit::{Bvh, Enclosure};
 use crate::implicit::{Dual, LeafError, Tape};
-use crate::math::{Box3, Interval, add_up, div_up, mul_up, sub_down};
+use crate::math::{
+    Box3, Interval, add_up, cross, div_up, greater, lesser, mul_up, sub_down, unit_and_length,
+};
 
 /// The mesh with what the search needs of it.
 pub(super) struct TargetMesh<'a> {
@@ -213,7 +215,7 @@ pub(super) fn at_least(bounds: &Box3, target: &TargetMesh) -> f64 {
 }
 
 fn reach(bounds: &Box3) -> f64 {
-    bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most })
+    bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| greater(x.abs(), most))
 }
 
 /// The box in which the tape of a box and its parts is valid.
@@ -246,8 +248,8 @@ impl FieldColumn {
         let c = of.centre();
         let steep = crate::math::length(slope.gradient);
         let shift = -slope.value / steep;
-        let half: [f64; 3] = std::array::from_fn(|k| larger(c[k] - of.min[k], of.max[k] - c[k]).next_up());
-        let side = larger(half[0], larger(half[1], half[2]));
+        let half: [f64; 3] = std::array::from_fn(|k| greater(c[k] - of.min[k], of.max[k] - c[k]).next_up());
+        let side = greater(half[0], greater(half[1], half[2]));
         // Beyond the corners of B the surface is not in it.
         if !(steep > 0.0 && shift.is_finite() && shift.abs() <= 2.0 * side) {
             return None;
@@ -334,7 +336,7 @@ impl MonotoneColumn {
         let axis = exactly(self.column.axes[0]);
         let slowest = slopes.iter().fold(f64::INFINITY, |least, slope| {
             let rate = if is_lipschitz(slope) { dot(slope.gradient, axis).lo() } else { 0.0 };
-            if rate < least { rate } else { least }
+            lesser(rate, least)
         });
         if slowest > self.growth.rate && slowest < f64::INFINITY {
             self.growth.rate = slowest;
@@ -391,11 +393,6 @@ fn across(n: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let least = (0..3).fold(0, |best, k| if n[k].abs() < n[best].abs() { k } else { best });
     let mut axis = [0.0; 3];
     axis[least] = 1.0;
-    let u = unit(crate::math::cross(n, axis));
-    (u, unit(crate::math::cross(n, u)))
-}
-
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let norm = crate::math::dot(v, v).sqrt();
-    v.map(|x| x / norm)
+    let u = unit_and_length(cross(n, axis)).0;
+    (u, unit_and_length(cross(n, u)).0)
 }

@@ -24,10 +24,11 @@
 //! Conversely, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: the surface is at
 //! least so far.
 use super::slope::{GrowthRate, distance_up, dot, exactly, inflated, is_lipschitz, steepest, step};
-use super::smaller;
 use super::surface_ball::{SurfaceBall, min_with_ball};
 use crate::implicit::{Dual, LeafError, Tape};
-use crate::math::{Box3, Interval, add_up, div_down, div_up, length_up, mul_up, sub_down};
+use crate::math::{
+    Box3, Interval, add_up, div_down, div_up, greater, length_up, lesser, mul_up, sub_down, unit_and_length,
+};
 
 /// A piece of a face that is still open.
 #[derive(Clone, Debug)]
@@ -70,7 +71,7 @@ impl SubtriangleBounds {
         if far < min_with_ball(f64::INFINITY, self.witness, &piece.corners, piece.slack()) {
             self.witness = witness;
         }
-        self.at_most = smaller(self.at_most, far);
+        self.at_most = lesser(self.at_most, far);
     }
 }
 
@@ -84,11 +85,7 @@ pub(super) const MOST_CUTS: u32 = 24;
 impl FieldSubtriangle {
     /// How far its points may be off the triangle.
     pub fn slack(&self) -> f64 {
-        let reach = self
-            .corners
-            .as_flattened()
-            .iter()
-            .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let reach = self.corners.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         mul_up(SLACK, reach)
     }
 
@@ -126,8 +123,8 @@ impl FieldSubtriangle {
             return;
         }
         let span = extent(&Box3::from_points(&self.corners)) / 8.0;
-        let reach = if 1.5 * known.estimate > span { 1.5 * known.estimate } else { span };
-        let reach = if reach > 2.0 * self.slack() { reach } else { 2.0 * self.slack() };
+        let reach = greater(1.5 * known.estimate, span);
+        let reach = greater(reach, 2.0 * self.slack());
         into.extend(self.halves().map(|half| Self { reach, ..half }));
     }
 
@@ -160,9 +157,7 @@ impl FieldSubtriangle {
 }
 
 fn extent(bounds: &Box3) -> f64 {
-    (0..3)
-        .map(|k| bounds.max[k] - bounds.min[k])
-        .fold(0.0, |most, side| if side > most { side } else { most })
+    (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |most, side| greater(side, most))
 }
 
 /// Bounds every piece.
@@ -198,19 +193,19 @@ fn bound_one(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) 
     if !is_lipschitz(slope) || !value.is_defined() {
         return known;
     }
-    let least = if value.contains(0.0) { 0.0 } else { smaller(value.lo().abs(), value.hi().abs()) };
+    let least = if value.contains(0.0) { 0.0 } else { lesser(value.lo().abs(), value.hi().abs()) };
     let far = div_down(least, steepest(slope));
     let slack = piece.slack();
-    let far = sub_down(smaller(far, piece.reach), slack);
-    known.at_least = if far > 0.0 { far } else { 0.0 };
-    known.residual = smaller(over_corners(piece, slope, value).magnitude(), whole);
+    let far = sub_down(lesser(far, piece.reach), slack);
+    known.at_least = greater(far, 0.0);
+    known.residual = lesser(over_corners(piece, slope, value).magnitude(), whole);
     let Some(growth) = GrowthRate::along_gradient(slope) else { return known };
     let steps = growth.steps_for(known.residual);
     let far = mul_up(steps, growth.length);
     known.estimate = far;
     // The points of the triangle are off those of the piece by the slack, and so is the end of the segment.
     if add_up(far, slack) <= piece.reach {
-        known.at_most = smaller(known.at_most, far);
+        known.at_most = lesser(known.at_most, far);
     } else if far < 4.0 * piece.reach && piece.cuts < 4 {
         known.retry_reach = Some(1.25 * far);
     }
@@ -233,7 +228,7 @@ pub(super) fn bound_along_gradient(
             let seems = slope.value.abs() / crate::math::length(slope.gradient);
             let far = 1.25 * seems + 0.25 * piece.extent();
             let along = if slope.value < 0.0 { 1.0 } else { -1.0 };
-            (unit(slope.gradient).map(|x| along * x), if far.is_finite() { far } else { 0.0 })
+            (direction_or_z(slope.gradient).map(|x| along * x), if far.is_finite() { far } else { 0.0 })
         })
         .collect();
     let boxes: Vec<Box3> = pieces
@@ -266,8 +261,8 @@ pub(super) fn bound_along_gradient(
         let strays = all.magnitude();
         let steps = div_up(strays, rate);
         if rate > 0.0 && steps < by {
-            known[k].at_most = smaller(known[k].at_most, mul_up(steps, length_up(way.map(f64::abs))));
-            known[k].residual = smaller(known[k].residual, strays);
+            known[k].at_most = lesser(known[k].at_most, mul_up(steps, length_up(way.map(f64::abs))));
+            known[k].residual = lesser(known[k].residual, strays);
         }
     }
     Ok(())
@@ -323,7 +318,7 @@ pub(super) fn bound_by_shift(
     let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
     let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
     tape.gradient_at(&middles, &mut slopes)?;
-    let ways: Vec<[f64; 3]> = slopes.iter().map(|slope| unit(slope.gradient)).collect();
+    let ways: Vec<[f64; 3]> = slopes.iter().map(|slope| direction_or_z(slope.gradient)).collect();
     let steps = pieces.iter().zip(&slopes).map(|(piece, slope)| {
         let seems = slope.value.abs() / crate::math::length(slope.gradient);
         // Half the piece, which may be closer to the surface on one side than on the other.
@@ -343,7 +338,7 @@ pub(super) fn bound_by_shift(
         if opposite {
             // The step, and the slack of the piece.
             let far = add_up(mul_up(steps[k], length_up(ways[k].map(f64::abs))), pieces[k].slack());
-            known[k].at_most = smaller(known[k].at_most, far);
+            known[k].at_most = lesser(known[k].at_most, far);
         }
         if known[k].estimate == 0.0 {
             known[k].estimate = steps[k];
@@ -363,9 +358,9 @@ pub(super) fn is_outside(range: Interval) -> bool {
 }
 
 /// A vector scaled to length 1 up to rounding; along z where there is no direction.
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let norm = crate::math::length(v);
-    if norm > 0.0 && norm.is_finite() { v.map(|x| x / norm) } else { [0.0, 0.0, 1.0] }
+fn direction_or_z(v: [f64; 3]) -> [f64; 3] {
+    let (unit, length) = unit_and_length(v);
+    if length > 0.0 && length.is_finite() { unit } else { [0.0, 0.0, 1.0] }
 }
 
 /// Bounds pieces without a direction by two points of opposite signs, about `within` from their centroids.
@@ -391,22 +386,18 @@ pub(super) fn bound_by_samples(
     let each = points.len() / pieces.len().max(1);
     for (k, piece) in pieces.iter().enumerate() {
         let far = |p: [f64; 3]| {
-            piece
-                .corners
-                .iter()
-                .map(|c| distance_up(*c, p))
-                .fold(0.0, |most, d| if d > most { d } else { most })
+            piece.corners.iter().map(|c| distance_up(*c, p)).fold(0.0, |most, d| greater(d, most))
         };
         let (mut inside, mut outside) = (f64::INFINITY, f64::INFINITY);
         for i in k * each..(k + 1) * each {
             if is_inside(values[i]) {
-                inside = smaller(inside, far(points[i]));
+                inside = lesser(inside, far(points[i]));
             } else if is_outside(values[i]) {
-                outside = smaller(outside, far(points[i]));
+                outside = lesser(outside, far(points[i]));
             }
         }
-        let both = add_up(if inside > outside { inside } else { outside }, piece.slack());
-        known[k].at_most = smaller(known[k].at_most, both);
+        let both = add_up(greater(inside, outside), piece.slack());
+        known[k].at_most = lesser(known[k].at_most, both);
     }
     Ok(())
 }

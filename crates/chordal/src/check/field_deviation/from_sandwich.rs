@@ -4,12 +4,12 @@ use super::probe::probe_distances;
 use super::prover::{SandwichProver, SandwichVerdict};
 use super::sandwich::SandwichGoal;
 use super::surface_ball::project_to_surface;
-use super::{FieldDeviation, FieldDeviationSearch, larger, leaf_failure};
+use super::{FieldDeviation, FieldDeviationSearch, leaf_failure};
 use crate::budget::{Bound, JobError, Reference};
 use crate::check::deviation::OneSidedDistance;
 use crate::explicit::Bvh;
 use crate::implicit::Csg;
-use crate::math::sub_down;
+use crate::math::{greater, sub_down};
 
 /// First margins of a sandwich, as shares of what samples require: with a limit, where a looser proof is
 /// quicker; and without, each smaller than the previous one, until the goal is reached. Measured on a ball
@@ -60,7 +60,7 @@ pub(super) fn sandwich_deviation(
             best = Some((verdict, ends));
         }
         let bound = best.as_ref().map_or(f64::INFINITY, |(best, _)| best.bound);
-        let least = larger(ends.forward, ends.backward);
+        let least = greater(ends.forward, ends.backward);
         if bound <= search.sufficient_distance(least) || search.goal.max.is_some() || !is_better {
             break;
         }
@@ -141,7 +141,7 @@ fn conclusion(
     ends: &LowerBounds,
     bvh: &Bvh,
 ) -> Option<FieldDeviation> {
-    let least = larger(ends.forward, ends.backward);
+    let least = greater(ends.forward, ends.backward);
     if least > verdict.bound {
         return None;
     }

@@ -6,7 +6,7 @@
 //!
 //! Source: E. Gilbert, *An iterative procedure for computing the minimum of a quadratic form on a convex
 //! set*, 1966.
-use crate::math::{Interval, add_down, dot, length, mul_down};
+use crate::math::{Interval, add_down, dot, length, lesser, mul_down};
 
 /// The most steps: measured, hulls of gradients in small cells take 2 to 10.
 const STEPS: usize = 60;
@@ -40,7 +40,7 @@ pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
         let (_, p) = towards?;
         let step: [f64; 3] = std::array::from_fn(|k| p[k] - at[k]);
         let share = -dot(at, step) / dot(step, step);
-        let share = if share > 1.0 { 1.0 } else { share };
+        let share = lesser(1.0, share);
         if share.is_nan() || share <= f64::EPSILON {
             return None;
         }

@@ -24,7 +24,7 @@ use super::deviation::{Goal, OneSidedDistance};
 use crate::budget::{Bound, Evidence, Job, JobError, Reference, Refusal, RefusalCode};
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
-use crate::math::{Box3, flushes_subnormals};
+use crate::math::{Box3, flushes_subnormals, greater, lesser};
 pub(crate) use prover::{SandwichProver, SandwichVerdict};
 pub(crate) use sandwich::{SandwichGoal, is_hopeless};
 
@@ -199,18 +199,10 @@ fn refine_some(
     Ok(())
 }
 
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
 /// The largest coordinate.
 fn reach(mesh: &Mesh, bounds: &Box3) -> f64 {
     let all = mesh.bounds().union(*bounds);
-    all.min.iter().chain(&all.max).fold(0.0, |most: f64, x| larger(most, x.abs()))
+    all.min.iter().chain(&all.max).fold(0.0, |most: f64, x| greater(most, x.abs()))
 }
 
 /// The share of the allowed gap between the bounds that the direction from the mesh may take.
@@ -234,11 +226,11 @@ impl FieldDeviationSearch<'_> {
         let wanted = match self.goal.max {
             Some(max) => max.get(),
             None => {
-                let relative = least * (1.0 + larger(self.goal.relative, 0.0));
-                larger(relative, self.goal.absolute.map_or(0.0, |length| least + length.get()))
+                let relative = least * (1.0 + greater(self.goal.relative, 0.0));
+                greater(relative, self.goal.absolute.map_or(0.0, |length| least + length.get()))
             }
         };
-        larger(wanted, self.floor)
+        greater(wanted, self.floor)
     }
 
     fn both_directions(
@@ -263,20 +255,20 @@ impl FieldDeviationSearch<'_> {
         // not be known well then. So both are first searched roughly.
         let forward = self.forward(0.0, ROUGH_SHARE)?;
         let backward = from_field(&forward)?;
-        let least = larger(forward.least, backward.least);
+        let least = greater(forward.least, backward.least);
         if forward.most <= self.aim(least, FORWARD_SHARE) || forward.unresolved > 0 {
             return Ok((forward, backward));
         }
         let mut closer = self.forward(least, FORWARD_SHARE)?;
-        closer.most = smaller(closer.most, forward.most);
+        closer.most = lesser(closer.most, forward.most);
         if forward.least > closer.least {
             (closer.least, closer.at) = (forward.least, forward.at);
         }
         let again = from_field(&closer)?;
         // Keeps the better of each bound, since both hold.
         let backward = BackwardDistance {
-            least: larger(again.least, backward.least),
-            most: smaller(again.most, backward.most),
+            least: greater(again.least, backward.least),
+            most: lesser(again.most, backward.most),
             at: again.at,
         };
         Ok((closer, backward))
@@ -289,7 +281,7 @@ impl FieldDeviationSearch<'_> {
         if self.goal.max.is_some() {
             return enough;
         }
-        larger(least + share * (enough - least), self.floor)
+        greater(least + share * (enough - least), self.floor)
     }
 
     fn check_cancelled(&self) -> Result<(), JobError> {
@@ -305,20 +297,20 @@ impl FieldDeviationSearch<'_> {
         let nearest = |p: [f64; 3]| bvh.closest_point(p).map_or(p, |closest| closest.point);
         let one_sided = |at_least: f64, most: f64, from: [f64; 3], to: [f64; 3]| OneSidedDistance {
             at_least,
-            at_most: larger(most, at_least),
+            at_most: greater(most, at_least),
             from,
             to,
         };
         let ahead = one_sided(forward.least, forward.most, forward.at, forward.at);
         let back = one_sided(backward.least, backward.most, backward.at, nearest(backward.at));
-        let most = larger(ahead.at_most, back.at_most);
+        let most = greater(ahead.at_most, back.at_most);
         let known = forward.unresolved == 0 && most.is_finite();
         let evidence = if known {
             self.evidence.clone()
         } else {
             Evidence::Measured { samples: self.mesh.faces().len() as u64 }
         };
-        let least = larger(ahead.at_least, back.at_least);
+        let least = greater(ahead.at_least, back.at_least);
         let mut bound = Bound::with_evidence(least, known.then_some(most), evidence, Reference::Field);
         bound.at = Some(if backward.most > forward.most { backward.at } else { forward.at });
         // With a limit the goal is reached on either side of it.
@@ -333,11 +325,11 @@ impl FieldDeviationSearch<'_> {
     fn better_of(&self, a: &FieldDeviation, b: &FieldDeviation) -> FieldDeviation {
         let one_sided = |a: OneSidedDistance, b: OneSidedDistance| {
             let farther = if b.at_least > a.at_least { b } else { a };
-            OneSidedDistance { at_most: larger(smaller(a.at_most, b.at_most), farther.at_least), ..farther }
+            OneSidedDistance { at_most: greater(lesser(a.at_most, b.at_most), farther.at_least), ..farther }
         };
         let (forward, backward) = (one_sided(a.forward, b.forward), one_sided(a.backward, b.backward));
-        let least = larger(forward.at_least, backward.at_least);
-        let most = larger(forward.at_most, backward.at_most);
+        let least = greater(forward.at_least, backward.at_least);
+        let most = greater(forward.at_most, backward.at_most);
         let mut bound = Bound::with_evidence(least, Some(most), a.bound.evidence().clone(), Reference::Field);
         bound.at = if b.bound.at_least() > a.bound.at_least() { b.bound.at } else { a.bound.at };
         let reached = b.reached || most <= self.sufficient_distance(least);
@@ -348,7 +340,7 @@ impl FieldDeviationSearch<'_> {
 /// A cube around a box, with a small margin.
 fn cube(bounds: &Box3) -> Box3 {
     let c = bounds.centre();
-    let half = (0..3).map(|k| larger(bounds.max[k] - c[k], c[k] - bounds.min[k])).fold(0.0, larger);
+    let half = (0..3).map(|k| greater(bounds.max[k] - c[k], c[k] - bounds.min[k])).fold(0.0, greater);
     let half = (half * (1.0 + 1.0 / 1024.0)).next_up();
     let half = if half > 0.0 { half } else { f64::MIN_POSITIVE };
     let cube = Box3 { min: c.map(|x| (x - half).next_down()), max: c.map(|x| (x + half).next_up()) };

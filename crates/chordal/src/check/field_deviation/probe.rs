@@ -6,9 +6,9 @@
 //! of it. So the surface is no nearer to c than the nearest remaining box, or the sides of the cube. The
 //! nearest box is split again and again, until it is small compared to its distance.
 use super::slope::step;
-use super::{larger, smaller, sub_boxes};
+use super::sub_boxes;
 use crate::implicit::{LeafError, Tape};
-use crate::math::{Box3, Interval, add_down, mul_down, sqrt_down};
+use crate::math::{Box3, Interval, add_down, greater, lesser, mul_down, sqrt_down};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -74,7 +74,7 @@ impl ProbeSearch {
 
     /// The next box to be split.
     fn next(&mut self) -> Option<Box3> {
-        let small = |near: &ProbeBox| near.bounds.diagonal() < SMALL * larger(near.far, 0.1 * self.most);
+        let small = |near: &ProbeBox| near.bounds.diagonal() < SMALL * greater(near.far, 0.1 * self.most);
         let enough = |near: &ProbeBox| near.far >= ENOUGH * self.most || small(near);
         if self.done || self.cut >= CUTS || self.open.peek().is_none_or(enough) {
             self.done = true;
@@ -94,15 +94,15 @@ impl ProbeSearch {
     /// A lower bound on the distance of a box.
     fn distance_down(&self, bounds: &Box3) -> f64 {
         let (low, high) = (step(bounds.min, self.from), step(self.from, bounds.max));
-        let beside = |k: usize| larger(larger(low[k].lo(), high[k].lo()), 0.0);
+        let beside = |k: usize| greater(greater(low[k].lo(), high[k].lo()), 0.0);
         let sum = (0..3).fold(0.0, |sum, k| add_down(sum, mul_down(beside(k), beside(k))));
-        larger(sqrt_down(larger(sum, 0.0)), 0.0)
+        greater(sqrt_down(greater(sum, 0.0)), 0.0)
     }
 
     fn result(&self) -> DistanceProbe {
         match self.open.peek() {
             Some(near) => {
-                DistanceProbe { at_least: smaller(near.far, self.side), towards: near.bounds.centre() }
+                DistanceProbe { at_least: lesser(near.far, self.side), towards: near.bounds.centre() }
             }
             None => DistanceProbe { at_least: self.side, towards: self.from },
         }

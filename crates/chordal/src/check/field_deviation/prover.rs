@@ -17,7 +17,7 @@ use super::separation::is_separated;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 
 /// The verdict on a mesh.
 #[derive(Clone, Debug)]
@@ -154,7 +154,7 @@ impl<'a> SandwichProver<'a> {
 }
 
 fn largest(bounds: &[f64]) -> f64 {
-    bounds.iter().fold(0.0, |most, x| if *x > most { *x } else { most })
+    bounds.iter().fold(0.0, |most, x| greater(*x, most))
 }
 
 /// The outer and the inner copy.

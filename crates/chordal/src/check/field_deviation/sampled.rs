@@ -1,11 +1,11 @@
 //! The sampled deviation, for fields without ranges: surface points found beside the triangles, and their
 //! distances.
-use super::{FieldDeviation, larger, leaf_failure};
+use super::{FieldDeviation, leaf_failure};
 use crate::budget::{Bound, Evidence, Job, JobError, Reference};
 use crate::check::deviation::OneSidedDistance;
 use crate::explicit::{Bvh, Mesh, face_normal};
 use crate::implicit::{Field, Tape};
-use crate::math::sub_down;
+use crate::math::{greater, sub_down};
 
 /// Samples along a normal at which a change of sign is searched, to each side.
 const STEPS: usize = 6;
@@ -51,7 +51,7 @@ pub(super) fn measured(
         }
     }
     let samples = brackets.len() as u64;
-    let least = larger(worst.at_least, 0.0);
+    let least = greater(worst.at_least, 0.0);
     let mut bound = Bound::with_evidence(least, None, Evidence::Measured { samples }, Reference::Field);
     bound.at = Some(worst.from);
     let forward = OneSidedDistance { at_least: 0.0, ..worst };

@@ -30,7 +30,7 @@ use super::face_sides::{FaceSide, MOST_CUTS, SideQuery, classify_sides};
 use super::regions::SignRegions;
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{length, length_up};
+use crate::math::{greater, length, length_up, lesser};
 
 /// The required sides of the copies.
 pub(super) const SIDES: [Membership; 2] = [Membership::Outside, Membership::Inside];
@@ -192,7 +192,7 @@ impl Sandwich {
         for attempt in 0..ATTEMPTS {
             let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
             let most = goal.limit.unwrap_or(f64::MAX);
-            reaches.iter_mut().for_each(|reach| reach.now = if reach.now < most { reach.now } else { most });
+            reaches.iter_mut().for_each(|reach| reach.now = lesser(reach.now, most));
             let ways =
                 if attempt == 0 { DisplacementNormals::Vertex } else { DisplacementNormals::VertexAndFace };
             builder.demands = face_constraints(regions, evaluator, mesh, &reaches, ways)?;
@@ -239,12 +239,12 @@ impl SandwichBuilder<'_> {
     fn first_allowance(&self, vertex: u32) -> f64 {
         let all = (0..2).flat_map(|side| self.constraints_on(vertex, side));
         let lacks = all.map(|(demand, corner)| demand.deficits[corner]);
-        let lack = lacks.fold(0.0, |most: f64, lack| if lack > most { lack } else { most });
+        let lack = lacks.fold(0.0, |most: f64, lack| greater(lack, most));
         let p = self.mesh.positions()[vertex as usize];
-        let reach = p.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let reach = p.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let least = LEAST_SHARE * reach;
         let of_limit = self.goal.limit.map_or(0.0, |limit| self.goal.least_share * limit);
-        self.goal.margin * lack + if of_limit > least { of_limit } else { least }
+        self.goal.margin * lack + greater(of_limit, least)
     }
 
     /// The positions that some faces use, ascending.
@@ -368,8 +368,7 @@ impl SandwichBuilder<'_> {
                     continue;
                 }
                 todo.push(v);
-                of.allowance =
-                    if of.allowance < FACE_SHARE * size { FACE_SHARE * size } else { of.allowance };
+                of.allowance = greater(FACE_SHARE * size, of.allowance);
             }
         }
         todo.sort_unstable();
@@ -396,7 +395,7 @@ impl SandwichBuilder<'_> {
         };
         let of_face = |face: &[u32; 3]| {
             let all = [0, 1].map(|side| face.map(|v| far(side, v)));
-            all.as_flattened().iter().fold(0.0, |most: f64, x| if *x > most { *x } else { most })
+            all.as_flattened().iter().fold(0.0, |most: f64, x| greater(*x, most))
         };
         self.mesh.faces().iter().map(of_face).collect()
     }
@@ -433,17 +432,16 @@ impl VertexFaceIncidence {
     /// By face, an estimate of how far its corners have to be displaced: twice the distance of any adjacent
     /// face from the surface.
     fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<DisplacementReach> {
-        let larger = |a: f64, b: f64| if b > a { b } else { a };
         let n = mesh.positions().len() as u32;
         let of_vertex: Vec<f64> = (0..n)
             .map(|v| {
-                self.faces_around(v).fold(0.0, |most, (face, _)| larger(most, deviations[face as usize]))
+                self.faces_around(v).fold(0.0, |most, (face, _)| greater(deviations[face as usize], most))
             })
             .collect();
         let of_face = |(number, face): (usize, &[u32; 3])| {
             let least = FACE_SHARE * crate::math::Box3::from_points(&mesh.corners(number)).diagonal();
             let far =
-                face.iter().fold(least, |most, v| larger(most, 2.0 * of_vertex[ids[*v as usize] as usize]));
+                face.iter().fold(least, |most, v| greater(2.0 * of_vertex[ids[*v as usize] as usize], most));
             DisplacementReach { at_first: far, now: far }
         };
         mesh.faces().iter().enumerate().map(of_face).collect()

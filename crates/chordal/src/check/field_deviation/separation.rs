@@ -2,7 +2,7 @@
 //!
 //! Source: T. Akenine-Möller, *Fast 3D triangle-box overlap testing*, 2001, for the axes. Any separating axis
 //! is valid, so only the comparison along it has to allow for rounding.
-use crate::math::{Box3, cross, difference};
+use crate::math::{Box3, cross, difference, greater};
 
 /// Rounding of a comparison, relative to the largest coordinate times the axis: derived, some ten roundings
 /// of numbers up to twice that.
@@ -20,7 +20,7 @@ pub(super) fn is_separated(bounds: &Box3, corners: &[[f64; 3]; 3]) -> bool {
     let half: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds.max[k] - bounds.min[k]));
     let local = corners.map(|p| difference(p, centre));
     let all = corners.as_flattened().iter().chain(&bounds.min).chain(&bounds.max);
-    let reach = all.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    let reach = all.fold(0.0, |most: f64, x| greater(x.abs(), most));
     let separates = |axis: [f64; 3]| {
         let along = local.map(|p| axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2]);
         let size = axis[0].abs() + axis[1].abs() + axis[2].abs();

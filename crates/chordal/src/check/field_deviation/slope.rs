@@ -1,6 +1,6 @@
 //! Growth of a field along a direction, and the largest slope, from the range of its gradient.
 use crate::implicit::Dual;
-use crate::math::{Box3, Interval, div_up, length_up};
+use crate::math::{Box3, Interval, div_up, greater, length_up};
 
 /// `v · w`, enclosed.
 pub(super) fn dot(v: [Interval; 3], w: [Interval; 3]) -> Interval {
@@ -46,7 +46,7 @@ impl GrowthRate {
             return None;
         }
         let middle = slope.gradient.map(|d| d.midpoint().unwrap_or(0.0));
-        let size = middle.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let size = middle.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         if size <= 0.0 {
             return None;
         }

@@ -7,9 +7,8 @@
 //! radius, because the distance to one point is convex.
 use super::from_mesh::{is_inside, is_outside};
 use super::slope::distance_up;
-use super::{larger, smaller};
 use crate::implicit::{Dual, LeafError, Tape};
-use crate::math::{Box3, Interval, add_up, mul_up};
+use crate::math::{Box3, Interval, add_up, greater, lesser, mul_up};
 
 /// A ball that contains a point of the surface.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +25,7 @@ impl SurfaceBall {
 
     /// An upper bound on the distance of the triangle from the surface.
     pub fn farthest_of(&self, corners: &[[f64; 3]; 3]) -> f64 {
-        corners.iter().fold(0.0, |most, corner| larger(most, self.distance_up(*corner)))
+        corners.iter().fold(0.0, |most, corner| greater(most, self.distance_up(*corner)))
     }
 }
 
@@ -70,7 +69,7 @@ pub(super) fn project_to_surface(
             }
             let steep = crate::math::length(slope.gradient);
             let least = sizes[k] / 64.0;
-            let far = larger(BEYOND * slope.value.abs() / steep, least);
+            let far = greater(BEYOND * slope.value.abs() / steep, least);
             if far.is_finite() && steep > 0.0 {
                 let along = if is_in { far / steep } else { -far / steep };
                 before[k] = at[k];
@@ -116,7 +115,7 @@ pub(super) fn certify_brackets(
     let ball = |way: &[[f64; 3]; 2]| {
         let at = middle(way);
         // The midpoint is rounded; the segment lies within the distance of the farther of its ends.
-        SurfaceBall { at, within: larger(distance_up(at, way[0]), distance_up(at, way[1])) }
+        SurfaceBall { at, within: greater(distance_up(at, way[0]), distance_up(at, way[1])) }
     };
     Ok(ways.iter().zip(signs.chunks_exact(2)).map(|(way, signs)| sure(signs).then(|| ball(way))).collect())
 }
@@ -185,5 +184,5 @@ pub(super) fn min_with_ball(
     corners: &[[f64; 3]; 3],
     slack: f64,
 ) -> f64 {
-    witness.map_or(known, |witness| smaller(known, add_up(witness.farthest_of(corners), mul_up(2.0, slack))))
+    witness.map_or(known, |witness| lesser(known, add_up(witness.farthest_of(corners), mul_up(2.0, slack))))
 }

@@ -4,7 +4,7 @@ use super::sandwich::SandwichGoal;
 use crate::budget::Job;
 use crate::explicit::{Bvh, Mesh};
 use crate::implicit::{Csg, Expr, Field, Unary, shapes};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 use std::collections::BTreeMap;
 
 /// A geodesic sphere: an octahedron, subdivided so often.
@@ -81,9 +81,7 @@ fn sagitta(mesh: &Mesh, radius: f64) -> f64 {
         let n = crate::math::cross(u, v);
         radius - crate::math::dot(a, n).abs() / crate::math::length(n)
     };
-    (0..mesh.faces().len())
-        .map(|face| depth(mesh.corners(face)))
-        .fold(0.0, |most, far| if far > most { far } else { most })
+    (0..mesh.faces().len()).map(|face| depth(mesh.corners(face))).fold(0.0, |most, far| greater(far, most))
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::over_bands;
 use super::projection::{CHUNK, ScreenMesh};
 use crate::budget::{Camera, Job, JobError, par_map};
 use crate::explicit::{HitSides, Mesh, face_normal};
+use crate::math::greater;
 use glam::DVec3;
 
 /// Shifts along an axis, in steps of 1/256 of a pixel: a quarter of a pixel apart, about the pixel's centre.
@@ -97,6 +98,6 @@ fn band_flicker(banded: &BinnedMesh, band: &ScreenBand, shades: &[f32], job: &Jo
     let all = (0..n).filter(|at| usize::from(hits[*at]) == N);
     all.fold((0.0, 0), |(changed, n_pixels), at| {
         let change = squares[at] - sums[at] * sums[at] / N as f64;
-        (changed + if change > 0.0 { change } else { 0.0 }, n_pixels + 1)
+        (changed + greater(change, 0.0), n_pixels + 1)
     })
 }

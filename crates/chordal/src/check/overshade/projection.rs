@@ -3,6 +3,7 @@
 use super::raster_triangle::{MOST, RasterVertex, STEPS};
 use crate::budget::{Camera, Job, JobError, Projection, Refusal, RefusalCode, View, par_map};
 use crate::explicit::Mesh;
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// The guard band: triangles are clipped this many pixels from the middle of the screen, far outside of every
@@ -86,12 +87,12 @@ impl RasterCamera {
         };
         let far = |sum: f64, row: &u32| {
             let size = seat.to_eye_space(mesh.positions()[*row as usize]).abs().max_element();
-            if size > sum { size } else { sum }
+            greater(size, sum)
         };
         let reach = mesh.faces().iter().flatten().fold(0.0, far);
         seat.reach = if reach > 0.0 { reach } else { 1.0 };
         let least = if parallel { 0.0 } else { LEAST_DEPTH * seat.reach };
-        seat.near = if seat.near > least { seat.near } else { least };
+        seat.near = greater(seat.near, least);
         Ok(seat)
     }
 
@@ -124,8 +125,8 @@ impl RasterCamera {
             [self.middle[0] + self.focal * (p.x / depth), self.middle[1] - self.focal * (p.y / depth)];
         let at = place.map(|pixels| {
             let steps = (pixels * STEPS as f64 + 0.5).floor();
-            let steps = if steps > -MOST { steps } else { -MOST };
-            (if steps < MOST { steps } else { MOST }) as i32
+            let steps = greater(steps, -MOST);
+            (lesser(steps, MOST)) as i32
         });
         let nearness = if self.parallel { -p.z / self.reach } else { self.reach / p.z };
         RasterVertex { at, nearness }

@@ -9,7 +9,7 @@
 use super::trace::{ContourBlock, TracedContours};
 use crate::budget::{Job, par_map};
 use crate::implicit::LeafError;
-use crate::math::{Box3, Interval, add_up, div_up, length, length_up, sub_down};
+use crate::math::{Box3, Interval, add_up, div_up, greater, length, length_up, lesser, sub_down};
 
 /// The bounds of the distance, and where it is largest.
 #[derive(Clone, Copy, Debug)]
@@ -67,8 +67,7 @@ pub(super) fn prove(
     segments.sort_unstable_by(|a, b| {
         [a.0[1], a.0[0]].cmp(&[b.0[1], b.0[0]]).then(a.1[0][0].total_cmp(&b.1[0][0]))
     });
-    let reach =
-        bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
     // A dozen roundings of coordinates up to four times the largest, and underflow.
     let rounding = 32.0 * f64::EPSILON * reach + f64::MIN_POSITIVE;
     let all = 2.0 * bounds.diagonal() + 8.0 * traced.lattice.step;
@@ -81,7 +80,7 @@ pub(super) fn prove(
         if one.most > far.most {
             (far.most, far.at) = (one.most, one.at);
         }
-        far.least = if one.least > far.least { one.least } else { far.least };
+        far.least = greater(one.least, far.least);
     }
     // Where no point is certainly inside there may be no curve at all.
     far.most = if far.met { far.most } else { f64::INFINITY };
@@ -90,7 +89,7 @@ pub(super) fn prove(
 
 impl ContourDistance {
     fn include(&mut self, most: f64, at: [f64; 2], all: f64) {
-        let most = if most < all { most } else { all };
+        let most = lesser(most, all);
         if most > self.most {
             (self.most, self.at) = (most, at);
         }
@@ -133,10 +132,10 @@ impl ContourProver<'_> {
                 let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
                 let half = add_up(length_up([middle[0] - low[0], middle[1] - low[1]]), self.rounding);
                 let most = add_up(self.distance_to_lines(middle), half);
-                let enough = if self.aim > far.most { self.aim } else { far.most };
+                let enough = greater(self.aim, far.most);
                 let finest = FINEST * enough;
                 let least = ROUNDINGS * self.rounding;
-                if most > enough && half > if finest > least { finest } else { least } {
+                if most > enough && half > greater(finest, least) {
                     let [x, y] = middle;
                     open.extend([
                         [*low, middle],
@@ -150,7 +149,7 @@ impl ContourProver<'_> {
                     let from_centre = *beside.get_or_insert_with(|| self.distance_to_any_line(centre));
                     let aside = length_up([middle[0] - centre[0], middle[1] - centre[1]]);
                     let by_centre = add_up(from_centre, add_up(aside, half));
-                    far.include(if by_centre < most { by_centre } else { most }, middle, self.all);
+                    far.include(lesser(by_centre, most), middle, self.all);
                 } else {
                     far.include(most, middle, self.all);
                 }
@@ -197,9 +196,9 @@ impl ContourProver<'_> {
             {
                 let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
                 let t = (q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
-                let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
+                let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
                 let far = length_up([q[0] - t * d[0], q[1] - t * d[1]]);
-                best = if far < best { far } else { best };
+                best = lesser(far, best);
             }
         }
         best
@@ -212,7 +211,7 @@ impl ContourProver<'_> {
             let d = [b[0] - a[0], b[1] - a[1]];
             let long = length_up(d);
             let n = (2.0 * long / self.aim).ceil();
-            let n = if n < PIECES { n } else { PIECES };
+            let n = lesser(n, PIECES);
             let across = [-d[1] / long, d[0] / long];
             for k in 0..n as usize {
                 let t = (k as f64 + 0.5) / n;
@@ -240,8 +239,8 @@ impl ContourProver<'_> {
                     .map(|(q, across, half)| {
                         let whole = if is_of_piece { *half } else { sub_down(self.aim, *half) };
                         // Farther away than the aim the tape of the block may be wrong.
-                        let whole = if whole < self.aim { whole } else { self.aim };
-                        let whole = if whole > 0.0 { whole } else { 0.0 };
+                        let whole = lesser(whole, self.aim);
+                        let whole = greater(whole, 0.0);
                         let reach = part * whole * if side == 0 { 1.0 } else { -1.0 };
                         let [x, y] = *across;
                         // Across, along, and between the two.
@@ -266,12 +265,12 @@ impl ContourProver<'_> {
                     let apart = length_up([p.min[0] - q[0], p.min[1] - q[1]]);
                     let apart = add_up(add_up(apart, self.rounding), *half);
                     far.met |= which == 0;
-                    sure[which] = if apart < sure[which] { apart } else { sure[which] };
+                    sure[which] = lesser(apart, sure[which]);
                 }
             }
         }
         for ((q, _, _), sure) in pieces.iter().zip(&sure) {
-            far.include(if sure[0] > sure[1] { sure[0] } else { sure[1] }, *q, self.all);
+            far.include(greater(sure[0], sure[1]), *q, self.all);
         }
         self.lower_bound(block, &pieces, far)
     }
@@ -333,5 +332,5 @@ pub(super) fn estimate(traced: &TracedContours, job: &Job) -> Result<f64, LeafEr
             if far.is_finite() && far > most { far } else { most }
         }))
     });
-    found.into_iter().try_fold(0.0, |most, one| one.map(|one| if one > most { one } else { most }))
+    found.into_iter().try_fold(0.0, |most, one| one.map(|one| greater(one, most)))
 }

@@ -4,7 +4,7 @@ use super::trace::{ContourLattice, TracedContours, trace};
 use crate::budget::{Bound, Bounded, Evidence, Failure, Job, Progress, Reference, RefusalCode};
 use crate::explicit::Polyline;
 use crate::implicit::{Field, Tape};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 
 /// The limits that the polylines have to keep.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ pub(in crate::convert) fn search(
     let tape = Tape::new(field.sign());
     let bounds = field.bounds();
     let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
-    let longest = if sides[0] > sides[1] { sides[0] } else { sides[1] };
+    let longest = greater(sides[0], sides[1]);
     let search = ContourSearch { tape, evidence: field.evidence(), bounds, wanted, job };
     let mut step = longest / FIRST;
     let mut best: Option<Bounded<ContourPolylines>> = None;
@@ -63,7 +63,7 @@ pub(in crate::convert) fn search(
         let seen = estimate(&traced, job).map_err(leaf_failure)?;
         if seen > 0.9 * length {
             let part = (0.7 * length / seen).sqrt();
-            step *= if part < 0.25 { 0.25 } else { part };
+            step *= greater(0.25, part);
             continue;
         }
         if !search.evidence.bounds_above() {

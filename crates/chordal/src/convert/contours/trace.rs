@@ -2,7 +2,7 @@
 use crate::budget::{Job, par_map};
 use crate::convert::cubes::marching_squares::square_segments;
 use crate::implicit::{LeafError, Tape};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 use std::sync::Arc;
 
 /// Squares along the side of a block.
@@ -29,8 +29,7 @@ impl ContourLattice {
     /// Squares of side `step` that cover a box with one more all around; `None` where they are too many, or
     /// coordinates cannot distinguish them.
     pub fn covering(bounds: &Box3, step: f64) -> Option<Self> {
-        let reach =
-            bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
         // Exactly 2¹² steps of the largest coordinate.
         if step < 4096.0 * f64::EPSILON * reach {
             return None;
@@ -105,7 +104,7 @@ pub(super) fn trace(
     pad: f64,
     job: &Job,
 ) -> Result<Option<TracedContours>, LeafError> {
-    let longest = lattice.blocks.iter().fold(1, |m, n| if *n > m { *n } else { m });
+    let longest = lattice.blocks.iter().fold(1, |m, n| greater(*n, m));
     let mut size = longest.next_power_of_two();
     let mut blocks = vec![([0; 2], Arc::new(tape.clone()))];
     while size > 1 && !blocks.is_empty() {

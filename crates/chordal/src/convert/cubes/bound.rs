@@ -50,7 +50,7 @@ use super::slopes::{CellLanes, LANES, LOW, MinSlopeKernel, ShiftKernel, run, shi
 use super::source::SampleSource;
 use crate::budget::{Job, par_map};
 use crate::implicit::Affine3;
-use crate::math::{Box3, add_up, div_up, mul_up};
+use crate::math::{Box3, add_up, div_up, greater, lesser, mul_up};
 
 /// Half a unit in the last place of 1: the relative error of one rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
@@ -167,11 +167,11 @@ impl<'a> IsosurfaceProof<'a> {
         let mut worst = none;
         for round in 0.. {
             let least = seen.map_or(0.0, |s| s.0);
-            let aim = larger(larger(AIM * least, FINE * self.local.diagonal), self.enough);
+            let aim = greater(self.enough, greater(FINE * self.local.diagonal, AIM * least));
             if worst.most <= aim || least > self.enough && self.enough > 0.0 || job.is_cancelled() {
                 break;
             }
-            let goal = STORED * larger(aim, FALL * worst.most);
+            let goal = STORED * greater(FALL * worst.most, aim);
             let mut cells = cells_above(plan, &slabs, self.to_diagonals(goal), job);
             // Cells without a bound yet get one, however many they are.
             let is_open = round == 0 && worst.most >= 0.75 * self.local.diagonal;
@@ -211,13 +211,13 @@ impl<'a> IsosurfaceProof<'a> {
         for axis in 0..3 {
             if most > aim {
                 let planes = self.planes(at, axis, &corners);
-                most = smaller(most, mul_up(shift(&planes, self.local.slack), self.lengths[axis]));
+                most = lesser(mul_up(shift(&planes, self.local.slack), self.lengths[axis]), most);
             }
         }
         // The aim may be out of reach: then it grows by a quarter.
         let mut goal = aim;
         while most > goal {
-            most = smaller(most, self.local.cell_distance(at, goal));
+            most = lesser(self.local.cell_distance(at, goal), most);
             goal *= 1.25;
         }
         CellBound { most: self.to_diagonals(most), ..cell }
@@ -226,12 +226,12 @@ impl<'a> IsosurfaceProof<'a> {
     /// A length as a fraction of the diagonal, rounded up.
     fn to_diagonals(&self, length: f64) -> f32 {
         let part = div_up(length, self.local.diagonal);
-        f32_up(if part < 1.0 { part } else { 1.0 })
+        f32_up(lesser(part, 1.0))
     }
 
     /// The length of a fraction of the diagonal, rounded up.
     fn length_of(&self, part: f32) -> f64 {
-        smaller(mul_up(f64::from(part), self.local.diagonal), self.local.diagonal)
+        lesser(self.local.diagonal, mul_up(f64::from(part), self.local.diagonal))
     }
 
     fn sample(&self, [i, j, k]: [usize; 3]) -> f64 {
@@ -323,7 +323,7 @@ impl<'a> CellBatch<'a> {
         for lane in 0..self.at.len() {
             let most = match axes[lane] {
                 3 => self.proof.local.diagonal,
-                axis => smaller(mul_up(shifts[lane], self.proof.lengths[axis]), self.proof.local.diagonal),
+                axis => lesser(self.proof.local.diagonal, mul_up(shifts[lane], self.proof.lengths[axis])),
             };
             self.out.push(self.proof.to_diagonals(most));
         }
@@ -334,14 +334,6 @@ impl<'a> CellBatch<'a> {
         self.flush();
         self.out
     }
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
-}
-
-fn smaller(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
 }
 
 /// The nearest f32 that is not below.
@@ -359,7 +351,7 @@ fn farther(first: Option<(f64, [f64; 3])>, rest: Vec<Option<(f64, [f64; 3])>>) -
 
 /// The numbers of cells to examine: some of those with the largest bound, and as many with the next largest.
 fn select_cells(bounds: &[f32]) -> Vec<usize> {
-    let top = bounds.iter().fold(0.0, |m: f32, x| if *x > m { *x } else { m });
+    let top = bounds.iter().fold(0.0, |m: f32, x| greater(*x, m));
     let equal: Vec<usize> = (0..bounds.len()).filter(|i| bounds[*i] == top).collect();
     let mut picked: Vec<usize> =
         equal.iter().step_by(equal.len().div_ceil(WITNESSES).max(1)).copied().collect();
@@ -399,7 +391,7 @@ fn cells_above(plan: &MarchingPlan, slabs: &[Vec<f32>], aim: f32, job: &Job) -> 
 }
 
 fn largest_bound(slabs: &[Vec<f32>]) -> f32 {
-    slabs.iter().flatten().fold(0.0, |m: f32, x| if *x > m { *x } else { m })
+    slabs.iter().flatten().fold(0.0, |m: f32, x| greater(*x, m))
 }
 
 /// The longest diagonal of a cell, rounded up.
@@ -413,7 +405,7 @@ pub(crate) fn diagonal(affine: &Affine3) -> f64 {
             add_up(sum.abs(), mul_up(4.0 * ROUNDING, size))
         }))
     });
-    diagonals.into_iter().fold(0.0, |most, d| if d > most { d } else { most })
+    diagonals.into_iter().fold(0.0, |most, d| greater(d, most))
 }
 
 fn length_up(sides: [f64; 3]) -> f64 {

@@ -27,7 +27,7 @@ use super::rule::{Border, Inside, LatticeTransform, Polygonize};
 use super::source::SampleSource;
 use crate::check::{distance_up, triangle_at_least};
 use crate::implicit::Affine3;
-use crate::math::{add_up, cross, dot, length, mul_up, sub_down};
+use crate::math::{add_up, cross, dot, greater, length, lesser, mul_up, sub_down};
 
 type TriangleCoords = [[f64; 3]; 3];
 
@@ -105,7 +105,7 @@ impl CellProver<'_> {
             let sample = self.source.at([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]);
             flip * (self.rule.finite_sample(sample) - self.rule.level)
         });
-        let most = g.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        let most = g.iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
         // The roundings of a value, derived above; the smallest number covers underflow.
         let off = add_up(mul_up(32.0 * f64::EPSILON, most), add_up(self.slack, f64::MIN_POSITIVE));
         CellInterpolant { g, off }
@@ -237,8 +237,8 @@ impl CellProver<'_> {
         } else {
             self.mesh_to_surface(cell, &own, target)
         };
-        let most = add_up(if there > back { there } else { back }, mul_up(4.0, self.rounding));
-        if most < self.diagonal { most } else { self.diagonal }
+        let most = add_up(greater(there, back), mul_up(4.0, self.rounding));
+        lesser(most, self.diagonal)
     }
 
     fn surface_to_mesh(&self, cell: [usize; 3], own: &[CellTriangle], target: f64) -> f64 {
@@ -271,7 +271,7 @@ impl CellProver<'_> {
             let middle = self.point(middle);
             let nearest = |least: f64, t: &TriangleCoords| {
                 let far = distance_up(middle, t);
-                if far < least { far } else { least }
+                lesser(far, least)
             };
             let mut far = own.iter().map(|piece| &piece.space).fold(f64::INFINITY, nearest);
             if add_up(far, half) > target && side <= 0.5 {
@@ -280,7 +280,7 @@ impl CellProver<'_> {
             let far = add_up(far, half);
             // Boxes whose halves are far below the target, or a sixty-fourth of a cell, are not cut.
             if far <= target || half < 0.125 * target || side < 1.0 / 32.0 {
-                most = if far > most { far } else { most };
+                most = greater(far, most);
             } else {
                 let n = if flat.is_some() { 4 } else { 8 };
                 for c in 0..n {
@@ -311,7 +311,7 @@ impl CellProver<'_> {
             let radius = piece
                 .map(|v| self.space_length([0, 1, 2].map(|k| v[k] - middle[k])))
                 .into_iter()
-                .fold(0.0, |m, r| if r > m { r } else { m });
+                .fold(0.0, |m, r| greater(r, m));
             let reach = sub_down(target, radius);
             let vertices = own.iter().flat_map(|piece| piece.index);
             let nearest = vertices
@@ -325,7 +325,7 @@ impl CellProver<'_> {
             };
             if let Some(far) = found {
                 let far = add_up(far, radius);
-                most = if far > most { far } else { most };
+                most = greater(far, most);
             } else if depth < 5 {
                 let half = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
                 let (ab, bc, ca) = (half(a, b), half(b, c), half(c, a));
@@ -345,7 +345,7 @@ impl CellProver<'_> {
         let mut most = 0.0;
         for inside in [true, false].into_iter().filter(|inside| here != Some(*inside)) {
             let far = self.distance_to_side(cell, from, (inside, reach))?;
-            most = if far > most { far } else { most };
+            most = greater(far, most);
         }
         Some(most)
     }
@@ -413,8 +413,8 @@ impl CellProver<'_> {
                 t = [0, 1, 2].map(|k| {
                     let (low, high) = (part[k] as f64 - 0.5, part[k] as f64 + 1.5);
                     let x = t[k] - step * slope[k];
-                    let x = if x > low / PARTS as f64 { x } else { low / PARTS as f64 };
-                    let x = if x < high / PARTS as f64 { x } else { high / PARTS as f64 };
+                    let x = greater(x, low / PARTS as f64);
+                    let x = lesser(x, high / PARTS as f64);
                     x.clamp(0.0, 1.0)
                 });
             }
@@ -478,17 +478,15 @@ impl CellProver<'_> {
     fn narrowest(&self) -> f64 {
         let [a, b, c] = self.affine.steps();
         let volume = dot(a, cross(b, c)).abs();
-        let widest = [cross(b, c), cross(c, a), cross(a, b)]
-            .map(length)
-            .into_iter()
-            .fold(0.0, |m, l| if l > m { l } else { m });
+        let widest =
+            [cross(b, c), cross(c, a), cross(a, b)].map(length).into_iter().fold(0.0, |m, l| greater(l, m));
         // A determinant loses digits by cancellation: relative to the size of all its products.
         let size = length(a) * length(b) * length(c);
         let width = (volume - 32.0 * f64::EPSILON * size) / (widest * ABOVE);
-        if width > 0.0 { width } else { 0.0 }
+        greater(width, 0.0)
     }
 }
 
 fn least(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
+    lesser(b, a)
 }

@@ -4,7 +4,7 @@ use super::rule::{Inside, Polygonize};
 use super::source::SampleSource;
 use crate::budget::Job;
 use crate::implicit::Affine3;
-use crate::math::{cross, dot};
+use crate::math::{cross, unit};
 
 /// Outward unit normals. Central differences of the samples (one-sided at the border) are interpolated along
 /// the vertex's edge and mapped to space. Where they vanish, the normal is along the edge.
@@ -46,12 +46,4 @@ pub(crate) fn gradient_normals<S: SampleSource>(
         };
         unit(to_space(mean)).or_else(|| unit(to_space(along))).unwrap_or([0.0, 0.0, 1.0])
     })
-}
-
-/// The vector scaled to length 1, if it has a length.
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
-    let scaled = v.map(|x| x / largest);
-    let size = dot(scaled, scaled).sqrt();
-    (size.is_finite() && size > 0.0).then(|| scaled.map(|x| x / size))
 }

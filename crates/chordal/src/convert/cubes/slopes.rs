@@ -3,6 +3,7 @@
 //! Each cell needs the samples of four planes across the axis: its own two and one on either side, four in
 //! each. For what is proved with them see `bound.rs`.
 use crate::math::simd::{self, Kernel};
+use crate::math::{greater, lesser};
 
 /// The number of cells processed at once.
 pub(super) const LANES: usize = 64;
@@ -32,10 +33,10 @@ impl Kernel for MinSlopeKernel<'_> {
                 let d = LOW[axis].map(|low| self.corners[low + (1 << axis)][lane] - self.corners[low][lane]);
                 let (mut least, mut most) = (d[0], d[0]);
                 for x in [d[1], d[2], d[3]] {
-                    least = if x < least { x } else { least };
-                    most = if x > most { x } else { most };
+                    least = lesser(x, least);
+                    most = greater(x, most);
                 }
-                *out = if least > -most { least } else { -most };
+                *out = greater(least, -most);
             }
         }
     }
@@ -67,12 +68,10 @@ impl Kernel for ShiftKernel<'_> {
 /// [`ShiftKernel`] for one cell.
 #[inline(always)]
 pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
-    let smaller = |a: f64, b: f64| if a < b { a } else { b };
     let (mut low, mut high) = (w[0][0], w[0][0]);
     for x in w.as_flattened() {
-        low = smaller(low, *x);
-        high = larger(high, *x);
+        low = lesser(low, *x);
+        high = greater(high, *x);
     }
     let range = high - low;
     // 1. Whether g rises or falls along the row, in the middle cell.
@@ -87,10 +86,10 @@ pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
     let (mut error, mut slope) = ([0.0; 3], [0.0; 3]);
     for p in 0..3 {
         let s: [f64; 4] = std::array::from_fn(|c| grown(w[p + 1][c] - w[p][c]));
-        let first = larger((s[1] - s[0]).abs(), (s[3] - s[2]).abs());
-        let second = larger((s[2] - s[0]).abs(), (s[3] - s[1]).abs());
-        error[p] = 0.25 * ((larger(across[p], across[p + 1]) + first) + second);
-        slope[p] = smaller(smaller(s[0], s[1]), smaller(s[2], s[3]));
+        let first = greater((s[1] - s[0]).abs(), (s[3] - s[2]).abs());
+        let second = greater((s[2] - s[0]).abs(), (s[3] - s[1]).abs());
+        error[p] = 0.25 * ((greater(across[p], across[p + 1]) + first) + second);
+        slope[p] = lesser(lesser(s[0], s[1]), lesser(s[2], s[3]));
     }
     // 3. Corners are rounded once, and |g| is no more than the range, for the cell in the middle has both
     // signs; each mixed difference is rounded three times more, by half a unit in the last place of four
@@ -99,18 +98,18 @@ pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
     // 4. A neighbour counts unless g is beyond e wherever it begins.
     let ends = |p: usize, sign: f64| {
         let g: [f64; 4] = std::array::from_fn(|c| sign * grown(w[p][c]));
-        smaller(smaller(g[0], g[1]), smaller(g[2], g[3]))
+        lesser(lesser(g[0], g[1]), lesser(g[2], g[3]))
     };
     let free = error[1] + 2.0 * off;
     let (mut most, mut least) = (error[1], slope[1]);
     let (free_before, free_behind) = (ends(1, -1.0) > free, ends(2, 1.0) > free);
     if !free_before {
-        most = larger(most, error[0]);
-        least = smaller(least, slope[0]);
+        most = greater(most, error[0]);
+        least = lesser(least, slope[0]);
     }
     if !free_behind {
-        most = larger(most, error[2]);
-        least = smaller(least, slope[2]);
+        most = greater(most, error[2]);
+        least = lesser(least, slope[2]);
     }
     // 5. Two roundings of either, and one of the quotient.
     let slope = least - off;

@@ -3,6 +3,7 @@
 use super::rule::Polygonize;
 use super::source::SampleSource;
 use crate::implicit::Affine3;
+use crate::math::greater;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The interpolant of a source on a lattice with `parts` cells for each of the source's along each index.
@@ -32,7 +33,7 @@ impl<'a> UpsampledSource<'a> {
         // Each mean multiplies by whole numbers of `halvings` bits: nothing is rounded while all fit in 53
         // bits.
         let exact = bits.is_some_and(|bits| bits + 3 * halvings < 53);
-        let largest = if largest > rule.level.abs() { largest } else { rule.level.abs() };
+        let largest = greater(largest, rule.level.abs());
         // Three means of three roundings each, of numbers no larger than the largest.
         let slack = if exact { 0.0 } else { 8.0 * f64::EPSILON * largest };
         Self { coarse, rule: *rule, parts: 1 << halvings, slack, unsure: AtomicBool::new(false) }

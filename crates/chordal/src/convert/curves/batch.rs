@@ -6,7 +6,7 @@ use super::greedy;
 use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance, par_map};
 use crate::explicit::Bezier;
 use crate::math::simd::{self, Isa, Kernel};
-use crate::math::{add_up, flushes_subnormals, sub_down};
+use crate::math::{add_up, flushes_subnormals, greater, sub_down};
 
 /// Flattens one cubic Bézier curve after the other at one tolerance, and reuses its buffers between them.
 ///
@@ -111,8 +111,7 @@ impl<const D: usize> BezierCutter<D> {
         }
         let loss = |a: f64, b: f64| chords.deviation(a, b).at_most;
         let places = greedy::parameters(loss, 0.999 / steps, length); // 0.999: see `Chords::fewest`
-        let worst =
-            places.windows(2).map(|ends| loss(ends[0], ends[1])).fold(0.0, |a, b| if b > a { b } else { a });
+        let worst = places.windows(2).map(|ends| loss(ends[0], ends[1])).fold(0.0, |a, b| greater(b, a));
         self.work.set_places(chords.cubic(), &places);
         Ok(worst)
     }
@@ -209,7 +208,7 @@ pub fn beziers_to_polylines<const D: usize>(
             made.starts.push(made.points.len());
             made.points.push(curve.control[0]);
             let bound = cutter.append(curve, &mut made.points)?;
-            worst = if bound > worst { bound } else { worst };
+            worst = greater(bound, worst);
         }
         Ok((made, worst))
     };
@@ -220,7 +219,7 @@ pub fn beziers_to_polylines<const D: usize>(
         let first = all.points.len();
         all.starts.extend(made.starts.iter().map(|start| first + start));
         all.points.extend(made.points);
-        worst = if bound > worst { bound } else { worst };
+        worst = greater(bound, worst);
     }
     all.starts.push(all.points.len());
     Ok(Bounded { shape: all, bound: Bound::proved(0.0, worst, Reference::Curves) })

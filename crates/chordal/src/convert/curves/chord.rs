@@ -27,7 +27,7 @@
 //! `8·2·2η`. The arithmetic after that loses less than 32 ε of lengths below `8R`. All of it is below
 //! `1024 ε·R`.
 use crate::explicit::{Arc, Bezier};
-use crate::math::{difference, dot, length};
+use crate::math::{difference, dot, greater, length};
 
 /// The rounding error of a deviation bound, in units of ε times [`coordinate_reach`]: derived above.
 const ROUNDING: f64 = 1024.0;
@@ -42,7 +42,7 @@ pub(crate) struct ChordDeviation {
 /// The sum over the axes of the largest coordinates of `points`.
 pub(crate) fn coordinate_reach<const D: usize>(points: &[[f64; D]]) -> f64 {
     (0..D)
-        .map(|k| points.iter().fold(0.0, |most: f64, p| if p[k].abs() > most { p[k].abs() } else { most }))
+        .map(|k| points.iter().fold(0.0, |most: f64, p| greater(p[k].abs(), most)))
         .fold(0.0, |sum, x| sum + x)
 }
 
@@ -135,7 +135,7 @@ pub(crate) fn rounding_at(reach: f64) -> f64 {
     // distinguished from 0.
     let least = 1e-150;
     let rounding = ROUNDING * f64::EPSILON * reach;
-    if rounding > least { rounding } else { least }
+    greater(rounding, least)
 }
 
 /// The deviation of a chord, from the chord, `D0` and `D1`.
@@ -145,7 +145,7 @@ fn chord_deviation<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) 
     let pointwise = largest_deviation(s, q);
     let length_sq = dot(chord, chord);
     let (n0, n1) = (dot(d0, d0), dot(d1, d1));
-    let longest_sq = if n0 > n1 { n0 } else { n1 };
+    let longest_sq = greater(n0, n1);
     // Beyond eight chords the direction of the chord is too inaccurate: see the head of this file.
     if !(longest_sq <= 64.0 * length_sq && length_sq > 0.0) {
         return pointwise;
@@ -157,7 +157,7 @@ fn chord_deviation<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) 
     let second = length_sq - (length_sq + x0 + 2.0 * x1) / 3.0;
     let beyond = [-first, first - length_sq, -second, second - length_sq]
         .into_iter()
-        .fold(0.0, |most, x| if x > most { x } else { most })
+        .fold(0.0, |most, x| greater(x, most))
         / length_sq.sqrt();
     let at_most =
         if beyond > 0.0 { (aside.at_most * aside.at_most + beyond * beyond).sqrt() } else { aside.at_most };

@@ -10,6 +10,7 @@
 //! Loops run over slices, all chords at once, so that they are compiled to vector instructions.
 use super::chord::CubicChords;
 use crate::explicit::{Bezier, bernstein};
+use crate::math::{greater, lesser};
 
 /// Intervals of the grid, one less than a multiple of [`LANES`]: for a few chords, for some, and at most; in
 /// between half as many as there are chords. With fewer for some, the first spread fails more often; with
@@ -261,13 +262,13 @@ impl<const D: usize> FlattenScratch<D> {
             }
             let (width, rise) = (to - from, nodes[i + 1] - nodes[i]);
             // Slopes beyond three times that of the secant would make the cubic non-monotone.
-            let limited = |slope: f64| if width * slope < 3.0 * rise { width * slope } else { 3.0 * rise };
+            let limited = |slope: f64| lesser(width * slope, 3.0 * rise);
             let (left, right) = (limited(slopes[i]), limited(slopes[i + 1]));
             let (second, third) = (3.0 * rise - 2.0 * left - right, left + right - 2.0 * rise);
             // As many steps as end in this interval; a count that is too large or too small by rounding is
             // corrected below.
             let end = (to / share) as usize + 1;
-            let end = if end < n { end } else { n };
+            let end = lesser(end, n);
             let (base, scale) = (nodes[i], 1.0 / width);
             for (offset, place) in places[step..end.max(step)].iter_mut().enumerate() {
                 let x = ((step + offset) as f64 * share - from) * scale;
@@ -381,7 +382,7 @@ impl<const D: usize> FlattenScratch<D> {
             if self.deviations[i] == f64::INFINITY {
                 self.deviations[i] = chords.deviation(self.places[i], self.places[i + 1]).at_most;
             }
-            worst = if self.deviations[i] > worst { self.deviations[i] } else { worst };
+            worst = greater(self.deviations[i], worst);
         }
         worst
     }
@@ -487,7 +488,7 @@ fn simple_deviations<const D: usize>(
         // the distance of the farther one from the middle, and by how much that is beyond an end.
         let first = (0.5 * (3.0 * s_share - q_share) + 0.5).abs();
         let last = (0.5 * (3.0 * s_share + q_share) - 0.5).abs();
-        let far = if first > last { first } else { last };
+        let far = greater(first, last);
         let beyond_sq = if far > 1.5 { (far - 1.5) * (far - 1.5) * c_sq * (1.0 / 9.0) } else { 0.0 };
         let loss = (aside * aside + beyond_sq).sqrt();
         let known = (c_sq > 0.0) & (sq_all <= 128.0 * c_sq) & ((beyond_sq == 0.0) | (loss <= tolerance));

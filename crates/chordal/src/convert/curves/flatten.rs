@@ -2,7 +2,7 @@
 use super::piece::{Chords, rounding};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Lens, Pixels, Reference, RefusalCode, par_map};
 use crate::explicit::{Curve, CurveSegment, Polyline};
-use crate::math::{Box3, add_up, flushes_subnormals, mul_up, sub_down};
+use crate::math::{Box3, add_up, flushes_subnormals, greater, lesser, mul_up, sub_down};
 
 /// How the ends of segments are placed on each piece of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -165,7 +165,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
                     "the curve comes so close to the eye that there is no bound in pixels",
                 )
             })?;
-            length = if by_pixels < length { by_pixels } else { length };
+            length = lesser(by_pixels, length);
         }
         if part.rounding_error == 0.0 {
             return Ok(length);
@@ -215,7 +215,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         // Far more than allowed, or than fit into memory: no need to place them.
         let room = self.job.memory_limit as f64 / BYTES_PER_POINT;
         let far_more = 64.0 * most as f64 + 64.0;
-        let far_more = if far_more < room { far_more } else { room };
+        let far_more = lesser(far_more, room);
         let few = |length: f64, part: &PathPiece<'_, D>| part.chords.even_steps(length) <= far_more;
         if most < u64::MAX && !self.parts.iter().zip(&lengths).all(|(part, length)| few(*length, part)) {
             return Ok(None);
@@ -250,7 +250,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         }
         let size = self.parts.iter().fold(0.0, |size: f64, part| {
             let diagonal = add_up(part.place.diagonal(), part.rounding_error);
-            if diagonal > size { diagonal } else { size }
+            greater(diagonal, size)
         });
         let rung = |k: u32| {
             let step = libm::exp2(-f64::from(k % RUNGS) / f64::from(RUNGS));
@@ -293,17 +293,15 @@ impl<'a, const D: usize> Flattener<'a, D> {
             polylines.push(polyline(curve, own));
             rest = others;
         }
-        let slack = self.curves.iter().fold(0.0, |a: f64, c| if c.slack() > a { c.slack() } else { a });
-        let at_most =
-            cuts.iter().fold(slack, |most, cut| if cut.at_most > most { cut.at_most } else { most });
+        let slack = self.curves.iter().fold(0.0, |a: f64, c| greater(c.slack(), a));
+        let at_most = cuts.iter().fold(slack, |most, cut| greater(cut.at_most, most));
         let (at_least, at) = self.measured_deviation(cuts, &polylines);
-        let mut bound =
-            Bound::proved(if at_least < at_most { at_least } else { at_most }, at_most, Reference::Curves);
+        let mut bound = Bound::proved(lesser(at_least, at_most), at_most, Reference::Curves);
         bound.at = at;
         bound.pixels = asked.pixels.and_then(|(_, lens)| {
             self.parts.iter().zip(cuts).try_fold(0.0, |most: f64, (part, cut)| {
                 let pixels = lens.scale_at(&part.place).pixels_of(cut.at_most)?;
-                Some(if pixels > most { pixels } else { most })
+                Some(greater(pixels, most))
             })
         });
         Bounded { shape: polylines, bound }
@@ -332,7 +330,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 let lost = mul_up(2.0, self.parts[index].rounding_error);
                 // the square root's and the sums' rounding is below 4 ε
                 let at_least = sub_down(far * (1.0 - 1e-15), lost);
-                return (if at_least > 0.0 { at_least } else { 0.0 }, Some(to_3d(point)));
+                return (greater(at_least, 0.0), Some(to_3d(point)));
             }
             first += curve.segments().len();
         }
@@ -359,9 +357,7 @@ impl FlattenedPiece {
 }
 
 fn tighter(a: Vec<FlattenedPiece>, b: Vec<FlattenedPiece>) -> Vec<FlattenedPiece> {
-    let most = |cuts: &[FlattenedPiece]| {
-        cuts.iter().fold(0.0, |most: f64, cut| if cut.at_most > most { cut.at_most } else { most })
-    };
+    let most = |cuts: &[FlattenedPiece]| cuts.iter().fold(0.0, |most: f64, cut| greater(cut.at_most, most));
     if most(&b) < most(&a) { b } else { a }
 }
 

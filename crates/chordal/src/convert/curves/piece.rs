@@ -3,6 +3,7 @@ use super::chord::{ChordDeviation, CubicChords, arc_deviation, coordinate_reach,
 use super::density::{FlattenScratch, spread_by_density};
 use super::greedy;
 use crate::explicit::CurveSegment;
+use crate::math::greater;
 use crate::math::simd::{self, Kernel};
 
 /// A piece with the values that its deviation bounds share.
@@ -44,7 +45,7 @@ impl<'a, const D: usize> Chords<'a, D> {
                 let [u, v] = arc.axes().map(|axis| axis.iter().fold(0.0, |sum, x| sum + x * x));
                 let by_size = arc.sweep_rad().abs() * ((u + v).sqrt() / (8.0 * tolerance)).sqrt();
                 let by_turn = arc.sweep_rad().abs() / 3.0;
-                if by_size > by_turn { by_size } else { by_turn }
+                greater(by_size, by_turn)
             }
         };
         whole_steps(steps)

@@ -1,7 +1,7 @@
 //! The test of one cell: whether the solid's boundary in it is that of linear functions.
 use super::growth::{GradientBox, grow_together};
 use crate::implicit::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive};
-use crate::math::{cross, dot};
+use crate::math::{cross, dot, greater, lesser};
 use std::collections::HashMap;
 use std::collections::hash_map;
 use std::sync::Arc;
@@ -196,21 +196,21 @@ impl CellTest<'_> {
         let by_axis = 0.5 * dot(half, self.widths);
         let stretched: [f64; 3] = std::array::from_fn(|k| self.stretch[k] * half[k]);
         let by_length = dot(stretched, stretched).sqrt() * ENCLOSING * self.longest;
-        if by_axis < by_length { by_axis } else { by_length }
+        lesser(by_axis, by_length)
     }
 
     /// A range of values in the cell, tightened by those at the corners.
     pub fn value_range(&self, at: usize) -> [f64; 2] {
         let [low, high] = self.ranges[at].value;
         let [a, b] = min_max(&self.values[at]);
-        let size = if -a > b { -a } else { b };
+        let size = greater(-a, b);
         let stray = self.interpolation_error(at);
         let stray = stray + SLACK * (stray + size) + NOISE * self.noise[at];
         if stray.is_nan() || stray.is_infinite() {
             return [low, high];
         }
         let (a, b) = (a - stray, b + stray);
-        [if a > low { a } else { low }, if b < high { b } else { high }]
+        [greater(a, low), lesser(b, high)]
     }
 
     /// Whether all undecided primitives that can vanish together grow along a common direction.
@@ -362,7 +362,7 @@ fn place_of(all: &[usize], one: usize) -> usize {
 }
 
 fn min_max(values: &[f64; 4]) -> [f64; 2] {
-    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-        [if *v < low { *v } else { low }, if *v > high { *v } else { high }]
-    })
+    values
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [lesser(*v, low), greater(*v, high)])
 }

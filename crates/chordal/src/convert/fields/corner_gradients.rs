@@ -4,7 +4,7 @@ use super::cells::{CellTest, PrunedTree};
 use super::grid::{CELLS_A_TASK, CellAction, CellBuffers, CellQuery, FieldGrid, FieldGridError, PendingCell};
 use crate::budget::par_map;
 use crate::implicit::{DualRange, PrimitiveEvaluator};
-use crate::math::Interval;
+use crate::math::{Interval, greater, lesser};
 
 /// Cells of one level are cut by ranges of slopes up to this number; beyond, slopes at their corners decide.
 /// Measured: 51,000 on the cube with gyroid infill.
@@ -100,8 +100,8 @@ fn hull(vectors: &[[f64; 3]]) -> Option<[Interval; 3]> {
     for (k, range) in all.iter_mut().enumerate() {
         let (mut low, mut high) = (vectors[0][k], vectors[0][k]);
         for v in vectors {
-            low = if v[k] < low { v[k] } else { low };
-            high = if v[k] > high { v[k] } else { high };
+            low = lesser(v[k], low);
+            high = greater(v[k], high);
         }
         *range = Interval::new(low, high).ok()?;
     }

@@ -12,6 +12,7 @@ use super::sizing::SizingPoint;
 use super::tetrahedra::IntegerMap;
 use crate::budget::{Job, par_map};
 use crate::math::determinants::{common_zero3, common_zero4};
+use crate::math::{greater, lesser};
 
 /// A closed oriented manifold near the boundary of a solid: exact for functions that are linear in each cell.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -144,8 +145,8 @@ fn to_integer(value: f64, scale: f64, shift: i64) -> i64 {
     // Rounded down, so that negative values stay negative, even if the product is 0.
     let floor = (value * scale).floor();
     let floor = if value < 0.0 && floor > -1.0 { -1.0 } else { floor };
-    let floor = if floor < MOST { floor } else { MOST };
-    let floor = if floor > -MOST { floor } else { -MOST };
+    let floor = lesser(floor, MOST);
+    let floor = greater(floor, -MOST);
     ((floor as i64) << SHIFT_BITS) + shift
 }
 
@@ -239,7 +240,7 @@ impl PatchMerger {
                 self.sizes.push(*size);
             }
             let largest = &mut self.sizes[id as usize];
-            *largest = if *size > *largest { *size } else { *largest };
+            *largest = greater(*size, *largest);
             self.vertices.push(id);
         }
         self.loop_ends.extend(patches.loop_ends.iter().map(|end| n_corners + end));

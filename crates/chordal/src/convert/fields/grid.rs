@@ -10,7 +10,7 @@ use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
 use crate::implicit::{Csg, CsgNode, DualRange, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 use std::sync::Arc;
 
 /// The options of a grid.
@@ -146,7 +146,7 @@ impl<'a> FieldGrid<'a> {
         job: &'a Job,
     ) -> Result<Self, FieldGridError> {
         let (centre, sides) = (options.bounds.centre(), options.bounds);
-        let longest = (0..3).map(|k| sides.max[k] - sides.min[k]).fold(0.0, |a, b| if b > a { b } else { a });
+        let longest = (0..3).map(|k| sides.max[k] - sides.min[k]).fold(0.0, |a, b| greater(b, a));
         let side = MARGIN * longest;
         let csg = evaluator.csg();
         let stretch = separate_axes(csg).map(|is_separate| if is_separate { STRETCH } else { 1.0 });
@@ -434,9 +434,7 @@ impl<'a> FieldGrid<'a> {
         for p in &open.primitives {
             let at = cell.one.corners.map(|v| self.values.with_noise(v, *p).expect("it was asked for"));
             buffers.values.push(at.map(|[value, _]| value));
-            buffers
-                .noise
-                .push(at.iter().fold(0.0, |most, [_, noise]| if *noise > most { *noise } else { most }));
+            buffers.noise.push(at.iter().fold(0.0, |most, [_, noise]| greater(*noise, most)));
         }
     }
 

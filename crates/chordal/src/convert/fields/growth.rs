@@ -1,6 +1,6 @@
 //! Common growth directions: directions along which functions grow together throughout a cell, from ranges of
 //! their gradients.
-use crate::math::{Interval, dot, length};
+use crate::math::{Interval, dot, greater, length, lesser};
 
 /// A range of gradients, scaled so that its middle has length 1.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +38,7 @@ impl GradientBox {
     pub fn growth(&self) -> f64 {
         length::<3>(std::array::from_fn(|k| {
             let near = self.middle[k].abs() - self.half[k];
-            if near > 0.0 { near } else { 0.0 }
+            greater(near, 0.0)
         }))
     }
 
@@ -80,7 +80,7 @@ pub(super) fn grow_together(boxes: &[GradientBox]) -> bool {
         // To the point nearest to 0 on the segment to it.
         let way: [f64; 3] = std::array::from_fn(|k| lowest[k] - x[k]);
         let part = -dot(x, way) / dot(way, way);
-        let part = if part > 1.0 { 1.0 } else { part };
+        let part = lesser(1.0, part);
         x = std::array::from_fn(|k| x[k] + part * way[k]);
     }
     false

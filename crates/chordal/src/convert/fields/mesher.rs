@@ -6,7 +6,7 @@ use super::sizing::SizingPoint;
 use crate::budget::{Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
-use crate::math::Box3;
+use crate::math::{Box3, greater, lesser};
 
 /// The most times that cells are cut again where vertices of the surface are blocked. Measured: twice was
 /// enough on all models of the tests.
@@ -157,7 +157,7 @@ pub(super) fn has_gradient_ranges(
 
 /// The longest side of a box.
 fn longest(bounds: &Box3) -> f64 {
-    (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a, b| if b > a { b } else { a })
+    (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a, b| greater(b, a))
 }
 
 impl<'a> FieldMesher<'a> {
@@ -229,7 +229,7 @@ impl<'a> FieldMesher<'a> {
         let (floor, detail) = (FLOOR * tol, DETAIL * self.longest());
         GridOptions {
             bounds: self.bounds,
-            floor: if detail < floor { detail } else { floor },
+            floor: lesser(detail, floor),
             coarsest: if self.is_sampled { SAMPLED } else { COARSEST } * self.longest(),
         }
     }
@@ -247,7 +247,7 @@ impl<'a> FieldMesher<'a> {
     /// Refuses lengths below the precision of the coordinates.
     pub fn check_precision(&self, length: f64) -> Result<(), Failure<Mesh>> {
         let corners = self.bounds.min.iter().chain(&self.bounds.max);
-        let largest = corners.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let largest = corners.fold(0.0, |most: f64, x| greater(x.abs(), most));
         if length >= FINEST * largest {
             return Ok(());
         }

@@ -1,6 +1,6 @@
 //! Triangulates a small flat polygon, with or without holes, so that its worst triangle is as good as
 //! possible.
-use crate::math::{cross, difference, dot, length};
+use crate::math::{cross, difference, dot, greater, length, lesser};
 
 /// Triangulates a polygon; indices run through its loops one after the other. Any loop may be the outer one;
 /// all have the polygon on their left. No triangle consists of a straight corner and its two neighbours:
@@ -86,8 +86,7 @@ impl BridgedPolygon<'_> {
         }
         let [a, b, c] = triangle.map(|k| self.corners[self.ring[k] as usize]);
         let (ab, ac, bc) = (difference(b, a), difference(c, a), difference(c, b));
-        let longest =
-            [ab, ac, bc].iter().map(|side| dot(*side, *side)).fold(0.0, |x, y| if y > x { y } else { x });
+        let longest = [ab, ac, bc].iter().map(|side| dot(*side, *side)).fold(0.0, |x, y| greater(y, x));
         let area = dot(cross(ab, ac), self.normal) / length(self.normal);
         let quality = area / longest;
         if quality.is_nan() { -1.0 } else { quality }
@@ -106,7 +105,7 @@ impl BridgedPolygon<'_> {
                 let mut best = f64::NEG_INFINITY;
                 for b in a + 1..c {
                     let parts = [worst[a * n + b], worst[b * n + c], self.quality([a, b, c])];
-                    let least = parts.iter().fold(f64::INFINITY, |x, y| if *y < x { *y } else { x });
+                    let least = parts.iter().fold(f64::INFINITY, |x, y| lesser(*y, x));
                     if least > best {
                         best = least;
                         apex[a * n + c] = b;
@@ -138,7 +137,7 @@ mod tests {
             let [a, b, c] = t.map(|k| corners[k as usize]);
             0.5 * cross(difference(b, a), difference(c, a))[2]
         });
-        parts.fold((0.0, f64::INFINITY), |(sum, least), x| (sum + x, if x < least { x } else { least }))
+        parts.fold((0.0, f64::INFINITY), |(sum, least), x| (sum + x, lesser(x, least)))
     }
 
     fn at(corners: &[[f64; 2]]) -> Vec<[f64; 3]> {

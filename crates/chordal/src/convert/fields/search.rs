@@ -11,6 +11,7 @@ use crate::check::{
 };
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Field, PrimitiveEvaluator};
+use crate::math::greater;
 
 /// Rounds in which unproved faces are split. Measured: 0 to 5 on the models of the tests; faces still open
 /// then stay open.
@@ -221,7 +222,7 @@ impl<'s> FieldMeshSearch<'s> {
                 fine = tol;
             }
             // From far away a prediction is unreliable.
-            let guess = tol * if ratio < 0.125 { 0.125 } else { ratio };
+            let guess = tol * greater(0.125, ratio);
             let middle = (fine * coarse).sqrt();
             let is_between = guess > 1.001 * fine && guess < 0.999 * coarse;
             tol = if is_between || !(middle > 0.0 && middle.is_finite()) { guess } else { middle };

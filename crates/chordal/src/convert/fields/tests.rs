@@ -6,7 +6,7 @@ use crate::budget::{Evidence, Job};
 use crate::check::{self_intersections, validity};
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{Csg, Expr, Leaf, LeafError, Lipschitz, PrimitiveEvaluator, Unary, shapes};
-use crate::math::{Box3, cross, difference, dot, length};
+use crate::math::{Box3, cross, difference, dot, greater, length};
 use std::sync::Arc;
 
 fn ball(centre: [f64; 3], radius: f64) -> Expr {
@@ -128,7 +128,7 @@ fn labelled(made: &ExtractedModel, name: &str) {
         let along = slopes
             .iter()
             .map(|slope| sign * dot(slope.gradient, normal))
-            .fold(f64::MIN, |a, b| if b > a { b } else { a });
+            .fold(f64::MIN, |a, b| greater(b, a));
         assert!(along > 0.0, "{name}: a face looks the wrong way");
         for (slope, vertex) in slopes.iter().zip(face) {
             let size = surface.cell_sizes[*vertex as usize];

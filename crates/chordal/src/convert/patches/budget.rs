@@ -4,6 +4,7 @@ use super::plan::Allowance;
 use super::subpatch::PatchSurface;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
+use crate::math::lesser;
 
 /// The mesh of a surface that meets a budget.
 pub(crate) fn mesh_within(
@@ -74,7 +75,7 @@ fn check_limits(
     job: &Job,
 ) -> Result<(), TessellationFailure> {
     let (triangles, memory) = (job.triangle_limit as f64, job.memory_limit as f64);
-    let limit = if triangles < memory / BYTES_PER_TRIANGLE { triangles } else { memory / BYTES_PER_TRIANGLE };
+    let limit = lesser(triangles, memory / BYTES_PER_TRIANGLE);
     let needed = mesher.estimate(allowance, limit)?;
     if needed > triangles {
         let message = format!("the budget needs about {needed:.1e} triangles; the limit is {triangles:.1e}");

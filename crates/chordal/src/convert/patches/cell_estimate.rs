@@ -6,6 +6,7 @@
 //! computed once, for the cell shape that suits the rectangle best, and assumed to grow with the cell's area.
 use super::derivative_bound::{Hessian, across, max_barycentric_quadratic};
 use crate::explicit::Patch;
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// Sample points of a 3 × 3 lattice.
@@ -115,8 +116,8 @@ impl CellEstimator {
         let (c, a, b) = ((a + self.uv[k] * uv + b).abs(), a.abs(), b.abs());
         // As `max_barycentric_quadratic`, without branches and less exactly: nothing depends on the last
         // digits here.
-        let most = if a > b { a } else { b };
-        let most = if c > most { c } else { most };
+        let most = greater(a, b);
+        let most = greater(c, most);
         let (x, y, z) = (b + c - a, c + a - b, a + b - c);
         let inside = (a * b * c) / (x * y + y * z + z * x);
         if x > 0.0 && y > 0.0 && z > 0.0 { inside } else { 0.25 * most }
@@ -157,27 +158,26 @@ impl CellEstimator {
             }
             let column = |j: usize| largest(&[all[j], all[j + 3], all[j + 6]], 0..3);
             let row = |i: usize| largest(&all, 3 * i..3 * i + 3);
-            let larger = |a: f64, b: f64| if a > b { a } else { b };
             let (columns, rows) = ([column(0), column(1), column(2)], [row(0), row(1), row(2)]);
             let halves = [
-                larger(columns[0], larger(columns[1], columns[2])),
-                larger(columns[0], columns[1]),
-                larger(columns[1], columns[2]),
-                larger(rows[0], rows[1]),
-                larger(rows[1], rows[2]),
+                greater(columns[0], greater(columns[1], columns[2])),
+                greater(columns[0], columns[1]),
+                greater(columns[1], columns[2]),
+                greater(rows[0], rows[1]),
+                greater(rows[1], rows[2]),
             ];
             if halves[0] < best[0] {
                 shape = (ratio, rising);
             }
             for (best, half) in best.iter_mut().zip(halves) {
-                *best = if half < *best { half } else { *best };
+                *best = lesser(half, *best);
             }
         }
         let (ratio, rising) = shape;
         let scale = (best[0] / tolerance).sqrt();
         // Each direction has at least one cell; then the other direction alone must make up for it. Done
         // twice, because the remainder falls with the cube of the cell's size and not with its square.
-        let one = |x: f64| if x > 1.0 { x } else { 1.0 };
+        let one = |x: f64| greater(x, 1.0);
         let (mut n, mut m) = (one(scale / ratio), one(scale * ratio));
         for _ in 0..2 {
             let more = (self.bound(1.0 / n, 1.0 / m, rising) / tolerance).sqrt();
@@ -233,7 +233,7 @@ impl CellEstimator {
     fn rows(&self, n: f64, need: &CellEstimate, tolerance: f64) -> Option<f64> {
         let fits = |m: f64| self.bound(1.0 / n, 1.0 / m, need.rising) <= tolerance;
         let expected = (need.cells / n).ceil();
-        let mut m = if expected > 1.0 { expected } else { 1.0 };
+        let mut m = greater(expected, 1.0);
         while !fits(m) {
             m = (m * 1.07).ceil();
             if m > 2.0 * expected + 2.0 || m > MOST_RATE {
@@ -248,7 +248,7 @@ impl CellEstimator {
 }
 
 fn largest(list: &[f64], range: std::ops::Range<usize>) -> f64 {
-    list[range].iter().fold(0.0, |most, x| if *x > most { *x } else { most })
+    list[range].iter().fold(0.0, |most, x| greater(*x, most))
 }
 
 /// The power of two that scales `size` to between 1 and 2, as far as it is a normal number.
@@ -294,7 +294,7 @@ fn third_differences(places: &[SampleDerivatives; PLACES]) -> [f64; 4] {
     let most = |step: usize, starts: [usize; 3], pick: fn(&Hessian) -> DVec3| {
         starts.iter().fold(0.0, |most: f64, &start| {
             let length = (pick(&places[start + 2 * step].2) - pick(&places[start].2)).length();
-            if length > most { length } else { most }
+            greater(length, most)
         })
     };
     let (rows, columns) = ([0, 3, 6], [0, 1, 2]);
@@ -308,11 +308,11 @@ fn balanced_aspect(places: &[SampleDerivatives; PLACES]) -> f64 {
         let across_sq = bend_sq - if chord_sq > 0.0 { along * along / chord_sq } else { 0.0 };
         // At least a hundredth of the whole, below which the difference is noise; only the cell shape depends
         // on it.
-        if across_sq > 1e-4 * bend_sq { across_sq } else { 1e-4 * bend_sq }
+        greater(across_sq, 1e-4 * bend_sq)
     };
     let (u, v) = places.iter().fold((0.0, 0.0), |(u, v): (f64, f64), (by_u, by_v, hessian)| {
         let (bend_u, bend_v) = (across_sq(hessian.uu, *by_u), across_sq(hessian.vv, *by_v));
-        (if bend_u > u { bend_u } else { u }, if bend_v > v { bend_v } else { v })
+        (greater(bend_u, u), greater(bend_v, v))
     });
     // |S_uu|·width² = |S_vv|·height²; limited where a direction hardly bends at all.
     let ratio = (v / u).sqrt().sqrt().sqrt();

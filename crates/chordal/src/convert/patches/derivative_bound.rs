@@ -55,6 +55,7 @@
 //! holds for all patches that share it. Below the normal numbers a length, the root of a sum of squares,
 //! loses at most `√(3·2⁻¹⁰⁷⁵) < 2⁻⁵³⁶`, a few of which are less than [`UNDERFLOW`].
 use crate::explicit::Patch;
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// Rounding error of a proved bound, as a fraction of the largest coordinate; derived above.
@@ -92,8 +93,8 @@ pub(crate) fn across(bend: DVec3, chord: DVec3) -> f64 {
         return bend.length();
     }
     let slide = bend.dot(chord) / chord_sq;
-    let slide = if slide > 1.0 { 1.0 } else { slide };
-    let slide = if slide < -1.0 { -1.0 } else { slide };
+    let slide = lesser(1.0, slide);
+    let slide = greater(-1.0, slide);
     (bend - chord * slide).length()
 }
 
@@ -114,7 +115,7 @@ pub(crate) fn max_barycentric_quadratic(a: f64, b: f64, c: f64) -> f64 {
         return 0.25 * a;
     }
     let inside = a * (b * (c / ((c - lead) * (c + lead) + 2.0 * c * (a + b - c))));
-    if inside < a / 3.0 { inside } else { a / 3.0 }
+    lesser(inside, a / 3.0)
 }
 
 /// The second and third derivatives of one tile's part as polynomials over its unit square, with bounds on
@@ -204,7 +205,7 @@ impl PatchDerivatives {
         let uvv: [[DVec3; 3]; 2] =
             std::array::from_fn(|i| std::array::from_fn(|j| 3.0 * (vv[i][j + 1] - vv[i][j])));
         let vvv: [DVec3; 4] = std::array::from_fn(|j| vv[1][j] - vv[0][j]);
-        let longest = |most: f64, d: DVec3| if d.length() > most { d.length() } else { most };
+        let longest = |most: f64, d: DVec3| greater(d.length(), most);
         let uuuv = (0..3).fold(0.0, |most, i| longest(most, 3.0 * (uuu[i + 1] - uuu[i])));
         let uuvv = (0..2).fold(0.0, |most, i| {
             (0..2).fold(most, |most, j| longest(most, 2.0 * (uuv[i + 1][j] - uuv[i][j])))

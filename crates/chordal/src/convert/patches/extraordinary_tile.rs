@@ -39,7 +39,7 @@ use super::tile::{BorderVertex, PatchTileMesh, walk_side};
 use crate::check::distance_up;
 use crate::explicit::cage::limit::{LimitPatches, QuadPatchTree};
 use crate::explicit::{Bezier, Patch, PatchSide};
-use crate::math::{Box3, PriorityItem};
+use crate::math::{Box3, PriorityItem, greater, lesser};
 use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 
@@ -120,7 +120,7 @@ pub(crate) fn is_flat(rough: &ExtraordinaryQuad, tolerance: f64) -> bool {
     let sides_are_far =
         pairs.iter().any(|(place, [p, q])| is_far(*place, &|at| distance_up(at, &[*p, *q, *q])));
     let middle_is_far = is_far([0.5, 0.5], &|at| {
-        let least = |x: f64, y: f64| if x < y { x } else { y };
+        let least = |x: f64, y: f64| lesser(x, y);
         least(
             least(distance_up(at, &[a, b, c]), distance_up(at, &[a, c, d])),
             least(distance_up(at, &[a, b, d]), distance_up(at, &[b, c, d])),
@@ -285,7 +285,7 @@ impl<'a> RegionHeightField<'a> {
             return Some(border + tilt);
         }
         let area = self.interior_deviation(tip)?;
-        Some(if area > border { area } else { border } + tilt)
+        Some(greater(area, border) + tilt)
     }
 
     /// The largest distance of the border's curve from its chord: in space and in the plane.

@@ -12,7 +12,7 @@ use super::tile::{self, PatchTileMesh};
 use crate::budget::{Bound, Bounded, Failure, Job, Progress, RefusalCode, par_map};
 use crate::check;
 use crate::explicit::{Mesh, PatchSide};
-use crate::math::{Box3, sub_down};
+use crate::math::{Box3, greater, lesser, sub_down};
 
 pub(crate) type TessellationFailure = Failure<Mesh>;
 
@@ -354,12 +354,11 @@ impl<'a> PatchMesher<'a> {
     /// The mesh with its bound; pixels at the view of the allowance.
     pub(crate) fn finish(&self, proved: &CertifiedTiles<'_>, allowance: &Allowance) -> Bounded<Mesh> {
         let CertifiedTiles { subpatches: grounds, tiles, seams } = proved;
-        let most =
-            tiles.iter().fold(0.0, |most, (_, done)| if done.bound > most { done.bound } else { most });
+        let most = tiles.iter().fold(0.0, |most, (_, done)| greater(done.bound, most));
         let mesh = assemble::assemble(grounds, &self.adjacency, seams, tiles);
         let mesh = texcoords::with_texcoords(mesh, self.sheets, (grounds, seams, tiles), self.job);
         let (least, at) = measure_lower_bound(grounds, tiles, &mesh);
-        let least = if least < most { least } else { most };
+        let least = lesser(least, most);
         let mut bound = Bound::proved(least, most, self.sheets.reference());
         bound.at = at;
         bound.angle_deg = allowance.normal_deviation.map(|_| {
@@ -368,14 +367,14 @@ impl<'a> PatchMesher<'a> {
                 done.normal_deviation
                     .unwrap_or_else(|| tile::normal_deviation((i, tile), ground, seams, done))
             });
-            let most = turns.fold(0.0, |most, turn| if turn > most { turn } else { most });
+            let most = turns.fold(0.0, |most, turn| greater(turn, most));
             2.0 * libm::asin(if most < 2.0 { 0.5 * most } else { 1.0 }).to_degrees()
         });
         bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             tiles.iter().try_fold(0.0, |worst, (tile, done)| {
                 let place = grounds[tile.subpatch as usize].hull(tile);
                 let pixels = lens.scale_at(&place).pixels_of(done.bound)?;
-                Some(if pixels > worst { pixels } else { worst })
+                Some(greater(pixels, worst))
             })
         });
         Bounded { shape: mesh, bound }
@@ -408,7 +407,7 @@ impl CertifiedTiles<'_> {
 
     /// The largest bound of its tiles.
     pub(crate) fn bound(&self) -> f64 {
-        self.tiles.iter().fold(0.0, |most, (_, done)| if done.bound > most { done.bound } else { most })
+        self.tiles.iter().fold(0.0, |most, (_, done)| greater(done.bound, most))
     }
 }
 
@@ -427,7 +426,7 @@ fn measure_lower_bound(
         let (tile, done) = &tiles[i];
         let ground = &grounds[tile.subpatch as usize];
         let slack = ground.rounding_error();
-        off = if slack > off { slack } else { off };
+        off = greater(slack, off);
         let [a, b, c] = done.worst;
         // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
         let length_sq =
@@ -442,7 +441,7 @@ fn measure_lower_bound(
     match check::surface_at_least(&samples, mesh) {
         Some((least, at)) => {
             let least = sub_down(least, off);
-            (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
+            (greater(least, 0.0), Some(samples[at]))
         }
         None => (0.0, samples.first().copied()),
     }

@@ -9,7 +9,7 @@ use super::cell_estimate::{CellEstimate, CellEstimator, TessellationRates};
 use super::subpatch::{Subpatch, SubpatchShape};
 use crate::budget::{Lens, Pixels};
 use crate::explicit::{Patch, PatchSide};
-use crate::math::{Box3, sub_down};
+use crate::math::{Box3, lesser, sub_down};
 
 /// The error that is allowed at each place of the shape.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ impl Allowance {
             None => f64::MAX,
         };
         let by_length = self.length.unwrap_or(f64::MAX);
-        Some(if by_length < by_view { by_length } else { by_view })
+        Some(lesser(by_length, by_view))
     }
 }
 

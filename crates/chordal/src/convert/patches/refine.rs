@@ -5,6 +5,7 @@ use super::plan::{Allowance, PatchTile};
 use super::subpatch::{Subpatch, SubpatchShape};
 use super::tile::PatchTileMesh;
 use crate::explicit::Patch;
+use crate::math::greater;
 use glam::DVec3;
 
 /// Adds cells to every tile that misses its tolerance: as many as would have met it if the estimate had been
@@ -26,7 +27,7 @@ pub(crate) fn refine_missed(
             false => 0.0,
         };
         let by_turn = normal_deviation_ratio(done, allowance);
-        let ratio = if by_bound > by_turn { by_bound } else { by_turn };
+        let ratio = greater(by_bound, by_turn);
         if ratio == 0.0 {
             continue;
         }
@@ -114,7 +115,7 @@ pub(crate) fn raised_safety_factors(
         if bound > tile.tolerance + rounding || by_turn > 0.0 {
             missed = true;
             let by_bound = (bound - rounding) / tile.tolerance;
-            let ratio = if by_bound > by_turn { by_bound } else { by_turn };
+            let ratio = greater(by_bound, by_turn);
             // Only a small factor at once: a corner that is cut off deviates by far more than the next
             // smaller one.
             strains[tile.sheet as usize] *=

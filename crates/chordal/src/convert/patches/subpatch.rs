@@ -5,7 +5,7 @@ use super::extraordinary::ExtraordinaryQuad;
 use super::plan::{Allowance, InfeasibleTolerance, PatchTile};
 use crate::budget::Reference;
 use crate::explicit::{LimitSheet, Patch};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 
 /// A surface made of sheets over unit squares that meet along their sides.
 pub(crate) trait PatchSurface: Sync {
@@ -134,9 +134,9 @@ impl PatchSurface for BezierPatches<'_> {
         // the series.
         let own = |patch: &Patch| {
             let (diagonal, lost) = (patch.bounds().diagonal(), rounding(patch));
-            if diagonal > lost { diagonal } else { lost }
+            greater(diagonal, lost)
         };
-        self.0.iter().map(own).fold(0.0, |longest, d| if d > longest { d } else { longest })
+        self.0.iter().map(own).fold(0.0, |longest, d| greater(d, longest))
     }
 
     fn reference(&self) -> Reference {

@@ -6,6 +6,7 @@ use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
 use super::tile::{self, PatchTileMesh};
 use crate::budget::{Job, par_map};
 use crate::explicit::{Attribute, Chart, Domain, LimitSheet, LimitSurface, Mesh, PatchSide, Semantic};
+use crate::math::greater;
 use std::collections::BTreeMap;
 
 /// Texture coordinates at one vertex that differ by no more than this fraction of the largest are merged:
@@ -83,8 +84,7 @@ pub(crate) fn with_texcoords(
 /// `corners` has three per triangle. The first pair keeps the vertex, each other one gets a vertex of its
 /// own, tied by `position_id`.
 pub(crate) fn split_by_texcoords(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
-    let largest =
-        corners.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let largest = corners.as_flattened().iter().fold(0.0, |most, x| greater(x.abs(), most));
     let is_same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME * largest);
     let n = mesh.positions().len();
     let mut rows: Vec<Option<[f64; 2]>> = vec![None; n];

@@ -6,6 +6,7 @@ use super::plan::PatchTile;
 use super::seams::{SeamLine, TileSeams};
 use super::subpatch::{Subpatch, SubpatchShape};
 use crate::explicit::{Patch, PatchSide, bernstein, face_normal};
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// A vertex of a tile: its parameters in the tile's unit square and its position.
@@ -147,7 +148,7 @@ pub(crate) fn normal_deviation(
         let Some(own) = own.map(DVec3::from) else { continue };
         let middle = normal((a.u + b.u + c.u) / 3.0, (a.v + b.v + c.v) / 3.0);
         let seen = t.iter().map(|k| at_knots[*k as usize]).chain([middle]).flatten();
-        most = seen.map(|normal| (normal - own).length()).fold(most, |a, b| if a > b { a } else { b });
+        most = seen.map(|normal| (normal - own).length()).fold(most, |a, b| greater(a, b));
     }
     most
 }
@@ -506,7 +507,7 @@ impl TileTriangulator<'_> {
         let [a, b, c] = knots;
         let range = |x: f64, y: f64, z: f64| {
             let (low, high) = if x < y { (x, y) } else { (y, x) };
-            (if z < low { z } else { low }, if z > high { z } else { high })
+            (lesser(z, low), greater(z, high))
         };
         let (u, v) = (range(a.u, b.u, c.u), range(a.v, b.v, c.v));
         let middle = [0.5 * (u.0 + u.1), 0.5 * (v.0 + v.1)];

@@ -8,7 +8,7 @@ use crate::convert::patches::budget::meets;
 use crate::convert::patches::mesher::TessellationFailure;
 use crate::convert::patches::plan::Allowance;
 use crate::explicit::Mesh;
-use crate::math::sub_down;
+use crate::math::{greater, lesser, sub_down};
 
 /// Peak memory in bytes per triangle, everything included: 500 were measured on a torus at 5e5 triangles.
 const BYTES_PER_TRIANGLE: f64 = 700.0;
@@ -42,7 +42,7 @@ pub(crate) fn mesh_within(
         return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
     }
     let most = triangle_limit(job);
-    if let Some(proved) = mesher.refine(&allowance, if asked < most { asked } else { most })? {
+    if let Some(proved) = mesher.refine(&allowance, lesser(asked, most))? {
         return Ok(finish(&proved, &allowance, job));
     }
     if asked > most {
@@ -126,12 +126,12 @@ fn finish(proved: &CertifiedLeaves<'_>, allowance: &Allowance, job: &Job) -> Bou
     let mesh = assemble(proved, job);
     let most = proved.bound();
     let (least, at) = measure_lower_bound(proved, &mesh);
-    let mut bound = Bound::proved(if least < most { least } else { most }, most, Reference::LimitSurface);
+    let mut bound = Bound::proved(lesser(least, most), most, Reference::LimitSurface);
     bound.at = at;
     bound.pixels = allowance.pixels.and_then(|(_, lens)| {
         proved.leaves.iter().try_fold(0.0, |worst, (_, found)| {
             let pixels = lens.scale_at(&found.place).pixels_of(found.bound)?;
-            Some(if pixels > worst { pixels } else { worst })
+            Some(greater(pixels, worst))
         })
     });
     Bounded { shape: mesh, bound }
@@ -147,7 +147,7 @@ fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Optio
         let (leaf, found) = &proved.leaves[i];
         let shape = &proved.cells[leaf.cell as usize].shape;
         let lost = 2.0 * shape.rounding_error();
-        off = if lost > off { lost } else { off };
+        off = greater(lost, off);
         let side = (1..3).fold(0, |worst, k| if found.sides[k] > found.sides[worst] { k } else { worst });
         samples.push(shape.point(leaf.middle(side)));
         let third = |k: usize| leaf.places.iter().map(|place| place[k]).sum::<f64>() / 3.0;
@@ -156,7 +156,7 @@ fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Optio
     match check::surface_at_least(&samples, mesh) {
         Some((least, at)) => {
             let least = sub_down(least, off);
-            (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
+            (greater(least, 0.0), Some(samples[at]))
         }
         None => (0.0, samples.first().copied()),
     }

@@ -2,7 +2,7 @@
 //! polynomials.
 use crate::convert::patches::derivative_bound::UNDERFLOW;
 use crate::explicit::cage::limit::{ExtraordinaryTriangle, LimitQuartic, TrianglePatchTree};
-use crate::math::Box3;
+use crate::math::{Box3, greater};
 
 #[derive(Clone, Copy)]
 pub(crate) struct LoopCell<'a> {
@@ -46,7 +46,7 @@ impl<'a> LoopCellShape<'a> {
     /// The length that rounding may add to a bound, and the error of a vertex.
     pub(crate) fn rounding_error(&self) -> f64 {
         let points = self.hull();
-        let larger = |most: f64, x: &f64| if x.abs() > most { x.abs() } else { most };
+        let larger = |most: f64, x: &f64| greater(x.abs(), most);
         let size = points.as_flattened().iter().fold(0.0, larger);
         match self {
             Self::Polynomial(polynomial) => ROUNDING * size + UNDERFLOW + polynomial.off,

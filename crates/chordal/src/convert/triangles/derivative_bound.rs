@@ -30,6 +30,7 @@
 //! [`LoopCellShape::rounding_error`](super::cell::LoopCellShape::rounding_error) takes.
 use crate::convert::patches::derivative_bound::{across, max_barycentric_quadratic};
 use crate::explicit::cage::limit::Quartic;
+use crate::math::greater;
 use glam::DVec3;
 
 /// A bound, and how much each side bends: the first from the first corner to the second.
@@ -70,7 +71,7 @@ impl SecondDerivativeBound {
             }
             let centre = 0.5 * low + 0.5 * high;
             let off = seconds.iter().map(|second| (*second - centre).length());
-            let off = off.fold(0.0, |most: f64, off| if off > most { off } else { most });
+            let off = off.fold(0.0, |most: f64, off| greater(off, most));
             let chord = DVec3::from(corners[(side + 1) % 3]) - DVec3::from(corners[side]);
             by_side[side] = across(0.5 * centre, chord);
             spread += off / 8.0;

@@ -26,7 +26,7 @@
 use super::cell::LoopCellShape;
 use crate::check::distance_up;
 use crate::explicit::cage::limit::Quartic;
-use crate::math::PriorityItem;
+use crate::math::{PriorityItem, lesser};
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
@@ -236,7 +236,7 @@ impl FlatTriangle {
         let to_segment = |p: DVec3, along: DVec3| {
             let length_sq = along.length_squared();
             let share = p.dot(along) / length_sq;
-            let share = if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 };
+            let share = if share > 0.0 { lesser(share, 1.0) } else { 0.0 };
             (p - along * share).length()
         };
         let mut most = [0.0_f64; 2];
@@ -249,7 +249,7 @@ impl FlatTriangle {
                 to_segment(flat, b - a) + slack + 3.0 * tilt * from.length()
             });
             // A projection onto a plane that contains the side moves nothing away from it.
-            most = [most[0].max(space), most[1].max(if plane < space { plane } else { space })];
+            most = [most[0].max(space), most[1].max(lesser(plane, space))];
         }
         most
     }

@@ -6,7 +6,7 @@ use crate::convert::patches::mesher::{TessellationFailure, refuse_tolerance};
 use crate::convert::patches::plan::{Allowance, InfeasibleTolerance};
 use crate::convert::patches::texcoords::SheetTexcoords;
 use crate::explicit::{LimitSheet, LimitSurface};
-use crate::math::{Orientation, orient2d};
+use crate::math::{Orientation, greater, orient2d};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A limit surface of triangles, with one initial leaf per sheet.
@@ -106,7 +106,7 @@ impl<'a> LoopMesher<'a> {
             // count.
             let cuts = sides.map(|bend| {
                 let cuts = (0.25 * bend / allowed).sqrt();
-                if cuts > 1.0 { cuts } else { 1.0 }
+                greater(cuts, 1.0)
             });
             let most = cuts.iter().fold(1.0_f64, |most, x| most.max(*x));
             let least = cuts.iter().fold(most, |least, x| least.min(*x));
@@ -165,7 +165,7 @@ impl<'a> LoopMesher<'a> {
 
 impl CertifiedLeaves<'_> {
     pub(crate) fn bound(&self) -> f64 {
-        self.leaves.iter().fold(0.0, |most, (_, found)| if found.bound > most { found.bound } else { most })
+        self.leaves.iter().fold(0.0, |most, (_, found)| greater(found.bound, most))
     }
 }
 
@@ -378,7 +378,7 @@ impl<'a> LoopRefinement<'a> {
         let worse = |leaves: [&LoopLeaf; 2]| {
             let [a, b] = leaves
                 .map(|leaf| leaf.second_derivative_bound(&self.cells[leaf.cell as usize], &self.vertices));
-            if a > b { a } else { b }
+            greater(a, b)
         };
         let (before, after) = (worse([one, two]), worse([&made[0], &made[1]]));
         (after < WORTH_A_FLIP * before).then_some((after / before, made))

@@ -2,7 +2,7 @@
 use super::frame::{BvhFrame, down, up};
 use super::triangle;
 use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, STACK, WIDTH};
-use crate::math::{add_up, div_down, div_up, exponent, power_of_two, sub_down};
+use crate::math::{add_up, div_down, div_up, exponent, greater, lesser, power_of_two, sub_down};
 
 /// The closest point of a mesh to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,8 +50,8 @@ impl BoxDistance for NearQuery {
             for lane in 0..WIDTH {
                 let below = low[lane] - self.high[k];
                 let above = self.low[k] - high[lane];
-                let gap = if below > above { below } else { above };
-                let gap = if gap > 0.0 { gap } else { 0.0 };
+                let gap = greater(below, above);
+                let gap = greater(gap, 0.0);
                 squares[lane] += gap * gap;
             }
         }
@@ -67,7 +67,7 @@ impl BoxDistance for NearQuery {
         const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
         const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
         let limit = (best_sq * RELATIVE + ABSOLUTE) as f32;
-        if limit < Self::ALL { limit } else { Self::ALL }
+        lesser(limit, Self::ALL)
     }
 }
 
@@ -90,8 +90,8 @@ impl BoxDistance for FarQuery {
             for lane in 0..WIDTH {
                 let at = |x: f32| f64::from(x) * self.shrink + self.middle[k];
                 let (below, above) = (at(low[lane]) - self.q[k], self.q[k] - at(high[lane]));
-                let gap = if below > above { below } else { above };
-                let gap = if gap > 0.0 { gap } else { 0.0 };
+                let gap = greater(below, above);
+                let gap = greater(gap, 0.0);
                 squares[lane] += gap * gap;
             }
         }
@@ -104,7 +104,7 @@ impl BoxDistance for FarQuery {
     fn limit(&self, best_sq: f64) -> f64 {
         const RELATIVE: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
         let limit = best_sq * RELATIVE;
-        if limit < Self::ALL { limit } else { Self::ALL }
+        lesser(limit, Self::ALL)
     }
 }
 
@@ -120,7 +120,7 @@ struct ClosestQuery {
 impl ClosestQuery {
     /// `None` when `p` is not finite.
     fn new(frame: &BvhFrame, p: [f64; 3]) -> Option<Self> {
-        let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
+        let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| greater(x.abs(), m));
         if !p.iter().all(|x| x.is_finite()) {
             return None;
         }
@@ -157,10 +157,10 @@ fn box_distance_sq(q: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
     let mut square = 0.0;
     for k in 0..3 {
         let (low, high) = if a[k] < b[k] { (a[k], b[k]) } else { (b[k], a[k]) };
-        let (low, high) = (if c[k] < low { c[k] } else { low }, if c[k] > high { c[k] } else { high });
+        let (low, high) = (lesser(c[k], low), greater(c[k], high));
         let (below, above) = (low - q[k], q[k] - high);
-        let gap = if below > above { below } else { above };
-        let gap = if gap > 0.0 { gap } else { 0.0 };
+        let gap = greater(below, above);
+        let gap = greater(gap, 0.0);
         square += gap * gap;
     }
     square
@@ -209,13 +209,13 @@ impl Bvh {
         self.closest_row(&query, |triangle| {
             let corners = query.corners(self, triangle);
             let down = triangle::distance_down(query.q, corners, lowest);
-            lowest = if down < lowest { down } else { lowest };
+            lowest = lesser(down, lowest);
             down * down
         })?;
         // The error of underflow in these coordinates is less than the smallest normal number.
         let local = sub_down(lowest, f64::MIN_POSITIVE);
         let down = div_down(local, query.scale);
-        Some(if down > 0.0 { down } else { 0.0 })
+        Some(greater(down, 0.0))
     }
 
     /// A proved upper bound for the distance from `p` to the mesh, with rounding included: some point of the
@@ -271,7 +271,7 @@ impl Bvh {
                 return f64::INFINITY;
             }
             let value = square(triangle);
-            best = if value < best { value } else { best };
+            best = lesser(value, best);
             value
         })?;
         Some((least.square.sqrt() / query.scale, least.row))
@@ -286,7 +286,7 @@ impl Bvh {
         let down = sub_down(triangle::distance_down(query.q, corners, f64::INFINITY), f64::MIN_POSITIVE);
         let up = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
         let down = div_down(down, query.scale);
-        Some([if down > 0.0 { down } else { 0.0 }, div_up(up, query.scale)])
+        Some([greater(down, 0.0), div_up(up, query.scale)])
     }
 
     /// The corners and the face of a row, in the coordinates of the mesh.

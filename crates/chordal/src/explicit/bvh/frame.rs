@@ -1,5 +1,5 @@
 //! `BvhFrame`: the coordinates of the boxes of a [`Bvh`](super::Bvh).
-use crate::math::{Box3, exponent, power_of_two, sub_down, sub_up};
+use crate::math::{Box3, exponent, greater, power_of_two, sub_down, sub_up};
 
 /// World → scaled: times a power of two, which changes no digit. Scaled → local: minus the middle of the
 /// mesh. In local coordinates the mesh lies within `[−1, 1]³`, at any position and scale.
@@ -20,7 +20,7 @@ impl BvhFrame {
         // A mesh without extent gets that of the rounding of its position, so that scaled coordinates stay
         // finite.
         let rounding = centre.iter().map(|c| c.abs() * f64::EPSILON);
-        let extent = half.chain(rounding).fold(0.0, |most, x| if x > most { x } else { most });
+        let extent = half.chain(rounding).fold(0.0, |most, x| greater(x, most));
         // Beyond 2^±900 a scale and its inverse leave no range for distances that are larger or smaller than
         // the mesh.
         let scale = power_of_two(-(exponent(extent) + 1).clamp(-900, 900));

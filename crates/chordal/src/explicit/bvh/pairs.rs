@@ -1,6 +1,7 @@
 //! All pairs of triangles whose boxes meet: the tree against itself.
 use super::{Bvh, BvhNode, LAST, LEAF, NONE, WIDTH};
 use crate::budget::{Job, par_map};
+use crate::math::{greater, lesser};
 
 /// A child, and its box, by node and lane.
 type BvhChild = (u32, u8);
@@ -156,8 +157,8 @@ impl Bvh {
             let [a, b, c] = self.corners_of(triangle);
             for k in 0..3 {
                 let (low, high) = if a[k] < b[k] { (a[k], b[k]) } else { (b[k], a[k]) };
-                boxes.bounds[boxes.n][0][k] = if c[k] < low { c[k] } else { low };
-                boxes.bounds[boxes.n][1][k] = if c[k] > high { c[k] } else { high };
+                boxes.bounds[boxes.n][0][k] = lesser(c[k], low);
+                boxes.bounds[boxes.n][1][k] = greater(c[k], high);
             }
             boxes.n += 1;
             if triangle.face & LAST != 0 {

@@ -1,7 +1,7 @@
 //! Watertight ray queries: no gaps between triangles that share an edge or a corner.
 use super::frame::{down, up};
 use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, STACK, WIDTH};
-use crate::math::{Box3, exponent, power_of_two};
+use crate::math::{Box3, exponent, greater, lesser, power_of_two};
 
 /// The points `origin + t · direction` for `t_min ≤ t ≤ t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,10 +191,10 @@ impl RaySlabs {
                 (&node.bounds[k][self.enter[k] & 1], &node.bounds[k][(self.enter[k] & 1) ^ 1]);
             for lane in 0..WIDTH {
                 let t = (first[lane] - self.ahead[k]) * self.inverse_down[k];
-                enter[lane] = if t > enter[lane] { t } else { enter[lane] };
+                enter[lane] = greater(t, enter[lane]);
                 // NaN, from 0·∞ in the plane of a slab, leaves the value unchanged.
                 let t = (second[lane] - self.behind[k]) * self.inverse_up[k] * SLACK;
-                leave[lane] = if t < leave[lane] { t } else { leave[lane] };
+                leave[lane] = lesser(t, leave[lane]);
             }
         }
         std::array::from_fn(|lane| if enter[lane] <= leave[lane] { enter[lane] } else { f32::INFINITY })
@@ -271,7 +271,7 @@ impl Bvh {
 
     #[inline]
     fn cast(&self, ray: &Ray) -> Option<LocalRay> {
-        let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
+        let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| greater(x.abs(), m));
         let size = largest(ray.direction);
         let usable = size > 0.0 && ray.direction.iter().all(|x| x.is_finite());
         if self.nodes.is_empty() || !usable {
@@ -364,8 +364,8 @@ fn start(bounds: &Box3, error: f64, origin: [f64; 3], inverse: [f64; 3]) -> Opti
         let high = (bounds.max[k] + error - origin[k]) * inverse[k];
         let (first, second) = if inverse[k] < 0.0 { (high, low) } else { (low, high) };
         // NaN, from 0·∞ in the plane of a slab, leaves the value unchanged.
-        enter = if first > enter { first } else { enter };
-        leave = if second < leave { second } else { leave };
+        enter = greater(first, enter);
+        leave = lesser(second, leave);
     }
     (enter <= leave && enter < f64::MAX).then_some(enter)
 }

@@ -1,5 +1,7 @@
 //! Splitting a run of triangles in two where the surface area heuristic is least.
 
+use crate::math::{greater, lesser};
+
 /// Up to this number triangles are sorted along one axis and every split is tried; above, they are binned.
 const SORTED: usize = 8;
 /// Up to this number fewer bins are used: their sweep would cost more than the triangles.
@@ -21,8 +23,8 @@ impl Box32 {
     #[inline(always)]
     fn add(&mut self, other: &Self) {
         for k in 0..4 {
-            self.low[k] = if other.low[k] < self.low[k] { other.low[k] } else { self.low[k] };
-            self.high[k] = if other.high[k] > self.high[k] { other.high[k] } else { self.high[k] };
+            self.low[k] = lesser(other.low[k], self.low[k]);
+            self.high[k] = greater(other.high[k], self.high[k]);
         }
     }
 

@@ -12,7 +12,7 @@
 //! for soups and clouds*, 2018, for the sum by clusters; the bound is our own. A. Van Oosterom, J. Strackee,
 //! *The solid angle of a plane triangle*, 1983.
 use super::{Bvh, LAST, LEAF, NONE, STACK, WIDTH};
-use crate::math::{difference, dot, length};
+use crate::math::{difference, dot, greater, length, lesser};
 use std::f64::consts::PI;
 
 /// The winding number of a surface around a point: 1 inside a closed outward one, 0 outside, anything between
@@ -48,7 +48,7 @@ impl ClusterMoments {
         let normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
         let normal = normal.map(|x| 0.5 * x);
         let squares = [a, b, c].map(|p| dot(difference(p, centre), difference(p, centre)));
-        let most = squares.into_iter().fold(0.0, |m, s| if s > m { s } else { m });
+        let most = squares.into_iter().fold(0.0, |m, s| greater(s, m));
         let area = length(normal);
         // ∫|x − centre|² over a triangle is a twelfth of its area times the sum of its corners' squared
         // distances.
@@ -82,7 +82,7 @@ impl ClusterMoments {
             (0..6).for_each(|k| whole.tensor[k] += part.tensor[k] + moved[k]);
             whole.second += part.second + part.area * dot(off, off);
             let radius = grown(length(off) + part.radius);
-            whole.radius = if radius > whole.radius { radius } else { whole.radius };
+            whole.radius = greater(radius, whole.radius);
         }
         whole
     }
@@ -138,7 +138,7 @@ fn triangle_winding(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
     const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
     let reach = (det * det + base * base).sqrt();
     let off = ROUNDINGS * size / reach;
-    let off = if off < 1.0 { off } else { 1.0 };
+    let off = lesser(off, 1.0);
     // Seen from the front the corners run counter-clockwise, and the point is outside.
     [libm::atan2(det, base) / (2.0 * PI), off + f64::EPSILON]
 }

@@ -5,6 +5,7 @@ use super::vertex_rule::{
     CagePoint, SubdivisionVertex, decrement_sharpness, edge_point, plus, subdivide_sharpness,
 };
 use super::{Boundary, Cage, Chart, CreasingMethod, FaceSizes, INFINITELY_SHARP, InvalidCage, MOST, Scheme};
+use crate::math::greater;
 
 impl Cage {
     /// The cage after one round: the same limit surface, about four times as many faces.
@@ -106,7 +107,7 @@ impl CageSharpness {
         for ([a, b], sharp) in &cage.creases {
             if let Some(edge) = edges.between(*a, *b) {
                 let of = &mut of_edges[edge as usize];
-                *of = if *of > *sharp { *of } else { *sharp };
+                *of = greater(*of, *sharp);
             }
         }
         let mut of_vertices: Vec<f64> = (0..cage.positions.len())
@@ -115,7 +116,7 @@ impl CageSharpness {
             .collect();
         for (vertex, sharp) in &cage.sharp_vertices {
             let of = &mut of_vertices[*vertex as usize];
-            *of = if *of > *sharp { *of } else { *sharp };
+            *of = greater(*of, *sharp);
         }
         Self { edges: of_edges, vertices: of_vertices }
     }

@@ -12,6 +12,7 @@
 use super::edges::{CageEdges, VertexIncidence, csr_lists, csr_row};
 use super::refinement_step::{CageSharpness, is_hole, n_fans};
 use super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Scheme};
+use crate::math::greater;
 
 /// Texture coordinates with their own topology: corners of neighbouring faces that refer to the same row are
 /// connected, others are separated by a seam.
@@ -391,18 +392,12 @@ impl ChartSharpness<'_> {
             }
             // Of two pieces, as long as creases fix one of them, the other is fixed as well.
             let longest = match spans {
-                [a, b] if is_tied => {
-                    if a.rounds > b.rounds {
-                        a.rounds
-                    } else {
-                        b.rounds
-                    }
-                }
+                [a, b] if is_tied => greater(a.rounds, b.rounds),
                 _ => 0.0,
             };
             let other = if longest > span.rounds { longest } else { 0.0 };
             let own = self.sharp.vertices[vertex];
-            let sharpness = if own > other { own } else { other };
+            let sharpness = greater(own, other);
             if sharpness > 0.0 {
                 found.push((span.vertex, sharpness));
             }
@@ -414,7 +409,7 @@ impl ChartSharpness<'_> {
 /// rounds before the last, plus the mean of what is left for that one.
 fn lasting_sharpness(sharp: impl Iterator<Item = f64> + Clone) -> f64 {
     let ends = sharp.filter(|sharp| *sharp > 0.0 && *sharp < INFINITELY_SHARP);
-    let most = ends.clone().fold(0.0, |most, sharp| if sharp > most { sharp } else { most });
+    let most = ends.clone().fold(0.0, |most, sharp| greater(sharp, most));
     if most <= 0.0 {
         return 0.0;
     }

@@ -4,6 +4,7 @@
 //! leaves a choice (several sharpnesses that end in one round, Chaikin's rule) it is that of OpenSubdiv's
 //! `sdc/crease.cpp`.
 use super::{CreasingMethod, INFINITELY_SHARP};
+use crate::math::{greater, lesser};
 
 pub(super) type CagePoint = [f64; 3];
 
@@ -68,7 +69,7 @@ pub(super) fn subdivide_sharpness(
         return decrement_sharpness(sharpness);
     }
     let left = 0.75 * sharpness + 0.25 * ((sum - sharpness) / f64::from(count - 1)) - 1.0;
-    if left > 0.0 { left } else { 0.0 }
+    greater(left, 0.0)
 }
 
 /// The weight of the first rule where a vertex changes from one rule to another: the mean of the sharpnesses
@@ -82,7 +83,7 @@ fn fractional_weight(of: impl Iterator<Item = (f64, f64)>) -> f64 {
         }
     }
     let share = if count == 0 { 0.0 } else { sum / f64::from(count) };
-    if share < 1.0 { share } else { 1.0 }
+    lesser(share, 1.0)
 }
 
 /// The rule of a vertex in a round: a fraction of the rule before it and the rest of the rule after it.

@@ -1,5 +1,5 @@
 //! `BoxTree`: a tree of boxes, split at the median of their centres.
-use crate::math::{Box3, mul_down, sub_down};
+use crate::math::{Box3, greater, mul_down, sub_down};
 
 /// Marks a child that is an item, not a node.
 const ITEM: u32 = 1 << 31;
@@ -62,8 +62,8 @@ impl BoxTree {
 pub(super) fn gaps_down(p: [f64; 3], bounds: &Box3) -> [f64; 3] {
     std::array::from_fn(|k| {
         let (below, above) = (sub_down(bounds.min[k], p[k]), sub_down(p[k], bounds.max[k]));
-        let gap = if below > above { below } else { above };
-        if gap > 0.0 { gap } else { 0.0 }
+        let gap = greater(below, above);
+        greater(gap, 0.0)
     })
 }
 
@@ -72,5 +72,5 @@ pub(super) fn gaps_down(p: [f64; 3], bounds: &Box3) -> [f64; 3] {
 pub(super) fn distance_down(p: [f64; 3], bounds: &Box3) -> f64 {
     let square = gaps_down(p, bounds).iter().fold(0.0, |sum, gap| sum + gap * gap);
     let down = mul_down(square.sqrt(), 1.0 - 4.0 * f64::EPSILON);
-    if down > 0.0 { down } else { 0.0 }
+    greater(down, 0.0)
 }

@@ -7,12 +7,12 @@ use super::cage::limit::{LimitSheet, QuadPatchTree};
 use super::{LimitSurface, Patch, Scheme};
 use crate::budget::{Job, JobError, Refusal, RefusalCode, Tolerance, par_map};
 use crate::math::{
-    Box3, add_down, add_up, div_down, div_up, exponent, flushes_subnormals, length_up, mul_down, mul_up,
-    power_of_two, sqrt_down, sub_down, sub_up,
+    Box3, add_down, add_up, div_down, div_up, exponent, flushes_subnormals, greater, length_up, mul_down,
+    mul_up, power_of_two, sqrt_down, sub_down, sub_up,
 };
 use box_tree::{BoxTree, gaps_down};
 use glam::DVec3;
-use offset_patch::{SheetRectangle, larger};
+use offset_patch::SheetRectangle;
 use search::SurfaceSearch;
 
 /// The closest point of a smooth surface to a query: the foot of a perpendicular, or a point on a boundary.
@@ -203,7 +203,7 @@ impl SurfaceTree {
         };
         let worlds: Vec<Box3> = parts.iter().map(in_world).collect();
         let bounds = worlds.iter().fold(Box3::EMPTY, |all, own| all.union(*own));
-        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| larger(most, x.abs()));
+        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(most, x.abs()));
         let scale = if parts.is_empty() { 1.0 } else { power_of_two(-exponent(reach)) };
         let mut tree =
             Self { scale, size: reach * scale, bounds, boxes: BoxTree::over(&[]), items: Vec::new(), sheets };
@@ -241,7 +241,7 @@ impl SurfaceTree {
         if !p.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let largest = p.iter().fold(0.0, |most, x| larger(most, x.abs()));
+        let largest = p.iter().fold(0.0, |most, x| greater(most, x.abs()));
         let (mut about, mut enough) =
             (p.map(|x| x * self.scale), tolerance.map_or(0.0, |t| t.get() * self.scale));
         let is_far = about.iter().any(|x| x.abs() > FAR);
@@ -263,7 +263,7 @@ impl SurfaceTree {
         } else {
             [div_down(sub_down(down, TINY), self.scale), div_up(add_up(best.up, TINY), self.scale)]
         };
-        let at_least = if at_least > 0.0 { at_least } else { 0.0 };
+        let at_least = greater(at_least, 0.0);
         Some(SurfaceClosestPoint { point, sheet: best.sheet, u, v, at_least, at_most })
     }
 
@@ -318,21 +318,21 @@ const TASK: usize = 128;
 /// A lower bound for the distance of a point to a box, also where squares overflow.
 fn box_down(p: [f64; 3], bounds: &Box3) -> f64 {
     let gaps = gaps_down(p, bounds);
-    let most = gaps.iter().fold(0.0, |most, x| larger(most, *x));
+    let most = gaps.iter().fold(0.0, |most, x| greater(most, *x));
     if most == 0.0 {
         return 0.0;
     }
     let square = gaps.iter().fold(0.0, |sum, x| {
-        let share = larger(div_down(*x, most), 0.0);
+        let share = greater(div_down(*x, most), 0.0);
         add_down(sum, mul_down(share, share))
     });
-    mul_down(sqrt_down(larger(square, 0.0)), most)
+    mul_down(sqrt_down(greater(square, 0.0)), most)
 }
 
 /// An upper bound for the distance of a point to the farthest point of a box.
 fn box_up(p: [f64; 3], bounds: &Box3) -> f64 {
     length_up(std::array::from_fn::<f64, 3, _>(|k| {
-        larger(sub_up(p[k], bounds.min[k]), sub_up(bounds.max[k], p[k]))
+        greater(sub_up(p[k], bounds.min[k]), sub_up(bounds.max[k], p[k]))
     }))
 }
 

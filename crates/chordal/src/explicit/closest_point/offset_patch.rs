@@ -25,6 +25,7 @@
 //! that a tangent is off by `20ε` of the longest one, `T`; `g` by `16ε·ρ·T + 24ε·|w|·T ≤ 58ε·ρ·T`. The second
 //! derivatives are off by `8ε·T` and 16 roundings. The multiples of `ε` below are larger than these.
 use crate::explicit::bernstein;
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// The parameter rectangle of a piece in its sheet.
@@ -97,7 +98,7 @@ impl OffsetPatch {
     }
 
     fn from_control(control: [[DVec3; 4]; 4], off: f64, place: SheetRectangle) -> Self {
-        let size = control.as_flattened().iter().fold(0.0, |most, c| larger(most, c.abs().max_element()));
+        let size = control.as_flattened().iter().fold(0.0, |most, c| greater(most, c.abs().max_element()));
         // Its own rounding is that of the differences, or of the halves; the query has no error.
         Self { control, size, off: off + OF_HALVES * size, place, guess: None }
     }
@@ -110,7 +111,7 @@ impl OffsetPatch {
         let up = length * (1.0 + OF_LENGTH) + OF_POINT * self.size + self.off;
         let plane = self.plane_bound(jet.point);
         let convex = self.convexity_bound(&net, at, &jet).unwrap_or(0.0);
-        PatchDistance { at, point: jet.point, up, down: larger(plane, convex) }
+        PatchDistance { at, point: jet.point, up, down: greater(plane, convex) }
     }
 
     /// The distance of the whole piece beyond the plane perpendicular to a direction; 0 where it is not
@@ -130,7 +131,7 @@ impl OffsetPatch {
         let longest = |along: &dyn Fn(usize, usize) -> DVec3| {
             (0..4).flat_map(|i| (0..3).map(move |j| (i, j))).fold(0.0, |most, (i, j)| {
                 let square = along(i, j).length_squared();
-                larger(most, square)
+                greater(most, square)
             })
         };
         let wide = longest(&|i, j| c[i][j + 1] - c[i][j]);
@@ -171,7 +172,7 @@ impl OffsetPatch {
                 (jet.point.length_squared() < square).then_some((next, jet))
             });
             let Some((next, there)) = better else { break };
-            let moved = larger((next[0] - at[0]).abs(), (next[1] - at[1]).abs());
+            let moved = greater((next[0] - at[0]).abs(), (next[1] - at[1]).abs());
             (at, jet) = (next, there);
             // Two digits above rounding: a smaller step has no visible effect.
             if moved < 64.0 * f64::EPSILON {
@@ -192,9 +193,9 @@ impl OffsetPatch {
             let off = OF_SLOPE * tangents[k] * self.size;
             let steep = slope.abs() + off;
             let inside = steep * steep / (2.0 * kappa * curvature);
-            let ends = larger((slope + off) * at[k], (off - slope) * (1.0 - at[k]));
-            let ends = if ends > 0.0 { ends } else { 0.0 };
-            let loss = if inside < ends { inside } else { ends };
+            let ends = greater((slope + off) * at[k], (off - slope) * (1.0 - at[k]));
+            let ends = greater(ends, 0.0);
+            let loss = lesser(inside, ends);
             square -= 2.0 * loss * (1.0 + OF_LENGTH);
         }
         (square > 0.0).then(|| square.sqrt() * (1.0 - OF_LENGTH) - self.off)
@@ -212,7 +213,7 @@ pub(super) fn hull_plane_bound(hull: &[DVec3], direction: DVec3, size: f64) -> f
     let unit = direction / length;
     let least = hull.iter().fold(f64::INFINITY, |least, point| {
         let along = unit.dot(*point);
-        if along < least { along } else { least }
+        lesser(along, least)
     });
     let least = least - OF_LENGTH * size;
     if least > 0.0 { least * (1.0 - OF_LENGTH) } else { 0.0 }
@@ -264,14 +265,14 @@ impl<'a> ControlNet<'a> {
     /// whole piece.
     fn convexity(&self, middle: DVec3) -> Option<(f64, f64, f64)> {
         let radius =
-            self.points.as_flattened().iter().fold(0.0, |most, c| larger(most, (*c - middle).length()));
+            self.points.as_flattened().iter().fold(0.0, |most, c| greater(most, (*c - middle).length()));
         let reach = middle.length() + radius;
         let (wide, high) = (longest(self.by_u.as_flattened()), longest(self.by_v.as_flattened()));
         let bent = |net: &[DVec3]| {
             net.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), d| {
                 let (along, spread) = (middle.dot(*d), radius * d.length());
                 let (low, high) = (along - spread, along + spread);
-                (if low < least { low } else { least }, larger(most, high))
+                (lesser(low, least), greater(most, high))
             })
         };
         let slack =
@@ -288,7 +289,7 @@ impl<'a> ControlNet<'a> {
         let across = by_u.mean.dot(by_v.mean);
         let spread =
             by_u.mean.length() * by_v.spread + by_v.mean.length() * by_u.spread + by_u.spread * by_v.spread;
-        let b = larger((across - spread + low).abs(), (across + spread + most).abs())
+        let b = greater((across - spread + low).abs(), (across + spread + most).abs())
             + slack(wide * high, uv, wide + high);
         let kappa = 1.0 - b / (a * c).sqrt() * (1.0 + OF_LENGTH);
         (kappa > LEAST_KAPPA).then_some((a, c, kappa - OF_LENGTH))
@@ -310,7 +311,7 @@ impl VectorCone {
         let unit = mean / mean.length();
         let (least, spread) = vectors.iter().fold((f64::INFINITY, 0.0), |(least, spread), v| {
             let along = unit.dot(*v);
-            (if along < least { along } else { least }, larger(spread, (*v - mean).length()))
+            (lesser(along, least), greater(spread, (*v - mean).length()))
         });
         // A mean of zero has no direction, and proves no length above 0.
         Self { mean, spread, least: if least > 0.0 && least.is_finite() { least } else { 0.0 } }
@@ -388,13 +389,9 @@ fn split([a, b, c, d]: [DVec3; 4]) -> [[DVec3; 4]; 2] {
 }
 
 fn longest(vectors: &[DVec3]) -> f64 {
-    vectors.iter().fold(0.0, |most, v| larger(most, v.length_squared())).sqrt()
+    vectors.iter().fold(0.0, |most, v| greater(most, v.length_squared())).sqrt()
 }
 
 fn clamp(x: f64) -> f64 {
-    if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 }
-}
-
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    if x > 0.0 { lesser(x, 1.0) } else { 0.0 }
 }

@@ -1,9 +1,9 @@
 //! `SurfaceSearch`: the best-first search for one closest point.
 use super::box_tree::{BoxTreeNode, distance_down};
-use super::offset_patch::{OffsetPatch, SheetRectangle, hull_plane_bound, larger};
+use super::offset_patch::{OffsetPatch, SheetRectangle, hull_plane_bound};
 use super::{SurfaceItem, SurfaceTree};
 use crate::explicit::cage::limit::{ExtraordinaryQuad, QuadPatchTree};
-use crate::math::PriorityItem;
+use crate::math::{PriorityItem, greater, lesser};
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
@@ -57,8 +57,8 @@ const RING: usize = 64;
 impl<'t> SurfaceSearch<'t> {
     /// A search for a point in the tree's local coordinates.
     pub fn new(tree: &'t SurfaceTree, about: DVec3, tolerance: f64) -> Self {
-        let size = larger(tree.size, about.abs().max_element());
-        let enough = larger(tolerance, FLOOR * size);
+        let size = greater(tree.size, about.abs().max_element());
+        let enough = greater(tolerance, FLOOR * size);
         let best = ClosestSoFar {
             up: f64::INFINITY,
             point: DVec3::ZERO,
@@ -77,12 +77,12 @@ impl<'t> SurfaceSearch<'t> {
         let mut looked = 0;
         while let Some(PriorityItem { bound, item }) = self.open.pop() {
             let down = -bound;
-            let is_near = self.best.up - down <= larger(self.enough, OFFS * self.best.off);
+            let is_near = self.best.up - down <= greater(self.enough, OFFS * self.best.off);
             if is_near || looked > MOST_PIECES {
-                return Some((self.best, smaller(down, self.best.up)));
+                return Some((self.best, lesser(down, self.best.up)));
             }
             looked += match item {
-                SurfaceCandidate::Settled => return Some((self.best, smaller(down, self.best.up))),
+                SurfaceCandidate::Settled => return Some((self.best, lesser(down, self.best.up))),
                 SurfaceCandidate::Node(node) => {
                     self.expand_node(node, down);
                     0
@@ -140,8 +140,8 @@ impl<'t> SurfaceSearch<'t> {
                 is_extraordinary: false,
             };
         }
-        let known = larger(down, seen.down);
-        if seen.up - known <= larger(self.enough, OFFS * piece.off) {
+        let known = greater(down, seen.down);
+        if seen.up - known <= greater(self.enough, OFFS * piece.off) {
             self.push(known, SurfaceCandidate::Settled);
             return;
         }
@@ -149,7 +149,7 @@ impl<'t> SurfaceSearch<'t> {
             return;
         }
         for half in piece.halves(&seen) {
-            let known = larger(known, half.plane_bound(seen.point));
+            let known = greater(known, half.plane_bound(seen.point));
             self.patches.push(half);
             self.push(known, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
         }
@@ -180,7 +180,7 @@ impl<'t> SurfaceSearch<'t> {
                     let place =
                         SheetRectangle { u: inner(place.u, piece.u), v: inner(place.v, piece.v), ..place };
                     let piece = OffsetPatch::new(&control, self.about, (off, place));
-                    let known = larger(down, piece.plane_bound(piece.middle()));
+                    let known = greater(down, piece.plane_bound(piece.middle()));
                     self.patches.push(piece);
                     self.push(known, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
                 }
@@ -188,23 +188,23 @@ impl<'t> SurfaceSearch<'t> {
             QuadPatchTree::Extraordinary(rough) => {
                 let hull = rough.ring().hull().iter();
                 let hull: Vec<DVec3> = hull.map(|p| DVec3::from(self.tree.local(*p)) - self.about).collect();
-                let size = hull.iter().fold(0.0, |most, p| larger(most, p.abs().max_element()));
+                let size = hull.iter().fold(0.0, |most, p| greater(most, p.abs().max_element()));
                 // The differences are rounded once.
                 let off = self.tree.local_off(2.0 * rough.ring().rounding()) + 2.0 * f64::EPSILON * size;
                 let middle = hull.iter().fold(DVec3::ZERO, |sum, p| sum + *p) / hull.len() as f64;
-                let by_plane = larger(
+                let by_plane = greater(
                     hull_plane_bound(&hull, middle, size),
                     hull_plane_bound(&hull, self.best.point, size),
                 );
-                let known = larger(down, by_plane - off);
+                let known = greater(down, by_plane - off);
                 // The surface of the square lies within the hull.
-                let farthest = hull.iter().fold(0.0, |most, p| larger(most, p.length()));
+                let farthest = hull.iter().fold(0.0, |most, p| greater(most, p.length()));
                 let up = farthest * (1.0 + 8.0 * f64::EPSILON) + off;
                 if up < self.best.up {
                     let (sheet, at) = (place.sheet, place.at([0.5, 0.5]));
                     self.best = ClosestSoFar { up, point: middle, sheet, at, off, is_extraordinary: true };
                 }
-                let is_point = up - known <= larger(self.enough, OFFS * off);
+                let is_point = up - known <= greater(self.enough, OFFS * off);
                 self.push(
                     known,
                     if is_point {
@@ -216,8 +216,4 @@ impl<'t> SurfaceSearch<'t> {
             }
         }
     }
-}
-
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }

@@ -1,5 +1,5 @@
 //! `SnapGrid`: integer coordinates for the plane, so fine that rounding to them is far below any budget.
-use crate::math::mul_up;
+use crate::math::{greater, mul_up};
 use std::cmp::Ordering;
 
 /// A point of the grid, relative to its origin.
@@ -21,9 +21,8 @@ pub(crate) struct SnapGrid {
 impl SnapGrid {
     /// The finest grid for a box of finite numbers below 1e150.
     pub fn new([low, high]: [[f64; 2]; 2]) -> Self {
-        let more = |a: f64, b: f64| if a > b { a } else { b };
-        let extent = more(high[0] - low[0], high[1] - low[1]);
-        let reach = low.iter().chain(&high).fold(0.0, |most, x| more(most, x.abs()));
+        let extent = greater(high[0] - low[0], high[1] - low[1]);
+        let reach = low.iter().chain(&high).fold(0.0, |most, x| greater(most, x.abs()));
         // Coordinates are below 2^53 steps, so that they are exact in f64, and the box is at most 2^BITS
         // wide.
         let exponent = (exponent(extent) + 1 - BITS).max(exponent(reach) + 1 - 52).max(-1022);

@@ -1,4 +1,5 @@
 //! The angle of a direction without a call of `atan2`: as precise as a weight needs it, and without a branch.
+use crate::math::{greater, lesser};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// The minimax polynomial in r² for atan(r)/r with 0 ≤ r ≤ 1, derived by the Remez exchange, with a relative
@@ -25,8 +26,8 @@ const ATAN: [f64; 11] = [
 pub(super) fn angles_of<const N: usize>(x: [f64; N], y: f64) -> [f64; N] {
     let of = |f: &dyn Fn(usize) -> f64| -> [f64; N] { std::array::from_fn(f) };
     let width = x.map(f64::abs);
-    let long = of(&|k| if y > width[k] { y } else { width[k] });
-    let short = of(&|k| if y > width[k] { width[k] } else { y });
+    let long = of(&|k| greater(y, width[k]));
+    let short = of(&|k| lesser(width[k], y));
     // Adding the smallest normal number changes no number whose square does not underflow.
     let r = of(&|k| short[k] / (long[k] + f64::MIN_POSITIVE));
     let q = of(&|k| r[k] * r[k]);

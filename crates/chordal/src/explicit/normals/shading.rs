@@ -1,7 +1,7 @@
 //! Normals for shading: flat, smooth, or smooth up to hard edges.
 use super::angle::angle_of;
 use super::face_normal;
-use super::smooth::{NormalWeight, corner_terms, scale_of, smooth_normals, unit};
+use super::smooth::{NormalWeight, corner_terms, scale_of, smooth_normals, unit_or_zero};
 use crate::explicit::{
     Attribute, DisjointSets, Domain, InvalidMesh, Mesh, Semantic, Topology, Twin, Twins, next_in_face,
 };
@@ -96,7 +96,7 @@ pub fn with_normals(mesh: &Mesh, topology: Topology, shading: Shading) -> Result
 fn smooth_over(mesh: &Mesh, ids: Option<&[u32]>, weight: NormalWeight) -> Vec<[f64; 3]> {
     let id = |row: u32| ids.map_or(row, |ids| ids[row as usize]);
     let sums = position_sums(mesh, &id, weight);
-    (0..mesh.positions().len() as u32).map(|row| unit(sums[id(row) as usize])).collect()
+    (0..mesh.positions().len() as u32).map(|row| unit_or_zero(sums[id(row) as usize])).collect()
 }
 
 fn position_sums(mesh: &Mesh, id: &dyn Fn(u32) -> u32, weight: NormalWeight) -> Vec<[f64; 3]> {
@@ -152,10 +152,10 @@ fn creased(
     let mut whole: Option<Vec<[f64; 3]>> = None;
     let mut normals = Vec::with_capacity(3 * rows.source.len());
     for (&source, &fan) in rows.source.iter().zip(&rows.fan) {
-        let mut normal = if fan == NO_FAN { [0.0; 3] } else { unit(sums[fan as usize]) };
+        let mut normal = if fan == NO_FAN { [0.0; 3] } else { unit_or_zero(sums[fan as usize]) };
         if normal == [0.0; 3] {
             let whole = whole.get_or_insert_with(|| position_sums(mesh, &id, weight));
-            normal = unit(whole[id(source) as usize]);
+            normal = unit_or_zero(whole[id(source) as usize]);
         }
         normals.extend(normal);
     }

@@ -2,7 +2,7 @@
 use super::angle::{angle_of, angles_of};
 use super::face_normal;
 use crate::explicit::Mesh;
-use crate::math::dot;
+use crate::math::{dot, greater};
 use std::f64::consts::PI;
 
 /// The weight of each face in the normal of a vertex.
@@ -52,7 +52,7 @@ pub fn smooth_normals(mesh: &Mesh, weight: NormalWeight) -> Vec<[f64; 3]> {
             *sum = [sum[0] + term[0], sum[1] + term[1], sum[2] + term[2]];
         }
     }
-    sums.iter_mut().for_each(|sum| *sum = unit(*sum));
+    sums.iter_mut().for_each(|sum| *sum = unit_or_zero(*sum));
     match ids {
         None => sums,
         Some(ids) => ids.iter().map(|&id| sums[id as usize]).collect(),
@@ -61,7 +61,7 @@ pub fn smooth_normals(mesh: &Mesh, weight: NormalWeight) -> Vec<[f64; 3]> {
 
 /// The vector scaled to length 1; zero where it has no direction.
 #[inline]
-pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
+pub(super) fn unit_or_zero(v: [f64; 3]) -> [f64; 3] {
     let square = dot(v, v);
     // Squares of numbers between 1e-100 and 1e100 and their sums of three are far inside the range of f64,
     // where exponents are exact; other vectors are scaled first.
@@ -69,7 +69,7 @@ pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
         let factor = 1.0 / square.sqrt();
         return v.map(|x| x * factor);
     }
-    let largest = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    let largest = v.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
     if !(largest > 0.0 && largest.is_finite()) {
         return [0.0; 3];
     }
@@ -83,7 +83,7 @@ pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
 pub(super) fn scale_of(mesh: &Mesh) -> f64 {
     let bounds = mesh.bounds();
     let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
-    let extent = half.fold(0.0, |most: f64, x| if x > most { x } else { most });
+    let extent = half.fold(0.0, |most: f64, x| greater(x, most));
     let exponent = ((extent.to_bits() >> 52) & 0x7ff) as i64 - 1023;
     // 2^±120 to the fourth power is 2^±480, which leaves a margin for sums and for triangles 2^30 times
     // smaller.
@@ -122,7 +122,7 @@ pub(super) fn corner_terms(
             let [at_a, at_b] = angles_of([-both, ab_square + both], area);
             // The rest of half a turn, if positive.
             let rest = PI - (at_a + at_b);
-            let at_c = if rest > 0.0 { rest } else { 0.0 };
+            let at_c = greater(rest, 0.0);
             [at_a, at_b, at_c].map(|angle| normal.map(|x| x * angle))
         }
         NormalWeight::Area => [cross; 3],
@@ -137,7 +137,7 @@ fn corner_terms_rescaled(corners: [[f64; 3]; 3], scale: f64, weight: NormalWeigh
     let [a, b, c] = corners;
     let edge = |p: [f64; 3], q: [f64; 3]| {
         let along: [f64; 3] = std::array::from_fn(|k| 0.5 * q[k] - 0.5 * p[k]);
-        unit(along)
+        unit_or_zero(along)
     };
     let (ab, bc, ca) = (edge(a, b), edge(b, c), edge(c, a));
     let cross = |u: [f64; 3], v: [f64; 3]| {

@@ -1,5 +1,6 @@
 //! `Blockers`: a tree of the corners that can lie inside an ear, for queries by triangle.
 use super::turn;
+use crate::math::{greater, lesser};
 
 /// Points per leaf: below this a linear scan is as fast.
 const LEAF: usize = 8;
@@ -44,8 +45,8 @@ impl Blockers {
         for &item in items.iter() {
             let p = points[item as usize];
             for k in 0..2 {
-                min[k] = if p[k] < min[k] { p[k] } else { min[k] };
-                max[k] = if p[k] > max[k] { p[k] } else { max[k] };
+                min[k] = lesser(p[k], min[k]);
+                max[k] = greater(p[k], max[k]);
             }
         }
         self.nodes[node] = BlockerNode { min, max, alive: items.len() as u32 };
@@ -123,8 +124,8 @@ impl Blockers {
 }
 
 fn bounds([a, b, c]: [[f64; 2]; 3]) -> [[f64; 2]; 2] {
-    let low = |x: f64, y: f64| if x < y { x } else { y };
-    let high = |x: f64, y: f64| if x > y { x } else { y };
+    let low = |x: f64, y: f64| lesser(x, y);
+    let high = |x: f64, y: f64| greater(x, y);
     [
         [low(a[0], low(b[0], c[0])), low(a[1], low(b[1], c[1]))],
         [high(a[0], high(b[0], c[0])), high(a[1], high(b[1], c[1]))],

@@ -5,7 +5,7 @@ use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
 use crate::explicit::fill::snap_grid::SnapGrid;
 use crate::explicit::fill::sweep::{InsideRule, SweepEdge, SweepPoint, sweep};
 use crate::explicit::fill::{FillTriangles, fill};
-use crate::math::{Orientation, difference, dot, length, orient2d};
+use crate::math::{Orientation, difference, dot, greater, length, lesser, orient2d};
 use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::fmt;
@@ -170,7 +170,7 @@ impl sealed::Flatten for [f64; 3] {
         let mut plane = FittedPlane::fit(&all[..outer], scale, newell);
         plane.axes = seen_axes(all, newell);
         let warp = all.iter().map(|p| plane.height(p.map(|x| x * scale)).abs());
-        plane.warp = warp.fold(0.0, |most, h| if h > most { h } else { most }) / scale;
+        plane.warp = warp.fold(0.0, |most, h| greater(h, most)) / scale;
         plane
     }
 
@@ -214,7 +214,7 @@ impl FittedPlane {
         let n = points.len() as f64;
         let mut middle = [0.0; 3];
         points.iter().for_each(|p| (0..3).for_each(|k| middle[k] += p[k] * scale / n));
-        let size = newell.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        let size = newell.iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
         let unit = newell.map(|x| if size > 0.0 { x / size } else { 0.0 });
         let long = length(unit);
         let normal = unit.map(|x| if long > 0.0 { x / long } else { 0.0 });
@@ -536,10 +536,8 @@ fn triangulate_snapped(
     // The grid accepts numbers up to 1e150.
     let shrink = super::unit_scale(corners);
     let small: Vec<[f64; 2]> = corners.iter().map(|p| p.map(|x| x * shrink)).collect();
-    let less = |a: f64, b: f64| if a < b { a } else { b };
-    let more = |a: f64, b: f64| if a > b { a } else { b };
-    let low = small.iter().fold([f64::INFINITY; 2], |m, p| [less(m[0], p[0]), less(m[1], p[1])]);
-    let high = small.iter().fold([f64::NEG_INFINITY; 2], |m, p| [more(m[0], p[0]), more(m[1], p[1])]);
+    let low = small.iter().fold([f64::INFINITY; 2], |m, p| [lesser(m[0], p[0]), lesser(m[1], p[1])]);
+    let high = small.iter().fold([f64::NEG_INFINITY; 2], |m, p| [greater(m[0], p[0]), greater(m[1], p[1])]);
     let grid = SnapGrid::new([low, high]);
     let snapped: Vec<_> = small.iter().map(|p| grid.snap(*p)).collect();
     let turned = clockwise(&small, ends);

@@ -18,7 +18,7 @@ pub use repeat::Repeat;
 
 use super::expr::Expr;
 use super::field::Field;
-use crate::math::{Box3, add_up, sub_down};
+use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
 impl Field {
     /// The union: `min(a, b)`. Outside, the value is as good a distance as both are; inside, a bound.
@@ -119,8 +119,8 @@ fn balanced(fields: &[Field], join: fn(&Field, &Field) -> Field) -> Option<Field
 /// The intersection of two boxes; the empty box if they are apart.
 fn common(a: Box3, b: Box3) -> Box3 {
     let both = Box3 {
-        min: std::array::from_fn(|k| if a.min[k] > b.min[k] { a.min[k] } else { b.min[k] }),
-        max: std::array::from_fn(|k| if a.max[k] < b.max[k] { a.max[k] } else { b.max[k] }),
+        min: std::array::from_fn(|k| greater(a.min[k], b.min[k])),
+        max: std::array::from_fn(|k| lesser(a.max[k], b.max[k])),
     };
     if both.is_empty() { Box3::EMPTY } else { both }
 }

@@ -3,7 +3,7 @@ use super::grown;
 use crate::implicit::outside::{is_empty_outside, lowest};
 use crate::implicit::shapes::{InvalidShape, finite, not_negative, positive};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field, Tape};
-use crate::math::Box3;
+use crate::math::{Box3, greater, lesser};
 
 /// The fraction by which the lowest value of an interval may be below the exact one. Derived: a few hundred
 /// operations, each rounded by a unit, are off by less than 2⁻⁴⁰.
@@ -89,7 +89,7 @@ impl Field {
         let deeper = |depth: f64| depth > amplitude * (1.0 + ROUNDED);
         match depth {
             Some(depth) if !deeper(depth) => {
-                let depth = if depth > amplitude { depth } else { amplitude };
+                let depth = greater(depth, amplitude);
                 Ok(displaced.known_bounds(within(depth)))
             }
             _ if is_empty_outside(&displaced.tape(), &within(amplitude)) => {
@@ -135,5 +135,5 @@ impl Field {
 }
 
 fn weaker(a: DistanceQuality, b: DistanceQuality) -> DistanceQuality {
-    if a < b { a } else { b }
+    lesser(a, b)
 }

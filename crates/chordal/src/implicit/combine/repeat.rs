@@ -3,7 +3,7 @@ use super::common;
 use crate::implicit::op::Unary;
 use crate::implicit::shapes::InvalidShape;
 use crate::implicit::{Csg, Distance, DistanceQuality, Expr, Field, Tape};
-use crate::math::{Box3, Interval, add_up, mul_up};
+use crate::math::{Box3, Interval, add_up, lesser, mul_up};
 
 /// The most copies in one cell's neighbourhood: each is an expression of its own.
 const MOST: u64 = 4096;
@@ -211,7 +211,7 @@ impl RepeatWindow {
 
     fn len(&self) -> u64 {
         let window = (self.last - self.first + 1) as u64;
-        self.count.map_or(window, |n| if u64::from(n) < window { u64::from(n) } else { window })
+        self.count.map_or(window, |n| lesser(u64::from(n), window))
     }
 
     /// The coordinate in the frame of each copy.

@@ -4,7 +4,7 @@ use super::profile::without_axis;
 use super::transform::bounds_at_most;
 use crate::implicit::shapes::{InvalidShape, axis_distance, positive, slabs};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
-use crate::math::{Box3, Interval, add_up, sqrt_up};
+use crate::math::{Box3, Interval, add_up, greater, lesser, sqrt_up};
 
 impl Field {
     /// A planar shape (one that does not depend on z) extruded to half of `height` above and below 0. The
@@ -55,7 +55,7 @@ impl Field {
         let value = value.with_axes([(x.square() + y.square()).sqrt(), z.clone(), zero.clone()]);
         let sign = profile.with_axes([axis_distance(), z, zero]);
         let Box3 { min, max } = self.bounds();
-        let weak = |q: DistanceQuality| if q < DistanceQuality::Bound { q } else { DistanceQuality::Bound };
+        let weak = |q: DistanceQuality| lesser(q, DistanceQuality::Bound);
         let Distance { outside, inside } = slice_distance(self);
         let distance = Distance {
             outside: if min[0] >= 0.0 { outside } else { weak(outside) },
@@ -80,7 +80,7 @@ fn slice_distance(field: &Field) -> Distance {
 pub(super) fn farthest(bounds: &Box3) -> f64 {
     let side = |k: usize| {
         let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
-        if low > high { low } else { high }
+        greater(low, high)
     };
     let [x, y] = [side(0), side(1)].map(|s| Interval::new(0.0, s).unwrap_or(Interval::ENTIRE));
     add_up(sqrt_up((x.square() + y.square()).hi()), 0.0)

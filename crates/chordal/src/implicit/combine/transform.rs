@@ -1,7 +1,7 @@
 //! Shapes moved, rotated, scaled and mirrored.
 use crate::implicit::shapes::{InvalidShape, finite_point, sum, unit};
 use crate::implicit::{Affine3, Distance, DistanceQuality, Expr, Field};
-use crate::math::{Box3, Interval, add_down, add_up, elementary, mul_up, sqrt_up};
+use crate::math::{Box3, Interval, add_down, add_up, elementary, greater, lesser, mul_up, sqrt_up};
 
 impl Field {
     /// The shape moved by a vector.
@@ -59,7 +59,7 @@ impl Field {
     pub fn scaled(&self, by: [f64; 3]) -> Result<Self, InvalidShape> {
         let by = finite_point("a scale", by)?;
         let sizes = by.map(f64::abs);
-        let least = sizes.iter().fold(f64::INFINITY, |m, s| if *s < m { *s } else { m });
+        let least = sizes.iter().fold(f64::INFINITY, |m, s| lesser(*s, m));
         if least < f64::MIN_POSITIVE {
             return Err(InvalidShape::Number(format!("a scale is {least}, and must not be 0")));
         }
@@ -144,7 +144,7 @@ impl Field {
 
 /// The distance quality after uneven scaling.
 pub(super) fn bounds_at_most(distance: Distance) -> Distance {
-    let weaker = |q: DistanceQuality| if q < DistanceQuality::Bound { q } else { DistanceQuality::Bound };
+    let weaker = |q: DistanceQuality| lesser(q, DistanceQuality::Bound);
     Distance { outside: weaker(distance.outside), inside: weaker(distance.inside) }
 }
 
@@ -183,7 +183,7 @@ fn stretch(rows: [[f64; 3]; 3]) -> (f64, bool) {
             add_up(sum, add_up(product(i, j).abs(), 8.0 * f64::EPSILON * terms))
         })
     };
-    let most = [0, 1, 2].map(row).into_iter().fold(0.0, |m, x| if x > m { x } else { m });
+    let most = [0, 1, 2].map(row).into_iter().fold(0.0, |m, x| greater(x, m));
     (sqrt_up(most), false)
 }
 

@@ -4,7 +4,7 @@ use super::{Csg, Primitive};
 use crate::budget::{Job, par_map};
 use crate::implicit::op::Binary;
 use crate::implicit::{Dual, LeafError, Tape, Term};
-use crate::math::{Box3, Interval};
+use crate::math::{Box3, Interval, greater, lesser};
 
 /// What is known about a primitive in a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ trait IntervalHull: Copy + Send + Sync {
 
 impl IntervalHull for [f64; 2] {
     fn hull(self, [low, high]: Self) -> Self {
-        [if low < self[0] { low } else { self[0] }, if high > self[1] { high } else { self[1] }]
+        [lesser(low, self[0]), greater(high, self[1])]
     }
 }
 

@@ -1,5 +1,7 @@
 //! `RootBracket`: a bracket around a sign change on a beam, narrowed by regula falsi.
 
+use crate::math::{greater, lesser};
+
 /// A position outside and one inside, with their values. Outside, `f` is 0 or more, or NaN.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RootBracket {
@@ -46,8 +48,8 @@ impl RootBracket {
         // Not closer to an end than half of the wanted width, so that the other end comes near too.
         let x = a + share * span;
         let (low, high) = (a + 0.5 * width, b - 0.5 * width);
-        let x = if x < low { low } else { x };
-        if x > high { high } else { x }
+        let x = greater(low, x);
+        lesser(high, x)
     }
 
     /// Takes the value at a position. When one end moves twice in a row, the value of the other end is scaled

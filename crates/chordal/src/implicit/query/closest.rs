@@ -1,9 +1,8 @@
 //! The closest point of the surface, with a distance that is enclosed from both sides.
 use super::super::{Dual, LeafError};
 use super::octree::{FieldOctree, FieldOctreeError};
-use super::point_queries::{dot, unit};
 use crate::budget::{Job, par_map};
-use crate::math::{Box3, Interval};
+use crate::math::{Box3, Interval, dot, greater, lesser, unit};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
@@ -99,7 +98,7 @@ impl FieldClosestSearch<'_> {
             age = self.divide(&part, &mut open, age)?;
         }
         Ok(best.map(|best| {
-            let at_least = if at_least < best.at_most { at_least } else { best.at_most };
+            let at_least = lesser(at_least, best.at_most);
             FieldClosestPoint { at_least, ..best }
         }))
     }
@@ -140,8 +139,8 @@ impl FieldClosestSearch<'_> {
     fn distance_to(&self, b: &Box3) -> f64 {
         let off: [f64; 3] = std::array::from_fn(|k| {
             let (below, above) = (b.min[k] - self.point[k], self.point[k] - b.max[k]);
-            let most = if below > above { below } else { above };
-            if most > 0.0 { most } else { 0.0 }
+            let most = greater(below, above);
+            greater(most, 0.0)
         });
         dot(off, off).sqrt() * (1.0 - 8.0 * f64::EPSILON)
     }
@@ -225,7 +224,7 @@ impl FieldClosestSearch<'_> {
             dot(off, off).sqrt() * (1.0 + 8.0 * f64::EPSILON)
         };
         let (to_a, to_b) = (far(a), far(b));
-        let at_most = if to_a > to_b { to_a } else { to_b };
+        let at_most = greater(to_a, to_b);
         if best.is_none_or(|best| at_most < best.at_most) {
             *best = Some(FieldClosestPoint { place: a, at_least: 0.0, at_most });
         }

@@ -2,7 +2,7 @@
 use super::super::{DistanceQuality, Dual, ExprGraph, Field, LeafError, Tape, Term};
 use super::voxels::{Voxel, VoxelGrid};
 use crate::budget::{Job, par_map};
-use crate::math::{Box3, Interval};
+use crate::math::{Box3, Interval, greater, lesser};
 
 /// The first level on which cells may stay, and the one on which all do: cells of a 32nd to a 128th of the
 /// size. Chosen by timing pictures; finer ones take longer to make than they save.
@@ -91,10 +91,11 @@ impl GradientEstimate {
         }
         let slopes = [0, 1, 2].map(|k| {
             let first = samples[0].gradient[k];
-            let [low, high] = samples.iter().map(|s| s.gradient[k]).fold([first; 2], |[low, high], g| {
-                [if g < low { g } else { low }, if g > high { g } else { high }]
-            });
-            let most = if -low > high { -low } else { high };
+            let [low, high] = samples
+                .iter()
+                .map(|s| s.gradient[k])
+                .fold([first; 2], |[low, high], g| [lesser(g, low), greater(g, high)]);
+            let most = greater(-low, high);
             let more = WIDER[0] * (high - low) + WIDER[1] * most;
             [low - more, high + more]
         });
@@ -115,8 +116,8 @@ impl FieldOctreeCell {
         for k in 0..3 {
             let off = p[k] - middle[k];
             let (a, b) = (slopes[k][0] * off, slopes[k][1] * off);
-            low += if a < b { a } else { b };
-            high += if a < b { b } else { a };
+            low += lesser(a, b);
+            high += greater(b, a);
         }
         [low, high]
     }
@@ -179,7 +180,7 @@ impl FieldOctree {
     pub fn build(field: &Field, job: &Job) -> Result<Self, FieldOctreeError> {
         let place = field.bounds();
         let finite = |x: &f64| x.is_finite();
-        let longest = (0..3).map(|k| place.max[k] - place.min[k]).fold(0.0, |a, b| if b > a { b } else { a });
+        let longest = (0..3).map(|k| place.max[k] - place.min[k]).fold(0.0, |a, b| greater(b, a));
         let flat = [0, 1, 2].iter().any(|k| place.min[*k] > place.max[*k]);
         if flat || !place.min.iter().chain(&place.max).all(finite) || !(longest > 0.0 && longest.is_finite())
         {
@@ -462,7 +463,7 @@ impl FieldOctree {
         if value.is_defined() && !value.is_empty() {
             // Points on a beam are off by some 2⁻⁵⁰ of coordinates and lengths, sums by as much of their
             // terms.
-            let magnitude = |x: [f64; 2]| if -x[0] > x[1] { -x[0] } else { x[1] };
+            let magnitude = |x: [f64; 2]| greater(-x[0], x[1]);
             let parts = (0..3).fold(magnitude([value.lo(), value.hi()]), |sum, k| {
                 sum + magnitude(found.slopes[k]) * (self.corner[k].abs() + 4.0 * self.size)
             });

@@ -1,5 +1,6 @@
 //! Inside or outside, and normals: for many points at once.
 use super::super::{Dual, LeafError, Tape};
+use crate::math::unit;
 
 /// Whether each point is inside: where the value is negative. A value of 0 is outside, and so is NaN.
 ///
@@ -36,22 +37,6 @@ pub fn normals(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<Option<[f64; 3]>>
     let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
     tape.gradient_at(points, &mut slopes)?;
     Ok(slopes.iter().map(|slope| unit(slope.gradient)).collect())
-}
-
-/// The vector scaled to length 1; by its largest component first, so that squares neither overflow nor
-/// vanish.
-pub(super) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    let most = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
-    if !(v.iter().all(|x| x.is_finite()) && most > 0.0) {
-        return None;
-    }
-    let scaled = v.map(|x| x / most);
-    let length = dot(scaled, scaled).sqrt();
-    Some(scaled.map(|x| x / length))
-}
-
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
 pub(super) fn along(origin: [f64; 3], direction: [f64; 3], t: f64) -> [f64; 3] {

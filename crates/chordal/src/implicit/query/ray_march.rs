@@ -12,8 +12,9 @@
 use super::beam::{Beam, BeamHit, BeamRecord};
 use super::bracket::RootBracket;
 use super::octree::{FieldOctree, FieldOctreeCell};
-use super::point_queries::{along, dot};
+use super::point_queries::along;
 use super::voxels::Voxel;
+use crate::math::{dot, greater, lesser};
 
 /// The factor by which steps are longer than what is surely free. Measured from 1.2 to 1.6: hardly any
 /// difference.
@@ -123,8 +124,8 @@ impl BeamMarcher {
             }
             let ends = [low, high].map(|x| (x - beam.origin[k]) * inverse[k]);
             let [near, far] = if inverse[k] < 0.0 { [ends[1], ends[0]] } else { ends };
-            from = if near > from { near } else { from };
-            to = if far < to { far } else { to };
+            from = greater(near, from);
+            to = lesser(far, to);
         }
         if from > to || from.is_nan() || to.is_nan() {
             return None;
@@ -241,7 +242,7 @@ impl BeamMarcher {
 
     fn on_step(&mut self, cells: &FieldOctree, value: f64, [stride, reach]: [f64; 2], sure: bool) {
         let floor = self.shortest();
-        let retreat = if reach > floor { reach } else { floor };
+        let retreat = greater(reach, floor);
         let long = stride > retreat * 1.000_001; // rounding: a stride equal to the retreat is not long
         if self.crosses(value) {
             if long && !sure {
@@ -288,7 +289,7 @@ impl BeamMarcher {
     /// Records that something may have been missed from here on: no slope clears it, and the step is not
     /// taken back.
     fn mark_gap(&mut self, from: f64) {
-        self.gap = if from < self.gap { from } else { self.gap };
+        self.gap = lesser(from, self.gap);
     }
 
     /// Plans the next step, from a value on the starting side, at `self.t` in its cell.
@@ -316,14 +317,14 @@ impl BeamMarcher {
             return self.step(cells, [stride, reach], true);
         }
         let floor = self.shortest();
-        let stride = if LONGER * reach > floor { LONGER * reach } else { floor };
+        let stride = greater(LONGER * reach, floor);
         self.step(cells, [stride, reach], false);
     }
 
     fn step(&mut self, cells: &FieldOctree, [stride, reach]: [f64; 2], sure: bool) {
         let _ = cells;
         let room = self.cell_end - self.t;
-        let stride = if stride < room { stride } else { room };
+        let stride = lesser(stride, room);
         self.ask(MarchState::Step { stride, reach, sure }, self.t + stride);
     }
 
@@ -381,7 +382,7 @@ impl BeamMarcher {
                     if !self.pass_empty(f64::from(side), t) {
                         return false;
                     }
-                    t = if exit > t { exit } else { t };
+                    t = greater(exit, t);
                     self.clear = t;
                     self.least = 0.0;
                 }
@@ -390,7 +391,7 @@ impl BeamMarcher {
                     let exit = self.exit(cell.bounds.min, cell.bounds.max, t);
                     self.tape = cell.tape;
                     self.t = t;
-                    self.cell_end = if exit < self.end { exit } else { self.end };
+                    self.cell_end = lesser(exit, self.end);
                     if self.cell_end < self.t {
                         self.cell_end = self.t;
                     }
@@ -453,7 +454,7 @@ impl BeamMarcher {
         if self.slope[1] < 0.0 && high_end < 0.0 && high > 0.0 && (low > 0.0 || continuous) {
             // The value only falls, and the chord of the upper end is above it: a bracket.
             let reach = room * (high / (high - high_end)) + 0.25 * WIDTH * cells.size;
-            let reach = if reach < room { reach } else { room };
+            let reach = lesser(reach, room);
             if reach > free {
                 let side = self.side;
                 let guess = |t: f64| {
@@ -496,7 +497,7 @@ impl BeamMarcher {
             let up = f64::from(u8::from(self.per_voxel[k] > 0.0));
             let face = f64::from(at) + up + (2.0 * up - 1.0) * more;
             let t = (face - self.in_voxels[0][k]) * self.per_voxel[k];
-            exit = if t < exit { t } else { exit };
+            exit = lesser(t, exit);
         }
         exit
     }
@@ -508,10 +509,10 @@ impl BeamMarcher {
             if self.direction[k] != 0.0 {
                 let face = if self.direction[k] > 0.0 { max[k] } else { min[k] };
                 let at = (face - self.origin[k]) * self.inverse[k];
-                exit = if at < exit { at } else { exit };
+                exit = lesser(at, exit);
             }
         }
-        if exit > t { exit } else { t }
+        greater(exit, t)
     }
 }
 

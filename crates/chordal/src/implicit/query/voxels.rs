@@ -1,5 +1,6 @@
 //! `VoxelGrid`: the octree as a lattice, from a point to its cell in one step, with skips over empty space.
 use super::octree::FieldOctreeNode;
+use crate::math::lesser;
 
 /// The cube in equal voxels, as small as its smallest cells.
 #[derive(Clone, Debug, Default)]
@@ -83,7 +84,7 @@ impl VoxelGrid {
 /// Source: A. Rosenfeld, J. Pfaltz, *Sequential operations in digital picture processing*, 1966.
 fn chessboard_distances(rooms: &[u32], side: u32, n: usize) -> Vec<u8> {
     let mut far: Vec<u8> = rooms.iter().map(|room| if *room == side { 255 } else { 0 }).collect();
-    let least = |a: u8, b: u8| if a < b { a } else { b };
+    let least = |a: u8, b: u8| lesser(a, b);
     let mut near = vec![255; n];
     for up in [true, false] {
         for line in 0..n * n {

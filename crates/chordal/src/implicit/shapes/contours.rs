@@ -5,7 +5,7 @@ use super::planar::endless;
 use super::{InvalidShape, finite_point};
 use crate::budget::Evidence;
 use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
-use crate::math::{Box3, Interval, Orientation, add_up, orient2d};
+use crate::math::{Box3, Interval, Orientation, add_up, greater, orient2d};
 use std::sync::Arc;
 
 /// The fill rule of contours.
@@ -82,7 +82,7 @@ impl Contours {
         let mut largest = 0.0;
         for x in contours.iter().flatten().flatten() {
             finite_point("a contour's coordinate", [*x])?;
-            largest = if x.abs() > largest { x.abs() } else { largest };
+            largest = greater(x.abs(), largest);
         }
         // Defined: squares of differences stay finite.
         if largest >= 1e150 {
@@ -206,8 +206,8 @@ impl Contours {
         let ContourBvhNode { min, max, .. } = &self.nodes[node as usize];
         let gap = |k: usize| {
             let (below, above) = (min[k] - p[k], p[k] - max[k]);
-            let gap = if below > above { below } else { above };
-            if gap > 0.0 { gap } else { 0.0 }
+            let gap = greater(below, above);
+            greater(gap, 0.0)
         };
         gap(0) * gap(0) + gap(1) * gap(1)
     }
@@ -222,7 +222,7 @@ impl Contours {
     /// the length add a few.
     pub(super) fn rounding(&self, p: [f64; 2]) -> f64 {
         const UNITS: f64 = 64.0 * f64::EPSILON;
-        let size = if p[0].abs() > p[1].abs() { p[0].abs() } else { p[1].abs() };
+        let size = greater(p[0].abs(), p[1].abs());
         add_up(UNITS * add_up(size, self.largest), f64::MIN_POSITIVE)
     }
 

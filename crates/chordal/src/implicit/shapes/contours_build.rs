@@ -1,7 +1,7 @@
 //! Construction of [`Contours`](super::Contours): edges, those that bound the shape, and the tree over them.
 use super::contours::{ContourBvhNode, ContourEdge, ContourFill, Contours};
 use crate::implicit::Distance;
-use crate::math::{Orientation, orient2d};
+use crate::math::{Orientation, greater, lesser, orient2d};
 
 /// Edges in a leaf of the tree.
 const LEAF: usize = 4;
@@ -49,8 +49,8 @@ pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
         for row in &order[run.clone()] {
             let edge = &edges[*row as usize];
             for (p, k) in [(edge.a, 0), (edge.a, 1), (edge.b, 0), (edge.b, 1)] {
-                min[k] = if p[k] < min[k] { p[k] } else { min[k] };
-                max[k] = if p[k] > max[k] { p[k] } else { max[k] };
+                min[k] = lesser(p[k], min[k]);
+                max[k] = greater(p[k], max[k]);
             }
         }
         nodes.push(ContourBvhNode { min, max, run: [run.start as u32, run.end as u32], second: 0 });
@@ -109,8 +109,8 @@ fn turns_left(edges: &[ContourEdge], run: std::ops::Range<usize>) -> bool {
 fn is_simple(contours: &Contours) -> bool {
     (0..contours.edges.len() as u32).all(|row| {
         let edge = &contours.edges[row as usize];
-        let low = |k: usize| if edge.a[k] < edge.b[k] { edge.a[k] } else { edge.b[k] };
-        let high = |k: usize| if edge.a[k] > edge.b[k] { edge.a[k] } else { edge.b[k] };
+        let low = |k: usize| lesser(edge.a[k], edge.b[k]);
+        let high = |k: usize| greater(edge.a[k], edge.b[k]);
         let near = |node: &ContourBvhNode| (0..2).all(|k| node.min[k] <= high(k) && node.max[k] >= low(k));
         let mut clear = true;
         contours.descend(near, |other| {
@@ -138,8 +138,8 @@ fn meet(contours: &Contours, row: u32, other: u32) -> bool {
         return folds(f.a, f.b, e.b);
     }
     let apart = |k: usize| {
-        let low = |e: &ContourEdge| if e.a[k] < e.b[k] { e.a[k] } else { e.b[k] };
-        let high = |e: &ContourEdge| if e.a[k] > e.b[k] { e.a[k] } else { e.b[k] };
+        let low = |e: &ContourEdge| lesser(e.a[k], e.b[k]);
+        let high = |e: &ContourEdge| greater(e.a[k], e.b[k]);
         low(e) > high(f) || low(f) > high(e)
     };
     let beside = |e: &ContourEdge, f: &ContourEdge| {

@@ -1,6 +1,6 @@
 //! Intervals of the gradient of the distance to [`Contours`] in a box, from the edges that may be nearest.
 use super::contours::{ContourEdge, Contours};
-use crate::math::{Box3, Interval, add_up};
+use crate::math::{Box3, Interval, add_up, greater, lesser};
 
 const UNIT: [f64; 2] = [-1.0, 1.0];
 /// Edges whose turn has a smaller sine count as straight. Chosen: far above rounding, and the arc between
@@ -119,7 +119,7 @@ fn range([low, high]: [f64; 2]) -> Interval {
 fn near(x: f64) -> Interval {
     let off = 8.0 * f64::EPSILON * x.abs();
     let (low, high) = (x - off, x + off);
-    range([if low > -1.0 { low } else { -1.0 }, if high < 1.0 { high } else { 1.0 }])
+    range([greater(low, -1.0), lesser(high, 1.0)])
 }
 
 /// All unit vectors on the shorter arc between two. A component reaches ±1 only if that direction is on the

@@ -11,7 +11,7 @@
 //! which both rays leave, it is the lowest one.
 use super::contours::ContourEdge;
 use crate::implicit::Expr;
-use crate::math::{Orientation, dot_sign, orient2d};
+use crate::math::{Orientation, dot_sign, greater, orient2d};
 use std::cmp::Ordering;
 
 /// The most edges of a contour. Defined: finding the corners takes the square of their number at worst.
@@ -245,12 +245,11 @@ fn line_relation([a, b]: [PlanarPoint; 2], [p, q]: [PlanarPoint; 2]) -> LineRela
     let share = |c: PlanarPoint| {
         let from = [c[0] - p[0], c[1] - p[1]];
         let off = (line[0] * from[1] - line[1] * from[0]).abs();
-        let coordinates =
-            [a, b, p, q].as_flattened().iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        let coordinates = [a, b, p, q].as_flattened().iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
         off / (size * coordinates)
     };
     let (first, second) = (share(a), share(b));
-    let most = if first > second { first } else { second };
+    let most = greater(first, second);
     if most > NEAR {
         LineRelation::Other
     } else if most > SAME {

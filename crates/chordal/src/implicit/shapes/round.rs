@@ -1,7 +1,7 @@
 //! Round shapes: sphere, capsule, torus, ellipsoid.
 use super::{InvalidShape, centred, finite_point, length_of, positive, sum};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
-use crate::math::{Box3, add_up, sub_down};
+use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
 /// The ball with this radius around the origin. The value is the exact distance.
 ///
@@ -48,8 +48,8 @@ pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidSh
     let mut bounds = Box3 { min: a, max: a };
     for k in 0..3 {
         let slack = (a[k].abs() + b[k].abs()) * f64::EPSILON;
-        bounds.min[k] = sub_down(sub_down(if a[k] < b[k] { a[k] } else { b[k] }, slack), radius);
-        bounds.max[k] = add_up(add_up(if a[k] > b[k] { a[k] } else { b[k] }, slack), radius);
+        bounds.min[k] = sub_down(sub_down(lesser(a[k], b[k]), slack), radius);
+        bounds.max[k] = add_up(add_up(greater(a[k], b[k]), slack), radius);
     }
     Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
@@ -79,9 +79,8 @@ pub fn torus(major: f64, minor: f64) -> Result<Field, InvalidShape> {
 /// When a radius is not a finite number above 0.
 pub fn ellipsoid(radii: [f64; 3]) -> Result<Field, InvalidShape> {
     radii.iter().try_for_each(|r| positive("an ellipsoid's radius", *r).map(|_| ()))?;
-    let (least, most) = radii.iter().fold((f64::INFINITY, 0.0), |(low, high), r| {
-        (if *r < low { *r } else { low }, if *r > high { *r } else { high })
-    });
+    let (least, most) =
+        radii.iter().fold((f64::INFINITY, 0.0), |(low, high), r| (lesser(*r, low), greater(*r, high)));
     let axes = Expr::axes();
     let scaled: [Expr; 3] = std::array::from_fn(|k| &axes[k] / radii[k]);
     let sign = (length_of(&[&scaled[0], &scaled[1], &scaled[2]]) - 1.0) * least;

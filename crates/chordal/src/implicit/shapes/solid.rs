@@ -5,7 +5,7 @@ use super::{
 };
 use super::{axis_distance, slabs, sum};
 use crate::implicit::{Distance, Expr, Field};
-use crate::math::{Box3, add_up};
+use crate::math::{Box3, add_up, greater};
 
 /// The half-space of all points with `normal · p < offset`, where `normal` is first made a unit vector
 /// (rounded). The value is the exact distance to the plane.
@@ -31,14 +31,8 @@ pub fn plane(normal: [f64; 3], offset: f64) -> Result<Field, InvalidShape> {
 
 /// The vector scaled to length 1, rounded.
 pub(in crate::implicit) fn unit(name: &str, v: [f64; 3]) -> Result<[f64; 3], InvalidShape> {
-    let v = finite_point(name, v)?;
-    let most = v.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-    if most == 0.0 {
-        return Err(InvalidShape::Number(format!("{name} has no length")));
-    }
-    let v = v.map(|x| x / most);
-    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    Ok(v.map(|x| x / length))
+    crate::math::unit(finite_point(name, v)?)
+        .ok_or_else(|| InvalidShape::Number(format!("{name} has no length")))
 }
 
 /// The box with these full sizes. The value is the exact distance.
@@ -109,7 +103,7 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
     let [x, y, z] = Expr::axes();
     let distance = profile.distance();
     let value = profile.expr([length_of(&[&x, &y]), z.clone()]);
-    let widest = if bottom > top { bottom } else { top };
+    let widest = greater(bottom, top);
     // In exact arithmetic the side runs through (bottom, -half) and (top, half): nothing is divided. Its
     // slope is known on the axis too, where the apex of a cone is.
     let side = axis_distance() * (2.0 * half) - (Expr::constant(half) - &z) * bottom - (&z + half) * top;

@@ -2,7 +2,7 @@
 use super::{InvalidShape, finite_point, positive};
 use crate::budget::Evidence;
 use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
-use crate::math::{Box3, Interval, add_up, cross, difference, dot, length, sub_down};
+use crate::math::{Box3, Interval, add_up, cross, difference, dot, greater, length, lesser, sub_down};
 use std::sync::Arc;
 
 /// All points nearer than half of `thickness` to the triangle with these corners. The value is the exact
@@ -26,7 +26,7 @@ pub fn triangle(corners: [[f64; 3]; 3], thickness: f64) -> Result<Field, Invalid
         min: around.min.map(|x| sub_down(x, add_up(radius, f64::EPSILON * x.abs()))),
         max: around.max.map(|x| add_up(x, add_up(radius, f64::EPSILON * x.abs()))),
     };
-    let largest = corners.iter().flatten().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    let largest = corners.iter().flatten().fold(0.0, |m: f64, x| greater(x.abs(), m));
     let leaf = Arc::new(TriangleDistance { corners, largest });
     let field = Field::new(Expr::leaf(leaf, Expr::axes()) - radius);
     Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
@@ -56,7 +56,7 @@ impl TriangleDistance {
         let edges = [[a, b], [b, c], [c, a]].map(|[from, to]| {
             let along = difference(to, from);
             let t = dot(difference(p, from), along) / dot(along, along);
-            let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
+            let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
             let off: [f64; 3] = std::array::from_fn(|k| (p[k] - from[k]) - t * along[k]);
             (dot(off, off), off)
         });
@@ -68,7 +68,7 @@ impl TriangleDistance {
     fn rounding(&self, p: [f64; 3]) -> f64 {
         let [a, b, c] = self.corners;
         let (e, f) = (difference(b, a), difference(c, a));
-        let size = p.iter().fold(self.largest, |m, x| if x.abs() > m { x.abs() } else { m });
+        let size = p.iter().fold(self.largest, |m, x| greater(x.abs(), m));
         let thin = (length(e) + length(f)) * (length(e) + length(f)) / length(cross(e, f));
         // A flat triangle uses its edges alone.
         let thin = if thin.is_finite() { thin } else { 1.0 };

@@ -2,6 +2,7 @@
 use super::sample::PrimitiveSample;
 use super::{FaceLabel, ImproveError, SurfaceImprover, area_normal};
 use crate::explicit::{next_in_face, previous_in_face};
+use crate::math::greater;
 use glam::DVec3;
 
 /// The most rounds: an independent set has at least a tenth of the vertices, so that this is far more than
@@ -138,7 +139,7 @@ impl SurfaceImprover<'_> {
                 if !(off <= most) {
                     return None;
                 }
-                cost = if off > cost { off } else { cost };
+                cost = greater(off, cost);
             }
         }
         Some(cost)

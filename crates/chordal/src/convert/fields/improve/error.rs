@@ -1,6 +1,7 @@
 //! The errors of edges and faces against their primitives: by samples where known, else estimated from the
 //! normals at their ends.
 use super::{FaceLabel, SurfaceImprover, VertexConstraint, area_normal, sides};
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// A crease may be off by this fraction of a face's aim, times the sine of half its angle. Measured in
@@ -49,15 +50,12 @@ impl SignedDistanceRange {
         if distance.is_nan() {
             return Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
         }
-        Self {
-            low: if distance < self.low { distance } else { self.low },
-            high: if distance > self.high { distance } else { self.high },
-        }
+        Self { low: lesser(distance, self.low), high: greater(distance, self.high) }
     }
 
     #[inline]
     pub fn largest(self) -> f64 {
-        if -self.low > self.high { -self.low } else { self.high }
+        greater(-self.low, self.high)
     }
 }
 
@@ -96,7 +94,7 @@ impl SurfaceImprover<'_> {
     #[inline]
     pub(super) fn aim_of<const N: usize>(&self, vertices: [u32; N]) -> f64 {
         let aims = vertices.map(|v| self.aim_at[v as usize]);
-        aims[1..].iter().fold(aims[0], |least, aim| if *aim < least { *aim } else { least })
+        aims[1..].iter().fold(aims[0], |least, aim| lesser(*aim, least))
     }
 
     /// The error of an edge, relative to the aim.
@@ -126,7 +124,7 @@ impl SurfaceImprover<'_> {
         let off = super::newton::shortest_step(&on).length();
         // Half the sum of unit normals is the sine of half the angle between the faces.
         let sine = 0.5 * (on[0].normal + on[1].normal).length();
-        let sine = if sine < SHARPEST { SHARPEST } else { sine };
+        let sine = greater(SHARPEST, sine);
         let excess = off / (CREASE * self.aim_of([a, b]) * sine);
         if excess.is_nan() { f64::INFINITY } else { excess }
     }
@@ -176,10 +174,8 @@ impl SurfaceImprover<'_> {
         let area = area_normal(points);
         let size = area.length();
         let [a, b, c] = points;
-        let longest_sq = [b - a, c - b, a - c]
-            .map(DVec3::length_squared)
-            .into_iter()
-            .fold(0.0, |m, x| if x > m { x } else { m });
+        let longest_sq =
+            [b - a, c - b, a - c].map(DVec3::length_squared).into_iter().fold(0.0, |m, x| greater(x, m));
         // Thinner ones have no direction that is safe from rounding.
         const THINNEST: f64 = 1e-6; // Chosen: a tenth of a millimetre on a hundred metres.
         size > THINNEST * longest_sq && area.dot(normal) > 0.5 * size
@@ -218,7 +214,7 @@ impl SurfaceImprover<'_> {
             }
             for face in [h / 3, self.surface.twin(h) / 3] {
                 let parts = &mut parts[face as usize];
-                *parts = if excess > *parts { excess } else { *parts };
+                *parts = greater(excess, *parts);
             }
         }
         let faces = (0..parts.len()).filter(|face| self.surface.has_face(*face as u32));

@@ -1,6 +1,7 @@
 //! Rounds of edge flips: for smaller errors, and where these are small for better angles.
 use super::{ImproveError, SurfaceImprover, area_normal, sides};
 use crate::explicit::{next_in_face, previous_in_face};
+use crate::math::{greater, lesser};
 use glam::DVec3;
 
 /// The most rounds; each flips most of the remaining edges.
@@ -47,7 +48,7 @@ impl SurfaceImprover<'_> {
         for face in faces.into_iter().filter(|f| self.surface.has_face(*f)) {
             edges.extend(sides(3 * face).map(|h| {
                 let t = self.surface.twin(h);
-                if h < t { h } else { t }
+                lesser(h, t)
             }));
         }
         edges.sort_unstable();
@@ -181,9 +182,5 @@ fn quality(points: [DVec3; 3]) -> f64 {
 }
 
 fn worse(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    lesser(a, b)
 }

@@ -20,6 +20,7 @@ mod weld;
 use crate::budget::{Job, Progress};
 use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
+use crate::math::greater;
 use face_tree::FaceTree;
 use glam::DVec3;
 use sample::PrimitiveSample;
@@ -163,11 +164,7 @@ impl<'a> SurfaceImprover<'a> {
             round: 0,
             tree: FaceTree::default(),
             goes_by_parts: false,
-            most_faces: if raw.faces.len() as u64 > job.triangle_limit {
-                raw.faces.len() as u64
-            } else {
-                job.triangle_limit
-            },
+            most_faces: greater(raw.faces.len() as u64, job.triangle_limit),
             blocked: Vec::new(),
             stuck: Vec::new(),
             counts: ImproveCounts::default(),

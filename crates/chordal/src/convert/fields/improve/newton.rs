@@ -1,6 +1,7 @@
 //! Newton steps of points onto the surfaces, creases and corners of their primitives.
 use super::{BlockedPlace, FaceLabel, ImproveError, SurfaceImprover, VertexConstraint, sample};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
+use crate::math::greater;
 use glam::DVec3;
 
 /// The most steps: each doubles the digits.
@@ -123,7 +124,7 @@ impl SurfaceImprover<'_> {
         for v in 0..raw.len() as u32 {
             let (from, to) = (raw[v as usize], targets.at[v as usize]);
             let reach = self.size_around(v, &raw);
-            let reach = if reach > 4.0 * self.tol { reach } else { 4.0 * self.tol };
+            let reach = greater(reach, 4.0 * self.tol);
             if (to - from).length() <= reach {
                 self.position[v as usize] = to;
             } else {
@@ -145,7 +146,7 @@ impl SurfaceImprover<'_> {
     /// The longest edge at a vertex.
     pub(super) fn size_around(&self, v: u32, at: &[DVec3]) -> f64 {
         let length = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).length();
-        self.surface.one_ring(v).map(length).fold(0.0, |m, x| if x > m { x } else { m })
+        self.surface.one_ring(v).map(length).fold(0.0, |m, x| greater(x, m))
     }
 
     /// Samples vertices at their positions.
@@ -214,7 +215,7 @@ impl SurfaceImprover<'_> {
             for (k, v) in left.iter().enumerate() {
                 let (from, to) = (self.at(*v), targets.at[k]);
                 let reach = self.size_around(*v, &self.position);
-                let reach = if reach > 4.0 * self.tol { reach } else { 4.0 * self.tol };
+                let reach = greater(reach, 4.0 * self.tol);
                 if !((to - from).length() <= reach) {
                     continue;
                 }

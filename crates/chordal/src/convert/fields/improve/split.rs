@@ -2,6 +2,7 @@
 use super::newton::{ProjectionBatch, SETTLED};
 use super::{FaceLabel, ImproveError, SurfaceImprover, VertexConstraint, area_normal, sides};
 use crate::explicit::{next_in_face, previous_in_face};
+use crate::math::lesser;
 use glam::DVec3;
 
 /// The most rounds: each halves edges, and quarters the error.
@@ -67,7 +68,7 @@ impl SurfaceImprover<'_> {
             }
         }
         let limit = REPAIRED * excess;
-        self.limit = if limit < MOST_OFF { limit } else { MOST_OFF };
+        self.limit = lesser(limit, MOST_OFF);
         let done = self.collapse_all();
         self.limit = 1.0;
         self.is_open.fill(true);

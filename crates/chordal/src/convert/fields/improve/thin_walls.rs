@@ -3,6 +3,7 @@ use super::face_tree::FaceBox;
 use super::{FaceLabel, SurfaceImprover, area_normal};
 use crate::budget::par_map;
 use crate::implicit::LeafError;
+use crate::math::{greater, lesser};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -39,7 +40,7 @@ impl SurfaceImprover<'_> {
             let is_alone = |v: u32| near.around(self.at(v)).all(|label| self.joins(v, label, &joined));
             let first = |v: &u32| {
                 let size = self.size_around(*v, &self.position);
-                (*v, if size > FIRST * reach { size } else { FIRST * reach })
+                (*v, greater(size, FIRST * reach))
             };
             part.iter().filter(|v| !is_alone(**v)).map(first).collect::<Vec<(u32, f64)>>()
         });
@@ -48,9 +49,7 @@ impl SurfaceImprover<'_> {
         while !open.is_empty() {
             let chunks: Vec<&[(u32, f64)]> = open.chunks(CHUNK).collect();
             let found = par_map(self.job, &chunks, |_, part| {
-                let look = |(v, size): &(u32, f64)| {
-                    self.labels_across(*v, if *size < reach { *size } else { reach }, &joined)
-                };
+                let look = |(v, size): &(u32, f64)| self.labels_across(*v, lesser(*size, reach), &joined);
                 part.iter().map(look).collect::<Vec<OpposingFaces>>()
             })
             .concat();

@@ -2,6 +2,7 @@
 //! steps turn into faces without width.
 use super::collapse::VertexStar;
 use super::{ImproveError, SurfaceImprover, area_normal};
+use crate::math::greater;
 use glam::DVec3;
 
 /// Edges below this fraction of the tolerance have no length. Chosen: far above what Newton steps leave, far
@@ -78,7 +79,7 @@ impl SurfaceImprover<'_> {
             let after = [star.ring[0], star.ring[i], star.ring[i + 1]].map(|v| self.at(v));
             let (old, new) = (area_normal(before), area_normal(after));
             let longest = [0, 1, 2].map(|k| (before[(k + 1) % 3] - before[k]).length());
-            let longest = longest.into_iter().fold(0.0, |m, x| if x > m { x } else { m });
+            let longest = longest.into_iter().fold(0.0, |m, x| greater(x, m));
             let has_width = |area: DVec3| area.length() > 4.0 * NO_LENGTH * self.tol * longest;
             if has_width(old) { old.dot(new) > 0.5 * old.length() * new.length() } else { !has_width(new) }
         })

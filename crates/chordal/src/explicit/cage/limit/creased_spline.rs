@@ -13,6 +13,7 @@ use super::super::vertex_rule::CagePoint;
 use super::super::{CreasingMethod, INFINITELY_SHARP, Scheme};
 use super::face_one_ring::{CageTopology, FaceOneRing};
 use crate::explicit::Patch;
+use crate::math::lesser;
 
 /// A part of a face that is one bicubic patch.
 #[derive(Clone, Copy, Debug)]
@@ -270,7 +271,7 @@ fn reversed(parts: Vec<SplineSpan>) -> Vec<SplineSpan> {
 
 /// A round between two lines with this sharpness: the points of the lower half and of the upper one.
 fn refine_between_creases(p: [SpanWeights; 4], sharp: [f64; 2]) -> [[SpanWeights; 4]; 2] {
-    let share = sharp.map(|s| if s < 1.0 { s } else { 1.0 });
+    let share = sharp.map(|s| lesser(s, 1.0));
     let (low, high) = (
         mean(share[0], p[1], vertex_mask([p[0], p[1], p[2]])),
         mean(share[1], p[2], vertex_mask([p[1], p[2], p[3]])),

@@ -3,6 +3,7 @@ use super::super::edges::{CageEdges, VertexIncidence};
 use super::super::refinement_step::{CageSharpness, is_hole};
 use super::super::vertex_rule::CagePoint;
 use super::super::{Boundary, Cage, CreasingMethod, FaceSizes, INFINITELY_SHARP, InvalidCage, Scheme};
+use crate::math::greater;
 
 /// A cage's edges, incidence and sharpness, computed once.
 pub(in super::super) struct CageTopology {
@@ -202,7 +203,7 @@ impl FaceOneRing {
 
     /// The largest coordinate.
     pub(crate) fn size(&self) -> f64 {
-        let larger = |most: f64, x: &f64| if x.abs() > most { x.abs() } else { most };
+        let larger = |most: f64, x: &f64| greater(x.abs(), most);
         self.cage.positions.as_flattened().iter().fold(0.0, larger)
     }
 

@@ -10,6 +10,7 @@ mod triangle_patch_tree;
 
 use super::vertex_rule::CagePoint;
 use super::{Cage, InvalidCage, Scheme};
+use crate::math::lesser;
 pub(super) use face_one_ring::CageTopology;
 pub(crate) use face_one_ring::FaceOneRing;
 use one_ring::OneRing;
@@ -156,7 +157,7 @@ impl LimitSheet {
     /// # Errors
     /// [`InvalidCage::NotFinite`] where coordinates overflow.
     pub fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
-        let clamp = |x: f64| if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
+        let clamp = |x: f64| if x > 0.0 { lesser(x, 1.0) } else { 0.0 };
         let (u, v) = (clamp(u), clamp(v));
         match &self.domain {
             SheetDomain::Square(square) => square.at(u, v),
