@@ -146,7 +146,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
         let bytes = target.write(&mut |out| outcome.write(out))?;
         let run = common::run("mesh", source.name(), &target, bytes);
-        return print_summary(outcome.certificate, clock.fill(run, &job), (&talk, stdout));
+        return print_summary(outcome.certificate, clock.fill(run, &job), &talk, stdout);
     }
     if !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
@@ -166,7 +166,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
     let run = common::run("mesh", name, &target, bytes);
-    print_summary(outcome.certificate, clock.fill(run, &job), (&talk, stdout))?;
+    print_summary(outcome.certificate, clock.fill(run, &job), &talk, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
@@ -188,7 +188,8 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
 fn print_summary(
     certificate: Certificate,
     run: RunFacts,
-    (talk, stdout): (&Console, StdoutUse),
+    talk: &Console,
+    stdout: StdoutUse,
 ) -> Result<(), Fault> {
     let report = Report::new(certificate, RunFacts { verb: "mesh", ..run });
     report.certificate.notes.iter().for_each(|note| talk.detail(note));

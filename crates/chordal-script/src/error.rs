@@ -25,11 +25,11 @@ impl ScriptError {
         let before = text.get(..offset).unwrap_or(text);
         let start = before.rfind('\n').map_or(0, |at| at + 1);
         let line = before.matches('\n').count();
-        self.in_line(text, (line, before[start..].chars().count()))
+        self.in_line(text, line, before[start..].chars().count())
     }
 
     /// Adds a position, counted from 0.
-    pub(crate) fn in_line(self, text: &str, (line, column): (usize, usize)) -> Self {
+    pub(crate) fn in_line(self, text: &str, line: usize, column: usize) -> Self {
         let shown = text.lines().nth(line).map(|shown| shown.chars().take(LONGEST_LINE).collect());
         Self { place: Some((line as u64 + 1, column as u64 + 1)), line: shown, ..self }
     }

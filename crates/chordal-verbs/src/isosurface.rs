@@ -33,7 +33,7 @@ pub(crate) fn mesh_volume(
         notes.push(format!("{} samples are infinite and count as the largest numbers", range.infinite));
     }
     if let Some(labels) = &sampled.surface.labels {
-        return mesh_labels(sampled, &selected_labels(labels, sampled, &range)?, request, (notes, job));
+        return mesh_labels(sampled, &selected_labels(labels, sampled, &range)?, request, notes, job);
     }
     let rule = polygonize_rule(sampled, &range, notes)?;
     note_border(grid, &rule, notes);
@@ -231,7 +231,8 @@ fn mesh_labels(
     sampled: &VolumeShape,
     labels: &[i64],
     request: &MeshRequest,
-    (notes, job): (&mut Vec<String>, &Job),
+    notes: &mut Vec<String>,
+    job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     // Refuses a budget that rounding to the format alone would exceed.
     request.reserve_rounding(request.rounding())?;

@@ -211,7 +211,7 @@ impl RepairStep {
         };
         let stretch = part_scales(scene);
         for (number, part) in scene.parts.iter_mut().enumerate() {
-            let mended = self.apply_to_part(&part.mesh, topologies[number], (stretch[number], job))?;
+            let mended = self.apply_to_part(&part.mesh, topologies[number], stretch[number], job)?;
             facts.add(number, &mended);
             bound = max_bound(bound, &mended.bound, stretch[number])?;
             if matches!(self, Self::SplitNonManifold) && !mended.is_unchanged() {
@@ -228,7 +228,8 @@ impl RepairStep {
         self,
         mesh: &Mesh,
         topology: Topology,
-        (stretch, job): (f64, &Job),
+        stretch: f64,
+        job: &Job,
     ) -> Result<MendedMesh, MeshFailure> {
         let own =
             |within: Option<Tolerance>| within.map(|within| part_tolerance(within, stretch)).transpose();

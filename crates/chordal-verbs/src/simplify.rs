@@ -42,8 +42,8 @@ pub(crate) fn simplify_scene(
     // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
     let shares: Vec<PartBudget> = match &eye {
-        Some(_) => view_budgets(&scene, &stretch, (request, placed))?,
-        None => uniform_budgets(&scene, &stretch, (request, placed), job)?,
+        Some(_) => view_budgets(&scene, &stretch, request, placed)?,
+        None => uniform_budgets(&scene, &stretch, request, placed, job)?,
     };
     // 2. Part by part.
     let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
@@ -130,7 +130,8 @@ fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
 fn uniform_budgets(
     scene: &Scene,
     stretch: &[f64],
-    (request, placed): (&MeshRequest, f64),
+    request: &MeshRequest,
+    placed: f64,
     job: &Job,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
     let MeshRequest { budget, to, place, .. } = request;
@@ -162,7 +163,8 @@ fn uniform_budgets(
 fn view_budgets(
     scene: &Scene,
     stretch: &[f64],
-    (request, placed): (&MeshRequest, f64),
+    request: &MeshRequest,
+    placed: f64,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
     let MeshRequest { budget, to, .. } = request;
     let limits = Budget { length: budget.length, pixels: budget.pixels, ..Budget::default() };

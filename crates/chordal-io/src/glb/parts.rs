@@ -94,7 +94,7 @@ impl<'m> PartReader<'m> {
         }
         let (first, count) = match draft.blocks.get(&primitive.attributes) {
             Some(block) => *block,
-            None => self.block(draft, (primitive, position), pointer)?,
+            None => self.block(draft, primitive, position, pointer)?,
         };
         let corners = self.corners(primitive, (first, count), pointer)?;
         let n = draft.faces.len();
@@ -103,12 +103,14 @@ impl<'m> PartReader<'m> {
         self.report.add_many(
             "MESH_PRIMITIVE_INCOMPATIBLE_MODE",
             leftover.unused,
-            (place(), "indices that make no whole triangle were skipped"),
+            place(),
+            "indices that make no whole triangle were skipped",
         );
         self.report.add_many(
             "strip-connectors",
             leftover.degenerate,
-            (place(), "triangles of strips and fans with a repeated index were skipped"),
+            place(),
+            "triangles of strips and fans with a repeated index were skipped",
         );
         let material = primitive.material.map_or(-1.0, |m| m as f64);
         draft.materials.resize(draft.materials.len() + draft.faces.len() - n, material);
@@ -119,7 +121,8 @@ impl<'m> PartReader<'m> {
     fn block(
         &mut self,
         draft: &mut PartDraft<'m>,
-        (primitive, position): (&'m GltfPrimitive<'m>, usize),
+        primitive: &'m GltfPrimitive<'m>,
+        position: usize,
         pointer: &str,
     ) -> Result<(usize, usize), ReadError> {
         let pointer = format!("{pointer}/attributes");
@@ -179,7 +182,7 @@ impl<'m> PartReader<'m> {
         reserve(values, count * planned.width, pointer)?;
         let Some(accessor) = accessor else {
             let what = "vertices lack an attribute that others of their mesh have";
-            self.report.add_many("attribute-missing", count as u64, (place(), what));
+            self.report.add_many("attribute-missing", count as u64, place(), what);
             values.resize(values.len() + count * planned.width, planned.default_value());
             return Ok(());
         };
@@ -208,7 +211,7 @@ impl<'m> PartReader<'m> {
             }
         });
         let what = "attribute values that are not finite became zero";
-        self.report.add_many("attribute-not-finite", n_broken, (place(), what));
+        self.report.add_many("attribute-not-finite", n_broken, place(), what);
         Ok(())
     }
 
@@ -287,7 +290,7 @@ impl<'m> PartReader<'m> {
             }
             let dropped = draft.drop_nonfinite();
             let what = "vertices that are not finite were dropped with their faces";
-            self.report.add_many("not-finite", dropped, (place(), what));
+            self.report.add_many("not-finite", dropped, place(), what);
         }
         let mut materials = draft.materials;
         let is_mixed = materials.iter().any(|m| *m != materials[0]);

@@ -85,7 +85,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         return Err(ReadError::new(issue.code, issue.place, issue.message));
     };
     check_extensions(&model, &mut report)?;
-    check_zeros(&model, (limits, budget))?;
+    check_zeros(&model, limits, budget)?;
     lint::link(&mut lint, &mut model);
     apply_issues(lint, limits, &mut report)?;
     let lower = LodNodes::new(&json, &model)?;
@@ -141,7 +141,7 @@ fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
 
 /// Checks rows that lie in no view. They are zeros that take no bytes of the file, so only limits keep them
 /// from growing.
-fn check_zeros(model: &GltfModel<'_>, (limits, budget): (&Limits, u64)) -> Result<(), ReadError> {
+fn check_zeros(model: &GltfModel<'_>, limits: &Limits, budget: u64) -> Result<(), ReadError> {
     let mut left = budget;
     for (i, accessor) in model.accessors.iter().enumerate() {
         let Some((accessor, count)) = accessor.as_ref().and_then(|a| Some((a, a.count?))) else { continue };
@@ -241,7 +241,7 @@ fn read_scene(model: &GltfModel<'_>, lower: &LodNodes, report: &mut GlbWarnings)
     if let Some(first) = lower.first {
         let place = FileLocation::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
         let what = "lower levels of detail were left out: the first one was read";
-        report.add_many("lower-levels-skipped", lower.n_levels, (place, what));
+        report.add_many("lower-levels-skipped", lower.n_levels, place, what);
     }
     Scene { nodes, roots, ..Scene::default() }
 }

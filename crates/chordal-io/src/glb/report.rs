@@ -10,7 +10,7 @@ pub(super) struct GlbWarnings {
 impl GlbWarnings {
     /// Counts one.
     pub fn add(&mut self, code: &'static str, place: FileLocation, message: impl Into<String>) {
-        self.add_many(code, 1, (place, message));
+        self.add_many(code, 1, place, message);
     }
 
     /// Counts many; nothing for 0.
@@ -18,7 +18,8 @@ impl GlbWarnings {
         &mut self,
         code: &'static str,
         count: u64,
-        (place, message): (FileLocation, impl Into<String>),
+        place: FileLocation,
+        message: impl Into<String>,
     ) {
         if count == 0 {
             return;
@@ -32,7 +33,7 @@ impl GlbWarnings {
     /// Adds another report.
     pub fn append(&mut self, other: Self) {
         for warning in other.warnings {
-            self.add_many(warning.code, warning.count, (warning.place, warning.message));
+            self.add_many(warning.code, warning.count, warning.place, warning.message);
         }
     }
 }

@@ -83,7 +83,7 @@ impl LengthReader<'_, '_> {
             },
             Err(LengthError::Unit(unit)) => Err(self.unit(start, &unit)),
             Err(LengthError::Wrong(trouble)) if trouble.not_finite => {
-                Err(self.not_finite(tree.place_in((&text, start), trouble.at), trouble.what))
+                Err(self.not_finite(tree.place_in(&text, start, trouble.at), trouble.what))
             }
             Err(LengthError::Wrong(trouble)) => {
                 self.bad(start, &trouble.what);
@@ -179,7 +179,7 @@ impl LengthReader<'_, '_> {
         let Some((text, start)) = tree.get(self.node, Key::Points) else { return Err(ElementError::Skip) };
         let (all, trouble) = numbers(&text);
         if let Some(trouble) = trouble {
-            let place = tree.place_in((&text, start), trouble.at);
+            let place = tree.place_in(&text, start, trouble.at);
             if trouble.not_finite {
                 return Err(self.not_finite(place, trouble.what));
             }

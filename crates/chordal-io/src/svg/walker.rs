@@ -140,7 +140,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         let Some((text, start)) = tree.get(node, Key::ViewBox) else { return Ok(None) };
         let (all, trouble) = super::cursor::numbers(&text);
         if let Some(trouble) = trouble.as_ref().filter(|trouble| trouble.not_finite) {
-            let place = tree.place_in((&text, start), trouble.at);
+            let place = tree.place_in(&text, start, trouble.at);
             return Err(ReadError::new("not-finite", place, trouble.what.clone()));
         }
         match (all.as_slice(), trouble) {
@@ -300,7 +300,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         let map = match SvgTransform::read(&text) {
             Ok(map) => map,
             Err(trouble) => {
-                let place = tree.place_in((&text, start), trouble.at);
+                let place = tree.place_in(&text, start, trouble.at);
                 if trouble.not_finite && !self.limits.drop_nonfinite {
                     return Err(ReadError::new("not-finite", place, trouble.what));
                 }
@@ -540,7 +540,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
             Ok(()) => Ok(()),
             Err(PathError::Read(error)) => Err(error.into()),
             Err(PathError::Text(trouble)) => {
-                let place = tree.place_in((&text, start), trouble.at);
+                let place = tree.place_in(&text, start, trouble.at);
                 if trouble.not_finite {
                     return Err(numbers.not_finite(place, trouble.what));
                 }

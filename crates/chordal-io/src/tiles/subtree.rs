@@ -165,14 +165,15 @@ pub(super) fn read(
         first += many;
     }
     found.n_subtrees += 1;
-    child_subtrees(&children, n_last, (rule, at))
+    child_subtrees(&children, n_last, rule, at)
 }
 
 /// The available subtrees below a subtree: no more than its file has bits, or than a constant may declare.
 fn child_subtrees(
     children: &AvailabilityBits<'_>,
     n_last: u64,
-    (rule, at): (&ImplicitTilingJson, TileCoordinates),
+    rule: &ImplicitTilingJson,
+    at: TileCoordinates,
 ) -> SubtreeResult<Vec<TileCoordinates>> {
     let n_listed = match children {
         AvailabilityBits::Nothing => 0,

@@ -168,7 +168,7 @@ impl LodOutcome {
         for (k, level) in levels.iter().enumerate() {
             let name = format!("level_{k}.glb");
             bounds = bounds.union(self.write_tile(level, &name, files)?);
-            tree = Some(self.tile(level, (&bounds, &name), tree.take().into_iter().collect()));
+            tree = Some(self.tile(level, &bounds, &name, tree.take().into_iter().collect()));
         }
         tree.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no level"))
     }
@@ -185,7 +185,7 @@ impl LodOutcome {
                 bounds = bounds.union(inner);
                 children.push(child);
             }
-            done[k] = Some((self.tile(tile, (&bounds, &name), children), bounds));
+            done[k] = Some((self.tile(tile, &bounds, &name, children), bounds));
         }
         let mut roots: Vec<(Tile, Box3)> = cut.roots.iter().filter_map(|root| done[*root].take()).collect();
         let mut root = if roots.len() == 1 {
@@ -218,7 +218,7 @@ impl LodOutcome {
     }
 
     /// A tile for a file, with finer ones as its children.
-    fn tile(&self, level: &LevelMesh, (bounds, name): (&Box3, &str), children: Vec<Tile>) -> Tile {
+    fn tile(&self, level: &LevelMesh, bounds: &Box3, name: &str, children: Vec<Tile>) -> Tile {
         let metres = self.metres();
         let mut tile = Tile::leaf(tiles::aligned_box(bounds), name);
         tile.extras = Some(tile_extras(&level.bound, level.triangles, metres));

@@ -356,7 +356,7 @@ impl AttributeComparison<'_> {
             let mut found = vec![AttributeErrorStats::default(); from.carried.len()];
             if !self.job.is_cancelled() {
                 for i in 0..chunk.len() {
-                    self.sample_face(from, to, ((CHUNK * number + i) as u32, &mut found));
+                    self.sample_face(from, to, (CHUNK * number + i) as u32, &mut found);
                 }
             }
             found
@@ -367,7 +367,8 @@ impl AttributeComparison<'_> {
         &self,
         from: &AttributeMesh,
         to: &AttributeMesh,
-        (face, found): (u32, &mut [AttributeErrorStats]),
+        face: u32,
+        found: &mut [AttributeErrorStats],
     ) {
         let corners = from.mesh.corners(face as usize);
         let normal = self.normal(corners);

@@ -100,13 +100,13 @@ fn may_meet([a, b]: [[f64; 3]; 2], bounds: &Box3, reach: f64) -> bool {
     // Only its direction matters from here; with length about one, no product leaves the range of f64.
     let longest = half.iter().fold(0.0, |most, x| greater(x.abs(), most));
     let along = half.map(|x| x / longest);
-    !(0..3).any(|k| is_separating_axis(along, apart, room, ((k + 1) % 3, (k + 2) % 3)))
+    !(0..3).any(|k| is_separating_axis(along, apart, room, (k + 1) % 3, (k + 2) % 3))
 }
 
 /// Whether a line along the segment separates the segment from the box in the projection on the axes `i` and
 /// `j`. Five roundings a product and sum, of at most the sizes on the right; the NaN of a zero direction
 /// makes it false.
-fn is_separating_axis(along: [f64; 3], apart: [f64; 3], room: [f64; 3], (i, j): (usize, usize)) -> bool {
+fn is_separating_axis(along: [f64; 3], apart: [f64; 3], room: [f64; 3], i: usize, j: usize) -> bool {
     let (left, right) = (along[i] * apart[j], along[j] * apart[i]);
     let reach = room[i] * along[j].abs() + room[j] * along[i].abs();
     let slack = 8.0 * f64::EPSILON * (left.abs() + right.abs() + reach) + f64::MIN_POSITIVE;

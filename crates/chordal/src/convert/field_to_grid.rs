@@ -39,7 +39,7 @@ pub fn field_to_grid(
     let tasks: Vec<(usize, &mut [f64])> = samples.chunks_mut(layer.max(1)).enumerate().collect();
     debug_assert_eq!(tasks.len(), if lattice.is_empty() { 0 } else { lattice.layers() });
     let done = par_map_owned(job, tasks, |(number, out)| {
-        if job.is_cancelled() { Ok(()) } else { fill_layer(&tape, lattice, band, (number, out)) }
+        if job.is_cancelled() { Ok(()) } else { fill_layer(&tape, lattice, band, number, out) }
     });
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
@@ -82,7 +82,7 @@ pub fn field_to_sparse_grid(
         let planes = BRICK.min(lattice.size[2] - number * BRICK);
         let mut out = vec![0.0; if job.is_cancelled() { 0 } else { plane * planes }];
         if !out.is_empty() {
-            fill_layer(&tape, lattice, Some(band), (*number, &mut out))?;
+            fill_layer(&tape, lattice, Some(band), *number, &mut out)?;
         }
         Ok(BrickSlab::from_samples(&out, lattice.size, band))
     });
@@ -127,7 +127,8 @@ fn fill_layer(
     tape: &Tape,
     lattice: &Lattice,
     band: Option<f64>,
-    (number, out): (usize, &mut [f64]),
+    number: usize,
+    out: &mut [f64],
 ) -> Result<(), LeafError> {
     let bricks: Vec<[[usize; 3]; 2]> = lattice.bricks(number).collect();
     let hulls: Vec<Box3> = bricks.iter().map(|brick| lattice.hull(*brick)).collect();

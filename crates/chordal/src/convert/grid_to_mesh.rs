@@ -102,7 +102,7 @@ fn mesh_source<S: SampleSource>(
     let length = allowed_length(budget, &bounds)?;
     let most = budget.and_then(|budget| budget.triangles).unwrap_or(u64::MAX);
     let wanted = GridMeshGoal { length, most, sample_precision: numbers };
-    let mut made = job.run(|| refine_to_budget(source, affine, (rule, &wanted), job))?;
+    let mut made = job.run(|| refine_to_budget(source, affine, rule, &wanted, job))?;
     if let (Some(px), Some(most)) = (budget.and_then(|budget| budget.pixels), made.bound.at_most()) {
         made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
     }
@@ -129,11 +129,12 @@ fn bounds(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Box3 {
 fn refine_to_budget<S: SampleSource>(
     source: &S,
     coarse: &Affine3,
-    (rule, wanted): (&Polygonize, &GridMeshGoal),
+    rule: &Polygonize,
+    wanted: &GridMeshGoal,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     let GridMeshGoal { length, most, sample_precision: numbers } = *wanted;
-    let mut best = mesh_isosurface(source, coarse, rule, (length, job))?;
+    let mut best = mesh_isosurface(source, coarse, rule, length, job)?;
     for halvings in 1..=MOST_HALVINGS {
         let triangles = best.shape.faces().len() as u64;
         if triangles > most || upper_bound(&best) <= length {
@@ -149,7 +150,7 @@ fn refine_to_budget<S: SampleSource>(
         if check(finer.size(), &affine, &rule).is_err() {
             break;
         }
-        match upsampled_mesh(&finer, &affine, &rule, (length, job)) {
+        match upsampled_mesh(&finer, &affine, &rule, length, job) {
             // A cell without a steady slope counts with its diagonal, which halves with it.
             Ok(next) if upper_bound(&next) < upper_bound(&best) => best = next,
             Ok(_) | Err(JobError::Refused(_)) => break,
@@ -173,7 +174,8 @@ fn upsampled_mesh(
     finer: &UpsampledSource<'_>,
     affine: &Affine3,
     rule: &Polygonize,
-    (length, job): (f64, &Job),
+    length: f64,
+    job: &Job,
 ) -> Result<Bounded<Mesh>, JobError> {
     let enough = sufficient_length(length, affine, rule, finer.size());
     let Isosurface { positions, faces, plan } = march::<f64, _>(finer, affine, rule, job)?;
@@ -290,7 +292,8 @@ pub(super) fn mesh_isosurface<S: SampleSource>(
     source: &S,
     affine: &Affine3,
     rule: &Polygonize,
-    (length, job): (f64, &Job),
+    length: f64,
+    job: &Job,
 ) -> Result<Bounded<Mesh>, JobError> {
     let enough = sufficient_length(length, affine, rule, source.size());
     let Isosurface { positions, faces, plan } = march::<f64, S>(source, affine, rule, job)?;
@@ -316,7 +319,7 @@ fn with_normals<S: SampleSource>(
     if rule.normals == Normals::None {
         return mesh;
     }
-    let normals = gradient_normals(source, affine, rule, (plan, job));
+    let normals = gradient_normals(source, affine, rule, plan, job);
     mesh.with_attribute(Attribute::vertex_normals(&normals)).expect("one normal for each vertex")
 }
 

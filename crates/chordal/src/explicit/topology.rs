@@ -75,7 +75,7 @@ fn hashed(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
         }
         for (i, (row, &hash)) in rows.iter().zip(&hashes).enumerate() {
             let row_idx = (BLOCK * block + i) as u32;
-            ids.push(table.find_or_add(*row, (row_idx, hash), positions, &mut steps_left)?);
+            ids.push(table.find_or_add(*row, row_idx, hash, positions, &mut steps_left)?);
         }
     }
     std::hint::black_box(warm);
@@ -124,7 +124,8 @@ impl PositionTable {
     fn find_or_add(
         &mut self,
         position: [f64; 3],
-        (row, hash): (u32, u64),
+        row: u32,
+        hash: u64,
         positions: &[[f64; 3]],
         steps_left: &mut usize,
     ) -> Option<u32> {

@@ -449,7 +449,7 @@ impl EdgeCollapser {
         let goes_from_start = shrink.anchor != CollapseAnchor::Start;
         if shrink.anchor == CollapseAnchor::None {
             if self.kind[self.surface.start[h as usize] as usize] == CollapseVertexKind::Smooth {
-                let values = blend_nearest(wedges, &self.surface, &self.at, (shrink, &self.before));
+                let values = blend_nearest(wedges, &self.surface, &self.at, shrink, &self.before);
                 wedges.set_row(at_end[0], &values);
             } else {
                 let [p, r] =
@@ -537,7 +537,8 @@ fn blend_nearest(
     wedges: &Wedges,
     surface: &HalfEdgeSurface,
     at: &[[f64; 3]],
-    (shrink, before): (&EdgeCollapse, &[u32]),
+    shrink: &EdgeCollapse,
+    before: &[u32],
 ) -> Vec<f64> {
     let corners = |face: u32| surface.corners(face).map(|v| at[v as usize]);
     let nearest = before.iter().fold((f64::INFINITY, before[0]), |best, &face| {

@@ -51,7 +51,8 @@ fn corner_normals(mesh: &Mesh, attribute: &Attribute, face: u32) -> [[f64; 3]; 3
 /// The normal of a face with these corners; the old one where it is the same.
 pub(super) fn updated_normal(
     corners: [[f64; 3]; 3],
-    (mesh, attribute): (&Mesh, &Attribute),
+    mesh: &Mesh,
+    attribute: &Attribute,
     face: u32,
 ) -> [f64; 3] {
     let [had, ..] = corner_normals(mesh, attribute, face);

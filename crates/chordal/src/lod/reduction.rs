@@ -309,14 +309,14 @@ impl<'a> MeshReduction<'a> {
                     origin.iter().flat_map(|face| attribute.row(*face as usize)).copied().collect()
                 }
                 (ReducedValues::Wedges(from), Domain::Vertex) => {
-                    self.wedge_values(rows.wedge.iter().copied(), (from, attribute.width))
+                    self.wedge_values(rows.wedge.iter().copied(), from, attribute.width)
                 }
                 (ReducedValues::Wedges(from), _) => {
                     let wedges = self.engine.wedges.as_ref();
                     let of = |face: &u32| {
                         [0, 1, 2].map(|k| wedges.map_or(0, |w| w.corner_row[3 * *face as usize + k]))
                     };
-                    self.wedge_values(origin.iter().flat_map(of), (from, attribute.width))
+                    self.wedge_values(origin.iter().flat_map(of), from, attribute.width)
                 }
             };
             let same = Attribute { values, ..clone_without_values(attribute) };
@@ -344,10 +344,10 @@ impl<'a> MeshReduction<'a> {
     /// The normal of a face as it is now, for flat shading.
     fn normal(&self, attribute: &Attribute, face: u32) -> [f64; 3] {
         let corners = self.engine.surface.corners(face).map(|v| self.engine.at[v as usize]);
-        updated_normal(corners, (self.mesh, attribute), face)
+        updated_normal(corners, self.mesh, attribute, face)
     }
 
-    fn wedge_values(&self, wedges: impl Iterator<Item = u32>, (from, width): (usize, usize)) -> Vec<f64> {
+    fn wedge_values(&self, wedges: impl Iterator<Item = u32>, from: usize, width: usize) -> Vec<f64> {
         let Some(all) = &self.engine.wedges else { return Vec::new() };
         wedges.flat_map(|wedge| all.row(wedge)[from..from + width].iter().copied()).collect()
     }

@@ -104,7 +104,7 @@ pub fn simplify(
     };
     let mut made = if allowed.constant() == Some(f64::INFINITY) {
         match budget.triangles {
-            Some(most) => simplify_to_count(mesh, (most, topology), job)?,
+            Some(most) => simplify_to_count(mesh, most, topology, job)?,
             None => {
                 return Err(Failure::refused(
                     RefusalCode::Budget,
@@ -139,7 +139,8 @@ fn has_bounded_face(allowed: &ErrorLimit, mesh: &Mesh) -> bool {
 /// Simplifies to a triangle count, each step being the one of least cost.
 fn simplify_to_count(
     mesh: &Mesh,
-    (most, topology): (u64, Topology),
+    most: u64,
+    topology: Topology,
     job: &Job,
 ) -> Result<Bounded<SimplifiedMesh>, SimplifyFailure> {
     let mut reduction = MeshReduction::new(mesh, topology);
@@ -155,7 +156,7 @@ fn simplify_to_count(
     // Free the memory, since the proof needs as much again.
     drop(reduction);
     let found = deviation(mesh, &made, &Goal::default(), job)?;
-    Ok(bounded(made, (&found, f64::INFINITY), kept))
+    Ok(bounded(made, &found, f64::INFINITY, kept))
 }
 
 /// A mesh, and the length within which it is to be simplified.
@@ -244,7 +245,7 @@ impl<'a> ProgressiveSimplifier<'a> {
             let places = tolerance_violations(mesh, &made, allowed, job)?;
             if places.is_empty() {
                 let found = deviation(mesh, &made, &Goal::default(), job)?;
-                let mut found = bounded(made, (&found, places.at_most), reduction.stats);
+                let mut found = bounded(made, &found, places.at_most, reduction.stats);
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
                 found.bound.pixels = by_place.then_some(places.pixels);
                 (self.proved, self.is_proved) = (reduction, true);
@@ -263,7 +264,7 @@ fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
 
 /// The bound by [`deviation`]. Another proof of the same distance, `at_most`, may lower its upper end. Two
 /// proofs that contradict each other prove nothing, so an upper end below the proved lower end is not taken.
-fn bounded(mesh: Mesh, (found, at_most): (&Deviation, f64), kept: ReductionStats) -> Bounded<SimplifiedMesh> {
+fn bounded(mesh: Mesh, found: &Deviation, at_most: f64, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
     let worst = (found.bound.at_least() > 0.0).then(|| *found.worst());
     let least = found.bound.at_least();
     let most = found.bound.at_most().unwrap_or(f64::INFINITY);

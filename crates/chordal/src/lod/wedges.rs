@@ -221,19 +221,14 @@ impl Wedges {
         let across = surface.twin[h as usize];
         // Left of the edge, away from it, until the next line; then right of it.
         let first_left = if at_start { h } else { next_in_face(h) };
-        self.sweep_fan(surface, is_line, (first_left, at_start, left));
+        self.sweep_fan(surface, is_line, first_left, at_start, left);
         if across != NONE {
             let first_right = if at_start { next_in_face(across) } else { across };
-            self.sweep_fan(surface, is_line, (first_right, !at_start, right));
+            self.sweep_fan(surface, is_line, first_right, !at_start, right);
         }
     }
 
-    fn sweep_fan(
-        &mut self,
-        surface: &HalfEdgeSurface,
-        is_line: &[bool],
-        (first, ccw, row): (u32, bool, u32),
-    ) {
+    fn sweep_fan(&mut self, surface: &HalfEdgeSurface, is_line: &[bool], first: u32, ccw: bool, row: u32) {
         let mut g = first;
         loop {
             self.corner_row[g as usize] = row;

@@ -43,7 +43,7 @@ pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, 
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    sides.face_outwards(mesh, topology, (&twins, job))?;
+    sides.face_outwards(mesh, topology, &twins, job)?;
     let mut unorientable = Finding::default();
     for piece in sides.components.iter().filter(|piece| !piece.is_orientable) {
         unorientable.add(|| Witness::face(mesh, piece.faces[0]));
@@ -128,7 +128,8 @@ impl FaceFlips {
         &mut self,
         mesh: &Mesh,
         topology: Topology,
-        (twins, job): (&Twins, &Job),
+        twins: &Twins,
+        job: &Job,
     ) -> Result<(), JobError> {
         let side =
             |(face, turned): (&[u32; 3], &bool)| if *turned { [face[0], face[2], face[1]] } else { *face };

@@ -113,7 +113,7 @@ pub fn judge<const D: usize>(name: String, path: &Path<D>, tolerance: f64, spaci
             .max(measure(path, &made.shape, Look::Close).both());
     }
     let at_most = made.bound.at_most().expect("proved");
-    let promised = promised_by_cutter(&name, path, budget, (spacing, &made.shape));
+    let promised = promised_by_cutter(&name, path, budget, spacing, &made.shape);
     Some(Case {
         name,
         tolerance,
@@ -131,7 +131,8 @@ fn promised_by_cutter<const D: usize>(
     name: &str,
     path: &Path<D>,
     budget: f64,
-    (spacing, made): (Spacing, &Polyline<D>),
+    spacing: Spacing,
+    made: &Polyline<D>,
 ) -> f64 {
     let [Part::Cubic(control)] = path.parts[..] else { return f64::INFINITY };
     let tolerance = Tolerance::new(budget).expect("a positive length");

@@ -84,7 +84,7 @@ impl Screen {
 }
 
 /// The farthest that a point of one surface is on the screen from the nearest point of the other, with how many were seen.
-fn one_way(from: &Mesh, to: &Mesh, (screen, random): (&Screen, &mut Random)) -> (f64, usize) {
+fn one_way(from: &Mesh, to: &Mesh, screen: &Screen, random: &mut Random) -> (f64, usize) {
     let tree = Tree::new(to);
     let (mut most, mut n_seen) = (0.0_f64, 0);
     for face in 0..from.faces().len() {
@@ -111,8 +111,8 @@ fn holds(name: &str, mesh: &Mesh, budget: &Budget, made: &Bounded<SimplifiedMesh
     let proved = made.bound.pixels.expect("proved");
     assert!(proved <= most, "{name}: {proved} pixels were proved, {most} are allowed");
     let mut random = Random::new(7);
-    let (there, n_there) = one_way(mesh, &made.shape.mesh, (&screen, &mut random));
-    let (back, n_back) = one_way(&made.shape.mesh, mesh, (&screen, &mut random));
+    let (there, n_there) = one_way(mesh, &made.shape.mesh, &screen, &mut random);
+    let (back, n_back) = one_way(&made.shape.mesh, mesh, &screen, &mut random);
     let seen = there.max(back);
     eprintln!(
         "{name}: {seen:.3} px seen at {n_there} and {n_back} points, {proved:.3} proved, {most} allowed"
@@ -156,8 +156,8 @@ fn the_referee_sees_what_is_too_far() {
     let screen = Screen::new(camera(&budget));
     let coarse = made(&mesh, &length(0.5)).shape.mesh;
     let mut random = Random::new(8);
-    assert!(one_way(&mesh, &coarse, (&screen, &mut random)).0 > 5.0);
-    assert!(one_way(&coarse, &mesh, (&screen, &mut random)).0 > 5.0);
+    assert!(one_way(&mesh, &coarse, &screen, &mut random).0 > 5.0);
+    assert!(one_way(&coarse, &mesh, &screen, &mut random).0 > 5.0);
 }
 
 #[test]

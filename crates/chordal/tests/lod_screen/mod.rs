@@ -96,7 +96,7 @@ fn camera(mesh: &Mesh, (size_px, fov_deg): (u32, f64), distance: f64, random: &m
     } else {
         [0, 1].map(|_| random.between(0.0, size))
     };
-    Camera::that_sees(vertex, spot, (eye, size_px, fov_deg), random.direction())
+    Camera::that_sees(vertex, spot, eye, size_px, fov_deg, random.direction())
 }
 
 /// How far samples of either picture are from the other, at most, in pixels, and how many were looked at.
@@ -169,7 +169,7 @@ fn the_pictures_are_right() {
         let corners = vec![at(low, low), at(high, low), at(high, high), at(low, high)];
         Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).expect("valid")
     };
-    let camera = Camera::that_sees([0.0; 3], [128.0; 2], ([0.0, 0.0, 128.0], 256, 90.0), [0.3, 1.0, 0.0]);
+    let camera = Camera::that_sees([0.0; 3], [128.0; 2], [0.0, 0.0, 128.0], 256, 90.0, [0.3, 1.0, 0.0]);
     let small = Picture::of(&square(-5.0, 5.0), &camera);
     // Sixteen samples a pixel.
     assert!((small.n_covered() as f64 / 1600.0 - 1.0).abs() < 0.06, "{}", small.n_covered());

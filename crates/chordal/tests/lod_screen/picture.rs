@@ -35,7 +35,7 @@ pub struct Camera {
 
 impl Camera {
     /// The eye that sees a point of space at a spot of the screen, in pixels; `aside` turns the picture around it.
-    pub fn that_sees(p: Point, spot: Spot, (eye, size_px, fov_deg): (Point, u32, f64), aside: Point) -> Self {
+    pub fn that_sees(p: Point, spot: Spot, eye: Point, size_px: u32, fov_deg: f64, aside: Point) -> Self {
         let half = 0.5 * f64::from(size_px);
         let focal_px = half / (0.5 * fov_deg.to_radians()).tan();
         // The direction of the spot in the frame of the camera, and that of the point in space, each with two beside it.

@@ -149,7 +149,7 @@ impl<'a> GltfLint<'a> {
                 lint.within(i, |lint| {
                     lint.link_rows(model, accessor);
                     if let Some(sparse) = &accessor.sparse {
-                        lint.within("sparse", |lint| lint.link_sparse(model, accessor, (sparse, &mut *uses)));
+                        lint.within("sparse", |lint| lint.link_sparse(model, accessor, sparse, &mut *uses));
                     }
                 });
             });
@@ -181,7 +181,8 @@ impl<'a> GltfLint<'a> {
         &mut self,
         model: &GltfModel<'_>,
         accessor: &GltfAccessor,
-        (sparse, uses): (&GltfSparse, &mut UseTable),
+        sparse: &GltfSparse,
+        uses: &mut UseTable,
     ) {
         let (Some(count), Some(format)) = (accessor.count, accessor.format()) else { return };
         if sparse.count > count {

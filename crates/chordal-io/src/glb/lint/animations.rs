@@ -95,7 +95,7 @@ impl<'a> GltfLint<'a> {
                             let key = target.node.map(|node| (node, target.path));
                             twins.extend(key.and_then(|key| last.insert(key, c)).map(|other| (other, c)));
                         }
-                        lint.link_channel(model, (samplers, channel), uses);
+                        lint.link_channel(model, samplers, channel, uses);
                     });
                 }
                 for (first, second) in twins {
@@ -181,7 +181,8 @@ impl<'a> GltfLint<'a> {
     fn link_channel(
         &mut self,
         model: &GltfModel<'a>,
-        (samplers, channel): (&[GltfAnimationSampler<'a>], &GltfChannel<'a>),
+        samplers: &[GltfAnimationSampler<'a>],
+        channel: &GltfChannel<'a>,
         uses: &mut UseTable,
     ) {
         let Some(index) = channel.sampler else { return };

@@ -119,7 +119,7 @@ impl<'a> GltfLint<'a> {
             let mut meaning = [0.0; 16];
             rows.each(|i, row| {
                 meaning.iter_mut().zip(row).for_each(|(x, raw)| *x = rows.decode(*raw));
-                self.check_row(demand, (i, &meaning[..row.len()]), pointer);
+                self.check_row(demand, i, &meaning[..row.len()], pointer);
             });
             if *demand == AccessorConstraint::Times {
                 self.check_times(rows, pointer);
@@ -127,7 +127,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    fn check_row(&mut self, demand: &AccessorConstraint, (i, row): (u64, &[f64]), pointer: &str) {
+    fn check_row(&mut self, demand: &AccessorConstraint, i: u64, row: &[f64], pointer: &str) {
         match demand {
             AccessorConstraint::UnitVectors | AccessorConstraint::UnitVectorsWithSign => {
                 let (vector, sign) = row.split_at(row.len().min(3));
@@ -223,12 +223,12 @@ impl<'a> GltfLint<'a> {
                     continue;
                 }
                 let path = ["meshes".into(), m.into(), "primitives".into(), p.into(), "attributes".into()];
-                self.within_path(&path, |lint| lint.check_joints((model, primitive), limit));
+                self.within_path(&path, |lint| lint.check_joints(model, primitive, limit));
             }
         }
     }
 
-    fn check_joints(&mut self, (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>), limit: u64) {
+    fn check_joints(&mut self, model: &GltfModel<'a>, primitive: &GltfPrimitive<'a>, limit: u64) {
         let named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         let count = primitive.attributes.iter().find_map(|(_, a)| item(&model.accessors, *a));
         let count = count.and_then(|accessor| accessor.count);
@@ -267,7 +267,7 @@ impl<'a> GltfLint<'a> {
                 let (joint, weight) = (joints.number(vertex, k), weights.normalized(vertex, k));
                 if joint >= limit as f64 {
                     let what = format!("vertex {vertex} names joint {joint} of {limit}");
-                    self.issue_at_set("ACCESSOR_JOINTS_INDEX_OOB", ("JOINTS", set), what);
+                    self.issue_at_set("ACCESSOR_JOINTS_INDEX_OOB", "JOINTS", set, what);
                     continue;
                 }
                 if weight == 0.0 {
@@ -276,12 +276,12 @@ impl<'a> GltfLint<'a> {
                 let is_new = !used.contains(&joint);
                 if !is_new {
                     let what = format!("vertex {vertex} names joint {joint} twice");
-                    self.issue_at_set("ACCESSOR_JOINTS_INDEX_DUPLICATE", ("JOINTS", set), what);
+                    self.issue_at_set("ACCESSOR_JOINTS_INDEX_DUPLICATE", "JOINTS", set, what);
                 }
                 used.push(joint);
                 if weight < 0.0 {
                     let what = format!("vertex {vertex} has weight {weight}");
-                    self.issue_at_set("ACCESSOR_WEIGHTS_NEGATIVE", ("WEIGHTS", set), what);
+                    self.issue_at_set("ACCESSOR_WEIGHTS_NEGATIVE", "WEIGHTS", set, what);
                 } else if is_new {
                     sum = to_single(sum + weight);
                     tolerance += WEIGHT_STEP;
@@ -290,12 +290,12 @@ impl<'a> GltfLint<'a> {
         }
         if (sum - 1.0).abs() > tolerance {
             let what = format!("vertex {vertex} has weights of sum {sum}");
-            self.issue_at_set("ACCESSOR_WEIGHTS_NON_NORMALIZED", ("WEIGHTS", 0), what);
+            self.issue_at_set("ACCESSOR_WEIGHTS_NON_NORMALIZED", "WEIGHTS", 0, what);
         }
     }
 
     /// Reports an issue with a set of joints or weights.
-    fn issue_at_set(&mut self, code: &'static str, (family, set): (&str, usize), what: String) {
+    fn issue_at_set(&mut self, code: &'static str, family: &str, set: usize, what: String) {
         self.issue(code, Some(format!("{family}_{set}").as_str().into()), || what);
     }
 }

@@ -188,7 +188,7 @@ impl<'a> GltfLint<'a> {
         for (m, mesh) in model.meshes.iter().enumerate() {
             for (p, primitive) in mesh.iter().flat_map(|mesh| mesh.primitives.iter().enumerate()) {
                 let path = ["meshes".into(), m.into(), "primitives".into(), p.into()];
-                self.within_path(&path, |lint| lint.link_primitive((model, primitive), uses));
+                self.within_path(&path, |lint| lint.link_primitive(model, primitive, uses));
             }
         }
     }
@@ -200,16 +200,12 @@ impl<'a> GltfLint<'a> {
         self.path.truncate(n);
     }
 
-    fn link_primitive(
-        &mut self,
-        (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>),
-        uses: &mut UseTable,
-    ) {
+    fn link_primitive(&mut self, model: &GltfModel<'a>, primitive: &GltfPrimitive<'a>, uses: &mut UseTable) {
         let mut n_vertices = None;
         for (name, index) in &primitive.attributes {
             let Some(index) = *index else { continue };
             self.within("attributes", |lint| {
-                let Some(accessor) = lint.link_attribute(model, (name, index), (uses, AttributeOwner::Base))
+                let Some(accessor) = lint.link_attribute(model, name, index, uses, AttributeOwner::Base)
                 else {
                     return;
                 };
@@ -222,14 +218,14 @@ impl<'a> GltfLint<'a> {
                 }
             });
         }
-        self.link_indices((model, primitive), (n_vertices.flatten(), &mut *uses));
+        self.link_indices(model, primitive, n_vertices.flatten(), &mut *uses);
         if let Some(index) = primitive.material
             && self.resolved("materials", index, "material".into())
         {
-            self.link_material((model, primitive), index, "/material");
+            self.link_material(model, primitive, index, "/material");
         }
         for (index, place) in &primitive.variants {
-            self.link_material((model, primitive), *index, place);
+            self.link_material(model, primitive, *index, place);
         }
         let bases: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         for (t, target) in primitive.targets.iter().flatten().enumerate() {
@@ -238,7 +234,7 @@ impl<'a> GltfLint<'a> {
                 let base = bases.get(name);
                 self.within_path(&["targets".into(), t.into()], |lint| {
                     let Some(accessor) =
-                        lint.link_attribute(model, (name, index), (&mut *uses, AttributeOwner::Target))
+                        lint.link_attribute(model, name, index, &mut *uses, AttributeOwner::Target)
                     else {
                         return;
                     };
@@ -261,8 +257,10 @@ impl<'a> GltfLint<'a> {
     fn link_attribute<'m>(
         &mut self,
         model: &'m GltfModel<'a>,
-        (name, index): (&'a str, usize),
-        (uses, allowed): (&mut UseTable, AttributeOwner),
+        name: &'a str,
+        index: usize,
+        uses: &mut UseTable,
+        allowed: AttributeOwner,
     ) -> Option<&'m GltfAccessor> {
         if !self.resolved("accessors", index, name.into()) {
             return None;
@@ -328,8 +326,10 @@ impl<'a> GltfLint<'a> {
 
     fn link_indices(
         &mut self,
-        (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>),
-        (n_vertices, uses): (Option<u64>, &mut UseTable),
+        model: &GltfModel<'a>,
+        primitive: &GltfPrimitive<'a>,
+        n_vertices: Option<u64>,
+        uses: &mut UseTable,
     ) {
         let Some(index) = primitive.indices else { return };
         if !self.resolved("accessors", index, "indices".into()) {
@@ -367,7 +367,8 @@ impl<'a> GltfLint<'a> {
 
     fn link_material(
         &mut self,
-        (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>),
+        model: &GltfModel<'a>,
+        primitive: &GltfPrimitive<'a>,
         index: usize,
         place: &str,
     ) {

@@ -224,7 +224,7 @@ struct WorstViolation(Option<([f64; 3], f64)>);
 
 impl WorstViolation {
     /// Records a point of the region `here` if it violates the tolerance.
-    fn consider(&mut self, (at, up): ([f64; 3], f64), here: &RegionTolerance, near: &impl ToleranceField) {
+    fn consider(&mut self, at: [f64; 3], up: f64, here: &RegionTolerance, near: &impl ToleranceField) {
         if up > here.tolerance && up > near.at(at) {
             self.take(at, up);
         }
@@ -248,7 +248,7 @@ fn classify(
     let place =
         |piece: &MeshSubtriangle| near.over_triangle(piece.corners.map(|corner| corner.at), piece.off);
     let here = place(&piece);
-    piece.corners.iter().for_each(|corner| worst.consider((corner.at, corner.up), &here, near));
+    piece.corners.iter().for_each(|corner| worst.consider(corner.at, corner.up, &here, near));
     let mut open = vec![(piece, here)];
     let (mut cuts, mut most, mut pixels) = (0, 0.0, 0.0);
     while let Some((mut piece, here)) = open.pop() {
@@ -272,7 +272,7 @@ fn classify(
             Cover::Within(_) => {}
             Cover::TooFar(at) => {
                 let corner = other.sample(at);
-                worst.consider((at, corner.up), &here, near);
+                worst.consider(at, corner.up, &here, near);
             }
             Cover::None => {}
         }
@@ -284,7 +284,7 @@ fn classify(
             Some(halves) => {
                 cuts += 1;
                 let middle = halves[0].corners[1];
-                worst.consider((middle.at, middle.up), &here, near);
+                worst.consider(middle.at, middle.up, &here, near);
                 open.extend(halves.map(|half| {
                     let here = place(&half);
                     (half, here)

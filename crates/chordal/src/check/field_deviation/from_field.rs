@@ -102,7 +102,7 @@ pub(super) fn bound_boxes(
     tape.gradient_at(&middles, &mut at)?;
     by_slopes(tape, boxes, &at, &mut found)?;
     if target.enclosure.is_closed() {
-        by_columns(tape, boxes, (&at, target), &mut found)?;
+        by_columns(tape, boxes, &at, target, &mut found)?;
     }
     let far = |(found, bounds): (Option<BoxVerdict>, &Box3)| {
         found.unwrap_or_else(|| BoxVerdict::Open(distance_of(bounds, target)))
@@ -145,7 +145,8 @@ fn by_slopes(
 fn by_columns(
     tape: &Tape,
     boxes: &[Box3],
-    (at, target): (&[Dual<f64>], &TargetMesh),
+    at: &[Dual<f64>],
+    target: &TargetMesh,
     found: &mut [Option<BoxVerdict>],
 ) -> Result<(), LeafError> {
     // A column crosses the mesh, so without faces nearby there is no column.

@@ -113,13 +113,13 @@ pub(super) fn trace(
             if job.is_cancelled() {
                 Ok(Vec::new())
             } else {
-                subdivide_blocks((*place, tape), &lattice, size, pad)
+                subdivide_blocks(*place, tape, &lattice, size, pad)
             }
         });
         blocks = parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
     }
     let made = par_map(job, &blocks, |_, (place, tape)| {
-        if job.is_cancelled() { Ok(None) } else { sample_block((*place, tape), &lattice).map(Some) }
+        if job.is_cancelled() { Ok(None) } else { sample_block(*place, tape, &lattice).map(Some) }
     });
     if job.is_cancelled() {
         return Ok(None);
@@ -173,7 +173,8 @@ type BlockTape = ([u32; 2], Arc<Tape>);
 
 /// The quarters of some blocks that the curve may pass.
 fn subdivide_blocks(
-    (place, tape): ([u32; 2], &Arc<Tape>),
+    place: [u32; 2],
+    tape: &Arc<Tape>,
     lattice: &ContourLattice,
     size: u32,
     pad: f64,
@@ -198,7 +199,8 @@ fn subdivide_blocks(
 
 /// Finds the signs of a block, and its crossed edges.
 fn sample_block(
-    (place, tape): ([u32; 2], &Arc<Tape>),
+    place: [u32; 2],
+    tape: &Arc<Tape>,
     lattice: &ContourLattice,
 ) -> Result<ContourBlock, LeafError> {
     let first = place.map(|n| n * BLOCK);

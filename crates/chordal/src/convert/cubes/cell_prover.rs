@@ -178,7 +178,7 @@ impl CellProver<'_> {
                 ahead[kind] += 1;
                 index[kind] += self.rule.crossing(self.source.at(at), self.source.at(ahead));
             }
-            (index, vertex_at(self.source, self.rule, &place, (kind, at)))
+            (index, vertex_at(self.source, self.rule, &place, kind, at))
         };
         let piece =
             |v: [([f64; 3], [f64; 3]); 3]| CellTriangle { index: v.map(|v| v.0), space: v.map(|v| v.1) };
@@ -344,19 +344,14 @@ impl CellProver<'_> {
         let here = self.sure_side(from);
         let mut most = 0.0;
         for inside in [true, false].into_iter().filter(|inside| here != Some(*inside)) {
-            let far = self.distance_to_side(cell, from, (inside, reach))?;
+            let far = self.distance_to_side(cell, from, inside, reach)?;
             most = greater(far, most);
         }
         Some(most)
     }
 
     /// The distance from a point to one on the given side, if it is within `reach`.
-    fn distance_to_side(
-        &self,
-        cell: [usize; 3],
-        from: [f64; 3],
-        (inside, reach): (bool, f64),
-    ) -> Option<f64> {
+    fn distance_to_side(&self, cell: [usize; 3], from: [f64; 3], inside: bool, reach: f64) -> Option<f64> {
         let corners = self.corners(cell);
         let t = [0, 1, 2].map(|k| from[k] - cell[k] as f64);
         let slope = corners.gradient(t);

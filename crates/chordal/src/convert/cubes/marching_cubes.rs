@@ -311,7 +311,7 @@ impl<P: Coordinate, S: SampleSource> Kernel for WriteKernel<'_, P, S> {
         write_faces(plan, slab, cells, written.faces);
         let mut out = written.positions.iter_mut();
         for_each_in_slab(&plan.bits, slab.planes, |kind, index| {
-            let at = vertex_at(source, rule, &place, (kind, index));
+            let at = vertex_at(source, rule, &place, kind, index);
             if let Some(out) = out.next() {
                 *out = at.map(P::from_f64);
             }
@@ -325,7 +325,8 @@ pub(super) fn vertex_at<S: SampleSource + ?Sized>(
     source: &S,
     rule: &Polygonize,
     place: &LatticeTransform,
-    (kind, [i, j, k]): (usize, [usize; 3]),
+    kind: usize,
+    [i, j, k]: [usize; 3],
 ) -> [f64; 3] {
     let mut at = [place.global(0, i), place.global(1, j), place.global(2, k)];
     if kind < 3 {

@@ -12,7 +12,8 @@ pub(crate) fn gradient_normals<S: SampleSource>(
     source: &S,
     affine: &Affine3,
     rule: &Polygonize,
-    (plan, job): (&MarchingPlan, &Job),
+    plan: &MarchingPlan,
+    job: &Job,
 ) -> Vec<[f64; 3]> {
     let size = source.size();
     let [a, b, c] = affine.steps();

@@ -303,7 +303,7 @@ fn faces(joined: &PatchMerger, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 
     let chunks: Vec<&[usize]> = numbers.chunks(LARGE_CHUNK).collect();
     let parts = par_map(job, &chunks, |_, part| {
         let (mut faces, mut labels) = (Vec::new(), Vec::new());
-        part.iter().for_each(|n| patch_faces(joined, positions, *n, (&mut faces, &mut labels)));
+        part.iter().for_each(|n| patch_faces(joined, positions, *n, &mut faces, &mut labels));
         (faces, labels)
     });
     let (mut faces, mut labels) = (Vec::new(), Vec::new());
@@ -318,7 +318,8 @@ fn patch_faces(
     joined: &PatchMerger,
     positions: &[[f64; 3]],
     number: usize,
-    (faces, labels): (&mut Vec<[u32; 3]>, &mut Vec<u32>),
+    faces: &mut Vec<[u32; 3]>,
+    labels: &mut Vec<u32>,
 ) {
     let before = |ends: &dyn Fn(usize) -> u32, k: usize| if k == 0 { 0 } else { ends(k - 1) } as usize;
     let (label, loops_end) = joined.patches[number];

@@ -31,7 +31,7 @@ pub(crate) fn assemble(
 ) -> Mesh {
     let mut positions = seams.positions.clone();
     let mut normals = vec![[0.0; 3]; positions.len()];
-    let seen = border_normals(grounds, (quilt, seams), tiles, &mut normals);
+    let seen = border_normals(grounds, quilt, seams, tiles, &mut normals);
     let mut splits = NormalSplits::default();
     let mut ids: Vec<u32> = Vec::new();
     splits.group_normals(seen, &mut positions, &mut normals, &mut ids);
@@ -62,7 +62,8 @@ pub(crate) fn assemble(
 /// of tiles are written to `normals`.
 fn border_normals(
     grounds: &[Subpatch<'_>],
-    (quilt, seams): (&PatchAdjacency, &TileSeams),
+    quilt: &PatchAdjacency,
+    seams: &TileSeams,
     tiles: &[(PatchTile, PatchTileMesh)],
     normals: &mut [[f64; 3]],
 ) -> Vec<BorderNormal> {
@@ -71,7 +72,7 @@ fn border_normals(
         let ground = &grounds[tile.subpatch as usize];
         let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
         for at in PatchSide::ALL {
-            tile::walk_side(index, tile, (at, seams), |u, v, vertex| {
+            tile::walk_side(index, tile, at, seams, |u, v, vertex| {
                 let (u, v) = (within(u, tile.u), within(v, tile.v));
                 let Some(side) = vertex.side else {
                     let normal = &mut normals[vertex.id as usize];

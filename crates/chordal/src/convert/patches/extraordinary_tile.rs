@@ -66,7 +66,7 @@ pub(crate) fn build(
     let (mut knots, mut shared): (Vec<FanTileVertex>, Vec<BorderVertex>) = (Vec::new(), Vec::new());
     let mut sides = Vec::new();
     for side in PatchSide::ALL {
-        walk_side(index, tile, (side, seams), |u, v, vertex| {
+        walk_side(index, tile, side, seams, |u, v, vertex| {
             knots.push(FanTileVertex { place: [u, v], at: seams.positions[vertex.id as usize] });
             shared.push(vertex);
             sides.push(side);
@@ -275,7 +275,7 @@ impl<'a> RegionHeightField<'a> {
             let next = (k + 1) % n;
             let ends = [k, next].map(|k| self.local(&knots[k].at));
             let (in_space, in_plane) =
-                self.side_deviation(tip, [knots[k].place, knots[next].place], (tip.sides[k], ends))?;
+                self.side_deviation(tip, [knots[k].place, knots[next].place], tip.sides[k], ends)?;
             (beside, aside) = (beside.max(in_space), aside.max(in_plane));
         }
         let by_plane = beside + aside * secant;
@@ -293,7 +293,8 @@ impl<'a> RegionHeightField<'a> {
         &self,
         tip: &ExtraordinaryProof<'_>,
         places: [[f64; 2]; 2],
-        (side, ends): (PatchSide, [DVec3; 2]),
+        side: PatchSide,
+        ends: [DVec3; 2],
     ) -> Option<(f64, f64)> {
         // By the rising parameter along the side.
         let axis = usize::from(matches!(side, PatchSide::Left | PatchSide::Right));

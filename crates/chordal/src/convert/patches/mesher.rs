@@ -212,19 +212,19 @@ impl<'a> PatchMesher<'a> {
             self.check_cells(&planned.tiles)?;
             // Extraordinary subpatches first: while one of them has to be divided, the others would be built
             // in vain.
-            self.build_pending(&planned, &mut done, (allowance, SubpatchKind::Extraordinary))?;
+            self.build_pending(&planned, &mut done, allowance, SubpatchKind::Extraordinary)?;
             if let Some(strains) = raised_safety_factors(&planned, &done, allowance) {
                 planned = self.plan_with_safety_factors(allowance, strains, Some(planned))?;
                 done = vec![None; planned.tiles.len()];
                 continue;
             }
-            self.build_pending(&planned, &mut done, (allowance, SubpatchKind::Bezier))?;
+            self.build_pending(&planned, &mut done, allowance, SubpatchKind::Bezier)?;
             if let Some(tiles) = self.split_where_normals_deviate(&planned, &done, allowance) {
                 planned = self.lay_seams(planned.subpatches, tiles, planned.safety_factors);
                 done = vec![None; planned.tiles.len()];
                 continue;
             }
-            let missed = refine_missed(&mut planned, &mut done, (round, allowance));
+            let missed = refine_missed(&mut planned, &mut done, round, allowance);
             let most =
                 if allowance.normal_deviation.is_some() { MOST_STRAIN * MOST_STRAIN } else { MOST_STRAIN };
             if let Some(tile) = planned.tiles.iter().find(|tile| tile.safety_factor > most) {
@@ -278,7 +278,8 @@ impl<'a> PatchMesher<'a> {
         &self,
         planned: &TilePlan<'_>,
         done: &mut [Option<PatchTileMesh>],
-        (allowance, kind): (&Allowance, SubpatchKind),
+        allowance: &Allowance,
+        kind: SubpatchKind,
     ) -> Result<(), TessellationFailure> {
         let TilePlan { subpatches: grounds, tiles, seams, .. } = planned;
         let is_open =

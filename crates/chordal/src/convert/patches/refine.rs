@@ -13,7 +13,8 @@ use glam::DVec3;
 pub(crate) fn refine_missed(
     planned: &mut TilePlan<'_>,
     done: &mut [Option<PatchTileMesh>],
-    (round, allowance): (usize, &Allowance),
+    round: usize,
+    allowance: &Allowance,
 ) -> bool {
     let TilePlan { subpatches: grounds, tiles, .. } = planned;
     let mut missed = false;

@@ -177,7 +177,7 @@ impl TileSeams {
             let Some(tile) = tile else { continue };
             let ground = &grounds[tile.subpatch as usize];
             let places: Box<dyn Fn(f64) -> [f64; 3]> = match piece.line {
-                SeamLine::Edge(edge) => along_edge(quilt, (tile, ground), edge),
+                SeamLine::Edge(edge) => along_edge(quilt, tile, ground, edge),
                 SeamLine::AlongU(_, v) => Box::new(move |at| ground.at(at, f64::from_bits(v))),
                 SeamLine::AlongV(_, u) => Box::new(move |at| ground.at(f64::from_bits(u), at)),
                 SeamLine::Point(..) => continue,
@@ -228,7 +228,8 @@ impl SeamSpan {
 /// The points of an edge by its parameter, evaluated on a tile next to it.
 fn along_edge<'a>(
     quilt: &PatchAdjacency,
-    (tile, ground): (&PatchTile, &'a Subpatch<'_>),
+    tile: &PatchTile,
+    ground: &'a Subpatch<'_>,
     edge: u32,
 ) -> Box<dyn Fn(f64) -> [f64; 3] + 'a> {
     let found = PatchSide::ALL.into_iter().find_map(|side| {

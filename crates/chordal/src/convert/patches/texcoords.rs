@@ -64,7 +64,7 @@ pub(crate) fn with_texcoords(
             };
             let mut local = Vec::new();
             for side in PatchSide::ALL {
-                tile::walk_side(first + k, tile, (side, seams), |u, v, _| local.push(point([u, v])));
+                tile::walk_side(first + k, tile, side, seams, |u, v, _| local.push(point([u, v])));
             }
             match grounds[tile.subpatch as usize].shape {
                 SubpatchShape::Bezier(_) => {

@@ -122,7 +122,7 @@ pub(crate) fn normal_deviation(
 ) -> f64 {
     let mut knots: Vec<TileVertex> = Vec::new();
     for side in PatchSide::ALL {
-        walk_side(index, tile, (side, seams), |u, v, vertex| {
+        walk_side(index, tile, side, seams, |u, v, vertex| {
             knots.push(TileVertex { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
         });
     }
@@ -185,7 +185,7 @@ pub(super) fn inner_places(tile: &PatchTile, counts: [u32; 4]) -> impl Iterator<
 pub(crate) fn border(index: usize, tile: &PatchTile, seams: &TileSeams) -> Vec<BorderVertex> {
     let mut list = Vec::new();
     for side in PatchSide::ALL {
-        walk_side(index, tile, (side, seams), |_, _, vertex| list.push(vertex));
+        walk_side(index, tile, side, seams, |_, _, vertex| list.push(vertex));
     }
     list
 }
@@ -194,7 +194,8 @@ pub(crate) fn border(index: usize, tile: &PatchTile, seams: &TileSeams) -> Vec<B
 pub(super) fn walk_side(
     index: usize,
     tile: &PatchTile,
-    (side, seams): (PatchSide, &TileSeams),
+    side: PatchSide,
+    seams: &TileSeams,
     mut visit: impl FnMut(f64, f64, BorderVertex),
 ) {
     // The start and end of the tile's side on its line, by the rising parameter of the tile.
@@ -239,7 +240,7 @@ fn side_of_patch(tile: &PatchTile, u: f64, v: f64) -> Option<PatchSide> {
 impl TileTriangulator<'_> {
     fn walk_border(&mut self, index: usize, seams: &TileSeams) {
         for side in PatchSide::ALL {
-            walk_side(index, self.tile, (side, seams), |u, v, vertex| {
+            walk_side(index, self.tile, side, seams, |u, v, vertex| {
                 self.border.push(TileVertex { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
                 self.shared.push(vertex);
             });

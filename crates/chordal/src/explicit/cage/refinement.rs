@@ -108,12 +108,12 @@ impl Refinement {
         let around = VertexIncidence::new(cage, &edges);
         let sharp = CageSharpness::new(cage, &edges, &around);
         let chart = cage.texcoords.as_ref().map(|texcoords| {
-            let chart = Chart::from_texcoords(cage, texcoords, (&edges, &around, &sharp));
+            let chart = Chart::from_texcoords(cage, texcoords, &edges, &around, &sharp);
             let own = Self::new(chart.cage(), rounds)?;
             Ok(Box::new((chart, own, rounds)))
         });
         let chart = chart.transpose()?;
-        let of_cage = Self::for_positions(cage, rounds, (edges, around), &sharp);
+        let of_cage = Self::for_positions(cage, rounds, edges, around, &sharp);
         Ok(Self { chart, ..of_cage })
     }
 
@@ -121,7 +121,8 @@ impl Refinement {
     fn for_positions(
         cage: &Cage,
         rounds: u32,
-        (edges, around): (CageEdges, VertexIncidence),
+        edges: CageEdges,
+        around: VertexIncidence,
         sharp: &CageSharpness,
     ) -> Self {
         if cage.scheme == Scheme::Loop {
@@ -297,7 +298,7 @@ impl Refinement {
                     triangles::TriangleGridLevel { triangles, n, values }.divide(rules, job, out);
                 };
                 let size = |n| triangles.n_points(n);
-                apply_grid_rounds(rules, (values, out), size, round);
+                apply_grid_rounds(rules, values, out, size, round);
             }
             RefinementRounds::Quads(first, quads, rules) => {
                 let mut points = vec![[T::default(); K]; first.n_after()];
@@ -307,7 +308,7 @@ impl Refinement {
                 let round = |n, values: &[[T; K]], rules: &StencilTable, out: &mut [[T; K]]| {
                     QuadGridLevel { quads, n, values }.divide(rules, weights, job, out);
                 };
-                apply_grid_rounds(rules, (&points, out), |n| n_points(quads, n), round);
+                apply_grid_rounds(rules, &points, out, |n| n_points(quads, n), round);
             }
         }
     }
@@ -348,7 +349,8 @@ impl Refinement {
 /// the weights.
 fn apply_grid_rounds<T: Real, const K: usize>(
     rules: &[StencilTable],
-    (values, out): (&[[T; K]], &mut [[T; K]]),
+    values: &[[T; K]],
+    out: &mut [[T; K]],
     size: impl Fn(usize) -> usize,
     round: impl Fn(usize, &[[T; K]], &StencilTable, &mut [[T; K]]),
 ) {

@@ -52,7 +52,7 @@ impl Cage {
         }
         let (sizes, corners) = round.faces();
         let texcoords = self.texcoords.as_ref().map(|texcoords| {
-            let chart = Chart::from_texcoords(self, texcoords, (edges, around, sharp));
+            let chart = Chart::from_texcoords(self, texcoords, edges, around, sharp);
             let refined = chart.cage().refined().map_err(as_texcoord_error)?;
             let values = refined.positions.iter().map(|p| [p[0], p[1]]).collect();
             Ok(chart.texcoords(1, values, refined.corners))

@@ -147,7 +147,7 @@ impl Cage {
         let edges = CageEdges::new(self);
         let around = VertexIncidence::new(self, &edges);
         let sharp = CageSharpness::new(self, &edges, &around);
-        Some(Chart::from_texcoords(self, texcoords, (&edges, &around, &sharp)))
+        Some(Chart::from_texcoords(self, texcoords, &edges, &around, &sharp))
     }
 }
 
@@ -168,7 +168,9 @@ impl Chart {
     pub(super) fn from_texcoords(
         cage: &Cage,
         texcoords: &CornerTexcoords,
-        (edges, around, sharp): (&CageEdges, &VertexIncidence, &CageSharpness),
+        edges: &CageEdges,
+        around: &VertexIncidence,
+        sharp: &CageSharpness,
     ) -> Self {
         let mut rows = texcoords.corners.clone();
         let mut bare = Vec::new();
@@ -343,7 +345,7 @@ impl ChartSharpness<'_> {
             here.dedup();
             spans.clear();
             spans.extend(here.iter().map(|own| self.span(*own, sharp_edges)));
-            self.add_sharp_vertices(vertex, (linear, &is_seam), &spans, &mut found);
+            self.add_sharp_vertices(vertex, linear, &is_seam, &spans, &mut found);
         }
         found.sort_unstable_by_key(|(vertex, _)| *vertex);
         found
@@ -366,7 +368,8 @@ impl ChartSharpness<'_> {
     fn add_sharp_vertices(
         &self,
         vertex: usize,
-        (linear, is_seam): (LinearTexcoords, &[bool]),
+        linear: LinearTexcoords,
+        is_seam: &[bool],
         spans: &[ChartSpan],
         found: &mut Vec<(u32, f64)>,
     ) {

@@ -61,7 +61,7 @@ impl TriangleTopology {
     }
 
     /// The index of a point of a side, `part` parts from the start of the side.
-    fn on_side(&self, (face, side): (usize, usize), n: usize, part: usize) -> usize {
+    fn on_side(&self, face: usize, side: usize, n: usize, part: usize) -> usize {
         let edge = self.edges[face][side] as usize;
         let ends = self.ends[edge];
         let part = if ends[0] == self.corners[face][side] { part } else { n - part };
@@ -75,11 +75,11 @@ impl TriangleTopology {
     /// The index of a point of a grid: steps along the first side, and rows from it.
     fn index(&self, face: usize, n: usize, (column, row): (usize, usize)) -> usize {
         if row == 0 {
-            self.on_side((face, 0), n, column)
+            self.on_side(face, 0, n, column)
         } else if column == 0 {
-            self.on_side((face, 2), n, n - row)
+            self.on_side(face, 2, n, n - row)
         } else if column + row == n {
-            self.on_side((face, 1), n, row)
+            self.on_side(face, 1, n, row)
         } else {
             // Rows of n − 2, n − 3, … points.
             let before = (row - 1) * (n - 2) - (row - 1) * row.saturating_sub(2) / 2;

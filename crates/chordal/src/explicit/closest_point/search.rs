@@ -119,7 +119,7 @@ impl<'t> SurfaceSearch<'t> {
                 SurfaceItem::Sheet(sheet) => {
                     let place = SheetRectangle { sheet: *sheet, u: [0.0, 1.0], v: [0.0, 1.0] };
                     if let Some(square) = self.tree.sheets[*sheet as usize].square() {
-                        self.add_square(square, (place, down));
+                        self.add_square(square, place, down);
                     }
                 }
             },
@@ -165,12 +165,12 @@ impl<'t> SurfaceSearch<'t> {
         let [a, b] = low.halves(0);
         let [d, c] = high.halves(0);
         for (quarter, place) in quarters.iter().zip([a, b, c, d]) {
-            self.add_square(quarter, (place, down));
+            self.add_square(quarter, place, down);
         }
         1 + rough.ring().hull().len() / RING
     }
 
-    fn add_square(&mut self, square: &'t QuadPatchTree, (place, down): (SheetRectangle, f64)) {
+    fn add_square(&mut self, square: &'t QuadPatchTree, place: SheetRectangle, down: f64) {
         match square {
             QuadPatchTree::Regular(patches) => {
                 let off = self.tree.local_off(patches.off);

@@ -367,7 +367,7 @@ impl FieldOctree {
         self.for_each_tape(open, |tape, rows| tape.over(&boxes[rows.clone()], &mut ranges[rows]))?;
         let mut found = Vec::with_capacity(open.len());
         for (one, range) in open.iter().zip(&ranges) {
-            found.push(self.classify_by_range(one, *range, (place, level))?);
+            found.push(self.classify_by_range(one, *range, place, level)?);
         }
         if level < FIRST {
             return Ok(found);
@@ -389,7 +389,7 @@ impl FieldOctree {
                 // Pruning may have left out what was undefined.
                 tape.gradient_over(&boxes[row..=row], &mut slopes[row..=row])?;
             }
-            self.classify_by_gradient(&boxes[row], (ranges[k], slopes[row], values[row]), found);
+            self.classify_by_gradient(&boxes[row], ranges[k], slopes[row], values[row], found);
         }
         Ok(found)
     }
@@ -413,7 +413,8 @@ impl FieldOctree {
         &self,
         one: &PendingOctant,
         range: Interval,
-        (place, level): (&Box3, u32),
+        place: &Box3,
+        level: u32,
     ) -> Result<OctantClass, LeafError> {
         let tape = &self.tapes[one.tape as usize];
         let settled = |part| OctantClass { part, settled: true, ..OctantClass::unknown() };
@@ -438,7 +439,9 @@ impl FieldOctree {
     fn classify_by_gradient(
         &self,
         bounds: &Box3,
-        (range, slope, value): (Interval, Dual<Interval>, Interval),
+        range: Interval,
+        slope: Dual<Interval>,
+        value: Interval,
         found: &mut OctantClass,
     ) {
         // Slopes say nothing across a gap where the value is undefined.

@@ -212,7 +212,7 @@ impl Surface {
         let mut answer = Search::Beyond;
         let mut effort = 20_000;
         self.tree.visit(p, goal, |item, best| {
-            match search_part((&self.parts[item].control, corner_of(item).1), (p, goal), &mut effort) {
+            match search_part(&self.parts[item].control, corner_of(item).1, p, goal, &mut effort) {
                 InPart::Beyond => return best,
                 InPart::Nearer(uv) => answer = Search::Nearer(self.slide(p, corner_of(item).0, uv)),
                 InPart::Undecided => answer = Search::Undecided,
@@ -248,7 +248,7 @@ fn corner_of(item: usize) -> (usize, [f64; 2]) {
 }
 
 /// The search in one cell, given with its lowest parameters, for a point nearer to `p` than `goal`.
-fn search_part((cell, at): (&Control, [f64; 2]), (p, goal): (Point, f64), effort: &mut u32) -> InPart {
+fn search_part(cell: &Control, at: [f64; 2], p: Point, goal: f64, effort: &mut u32) -> InPart {
     let mut stack = vec![(*cell, at, 1.0 / CELLS as f64)];
     while let Some((part, [u, v], side)) = stack.pop() {
         let corners = corners(&part);

@@ -89,7 +89,7 @@ struct ImprovedModel {
     n_points: u64,
 }
 
-fn improved(csg: &Csg, raw: &LabelledSurface, (tol, threads): (f64, usize)) -> ImprovedModel {
+fn improved(csg: &Csg, raw: &LabelledSurface, tol: f64, threads: usize) -> ImprovedModel {
     let job = Job::default().with_threads(threads);
     let evaluator = PrimitiveEvaluator::new(csg, &Box3::from_points(&raw.positions), &job);
     let mut improver = SurfaceImprover::new(raw, evaluator, tol, &job).unwrap();
@@ -141,7 +141,7 @@ fn a_ball_is_within_the_tolerance_at_any_scale() {
         let csg = ball(0.6 * scale);
         for levels in [0, 2, 5] {
             let raw = labelled(&csg, octahedron(levels, |p| 0.595 * scale * p.normalize()));
-            let found = improved(&csg, &raw, (3e-3 * scale, 1));
+            let found = improved(&csg, &raw, 3e-3 * scale, 1);
             check(&csg, &found.surface, 3e-3 * scale);
             let n = found.surface.faces.len();
             // Eight triangles halved repeatedly are 2048 at that size.
@@ -159,7 +159,7 @@ fn a_ball_is_within_the_tolerance_at_any_scale() {
 fn flat_faces_are_free() {
     let csg = Csg::from_expr(shapes::cuboid([2.0, 4.0, 6.0]).unwrap().sign());
     let raw = labelled(&csg, cuboid(DVec3::new(1.01, 1.98, 3.02), 8));
-    let found = improved(&csg, &raw, (1e-3, 1));
+    let found = improved(&csg, &raw, 1e-3, 1);
     check(&csg, &found.surface, 1e-9);
     assert_eq!(found.surface.faces.len(), 12);
 }
@@ -183,7 +183,7 @@ fn ruled_faces_are_strips() {
     let csg = Csg::from_expr(shapes::cylinder(5.0, 50.0).unwrap().sign());
     for n in [8, 200] {
         let raw = labelled(&csg, prism((n, 5.0, 25.0)));
-        let found = improved(&csg, &raw, (0.1, 1));
+        let found = improved(&csg, &raw, 0.1, 1);
         check(&csg, &found.surface, 0.1);
         assert!(found.surface.faces.len() <= 150, "{} triangles from {n} sides", found.surface.faces.len());
     }
@@ -193,7 +193,7 @@ fn ruled_faces_are_strips() {
 fn threads_change_nothing() {
     let raw = labelled(&ball(1.0), octahedron(5, on_sphere(1.0)));
     let csg = ball(1.0);
-    let found = [1, 2, 8].map(|threads| improved(&csg, &raw, (2e-3, threads)).surface);
+    let found = [1, 2, 8].map(|threads| improved(&csg, &raw, 2e-3, threads).surface);
     for other in &found[1..] {
         assert_eq!(found[0].faces, other.faces);
         assert_eq!(found[0].labels, other.labels);
@@ -243,7 +243,7 @@ fn a_wall_thinner_than_the_tolerance_keeps_its_sheets_apart() {
     positions.extend(within);
     faces.extend(turned.iter().map(|[a, b, c]| [a + n, c + n, b + n]));
     let raw = labelled(&csg, (positions, faces));
-    let found = improved(&csg, &raw, (0.05, 1));
+    let found = improved(&csg, &raw, 0.05, 1);
     // Copies displaced by half of the wall have to stay apart.
     check(&csg, &found.surface, 0.5 * 0.01);
 }

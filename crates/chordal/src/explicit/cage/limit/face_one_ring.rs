@@ -45,7 +45,7 @@ pub(crate) struct FaceOneRing {
 
 impl FaceOneRing {
     pub(in super::super) fn new(cage: &Cage, parts: &CageTopology, face: usize) -> Self {
-        Self::rotated((cage, &[]), parts, (face, 0))
+        Self::rotated(cage, &[], parts, face, 0)
     }
 
     /// The topology of its cage.
@@ -54,7 +54,7 @@ impl FaceOneRing {
     }
 
     /// The ring of a face, started `turn` corners later.
-    fn rotated((cage, all): (&Cage, &[u32]), parts: &CageTopology, (face, turn): (usize, usize)) -> Self {
+    fn rotated(cage: &Cage, all: &[u32], parts: &CageTopology, face: usize, turn: usize) -> Self {
         let middle = cage.face(face);
         let mut sectors: Vec<CreaseSector> = middle
             .iter()
@@ -161,7 +161,7 @@ impl FaceOneRing {
         };
         let part = |part: usize| Self {
             off: self.off + round,
-            ..Self::rotated((&refined, &classes), &parts, (part, turn(part)))
+            ..Self::rotated(&refined, &classes, &parts, part, turn(part))
         };
         Ok((0..n_parts).map(part).collect())
     }
