@@ -43,7 +43,8 @@ impl Reading {
     fn read(
         self,
         bytes: &[u8],
-        (format, surface): (Option<Format>, Option<PolygonSurface>),
+        format: Option<Format>,
+        surface: Option<PolygonSurface>,
     ) -> Result<(Input, Option<String>), ReadFailure> {
         let (lenient, drop_nonfinite) = (self.lenient, self.drop_nonfinite);
         let limits = Limits { lenient, drop_nonfinite, surface, ..Limits::default() };
@@ -71,7 +72,7 @@ impl Source {
         let unit = parse_argument::<Unit>("unit", reading.unit.as_deref())?;
         let up = reading.up.as_deref().map(axis).transpose()?;
         let surface = reading.surface.as_deref().map(polygon_surface).transpose()?;
-        let read = work::run(py, None, move |_| reading.read(&bytes, (format, surface)))?;
+        let read = work::run(py, None, move |_| reading.read(&bytes, format, surface))?;
         let (mut input, name) =
             read.map_err(|unread| failure::read(py, &unread.error, unread.name.as_deref()))?;
         let frame = input.shape.frame_mut();

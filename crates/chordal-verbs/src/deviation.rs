@@ -63,7 +63,7 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
     };
     certificate.notes.extend(frames_differ(&a, &b));
     let against = crate::report::InputFacts::from_input(&b);
-    let found = measure(a.shape, b.shape, (&goal, job), &mut certificate)?;
+    let found = measure(a.shape, b.shape, &goal, job, &mut certificate)?;
     certificate.bound = Some(BoundFacts::new(&found.bound));
     let verdict = goal.max.map(|max| Verdict::from_bound(&found.bound, max));
     let facts = DeviationFacts {
@@ -83,7 +83,8 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
 fn measure(
     a: Shape,
     b: Shape,
-    (goal, job): (&Goal, &Job),
+    goal: &Goal,
+    job: &Job,
     certificate: &mut Certificate,
 ) -> Result<DeviationBounds, MeshFailure> {
     let (field, other, turned) = match (a, b) {

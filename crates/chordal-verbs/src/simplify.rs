@@ -58,7 +58,7 @@ pub(crate) fn simplify_scene(
         let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
         let before = std::mem::replace(&mut part.mesh, snapped.mesh);
         let snapped = flatten::scaled_up(snapped.moved_at_most, *stretch);
-        let seen = eye.and_then(|eye| share.pixels_of(&made, (snapped, placed), &eye.view));
+        let seen = eye.and_then(|eye| share.pixels_of(&made, snapped, placed, &eye.view));
         let bound = made.bound.then(&step);
         if part.mesh.faces().len() < before.faces().len() {
             notes.extend(measure_attributes(attributes, [&before, &part.mesh], &bound, job)?);
@@ -103,7 +103,8 @@ impl PartBudget {
     fn pixels_of(
         &self,
         made: &Bounded<SimplifiedMesh>,
-        (snapped, placed): (f64, f64),
+        snapped: f64,
+        placed: f64,
         view: &View,
     ) -> Option<f64> {
         let simplified = made.bound.pixels?;

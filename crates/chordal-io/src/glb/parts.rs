@@ -96,7 +96,7 @@ impl<'m> PartReader<'m> {
             Some(block) => *block,
             None => self.block(draft, primitive, position, pointer)?,
         };
-        let corners = self.corners(primitive, (first, count), pointer)?;
+        let corners = self.corners(primitive, first, count, pointer)?;
         let n = draft.faces.len();
         self.charge(corners.n_triangles() * 12, pointer)?;
         let leftover = triangles(&corners, mode, &mut draft.faces);
@@ -156,7 +156,7 @@ impl<'m> PartReader<'m> {
         let PartDraft { plan, streams, .. } = draft;
         for (planned, values) in plan.streams.iter().zip(streams) {
             let accessor = named.remove(planned.name).flatten();
-            self.stream((planned, values), accessor, (count, &pointer))?;
+            self.stream(planned, values, accessor, count, &pointer)?;
         }
         for name in named.keys() {
             let place = FileLocation::Pointer(format!("{pointer}/{name}"));
@@ -173,9 +173,11 @@ impl<'m> PartReader<'m> {
     /// Reads one attribute of new vertices, or fills it with defaults where they have none.
     fn stream(
         &mut self,
-        (planned, values): (&PlannedAttribute<'_>, &mut Vec<f64>),
+        planned: &PlannedAttribute<'_>,
+        values: &mut Vec<f64>,
         accessor: Option<usize>,
-        (count, pointer): (usize, &str),
+        count: usize,
+        pointer: &str,
     ) -> Result<(), ReadError> {
         let place = || FileLocation::Pointer(format!("{pointer}/{}", planned.name));
         self.charge(count as u64 * planned.width as u64 * 8, pointer)?;
@@ -219,7 +221,8 @@ impl<'m> PartReader<'m> {
     fn corners(
         &mut self,
         primitive: &GltfPrimitive<'_>,
-        (first, count): (usize, usize),
+        first: usize,
+        count: usize,
         pointer: &str,
     ) -> Result<PrimitiveIndices, ReadError> {
         // The count of positions was checked to be below 2³².

@@ -140,7 +140,7 @@ impl<'a> ObjReader<'a> {
         }
         self.n_known += 1;
         if let (b"t", Some(cage)) = (word, &mut self.cage) {
-            return cage.tags.read((line, tokens), &self.counts, &mut self.warnings);
+            return cage.tags.read(line, tokens, &self.counts, &mut self.warnings);
         }
         match word {
             b"v" => self.position(line, tokens),

@@ -38,7 +38,8 @@ impl SubdivTags {
     /// Reads the tag that follows `t` on a line.
     pub(super) fn read(
         &mut self,
-        (line, mut words): (u64, LineTokens),
+        line: u64,
+        mut words: LineTokens,
         counts: &ObjRowCounts,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {

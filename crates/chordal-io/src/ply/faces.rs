@@ -36,7 +36,7 @@ impl PlyFaceReader<'_> {
         let list = corner_list(element, warnings)?;
         let mut corners = Vec::new();
         for row in 0..element.rows {
-            self.row(body, element, (row, list), &mut corners)?;
+            self.row(body, element, row, list, &mut corners)?;
             if let Some(index) = corners.iter().find(|i| **i < 0) {
                 return Err(self.out_of_range(body, element, *index));
             }
@@ -67,7 +67,7 @@ impl PlyFaceReader<'_> {
         let before = self.faces.n_triangles() as u64;
         let (mut indices, mut n_stitches) = (Vec::new(), 0);
         for row in 0..element.rows {
-            self.row(body, element, (row, list), &mut indices)?;
+            self.row(body, element, row, list, &mut indices)?;
             for strip in indices.split(|i| *i == -1) {
                 if let Some(index) = strip.iter().find(|i| **i < 0) {
                     return Err(self.out_of_range(body, element, *index));
@@ -98,7 +98,8 @@ impl PlyFaceReader<'_> {
         &self,
         body: &mut PlyBody,
         element: &PlyElement,
-        (row, list): (u64, usize),
+        row: u64,
+        list: usize,
         into: &mut Vec<i64>,
     ) -> Result<(), ReadError> {
         body.start_row(element, row)?;

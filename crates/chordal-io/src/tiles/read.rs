@@ -243,7 +243,7 @@ impl TilesetReader<'_, '_> {
                 let path = resolved(self::uri::folder(&path), uri, "")?;
                 self.file(&path)
             };
-            let below = subtree::read(&bytes, (rule, at), &mut found, (limits, &mut other));
+            let below = subtree::read(&bytes, rule, at, &mut found, limits, &mut other);
             open.extend(below.map_err(|error| error_in_file(&path, error))?.into_iter().rev());
         }
         Ok(found)

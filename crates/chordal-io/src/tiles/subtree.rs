@@ -106,9 +106,11 @@ pub(super) type SubtreeFileOpener<'f> = dyn FnMut(&str) -> SubtreeResult<Vec<u8>
 /// With the byte or the pointer in this file.
 pub(super) fn read(
     bytes: &[u8],
-    (rule, at): (&ImplicitTilingJson, TileCoordinates),
+    rule: &ImplicitTilingJson,
+    at: TileCoordinates,
     found: &mut ImplicitTiling,
-    (limits, open): (&Limits, &mut SubtreeFileOpener<'_>),
+    limits: &Limits,
+    open: &mut SubtreeFileOpener<'_>,
 ) -> SubtreeResult<Vec<TileCoordinates>> {
     refuse_gzip(bytes)?;
     let (text, binary) = chunks(bytes)?;

@@ -191,7 +191,7 @@ impl<'a> AttributeMesh<'a> {
         // Rows with equal coordinates are one position, whatever the indices are: values at a seam often have
         // rows of their own.
         let ids = Topology::Positions.ids(mesh).unwrap_or_default();
-        let carried = carried.map(|attribute| SeamedAttribute::new(mesh, attribute, (&ids, job)));
+        let carried = carried.map(|attribute| SeamedAttribute::new(mesh, attribute, &ids, job));
         Ok(Self { mesh, bvh, carried: carried.collect::<Result<_, _>>()? })
     }
 }
@@ -211,7 +211,7 @@ struct SeamFaces {
 }
 
 impl<'a> SeamedAttribute<'a> {
-    fn new(mesh: &'a Mesh, attribute: &'a Attribute, (ids, job): (&[u32], &Job)) -> Result<Self, JobError> {
+    fn new(mesh: &'a Mesh, attribute: &'a Attribute, ids: &[u32], job: &Job) -> Result<Self, JobError> {
         let kind = AttributeMetric::from_semantic(&attribute.semantic).unwrap_or(AttributeMetric::Value);
         let mut carried = Self { attribute, kind, seam: None };
         // Compares every corner with the first at its position.

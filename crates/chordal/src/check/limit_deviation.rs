@@ -105,7 +105,7 @@ pub(super) const DEEPEST: usize = 45;
 fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
     let mut open = BinaryHeap::new();
     let mut least = 0.0_f64;
-    push(&mut open, square, (corners, 0), &mut least);
+    push(&mut open, square, corners, 0, &mut least);
     for _ in 0..MOST_PIECES {
         let Some(worst) = open.pop() else { return Ok(0.0) };
         let PriorityItem { bound, item: worst } = worst;
@@ -116,7 +116,7 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
             QuadSubpatchKind::Difference(patch, off) => {
                 for half in patch.halves_u() {
                     for quarter in half.halves_v() {
-                        open.push(difference(quarter, off, (worst.depth + 1, &mut least)));
+                        open.push(difference(quarter, off, worst.depth + 1, &mut least));
                     }
                 }
             }
@@ -127,7 +127,7 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
                 let quarters =
                     [[a, ab, middle, da], [ab, b, bc, middle], [middle, bc, c, cd], [da, middle, cd, d]];
                 for (quarter, corners) in rough.quarters()?.iter().zip(quarters) {
-                    push(&mut open, quarter, (corners, worst.depth + 1), &mut least);
+                    push(&mut open, quarter, corners, worst.depth + 1, &mut least);
                 }
             }
         }
@@ -138,7 +138,8 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
 fn push<'a>(
     open: &mut BinaryHeap<PriorityItem<QuadSubpatch<'a>>>,
     square: &'a QuadPatchTree,
-    (corners, depth): ([DVec3; 4], usize),
+    corners: [DVec3; 4],
+    depth: usize,
     least: &mut f64,
 ) {
     match square {
@@ -160,7 +161,7 @@ fn push<'a>(
                 // The polygon's points are off by a dozen roundings of the largest coordinate.
                 let largest = corners.iter().fold(0.0_f64, |most, c| most.max(c.abs().max_element()));
                 let off = off + 32.0 * f64::EPSILON * largest;
-                open.push(difference(Patch { control }, off, (depth, least)));
+                open.push(difference(Patch { control }, off, depth, least));
             }
         }
         QuadPatchTree::Extraordinary(rough) => {
@@ -185,11 +186,7 @@ fn push<'a>(
     }
 }
 
-fn difference<'a>(
-    patch: Patch,
-    off: f64,
-    (depth, least): (usize, &mut f64),
-) -> PriorityItem<QuadSubpatch<'a>> {
+fn difference<'a>(patch: Patch, off: f64, depth: usize, least: &mut f64) -> PriorityItem<QuadSubpatch<'a>> {
     let long = |at: [f64; 3]| DVec3::from(at).length();
     let control = patch.control.as_flattened();
     let most = control.iter().fold(0.0_f64, |most, at| most.max(long(*at)));

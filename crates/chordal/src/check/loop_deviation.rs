@@ -28,7 +28,7 @@ pub(super) fn parametric_distance(
 ) -> Result<f64, InvalidCage> {
     let mut open = BinaryHeap::new();
     let mut least = 0.0_f64;
-    push(&mut open, triangle, (corners, 0), &mut least);
+    push(&mut open, triangle, corners, 0, &mut least);
     for _ in 0..MOST_PIECES {
         let Some(worst) = open.pop() else { return Ok(0.0) };
         let PriorityItem { bound, item: worst } = worst;
@@ -39,13 +39,13 @@ pub(super) fn parametric_distance(
         match worst.piece {
             LoopSubpatchKind::Difference(quartic) => {
                 for quarter in quartic.quarters() {
-                    open.push(difference(quarter, worst.off, (depth, &mut least)));
+                    open.push(difference(quarter, worst.off, depth, &mut least));
                 }
             }
             LoopSubpatchKind::Extraordinary(rough, [a, b, c]) => {
                 let at = |[u, v]: [f64; 2]| a + u * (b - a) + v * (c - a);
                 for (quarter, places) in rough.quarters()?.iter().zip(QUARTERS) {
-                    push(&mut open, quarter, (places.map(at), depth), &mut least);
+                    push(&mut open, quarter, places.map(at), depth, &mut least);
                 }
             }
         }
@@ -56,7 +56,8 @@ pub(super) fn parametric_distance(
 fn push<'a>(
     open: &mut BinaryHeap<PriorityItem<LoopSubpatch<'a>>>,
     triangle: &'a TrianglePatchTree,
-    (corners, depth): ([DVec3; 3], usize),
+    corners: [DVec3; 3],
+    depth: usize,
     least: &mut f64,
 ) {
     // The triangle's points are off by a dozen roundings of the largest coordinate.
@@ -74,7 +75,7 @@ fn push<'a>(
                     place += 1;
                 }
             }
-            open.push(difference(quartic, polynomial.off + rounding, (depth, least)));
+            open.push(difference(quartic, polynomial.off + rounding, depth, least));
         }
         TrianglePatchTree::Extraordinary(rough) => {
             let far = |point: &[f64; 3]| {
@@ -100,7 +101,8 @@ fn push<'a>(
 fn difference<'a>(
     quartic: Quartic,
     off: f64,
-    (depth, least): (usize, &mut f64),
+    depth: usize,
+    least: &mut f64,
 ) -> PriorityItem<LoopSubpatch<'a>> {
     let long = |at: &[f64; 3]| DVec3::from(*at).length();
     let most = quartic.control.iter().fold(0.0_f64, |most, at| most.max(long(at)));

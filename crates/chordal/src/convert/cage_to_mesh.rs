@@ -288,7 +288,8 @@ impl PatchSurface for CageSheets<'_> {
     fn subpatches(
         &self,
         sheet: usize,
-        (allowance, strain): (&Allowance, f64),
+        allowance: &Allowance,
+        strain: f64,
     ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
         let mut grounds = Vec::new();
         let halved = self.is_halved(sheet);
@@ -310,7 +311,7 @@ impl PatchSurface for CageSheets<'_> {
                 QuadPatchTree::Extraordinary(rough) => {
                     let place = Box3::from_points(rough.ring().hull());
                     let is_split = depth == 0 && (halved[0] || halved[1]);
-                    let tolerance = plan::tolerance(place, (allowance, rough.rounding_error()));
+                    let tolerance = plan::tolerance(place, allowance, rough.rounding_error());
                     let is_last = depth == DEEPEST;
                     let is_flat = match tolerance {
                         Ok(tolerance) => !is_split && extraordinary_tile::is_flat(rough, tolerance / strain),

@@ -200,8 +200,8 @@ fn upsampled_mesh(
             "values of the interpolant between samples are taken as rounded to f64".into(),
         ])
     };
-    let mesh = with_normals(Mesh::by_construction(positions, faces), finer, affine, (rule, &plan, job));
-    Ok(Bounded { shape: mesh, bound: bound(farthest, evidence, (affine, rule), finer.size()) })
+    let mesh = with_normals(Mesh::by_construction(positions, faces), finer, affine, rule, &plan, job);
+    Ok(Bounded { shape: mesh, bound: bound(farthest, evidence, affine, rule, finer.size()) })
 }
 
 /// The largest size of a sample, and the bits of integer samples.
@@ -306,15 +306,17 @@ pub(super) fn mesh_isosurface<S: SampleSource>(
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    let mesh = with_normals(Mesh::by_construction(positions, faces), source, affine, (rule, &plan, job));
-    Ok(Bounded { shape: mesh, bound: bound(farthest, Evidence::Proved, (affine, rule), source.size()) })
+    let mesh = with_normals(Mesh::by_construction(positions, faces), source, affine, rule, &plan, job);
+    Ok(Bounded { shape: mesh, bound: bound(farthest, Evidence::Proved, affine, rule, source.size()) })
 }
 
 fn with_normals<S: SampleSource>(
     mesh: Mesh,
     source: &S,
     affine: &Affine3,
-    (rule, plan, job): (&Polygonize, &MarchingPlan, &Job),
+    rule: &Polygonize,
+    plan: &MarchingPlan,
+    job: &Job,
 ) -> Mesh {
     if rule.normals == Normals::None {
         return mesh;
@@ -327,7 +329,8 @@ fn with_normals<S: SampleSource>(
 pub(super) fn bound(
     farthest: IsosurfaceDistance,
     evidence: Evidence,
-    (affine, rule): (&Affine3, &Polygonize),
+    affine: &Affine3,
+    rule: &Polygonize,
     size: [usize; 3],
 ) -> Bound {
     let most = add_up(farthest.most, vertex_displacement(affine, rule, size));

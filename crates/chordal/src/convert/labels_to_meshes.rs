@@ -75,7 +75,7 @@ pub fn labels_to_meshes(
     let diagonal =
         IsosurfaceDistance { most: diagonal(grid.affine()), at: [0; 3], least: 0.0, witness: None };
     let of = |mesh: Mesh| {
-        let mut bound = bound(diagonal, Evidence::Proved, (grid.affine(), &shape), grid.size());
+        let mut bound = bound(diagonal, Evidence::Proved, grid.affine(), &shape, grid.size());
         bound.at = None;
         Bounded { shape: mesh, bound }
     };

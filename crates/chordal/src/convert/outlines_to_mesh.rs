@@ -244,7 +244,7 @@ impl ClosedOutlines {
             let (own, others) = rest.split_at(*n);
             rest = others;
             let filled = fill_outline(own, *rule, grid, job).map_err(|stop| fill_failure(stop, index))?;
-            append(&filled, grid, (&mut positions, &mut faces))?;
+            append(&filled, grid, &mut positions, &mut faces)?;
             job.report(Progress { stage: "fill", done: index as u64 + 1, total });
         }
         let mesh = Mesh::new(positions, faces)
@@ -315,7 +315,8 @@ fn fill_failure(fault: OutlineFillError, index: usize) -> Failure<Mesh> {
 fn append(
     filled: &FillTriangles,
     grid: &SnapGrid,
-    (positions, faces): (&mut Vec<[f64; 3]>, &mut Vec<[u32; 3]>),
+    positions: &mut Vec<[f64; 3]>,
+    faces: &mut Vec<[u32; 3]>,
 ) -> Result<(), Failure<Mesh>> {
     const NONE: u32 = u32::MAX;
     let mut number = vec![NONE; filled.points.len()];

@@ -160,7 +160,7 @@ impl<N: BlockScalar> BlockInterpreter<N> {
             Opcode::Unary(op) => unary::<N>(op, n, spare, a, claims),
             Opcode::Binary(op) => {
                 let b = find::<N>(inputs, registers, step.b);
-                binary::<N, _, _>(op, n, spare, claims, (BlockValues::<N>(a), BlockValues::<N>(b)));
+                binary::<N, _, _>(op, n, spare, claims, BlockValues::<N>(a), BlockValues::<N>(b));
             }
             Opcode::Vector2(op) => {
                 vector::<N, 2>(op, n, spare, claims, [a, find::<N>(inputs, registers, step.b)]);
@@ -171,17 +171,17 @@ impl<N: BlockScalar> BlockInterpreter<N> {
             }
             Opcode::WithConst(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
-                binary::<N, _, _>(op, n, spare, claims, (BlockValues::<N>(a), BlockValues::<N>(number)));
+                binary::<N, _, _>(op, n, spare, claims, BlockValues::<N>(a), BlockValues::<N>(number));
             }
             Opcode::ConstWith(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
-                binary::<N, _, _>(op, n, spare, claims, (BlockValues::<N>(number), BlockValues::<N>(a)));
+                binary::<N, _, _>(op, n, spare, claims, BlockValues::<N>(number), BlockValues::<N>(a));
             }
             Opcode::WithConst(op) => {
-                binary::<N, _, _>(op, n, spare, claims, (BlockValues::<N>(a), Broadcast(constant)))
+                binary::<N, _, _>(op, n, spare, claims, BlockValues::<N>(a), Broadcast(constant))
             }
             Opcode::ConstWith(op) => {
-                binary::<N, _, _>(op, n, spare, claims, (Broadcast(constant), BlockValues::<N>(a)))
+                binary::<N, _, _>(op, n, spare, claims, Broadcast(constant), BlockValues::<N>(a))
             }
         }
         std::mem::swap(spare, &mut registers[step.out as usize]);
@@ -290,7 +290,8 @@ fn binary<N: BlockScalar, A: BlockOperand<N>, B: BlockOperand<N>>(
     n: usize,
     out: &mut N::Block,
     claims: &mut Decorations,
-    (a, b): (A, B),
+    a: A,
+    b: B,
 ) {
     macro_rules! each {
         ($($name:ident)*) => {

@@ -42,8 +42,8 @@ impl<'a> GltfLint<'a> {
         let normalized = self.flag(map, "normalized");
         let (mut min, mut max) = (None, None);
         if let (Some(kind), Some(component)) = (kind, component) {
-            min = self.bounds(map, "min", (kind, component));
-            max = self.bounds(map, "max", (kind, component));
+            min = self.bounds(map, "min", kind, component);
+            max = self.bounds(map, "max", kind, component);
         }
         let sparse = self.object(map, "sparse", false);
         let sparse =
@@ -73,7 +73,8 @@ impl<'a> GltfLint<'a> {
         &mut self,
         map: &'a JsonValue,
         key: &'a str,
-        (kind, component): (AccessorType, ComponentType),
+        kind: AccessorType,
+        component: ComponentType,
     ) -> Option<Box<[f64]>> {
         let length = kind.n_components();
         if component == ComponentType::F32 {

@@ -184,7 +184,7 @@ impl FaceComparison<'_> {
         for face in faces {
             let corners = self.own.mesh().faces()[*face as usize].map(|row| self.vertices.corner(row));
             let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
-            match classify(piece, self.other, (terms, ViolationSearch::Farthest, near), &mut scratch) {
+            match classify(piece, self.other, terms, ViolationSearch::Farthest, near, &mut scratch) {
                 SubtriangleVerdict::Within { up, pixels } => {
                     found.at_most = greater(found.at_most, up);
                     found.pixels = greater(found.pixels, pixels);
@@ -241,7 +241,9 @@ impl WorstViolation {
 fn classify(
     piece: MeshSubtriangle,
     other: &DistanceSurface,
-    (terms, find, near): (CoverLimits, ViolationSearch, &impl ToleranceField),
+    terms: CoverLimits,
+    find: ViolationSearch,
+    near: &impl ToleranceField,
     scratch: &mut CoverScratch,
 ) -> SubtriangleVerdict {
     let mut worst = WorstViolation::default();
@@ -341,7 +343,7 @@ impl<'a> ProximityChecker<'a> {
         let terms = CoverLimits { tolerance: 0.0, most_faces: FEW_FACES, reach };
         let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
         let look =
-            classify(piece, &self.side, (terms, ViolationSearch::Any, near), &mut self.scratch.borrow_mut());
+            classify(piece, &self.side, terms, ViolationSearch::Any, near, &mut self.scratch.borrow_mut());
         matches!(look, SubtriangleVerdict::Within { .. })
     }
 }

@@ -211,7 +211,7 @@ fn classify_uncached(
         if split.len() > PIECES_A_FACE * question.faces.len() + MOST_PIECES {
             abandon_most_split(&pieces, &mut split, &mut found);
         }
-        (pieces, values) = halves(regions, evaluator, (&pieces, &values), &split)?;
+        (pieces, values) = halves(regions, evaluator, &pieces, &values, &split)?;
     }
     regions.trees.truncate(n_kept);
     Ok(found)
@@ -281,7 +281,8 @@ fn initial_triangles(
 fn halves(
     regions: &SignRegions,
     evaluator: &mut PrimitiveEvaluator,
-    (pieces, values): (&[SignTriangle], &[CornerValues]),
+    pieces: &[SignTriangle],
+    values: &[CornerValues],
     split: &[TriangleSplit],
 ) -> Result<(Vec<SignTriangle>, Vec<CornerValues>), LeafError> {
     let mut questions = Vec::new();

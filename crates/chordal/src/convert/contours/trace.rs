@@ -69,7 +69,7 @@ impl ContourLattice {
     }
 
     /// The number of the edge along an axis from a point of the lattice.
-    fn edge(&self, (axis, [i, j]): (usize, [u32; 2])) -> u64 {
+    fn edge(&self, axis: usize, [i, j]: [u32; 2]) -> u64 {
         2 * (u64::from(i) + (u64::from(self.blocks[0] * BLOCK) + 1) * u64::from(j)) + axis as u64
     }
 }
@@ -218,7 +218,7 @@ fn sample_block(
         let at_border = (0..2).any(|k| at[k] == 0 || at[k] == last[k]);
         !at_border && values[i as usize + POINTS * j as usize] < 0.0
     };
-    let number = |(axis, [i, j]): (usize, [u32; 2])| lattice.edge((axis, [first[0] + i, first[1] + j]));
+    let number = |(axis, [i, j]): (usize, [u32; 2])| lattice.edge(axis, [first[0] + i, first[1] + j]);
     let (mut edges, mut links) = (Vec::new(), Vec::new());
     for j in 0..BLOCK {
         for i in 0..BLOCK {

@@ -16,7 +16,7 @@ pub(crate) fn parameters(loss: impl Fn(f64, f64) -> f64, sure: f64, tolerance: f
     let mut a = 0.0;
     let mut step = 1.0;
     while a < 1.0 {
-        let b = farthest(&loss, (a, step), sure, tolerance);
+        let b = farthest(&loss, a, step, sure, tolerance);
         step = b - a;
         a = b;
         places.push(b);
@@ -25,7 +25,7 @@ pub(crate) fn parameters(loss: impl Fn(f64, f64) -> f64, sure: f64, tolerance: f
 }
 
 /// The farthest end of a chord from `a`, searched about a step away.
-fn farthest(loss: &impl Fn(f64, f64) -> f64, (a, step): (f64, f64), sure: f64, tolerance: f64) -> f64 {
+fn farthest(loss: &impl Fn(f64, f64) -> f64, a: f64, step: f64, sure: f64, tolerance: f64) -> f64 {
     if loss(a, 1.0) <= tolerance {
         return 1.0;
     }

@@ -76,14 +76,14 @@ impl<'a> PatchMesher<'a> {
         let over = |one: &(dyn Fn(&Subpatch<'_>) -> Result<f64, InfeasibleTolerance> + Sync)| {
             total(par_map(self.job, &numbers, |_, &sheet| {
                 self.sheets
-                    .subpatches(sheet, (allowance, 1.0))?
+                    .subpatches(sheet, allowance, 1.0)?
                     .iter()
                     .try_fold(0.0, |sum, ground| Ok(sum + one(ground)?))
             }))
         };
         let rough = over(&|ground| {
             let SubpatchShape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
-            let tolerance = plan::tolerance(patch.bounds(), (allowance, ground.rounding_error()))?;
+            let tolerance = plan::tolerance(patch.bounds(), allowance, ground.rounding_error())?;
             Ok(2.0 * CellEstimator::new(patch).estimate(tolerance).cells)
         })?;
         if rough < enough {
@@ -129,7 +129,7 @@ impl<'a> PatchMesher<'a> {
             if self.job.is_cancelled() {
                 return Ok((Vec::new(), Vec::new()));
             }
-            let grounds = self.sheets.subpatches(sheet, (allowance, strains[sheet]))?;
+            let grounds = self.sheets.subpatches(sheet, allowance, strains[sheet])?;
             let mut tiles = Vec::new();
             for (index, ground) in grounds.iter().enumerate() {
                 let begin = tiles.len();
@@ -357,7 +357,7 @@ impl<'a> PatchMesher<'a> {
         let CertifiedTiles { subpatches: grounds, tiles, seams } = proved;
         let most = tiles.iter().fold(0.0, |most, (_, done)| greater(done.bound, most));
         let mesh = assemble::assemble(grounds, &self.adjacency, seams, tiles);
-        let mesh = texcoords::with_texcoords(mesh, self.sheets, (grounds, seams, tiles), self.job);
+        let mesh = texcoords::with_texcoords(mesh, self.sheets, grounds, seams, tiles, self.job);
         let (least, at) = measure_lower_bound(grounds, tiles, &mesh);
         let least = lesser(least, most);
         let mut bound = Bound::proved(least, most, self.sheets.reference());

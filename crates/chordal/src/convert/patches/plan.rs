@@ -141,7 +141,8 @@ pub(crate) fn split_tile(tile: &PatchTile) -> Vec<PatchTile> {
 /// The allowed length of a part, less rounding.
 pub(crate) fn tolerance(
     place: Box3,
-    (allowance, rounding): (&Allowance, f64),
+    allowance: &Allowance,
+    rounding: f64,
 ) -> Result<f64, InfeasibleTolerance> {
     // Rounded down, so that tolerance and rounding together never exceed the allowed length.
     let tolerance = sub_down(allowance.at(&place).ok_or(InfeasibleTolerance::TooClose(place))?, rounding);
@@ -159,18 +160,18 @@ pub(crate) fn split_into_tiles(
     allowance: &Allowance,
 ) -> Result<Vec<PatchTile>, InfeasibleTolerance> {
     let mut tiles = Vec::new();
-    let context = (allowance, ground.rounding_error());
+    let rounding = ground.rounding_error();
     let patch = match &ground.shape {
         SubpatchShape::Bezier(patch) => **patch,
         SubpatchShape::Extraordinary(rough) => {
-            let tolerance = tolerance(Box3::from_points(rough.ring().hull()), context)?;
+            let tolerance = tolerance(Box3::from_points(rough.ring().hull()), allowance, rounding)?;
             return Ok(vec![PatchTile::single_cell(ground, tolerance)]);
         }
     };
-    let mut open = vec![TileCandidate::new(patch, ground.u, ground.v, context)?];
+    let mut open = vec![TileCandidate::new(patch, ground.u, ground.v, allowance, rounding)?];
     while let Some(rectangle) = open.pop() {
         if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
-            let halves = rectangle.halve(half, context)?;
+            let halves = rectangle.halve(half, allowance, rounding)?;
             // Estimates that are noise need not fall; then halving would go on to the narrowest tiles
             // everywhere.
             if halves[0].estimate.cells + halves[1].estimate.cells < 1.2 * rectangle.estimate.cells {
@@ -186,14 +187,14 @@ pub(crate) fn split_into_tiles(
 /// About how many triangles a subpatch needs, without building tiles: rectangles are halved only while that
 /// pays.
 pub(crate) fn estimate(ground: &Subpatch<'_>, allowance: &Allowance) -> Result<f64, InfeasibleTolerance> {
-    let context = (allowance, ground.rounding_error());
+    let rounding = ground.rounding_error();
     let SubpatchShape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
-    let mut open = vec![TileCandidate::new(**patch, ground.u, ground.v, context)?];
+    let mut open = vec![TileCandidate::new(**patch, ground.u, ground.v, allowance, rounding)?];
     let (mut cells, mut looked_at) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
         looked_at += 1;
         match rectangle.better_half().filter(|_| looked_at < MOST_LOOKS) {
-            Some(half) => open.extend(rectangle.halve(half, context)?),
+            Some(half) => open.extend(rectangle.halve(half, allowance, rounding)?),
             None => cells += rectangle.estimate.cells,
         }
     }
@@ -225,9 +226,10 @@ impl TileCandidate {
         part: Patch,
         u: [f64; 2],
         v: [f64; 2],
-        context: (&Allowance, f64),
+        allowance: &Allowance,
+        rounding: f64,
     ) -> Result<Self, InfeasibleTolerance> {
-        let tolerance = tolerance(part.bounds(), context)?;
+        let tolerance = tolerance(part.bounds(), allowance, rounding)?;
         let probe = CellEstimator::new(&part);
         let need = probe.estimate(tolerance);
         Ok(Self { part, u, v, tolerance, estimator: probe, estimate: need })
@@ -257,18 +259,25 @@ impl TileCandidate {
     fn halve(
         &self,
         half: ParameterAxis,
-        context: (&Allowance, f64),
+        allowance: &Allowance,
+        rounding: f64,
     ) -> Result<[Self; 2], InfeasibleTolerance> {
         let middle = |[a, b]: [f64; 2]| 0.5 * (a + b);
         let (u, v) = (self.u, self.v);
         if half == ParameterAxis::U {
             let [left, right] = self.part.halves_u();
             let cut = middle(u);
-            Ok([Self::new(right, [cut, u[1]], v, context)?, Self::new(left, [u[0], cut], v, context)?])
+            Ok([
+                Self::new(right, [cut, u[1]], v, allowance, rounding)?,
+                Self::new(left, [u[0], cut], v, allowance, rounding)?,
+            ])
         } else {
             let [low, high] = self.part.halves_v();
             let cut = middle(v);
-            Ok([Self::new(high, u, [cut, v[1]], context)?, Self::new(low, u, [v[0], cut], context)?])
+            Ok([
+                Self::new(high, u, [cut, v[1]], allowance, rounding)?,
+                Self::new(low, u, [v[0], cut], allowance, rounding)?,
+            ])
         }
     }
 

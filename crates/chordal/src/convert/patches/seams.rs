@@ -66,7 +66,7 @@ impl TileSeams {
     pub(crate) fn new(quilt: &PatchAdjacency, tiles: &[PatchTile]) -> Self {
         let mut entries: Vec<TileSide> = Vec::with_capacity(4 * tiles.len());
         for (index, tile) in tiles.iter().enumerate() {
-            entries.extend(PatchSide::ALL.map(|side| TileSide::new(quilt, tile, (index as u32, side))));
+            entries.extend(PatchSide::ALL.map(|side| TileSide::new(quilt, tile, index as u32, side)));
         }
         entries.sort_by(|a, b| a.line.cmp(&b.line).then(a.span[0].total_cmp(&b.span[0])));
         let mut seams = Self {
@@ -284,7 +284,7 @@ fn breakpoints(run: &[TileSide]) -> Vec<f64> {
 }
 
 impl TileSide {
-    fn new(quilt: &PatchAdjacency, tile: &PatchTile, (index, side): (u32, PatchSide)) -> Self {
+    fn new(quilt: &PatchAdjacency, tile: &PatchTile, index: u32, side: PatchSide) -> Self {
         let (at, span) = match side {
             PatchSide::Bottom => (tile.v[0], tile.u),
             PatchSide::Top => (tile.v[1], tile.u),

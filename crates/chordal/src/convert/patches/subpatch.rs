@@ -17,7 +17,8 @@ pub(crate) trait PatchSurface: Sync {
     fn subpatches(
         &self,
         sheet: usize,
-        need: (&Allowance, f64),
+        allowance: &Allowance,
+        strain: f64,
     ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance>;
 
     /// Which sides are the same curve.
@@ -113,7 +114,8 @@ impl PatchSurface for BezierPatches<'_> {
     fn subpatches(
         &self,
         sheet: usize,
-        _: (&Allowance, f64),
+        _allowance: &Allowance,
+        _strain: f64,
     ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
         let (u, v) = ([0.0, 1.0], [0.0, 1.0]);
         Ok(vec![Subpatch {

@@ -41,7 +41,9 @@ pub(crate) fn at(sheet: Option<&LimitSheet>, [u, v]: [f64; 2]) -> [f64; 2] {
 pub(crate) fn with_texcoords(
     mesh: Mesh,
     sheets: &dyn PatchSurface,
-    (grounds, seams, tiles): (&[Subpatch<'_>], &TileSeams, &[(PatchTile, PatchTileMesh)]),
+    grounds: &[Subpatch<'_>],
+    seams: &TileSeams,
+    tiles: &[(PatchTile, PatchTileMesh)],
     job: &Job,
 ) -> Mesh {
     if !sheets.has_texcoords() {

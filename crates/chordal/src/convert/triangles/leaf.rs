@@ -98,7 +98,7 @@ impl LoopLeaf {
                 let mut found =
                     LeafBound { bound: bend.bound + lost, is_met: false, sides: bend.sides, place };
                 let tolerance =
-                    tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
+                    tolerance(place, allowance, lost).map_err(|obstacle| Box::new((obstacle, found)))?;
                 found.is_met = bend.bound <= tolerance;
                 if !found.is_met && bend.bound <= WORTH_A_LOOK * tolerance {
                     let flat = FlatTriangle::new(corners, tolerance);
@@ -113,7 +113,7 @@ impl LoopLeaf {
                 let reach = place.diagonal();
                 let mut found = LeafBound { bound: reach + lost, is_met: false, sides: [1.0; 3], place };
                 let tolerance =
-                    tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
+                    tolerance(place, allowance, lost).map_err(|obstacle| Box::new((obstacle, found)))?;
                 // The hull contains the surface and its vertices.
                 found.is_met = reach <= tolerance;
                 if !found.is_met {

@@ -126,7 +126,7 @@ impl Refinement {
         sharp: &CageSharpness,
     ) -> Self {
         if cage.scheme == Scheme::Loop {
-            return Self::for_triangles(cage, rounds, (edges, around), sharp);
+            return Self::for_triangles(cage, rounds, edges, around, sharp);
         }
         if rounds == 1 {
             let mut result = cage.next_topology(&edges, &around, sharp);
@@ -141,7 +141,7 @@ impl Refinement {
         let tags = cage.next_tags(&edges, &around, sharp);
         let mut of_edges: Vec<(u32, f64)> = Vec::new();
         for (e, halves) in quads.halves.iter().enumerate().filter(|(e, _)| sharp.edges[*e] > 0.0) {
-            let left = edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, (e, v as usize)));
+            let left = edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, e, v as usize));
             of_edges.extend(halves.iter().copied().zip(left).filter(|(_, left)| *left > 0.0));
         }
         let listed: Vec<u32> = cage.creases.iter().filter_map(|([a, b], _)| edges.between(*a, *b)).collect();
@@ -160,7 +160,8 @@ impl Refinement {
     fn for_triangles(
         cage: &Cage,
         rounds: u32,
-        (edges, around): (CageEdges, VertexIncidence),
+        edges: CageEdges,
+        around: VertexIncidence,
         sharp: &CageSharpness,
     ) -> Self {
         let tags = cage.next_tags(&edges, &around, sharp);

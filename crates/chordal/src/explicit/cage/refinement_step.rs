@@ -126,7 +126,8 @@ impl CageSharpness {
         &self,
         creasing: CreasingMethod,
         around: &VertexIncidence,
-        (edge, vertex): (usize, usize),
+        edge: usize,
+        vertex: usize,
     ) -> f64 {
         let of = around.edges(vertex).iter().map(|e| self.edges[*e as usize]);
         subdivide_sharpness(creasing, self.edges[edge], of)
@@ -148,7 +149,7 @@ fn is_corner(cage: &Cage, edges: &CageEdges, around: &VertexIncidence, vertex: u
 }
 
 /// Whether a face has no surface.
-pub(super) fn is_hole(cage: &Cage, (edges, around): (&CageEdges, &VertexIncidence), face: usize) -> bool {
+pub(super) fn is_hole(cage: &Cage, edges: &CageEdges, around: &VertexIncidence, face: usize) -> bool {
     let on_border = |v: &u32| around.edges(*v as usize).iter().any(|e| edges.faces(*e as usize).len() == 1);
     let border = cage.boundary == Boundary::None && cage.face(face).iter().any(on_border);
     border || cage.holes.binary_search(&(face as u32)).is_ok()
@@ -303,7 +304,7 @@ impl RefinementStep<'_> {
         let mut first = 0;
         for (f, of) in self.cage.faces().enumerate() {
             let n = if self.cage.scheme == Scheme::Loop { 4 } else { of.len() as u32 };
-            if is_hole(self.cage, (self.edges, self.incidence), f) {
+            if is_hole(self.cage, self.edges, self.incidence, f) {
                 holes.extend(first..first + n);
             }
             first += n;

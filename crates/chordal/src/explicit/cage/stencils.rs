@@ -93,7 +93,7 @@ impl RefinementStencils {
         let mut creased = Vec::new();
         for e in 0..edges.ends.len() {
             if sharp.edges[e] > 0.0 || is_bilinear {
-                let halves = edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, (e, v as usize)));
+                let halves = edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, e, v as usize));
                 creased
                     .push((e as u32, if is_bilinear { 1.0 } else { crease_weight(sharp.edges[e], halves) }));
             }

@@ -191,7 +191,7 @@ impl Chart {
         let position = |(row, _): &(u32, u32)| {
             texcoords.values.get(*row as usize).map_or([0.0; 3], |[u, v]| [*u, *v, 0.0])
         };
-        let is_hole = |face: &u32| is_hole(cage, (edges, around), *face as usize);
+        let is_hole = |face: &u32| is_hole(cage, edges, around, *face as usize);
         let mut flat = Cage {
             positions: vertices.iter().map(position).collect(),
             sizes: cage.sizes.clone(),

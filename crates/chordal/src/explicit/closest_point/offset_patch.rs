@@ -92,7 +92,7 @@ const MOST_STEPS: u32 = 12;
 
 impl OffsetPatch {
     /// A piece from control points in the same coordinates as the query, `about`.
-    pub fn new(control: &[[[f64; 3]; 4]; 4], about: DVec3, (off, place): (f64, SheetRectangle)) -> Self {
+    pub fn new(control: &[[[f64; 3]; 4]; 4], about: DVec3, off: f64, place: SheetRectangle) -> Self {
         let control = control.map(|row| row.map(|point| DVec3::from(point) - about));
         Self::from_control(control, off, place)
     }

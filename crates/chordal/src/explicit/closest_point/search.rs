@@ -91,7 +91,7 @@ impl<'t> SurfaceSearch<'t> {
                     self.bound_patch(piece, down);
                     1
                 }
-                SurfaceCandidate::Extraordinary(rough, place) => self.divide(rough, (place, down)),
+                SurfaceCandidate::Extraordinary(rough, place) => self.divide(rough, place, down),
             };
         }
         // Everything else is farther.
@@ -113,7 +113,7 @@ impl<'t> SurfaceSearch<'t> {
             }
             BoxTreeNode::Leaf(item) => match &self.tree.items[item] {
                 SurfaceItem::Patch { control, off, place } => {
-                    self.patches.push(OffsetPatch::new(control, self.about, (*off, *place)));
+                    self.patches.push(OffsetPatch::new(control, self.about, *off, *place));
                     self.push(down, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
                 }
                 SurfaceItem::Sheet(sheet) => {
@@ -156,7 +156,7 @@ impl<'t> SurfaceSearch<'t> {
     }
 
     /// Pushes the quarters of a square. Returns the number of pieces that this counts as.
-    fn divide(&mut self, rough: &'t ExtraordinaryQuad, (place, down): (SheetRectangle, f64)) -> usize {
+    fn divide(&mut self, rough: &'t ExtraordinaryQuad, place: SheetRectangle, down: f64) -> usize {
         let Ok(quarters) = rough.quarters() else {
             self.push(down, SurfaceCandidate::Settled);
             return 1;
@@ -179,7 +179,7 @@ impl<'t> SurfaceSearch<'t> {
                     let inner = |[from, to]: [f64; 2], part: [f64; 2]| part.map(|x| from + (to - from) * x);
                     let place =
                         SheetRectangle { u: inner(place.u, piece.u), v: inner(place.v, piece.v), ..place };
-                    let piece = OffsetPatch::new(&control, self.about, (off, place));
+                    let piece = OffsetPatch::new(&control, self.about, off, place);
                     let known = greater(down, piece.plane_bound(piece.middle()));
                     self.patches.push(piece);
                     self.push(known, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));

@@ -62,14 +62,14 @@ pub fn with_normals(mesh: &Mesh, topology: Topology, shading: Shading) -> Result
         Shading::Flat => {
             let normals =
                 (0..mesh.faces().len()).flat_map(|f| face_normal(mesh.corners(f)).unwrap_or_default());
-            rebuilt(mesh, &SplitVertices::unsplit(mesh), (Domain::Face, normals.collect()))
+            rebuilt(mesh, &SplitVertices::unsplit(mesh), Domain::Face, normals.collect())
         }
         Shading::Smooth(weight) => {
             let normals = match (topology, mesh.position_id()) {
                 (Topology::Positions, _) => smooth_over(mesh, topology.ids(mesh).as_deref(), weight),
                 (Topology::Indices, _) => smooth_normals(mesh, weight),
             };
-            rebuilt(mesh, &SplitVertices::unsplit(mesh), (Domain::Vertex, normals.into_flattened()))
+            rebuilt(mesh, &SplitVertices::unsplit(mesh), Domain::Vertex, normals.into_flattened())
         }
         Shading::Crease { angle_rad, weight } => {
             let normals: Vec<[f64; 3]> =
@@ -159,7 +159,7 @@ fn creased(
         }
         normals.extend(normal);
     }
-    rebuilt(mesh, &rows, (Domain::Vertex, normals))
+    rebuilt(mesh, &rows, Domain::Vertex, normals)
 }
 
 /// The fan of a row that no face uses.
@@ -212,15 +212,11 @@ impl SplitVertices {
 /// # Errors
 /// [`InvalidMesh`] when their number differs from that of the vertices, or one is not finite.
 pub(crate) fn with_vertex_normals(mesh: &Mesh, normals: Vec<[f64; 3]>) -> Result<Mesh, InvalidMesh> {
-    rebuilt(mesh, &SplitVertices::unsplit(mesh), (Domain::Vertex, normals.into_flattened()))
+    rebuilt(mesh, &SplitVertices::unsplit(mesh), Domain::Vertex, normals.into_flattened())
 }
 
 /// The mesh over these rows, with these normals instead of its normals and tangents.
-fn rebuilt(
-    mesh: &Mesh,
-    rows: &SplitVertices,
-    (domain, values): (Domain, Vec<f64>),
-) -> Result<Mesh, InvalidMesh> {
+fn rebuilt(mesh: &Mesh, rows: &SplitVertices, domain: Domain, values: Vec<f64>) -> Result<Mesh, InvalidMesh> {
     let has_copies = rows.source.len() > mesh.positions().len();
     let positions = rows.source.iter().map(|&row| mesh.positions()[row as usize]).collect();
     let mut made = Mesh::new(positions, rows.faces.clone())?;

@@ -274,7 +274,7 @@ impl FieldOctree {
             let mut next = Vec::new();
             for (chunk, found) in chunks.iter().zip(found) {
                 for (one, found) in chunk.iter().zip(found?) {
-                    self.insert(one, found, (level == LAST || many, &mut next));
+                    self.insert(one, found, level == LAST || many, &mut next);
                 }
             }
             open = next;
@@ -320,12 +320,7 @@ impl FieldOctree {
         Ok(found)
     }
 
-    fn insert(
-        &mut self,
-        one: &PendingOctant,
-        found: OctantClass,
-        (last, next): (bool, &mut Vec<PendingOctant>),
-    ) {
+    fn insert(&mut self, one: &PendingOctant, found: OctantClass, last: bool, next: &mut Vec<PendingOctant>) {
         let tape = match found.tape {
             Some(tape) => {
                 self.tapes.push(tape);

@@ -71,7 +71,7 @@ pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
 /// was possible: not where edges meet elsewhere than at corners that they share.
 pub(super) fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (Vec<ContourEdge>, bool) {
     let (nodes, order) = tree(&edges);
-    let all = Contours::from_parts((edges.clone(), nodes, order), fill);
+    let all = Contours::from_parts(edges.clone(), nodes, order, fill);
     if !is_simple(&all) {
         return (edges, false);
     }
@@ -191,7 +191,9 @@ pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contou
 impl Contours {
     /// Contours for winding numbers only.
     fn from_parts(
-        (edges, nodes, order): (Vec<ContourEdge>, Vec<ContourBvhNode>, Vec<u32>),
+        edges: Vec<ContourEdge>,
+        nodes: Vec<ContourBvhNode>,
+        order: Vec<u32>,
         fill: ContourFill,
     ) -> Self {
         Self { edges, nodes, order, largest: 0.0, fill, distance: Distance::BOUND, bounds: [[0.0; 2]; 2] }

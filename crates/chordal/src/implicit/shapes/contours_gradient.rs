@@ -39,7 +39,7 @@ impl Contours {
             if (dx * dx + dy * dy).sqrt() > reach {
                 return;
             }
-            for part in self.slopes(edge, &flat, (middle, radius)) {
+            for part in self.slopes(edge, &flat, middle, radius) {
                 let joined = hull.map_or(part, |all| [all[0].hull(part[0]), all[1].hull(part[1])]);
                 hull = Some(joined);
             }
@@ -49,12 +49,7 @@ impl Contours {
     }
 
     /// The gradients at points around `middle` that have their nearest point on an edge.
-    fn slopes(
-        &self,
-        edge: &ContourEdge,
-        flat: &Box3,
-        (middle, radius): ([f64; 2], f64),
-    ) -> Vec<[Interval; 2]> {
+    fn slopes(&self, edge: &ContourEdge, flat: &Box3, middle: [f64; 2], radius: f64) -> Vec<[Interval; 2]> {
         let along = [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]];
         let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
         let from = [middle[0] - edge.a[0], middle[1] - edge.a[1]];

@@ -181,13 +181,13 @@ impl PolygonChain<'_> {
             dot_sign(up.map(|x| sign * x), self.corners[k], self.corners[k + 1]) == Ordering::Greater
         };
         if up != [0.0; 2] && rises(from, -1.0) && rises(to - 1, 1.0) {
-            let low = self.lowest((from, to), up, [-up[1], up[0]]);
+            let low = self.lowest(from, to, up, [-up[1], up[0]]);
             return Some(low);
         }
         // Rays of one direction: below them, or above.
         let across = [-first[1], first[0]];
         [across, across.map(|x| -x)].into_iter().find_map(|up| {
-            let low = self.lowest((from, to), up, first);
+            let low = self.lowest(from, to, up, first);
             (dot_sign(up, self.corners[from + 1], self.corners[low]) == Ordering::Less
                 && dot_sign(up, self.corners[from], self.corners[low]) == Ordering::Less)
                 .then_some(low)
@@ -195,7 +195,7 @@ impl PolygonChain<'_> {
     }
 
     /// The lowest inner corner along `up`; of equally low ones the first along `then`.
-    fn lowest(&self, (from, to): (usize, usize), up: PlanarPoint, then: PlanarPoint) -> usize {
+    fn lowest(&self, from: usize, to: usize, up: PlanarPoint, then: PlanarPoint) -> usize {
         (from + 2..to).fold(from + 1, |best, k| {
             let (a, b) = (self.corners[best], self.corners[k]);
             let order = dot_sign(up, a, b).then_with(|| dot_sign(then, a, b));

@@ -164,10 +164,10 @@ impl SurfaceImprover<'_> {
             }
             let on = targets.constraints_of(k);
             if let Some(flips) = self.split_flips(h, to, on) {
-                self.split(h, (to, &targets, k), &flips);
+                self.split(h, to, &targets, k, &flips);
                 n += 1;
             } else if let Some((to, flips)) = self.partial_split(h, [middle, to], on) {
-                self.split(h, (to, &targets, k), &flips);
+                self.split(h, to, &targets, k, &flips);
                 on_the_way.push(self.surface.vertex_slots() as u32 - 1);
                 n += 1;
             }
@@ -251,7 +251,7 @@ impl SurfaceImprover<'_> {
         self.counts.flips += 1;
     }
 
-    fn split(&mut self, h: u32, (to, targets, k): (DVec3, &ProjectionBatch, usize), flips: &[[u32; 2]]) {
+    fn split(&mut self, h: u32, to: DVec3, targets: &ProjectionBatch, k: usize, flips: &[[u32; 2]]) {
         let t = self.surface.twin(h);
         let (f, g) = (h / 3, t / 3);
         self.surface.split(h);

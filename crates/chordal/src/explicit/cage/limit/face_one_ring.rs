@@ -24,7 +24,7 @@ impl CageTopology {
     }
 
     pub fn is_hole(&self, cage: &Cage, face: usize) -> bool {
-        is_hole(cage, (&self.edges, &self.incidence), face)
+        is_hole(cage, &self.edges, &self.incidence, face)
     }
 }
 
@@ -58,7 +58,7 @@ impl FaceOneRing {
         let middle = cage.face(face);
         let mut sectors: Vec<CreaseSector> = middle
             .iter()
-            .map(|vertex| CreaseSector::new((parts, cage.creasing), *vertex, face as u32))
+            .map(|vertex| CreaseSector::new(parts, cage.creasing, *vertex, face as u32))
             .collect();
         let mut faces: Vec<u32> = Vec::with_capacity(16);
         // A vertex that has some of the faces beyond a cut because of another vertex needs all of them.
@@ -228,7 +228,7 @@ struct CreaseSector {
 }
 
 impl CreaseSector {
-    fn new((parts, creasing): (&CageTopology, CreasingMethod), vertex: u32, face: u32) -> Self {
+    fn new(parts: &CageTopology, creasing: CreasingMethod, vertex: u32, face: u32) -> Self {
         let own = parts.sharp.vertices[vertex as usize];
         let around = parts.incidence.edges(vertex as usize);
         let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
