@@ -81,7 +81,7 @@ fn format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     let format = to.or_else(|| extension(&name).and_then(Format::from_extension));
     match format {
-        Some(format @ (Format::Npy | Format::Nrrd)) => Ok(format),
+        Some(format) if format.holds_volumes() => Ok(format),
         Some(other) => Err(Fault::usage(format!("{other} holds no lattice; npy and nrrd do"))),
         None => Err(Fault::usage(format!(
             "{name}: the name does not say the format; --to does, with npy or nrrd"

@@ -240,7 +240,7 @@ pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let format = to.or_else(by_name).ok_or_else(|| {
         Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
     })?;
-    if formats::holds_triangles(format) || formats::holds_polylines(format) {
+    if format.holds_triangles() || format.holds_polylines() {
         return Ok(format);
     }
     Err(Fault::usage(format!("{format} is only read; what can be written is {}", known())))

@@ -1,6 +1,8 @@
 //! `.bpt`: a count, then a line `3 3` and sixteen points for each patch.
 use crate::grow::push;
-use crate::text::{IntegerError, finite, grouped, integer, show, text_of};
+use crate::text::{
+    IntegerError, LineTokens, TextLines, finite, grouped, integer, number, show, text_of, trim,
+};
 use crate::warnings::Warnings;
 use crate::word_reader::WordReader;
 use crate::{Axis, Content, Frame, Limits, ReadError, ReadOutcome};
@@ -55,6 +57,14 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     crate::assemble::check_patches(&patches, &mut warnings)?;
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
     Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
+}
+
+/// Whether a line that holds only a number is followed by one of two degrees.
+pub(crate) fn looks_like(text: &[u8]) -> bool {
+    let mut lines = TextLines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
+    let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
+    let degrees: Vec<_> = LineTokens::new(second).take(3).collect();
+    integer(first).is_ok() && degrees.len() == 2 && degrees.iter().all(|token| number(token).is_some())
 }
 
 fn count(words: &mut WordReader, what: impl Fn() -> String) -> Result<u64, ReadError> {

@@ -1,7 +1,14 @@
-//! `Format`: the format of a file, by its extension or by its content.
-use crate::text::{LineTokens, TextLines, integer, is_space, number, trim};
-use crate::{nii, npy, nrrd, obj, shape_json, stl, svg, vm};
+//! `Format`: the formats of files, in one table of what they are, what reads and writes them and what they hold.
+use crate::drawing::Polylines;
+use crate::error::{ReadError, WriteError};
+use crate::scene::{ReadOutcome, Scene};
+use crate::text::is_space;
+use crate::{Limits, Polygons, Volume};
+use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm};
+use chordal::explicit::{Attribute, Topology};
+use serde_json::Value;
 use std::fmt;
+use std::io::Write;
 use std::str::FromStr;
 
 /// A file format.
@@ -43,98 +50,302 @@ pub enum Format {
     Star,
 }
 
-/// Every format with its name, which `--from` and `--to` take and which is also an extension.
-const NAMES: [(Format, &str); 13] = [
-    (Format::Bpt, "bpt"),
-    (Format::Teaset, "teaset"),
-    (Format::Json, "json"),
-    (Format::Obj, "obj"),
-    (Format::Ply, "ply"),
-    (Format::Stl, "stl"),
-    (Format::Glb, "glb"),
-    (Format::Svg, "svg"),
-    (Format::Vm, "vm"),
-    (Format::Npy, "npy"),
-    (Format::Nrrd, "nrrd"),
-    (Format::Nii, "nii"),
-    (Format::Star, "star"),
+/// How the vertices of triangles lie in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VertexRows {
+    /// One row for each vertex of the mesh.
+    Mesh,
+    /// One row for each position; attributes have rows of their own.
+    Positions,
+    /// One row for each vertex, split where corners differ in an attribute.
+    Split,
+    /// Three rows for each triangle, and one part without attributes.
+    Soup,
+}
+
+/// The precision of the positions in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PositionPrecision {
+    /// Double precision: every bit is kept.
+    Double,
+    /// Single precision.
+    Single,
+    /// Single precision about an origin that the writer chooses for every part.
+    SingleAboutOrigin,
+}
+
+/// How a format holds polygons of any number of corners.
+pub(crate) struct PolygonFormat {
+    pub write: fn(&Polygons, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
+    /// Whether texture coordinates, groups and subdivision tags are kept too.
+    pub is_cage: bool,
+}
+
+/// How a format holds triangles.
+pub(crate) struct TriangleFormat {
+    pub write: fn(&Scene, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
+    pub rows: VertexRows,
+    pub precision: PositionPrecision,
+    /// None where polygons are cut into triangles.
+    pub polygons: Option<PolygonFormat>,
+    /// Whether parts stay apart.
+    pub has_parts: bool,
+    /// Whether nodes place parts, so that instances share triangles.
+    has_nodes: bool,
+    /// Whether readers of it want normals rather than compute their own.
+    wants_normals: bool,
+    pub has_certificate: bool,
+    /// Whether an attribute is kept, with the first of all rows that are the same vertex; none where the writer
+    /// itself reports what it leaves out.
+    pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
+}
+
+type PolylineWriter = fn(&Polylines, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
+type VolumeWriter = fn(&Volume, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
+
+/// A row of the table of formats: everything that differs from format to format.
+pub(crate) struct FormatRow {
+    format: Format,
+    /// The name, which `from` and `to` take and which is also an extension.
+    name: &'static str,
+    /// Other extensions.
+    extensions: &'static [&'static str],
+    /// Whether a file's bytes look like it.
+    looks_like: fn(&[u8]) -> bool,
+    /// The reader; none where a file has a shape only once it has run, which this crate does not do.
+    pub read: Option<fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>>,
+    pub triangles: Option<TriangleFormat>,
+    pub polylines: Option<PolylineWriter>,
+    pub volumes: Option<VolumeWriter>,
+}
+
+/// A format that is only read.
+const fn only_read(
+    format: Format,
+    name: &'static str,
+    looks_like: fn(&[u8]) -> bool,
+    read: fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>,
+) -> FormatRow {
+    let read = Some(read);
+    FormatRow {
+        format,
+        name,
+        extensions: &[],
+        looks_like,
+        read,
+        triangles: None,
+        polylines: None,
+        volumes: None,
+    }
+}
+
+/// The table of formats, in the order of the enum.
+static TABLE: [FormatRow; 13] = [
+    only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
+    only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
+    FormatRow {
+        polylines: Some(shape_json::write),
+        ..only_read(Format::Json, "json", |bytes| shape_json::looks_like(text_start(bytes)), shape_json::read)
+    },
+    FormatRow {
+        triangles: Some(TriangleFormat {
+            write: obj::write,
+            rows: VertexRows::Positions,
+            precision: PositionPrecision::Double,
+            polygons: Some(PolygonFormat { write: obj::write_polygons, is_cage: true }),
+            has_parts: true,
+            has_nodes: false,
+            wants_normals: true,
+            has_certificate: true,
+            keeps: Some(obj::keeps),
+        }),
+        ..only_read(Format::Obj, "obj", obj::looks_like, obj::read)
+    },
+    FormatRow {
+        triangles: Some(TriangleFormat {
+            write: ply::write,
+            rows: VertexRows::Mesh,
+            precision: PositionPrecision::Double,
+            polygons: Some(PolygonFormat { write: ply::write_polygons, is_cage: false }),
+            has_parts: false,
+            has_nodes: false,
+            wants_normals: false,
+            has_certificate: true,
+            keeps: Some(|attribute, _| ply::keeps(attribute)),
+        }),
+        ..only_read(Format::Ply, "ply", |bytes| ply::looks_like(text_start(bytes)), ply::read)
+    },
+    FormatRow {
+        triangles: Some(TriangleFormat {
+            write: stl::write,
+            rows: VertexRows::Soup,
+            precision: PositionPrecision::Single,
+            polygons: None,
+            has_parts: false,
+            has_nodes: false,
+            wants_normals: false,
+            has_certificate: false,
+            keeps: Some(|_, _| false),
+        }),
+        ..only_read(Format::Stl, "stl", stl::looks_like, stl::read)
+    },
+    FormatRow {
+        triangles: Some(TriangleFormat {
+            write: glb::write,
+            rows: VertexRows::Split,
+            precision: PositionPrecision::SingleAboutOrigin,
+            polygons: None,
+            has_parts: true,
+            has_nodes: true,
+            wants_normals: true,
+            has_certificate: true,
+            keeps: None,
+        }),
+        ..only_read(Format::Glb, "glb", |bytes| bytes.starts_with(b"glTF"), glb::read)
+    },
+    FormatRow {
+        polylines: Some(svg::write),
+        ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
+    },
+    only_read(Format::Vm, "vm", |bytes| vm::looks_like(text_start(bytes)), vm::read),
+    FormatRow {
+        volumes: Some(|volume, _, out| npy::write(volume, out)),
+        ..only_read(Format::Npy, "npy", |bytes| bytes.starts_with(npy::MAGIC), npy::read)
+    },
+    FormatRow {
+        volumes: Some(nrrd::write),
+        ..only_read(Format::Nrrd, "nrrd", |bytes| bytes.starts_with(nrrd::MAGIC), nrrd::read)
+    },
+    FormatRow { extensions: &["nii.gz"], ..only_read(Format::Nii, "nii", nii::looks_like, nii::read) },
+    FormatRow {
+        format: Format::Star,
+        name: "star",
+        extensions: &[],
+        looks_like: |_| false,
+        read: None,
+        triangles: None,
+        polylines: None,
+        volumes: None,
+    },
+];
+
+/// The order in which content is compared with formats: those that begin with a number of their own come before
+/// texts, and what nearly any text could be comes last.
+const BY_CONTENT: [Format; 12] = [
+    Format::Glb,
+    Format::Npy,
+    Format::Nrrd,
+    Format::Nii,
+    Format::Ply,
+    Format::Stl,
+    Format::Json,
+    Format::Svg,
+    Format::Vm,
+    Format::Teaset,
+    Format::Bpt,
+    Format::Obj,
 ];
 
 impl Format {
     /// All formats.
     pub fn all() -> impl Iterator<Item = Self> {
-        NAMES.iter().map(|row| row.0)
+        TABLE.iter().map(|row| row.format)
+    }
+
+    pub(crate) fn row(self) -> &'static FormatRow {
+        &TABLE[self as usize]
     }
 
     /// The format of an extension, with or without its dot, in any case; `nii.gz` is one too.
     #[must_use]
     pub fn from_extension(extension: &str) -> Option<Self> {
         let name = extension.strip_prefix('.').unwrap_or(extension);
-        if name.eq_ignore_ascii_case("nii.gz") {
-            return Some(Self::Nii);
-        }
-        NAMES.iter().find(|row| row.1.eq_ignore_ascii_case(name)).map(|row| row.0)
+        let is_name = |known: &&str| known.eq_ignore_ascii_case(name);
+        let has_name =
+            |row: &&FormatRow| is_name(&row.name) || row.extensions.iter().any(|known| is_name(known));
+        TABLE.iter().find(has_name).map(|row| row.format)
     }
 
     /// The format that the content looks like, whatever its extension. Looks only at as much as it must. A
     /// reader may still refuse the file.
     #[must_use]
     pub fn sniff(bytes: &[u8]) -> Option<Self> {
-        if bytes.starts_with(b"glTF") {
-            return Some(Self::Glb);
+        BY_CONTENT.into_iter().find(|format| (format.row().looks_like)(bytes))
+    }
+
+    /// Whether triangles can be written in it.
+    ///
+    /// ```
+    /// use chordal_io::Format;
+    /// assert!(Format::Glb.holds_triangles() && !Format::Bpt.holds_triangles());
+    /// ```
+    #[must_use]
+    pub fn holds_triangles(self) -> bool {
+        self.row().triangles.is_some()
+    }
+
+    /// Whether polygons of any number of corners can be written in it.
+    #[must_use]
+    pub fn holds_polygons(self) -> bool {
+        self.row().triangles.as_ref().is_some_and(|format| format.polygons.is_some())
+    }
+
+    /// Whether polylines can be written in it.
+    #[must_use]
+    pub fn holds_polylines(self) -> bool {
+        self.row().polylines.is_some()
+    }
+
+    /// Whether samples on a lattice can be written in it.
+    #[must_use]
+    pub fn holds_volumes(self) -> bool {
+        self.row().volumes.is_some()
+    }
+
+    /// Whether its nodes place parts, so that instances share triangles.
+    #[must_use]
+    pub fn has_nodes(self) -> bool {
+        self.row().triangles.as_ref().is_some_and(|format| format.has_nodes)
+    }
+
+    /// Whether readers of it want normals rather than compute their own.
+    #[must_use]
+    pub fn wants_normals(self) -> bool {
+        self.row().triangles.as_ref().is_some_and(|format| format.wants_normals)
+    }
+
+    /// How vertices lie in a file of it.
+    #[must_use]
+    pub fn vertex_rows(self) -> VertexRows {
+        self.row().triangles.as_ref().map_or(VertexRows::Mesh, |format| format.rows)
+    }
+
+    /// The precision of its positions.
+    #[must_use]
+    pub fn precision(self) -> PositionPrecision {
+        self.row().triangles.as_ref().map_or(PositionPrecision::Double, |format| format.precision)
+    }
+
+    /// How its files identify positions: by their own indices where they have some, else by their bits.
+    #[must_use]
+    pub fn topology(self) -> Topology {
+        match self.vertex_rows() {
+            VertexRows::Mesh | VertexRows::Positions => Topology::Indices,
+            VertexRows::Split | VertexRows::Soup => Topology::Positions,
         }
-        if bytes.starts_with(npy::MAGIC) {
-            return Some(Self::Npy);
-        }
-        if bytes.starts_with(nrrd::MAGIC) {
-            return Some(Self::Nrrd);
-        }
-        if nii::looks_like(bytes) {
-            return Some(Self::Nii);
-        }
-        let text = trim_start(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
-        if text.starts_with(b"ply") && text.get(3).is_some_and(|b| is_space(*b)) {
-            return Some(Self::Ply);
-        }
-        if stl::looks_like(bytes) {
-            return Some(Self::Stl);
-        }
-        if text.first() == Some(&b'{') {
-            return shape_json::looks_like(text).then_some(Self::Json);
-        }
-        if svg::looks_like(text) {
-            return Some(Self::Svg);
-        }
-        if vm::looks_like(text) {
-            return Some(Self::Vm);
-        }
-        sniff_patches(text).or_else(|| obj::looks_like(bytes).then_some(Self::Obj))
     }
 }
 
-fn trim_start(bytes: &[u8]) -> &[u8] {
-    let start = bytes.iter().position(|b| !is_space(*b)).unwrap_or(bytes.len());
-    &bytes[start..]
-}
-
-/// Both patch texts start with a line that holds only the number of patches. Then come two degrees, or
-/// sixteen indices with commas.
-fn sniff_patches(text: &[u8]) -> Option<Format> {
-    let mut lines = TextLines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
-    integer(lines.next()?).ok()?;
-    let second = lines.next()?;
-    if second.contains(&b',') {
-        let all = second.split(|b| *b == b',').all(|token| integer(trim(token)).is_ok());
-        return all.then_some(Format::Teaset);
-    }
-    let degrees: Vec<_> = LineTokens::new(second).take(3).collect();
-    let all = degrees.len() == 2 && degrees.iter().all(|token| number(token).is_some());
-    all.then_some(Format::Bpt)
+/// The text of a file, from its first letter.
+fn text_start(bytes: &[u8]) -> &[u8] {
+    let text = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
+    let start = text.iter().position(|b| !is_space(*b)).unwrap_or(text.len());
+    &text[start..]
 }
 
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(NAMES[*self as usize].1)
+        f.write_str(self.row().name)
     }
 }
 
@@ -145,19 +356,15 @@ pub struct UnknownFormat(String);
 impl fmt::Display for UnknownFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "'{}' is no format; they are", self.0.escape_default())?;
-        let last = NAMES.len() - 1;
-        for (i, (_, name)) in NAMES.iter().enumerate() {
-            write!(
-                f,
-                "{} {name}",
-                if i == 0 {
-                    ""
-                } else if i == last {
-                    " and"
-                } else {
-                    ","
-                }
-            )?;
+        for (i, row) in TABLE.iter().enumerate() {
+            let before = if i == 0 {
+                ""
+            } else if i + 1 == TABLE.len() {
+                " and"
+            } else {
+                ","
+            };
+            write!(f, "{before} {}", row.name)?;
         }
         Ok(())
     }
@@ -179,7 +386,7 @@ mod tests {
     #[test]
     fn every_format_is_found_by_its_own_name() {
         for (i, format) in Format::all().enumerate() {
-            assert_eq!(format as usize, i, "NAMES is in the order of the enum");
+            assert_eq!(format as usize, i, "the table is in the order of the enum");
             assert_eq!(format.to_string().parse(), Ok(format));
             assert_eq!(
                 Format::from_extension(&format!(".{}", format.to_string().to_uppercase())),

@@ -41,7 +41,7 @@ impl Scene {
     /// use chordal::Mesh;
     /// use chordal_io::{Frame, Scene};
     /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
-    /// let mut scene = Scene::from_mesh("triangle", mesh, true, Frame::default());
+    /// let mut scene = Scene::from_mesh("triangle", mesh, Frame::default());
     /// scene.nodes[0].matrix[0] = -2.0;
     /// let (name, placed) = &scene.world_meshes()?[0];
     /// assert_eq!((*name, placed.positions()[1], placed.faces()[0]), ("triangle", [-2.0, 0.0, 0.0], [0, 2, 1]));
@@ -248,7 +248,7 @@ mod tests {
         let n = 20_000;
         let positions = (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect();
         let mesh = Mesh::new(positions, vec![[0, 1, 2]; 10_000]).expect("valid");
-        let mut scene = Scene::from_mesh("", mesh, true, Frame::default());
+        let mut scene = Scene::from_mesh("", mesh, Frame::default());
         let node = scene.nodes[0].clone();
         scene.nodes = vec![node; 4000];
         scene.roots = (0..4000).collect();
@@ -280,7 +280,7 @@ mod tests {
                 ))
             })
             .unwrap();
-        let mut scene = Scene::from_mesh("part", mesh, true, Frame::default());
+        let mut scene = Scene::from_mesh("part", mesh, Frame::default());
         let mut matrix = IDENTITY;
         (matrix[0], matrix[5], matrix[14]) = (-1.0, 2.0, 5.0);
         scene.nodes.push(Node { name: "there".into(), matrix, children: Vec::new(), part: Some(0) });

@@ -26,6 +26,7 @@ mod polygons;
 mod read;
 mod scene;
 pub mod shape_json;
+mod single_precision;
 mod snap;
 pub mod stl;
 pub mod svg;
@@ -36,10 +37,11 @@ pub mod vm;
 mod volume;
 mod warnings;
 mod word_reader;
+mod write;
 
 pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
-pub use format::{Format, UnknownFormat};
+pub use format::{Format, PositionPrecision, UnknownFormat, VertexRows};
 pub use frame::{Axis, Frame};
 pub use limits::Limits;
 pub use losses::{losses, losses_of_polygons};
@@ -48,6 +50,7 @@ pub use read::read;
 pub use scene::{Content, Node, Part, ReadOutcome, Scene};
 pub use snap::{CoordinateOverflow, SnappedMesh, snap, worst_snap};
 pub use volume::Volume;
+pub use write::{write, write_polygons, write_polylines, write_volume};
 
 /// Runs the example of the page in `docs/` with the tests.
 #[cfg(doctest)]

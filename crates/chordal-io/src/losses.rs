@@ -1,6 +1,6 @@
 //! `losses`: what of a scene a format cannot hold.
+use crate::format::TriangleFormat;
 use crate::instances::part_instances;
-use crate::obj::colors_agree;
 use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
 use chordal::explicit::{Attribute, Boundary, Cage, Domain, Scheme, Semantic};
 
@@ -15,32 +15,33 @@ use chordal::explicit::{Attribute, Boundary, Cage, Domain, Scheme, Semantic};
 /// use chordal_io::{Format, Frame, Scene, losses};
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?
 ///     .with_attribute(Attribute::vertex_normals(&[[0.0, 0.0, 1.0]; 3]))?;
-/// let scene = Scene::from_mesh("", mesh, true, Frame::default());
+/// let scene = Scene::from_mesh("", mesh, Frame::default());
 /// assert!(losses(&scene, Format::Obj)?.is_empty());
 /// assert_eq!(losses(&scene, Format::Stl)?[0].message, "STL holds no normals of vertices");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError> {
     let mut lost: Vec<Warning> = Vec::new();
-    if !matches!(format, Format::Obj | Format::Ply | Format::Stl) {
+    let Some(TriangleFormat { has_certificate, has_parts, keeps: Some(keeps), .. }) = &format.row().triangles
+    else {
         return Ok(lost);
-    }
+    };
     let title = format.to_string().to_uppercase();
     let mut count = |message: String| match lost.iter_mut().find(|w| w.message == message) {
         Some(known) => known.count += 1,
         None => lost.push(Warning { code: "not-written", count: 1, place: FileLocation::File, message }),
     };
-    if scene.certificate.is_some() && format == Format::Stl {
+    if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
     }
     let parts = part_instances(scene)?;
     for part in &parts {
-        if parts.len() > 1 && format != Format::Obj {
+        if parts.len() > 1 && !has_parts {
             count(format!("{title} holds one part: all were joined"));
         }
         let first_rows = part.first_rows();
         for attribute in part.part.mesh.attributes() {
-            if !holds(format, attribute, &first_rows) {
+            if !keeps(attribute, &first_rows) {
                 count(format!("{title} holds no {}", describe(attribute)));
             }
         }
@@ -62,7 +63,8 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
 /// ```
 #[must_use]
 pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
-    if format == Format::Obj {
+    let polygons_of = |held: &'static TriangleFormat| held.polygons.as_ref();
+    if format.row().triangles.as_ref().and_then(polygons_of).is_some_and(|held| held.is_cage) {
         return Vec::new();
     }
     let title = format.to_string().to_uppercase();
@@ -85,24 +87,6 @@ pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
 fn has_tags(cage: &Cage) -> bool {
     let is_plain = cage.scheme() == Scheme::CatmullClark && cage.boundary() == Boundary::EdgeOnly;
     !is_plain || !cage.creases().is_empty() || !cage.sharp_vertices().is_empty() || !cage.holes().is_empty()
-}
-
-fn holds(format: Format, attribute: &Attribute, first_rows: &[u32]) -> bool {
-    let Attribute { semantic, domain, width, .. } = attribute;
-    match (format, semantic, domain) {
-        (Format::Obj, Semantic::Normal, _) => *width == 3,
-        (Format::Obj, Semantic::TexCoord(0), _) => *width == 2,
-        (Format::Obj, Semantic::Color(0), Domain::Vertex) => {
-            *width >= 3 && colors_agree(attribute, first_rows)
-        }
-        (Format::Obj, Semantic::Group(kind), Domain::Face) => {
-            *width == 1 && ["usemtl", "g", "o", "s", "solid"].contains(&kind.as_str())
-        }
-        (Format::Ply, Semantic::Normal, Domain::Vertex) => *width == 3,
-        (Format::Ply, Semantic::TexCoord(0), Domain::Vertex) => *width == 2,
-        (Format::Ply, Semantic::Color(0), Domain::Vertex) => *width >= 3,
-        _ => false,
-    }
 }
 
 fn describe(attribute: &Attribute) -> String {

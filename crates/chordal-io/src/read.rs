@@ -1,7 +1,6 @@
 //! `read`: decodes bytes of a known format into a shape.
 use crate::text::grouped;
 use crate::{FileLocation, Format, Limits, ReadError, ReadOutcome};
-use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm};
 
 /// Reads a file of `format` into its shape, and counts its oddities.
 ///
@@ -27,27 +26,11 @@ use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm
 /// ```
 pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<ReadOutcome, ReadError> {
     check_size(bytes, limits)?;
-    let loaded = match format {
-        Format::Bpt => bpt::read(bytes, limits),
-        Format::Teaset => teaset::read(bytes, limits),
-        Format::Json => shape_json::read(bytes, limits),
-        Format::Obj => obj::read(bytes, limits),
-        Format::Ply => ply::read(bytes, limits),
-        Format::Stl => stl::read(bytes, limits),
-        Format::Glb => glb::read(bytes, limits),
-        Format::Svg => svg::read(bytes, limits),
-        Format::Vm => vm::read(bytes, limits),
-        Format::Npy => npy::read(bytes, limits),
-        Format::Nrrd => nrrd::read(bytes, limits),
-        Format::Nii => nii::read(bytes, limits),
-        // A script has a shape only once it has run, which this crate does not do.
-        Format::Star => Err(ReadError::new(
-            "script",
-            FileLocation::File,
-            "a shape script is run, and nothing here runs it",
-        )),
+    let Some(read) = format.row().read else {
+        let message = "a shape script is run, and nothing here runs it";
+        return Err(ReadError::new("script", FileLocation::File, message));
     };
-    loaded.map_err(|mut error| {
+    read(bytes, limits).map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {
             error.message.push_str(&format!("; the content looks like {other}"));
         }

@@ -92,9 +92,21 @@ pub(crate) const IDENTITY: [f64; 16] =
 impl Scene {
     /// The scene of one mesh with an identity node.
     #[must_use]
-    pub fn from_mesh(name: &str, mesh: Mesh, indexed: bool, frame: Frame) -> Self {
-        let part = Part { name: name.to_owned(), mesh, indexed };
-        let node = Node { name: name.to_owned(), matrix: IDENTITY, children: Vec::new(), part: Some(0) };
+    pub fn from_mesh(name: &str, mesh: Mesh, frame: Frame) -> Self {
+        Self::from_part(Part { name: name.to_owned(), mesh, indexed: true }, frame)
+    }
+
+    /// The scene of one mesh of a format without indices, where triangles share positions by their numbers.
+    #[must_use]
+    pub fn from_triangle_soup(name: &str, mesh: Mesh, frame: Frame) -> Self {
+        Self::from_part(Part { name: name.to_owned(), mesh, indexed: false }, frame)
+    }
+
+    /// The scene of one part, with an identity node of the same name.
+    #[must_use]
+    pub fn from_part(part: Part, frame: Frame) -> Self {
+        let name = part.name.clone();
+        let node = Node { name, matrix: IDENTITY, children: Vec::new(), part: Some(0) };
         Self { parts: vec![part], nodes: vec![node], roots: vec![0], frame, ..Self::default() }
     }
 }

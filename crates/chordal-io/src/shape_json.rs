@@ -56,6 +56,9 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
 
 /// Whether the text is a JSON object with shapes.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
+    if text.first() != Some(&b'{') {
+        return false;
+    }
     let Ok(mut json) = JsonReader::new(text, &Limits::default()) else { return false };
     let mut found = false;
     // Stops with an error at the key that decides, so the shapes themselves are not read.

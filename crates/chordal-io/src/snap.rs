@@ -1,5 +1,6 @@
 //! `snap`: rounds positions to what a format stores. Snap first, then validate and bound what is written.
-use crate::Format;
+use crate::format::{Format, PositionPrecision};
+use crate::single_precision::{F32_BOTTOM, F32_STEP, origin_of, restore, store};
 use chordal::Mesh;
 use chordal::math::{Box3, add_up, mul_up};
 use std::fmt;
@@ -53,22 +54,12 @@ impl std::error::Error for CoordinateOverflow {}
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn snap(mesh: &Mesh, format: Format) -> Result<SnappedMesh, CoordinateOverflow> {
-    let origin = match format {
-        Format::Bpt
-        | Format::Teaset
-        | Format::Json
-        | Format::Svg
-        | Format::Obj
-        | Format::Ply
-        | Format::Vm
-        | Format::Npy
-        | Format::Nrrd
-        | Format::Nii
-        | Format::Star => {
+    let origin = match format.precision() {
+        PositionPrecision::Double => {
             return Ok(SnappedMesh { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
         }
-        Format::Stl => [0.0; 3],
-        Format::Glb => origin_of(mesh),
+        PositionPrecision::Single => [0.0; 3],
+        PositionPrecision::SingleAboutOrigin => origin_of(mesh),
     };
     let mut moved_at_most = 0.0_f64;
     let mut positions = Vec::with_capacity(mesh.positions().len());
@@ -99,7 +90,8 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<SnappedMesh, CoordinateOverfl
 /// ```
 #[must_use]
 pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
-    if bounds.is_empty() || !matches!(format, Format::Stl | Format::Glb) {
+    let precision = format.precision();
+    if bounds.is_empty() || precision == PositionPrecision::Double {
         return 0.0;
     }
     let axis = |k: usize| {
@@ -107,12 +99,13 @@ pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
         if reach > f64::from(f32::MAX) {
             return f64::INFINITY;
         }
-        // The largest stored number. STL stores the coordinates. GLB stores either them too, where reach
-        // ≤ 2·half, or the distances to an origin. The origin is off the centre by at most half / 16 or, far
+        // The largest stored number: a coordinate or, about an origin, either that too, where reach
+        // ≤ 2·half, or the distance to the origin. The origin is off the centre by at most half / 16 or, far
         // out, by half a single-precision step of the centre, 2⁻²⁴·reach. 2·half + 2⁻²³·reach covers all.
         let half = add_up(0.5 * bounds.max[k], -0.5 * bounds.min[k]);
         let about_centre = add_up(mul_up(2.0, half), mul_up(F32_STEP, reach));
-        let stored = if format == Format::Stl || reach < about_centre { reach } else { about_centre };
+        let stored =
+            if precision == PositionPrecision::Single || reach < about_centre { reach } else { about_centre };
         // Rounding to f32 costs half a step, relative or at the bottom of the range. Subtracting the origin
         // and adding it back cost half a step of f64 each, of numbers below 2·reach.
         let single = add_up(mul_up(stored, 0.5 * F32_STEP), F32_BOTTOM);
@@ -120,76 +113,6 @@ pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
     };
     let side = [axis(0), axis(1), axis(2)];
     if side.iter().any(|s| s.is_infinite()) { f64::INFINITY } else { distance_up([0.0; 3], side) }
-}
-
-/// One step of single precision relative to a power of two, 2⁻²³.
-const F32_STEP: f64 = f32::EPSILON as f64;
-
-/// Half the smallest single-precision number above zero, 2⁻¹⁵⁰.
-const F32_BOTTOM: f64 = 0.5 * f32::from_bits(1) as f64;
-
-/// The stored form of a coordinate: its distance to the origin in single precision.
-#[allow(clippy::cast_possible_truncation)]
-pub(crate) fn store(origin: f64, x: f64) -> f32 {
-    // Without an origin nothing is subtracted, so −0 keeps its sign.
-    if origin == 0.0 { x as f32 } else { (x - origin) as f32 }
-}
-
-/// The coordinate that a reader computes from the stored number.
-pub(crate) fn restore(origin: f64, stored: f32) -> f64 {
-    if origin == 0.0 { f64::from(stored) } else { origin + f64::from(stored) }
-}
-
-/// The point about which GLB stores a mesh.
-///
-/// Each axis takes zero unless that costs more than one bit of the extent. It first tries the few origins
-/// that an earlier snap could have chosen, zero before all others, and takes one that keeps every coordinate.
-/// This makes snapping idempotent although it changes the bounds a little.
-pub(crate) fn origin_of(mesh: &Mesh) -> [f64; 3] {
-    let bounds = mesh.bounds();
-    if bounds.is_empty() {
-        return [0.0; 3];
-    }
-    std::array::from_fn(|k| {
-        let exact = |origin: &f64| {
-            mesh.positions()
-                .iter()
-                .all(|p| restore(*origin, store(*origin, p[k])).to_bits() == p[k].to_bits())
-        };
-        let (best, likely) = candidates(bounds.min[k], bounds.max[k]);
-        std::iter::once(0.0).chain(likely).find(exact).unwrap_or(best)
-    })
-}
-
-/// The origin for an axis range, and the origins that the range could have had before rounding.
-#[allow(clippy::cast_possible_truncation)]
-fn candidates(low: f64, high: f64) -> (f64, Vec<f64>) {
-    let half = 0.5 * high - 0.5 * low;
-    let centre = 0.5 * high + 0.5 * low;
-    // A coarse grid leaves the origin few bits, so that coordinates on a grid of their own stay exact about
-    // it.
-    let coarse = power_of_two_below(half / 8.0);
-    let finest = power_of_two_below(centre.abs()) * F32_STEP;
-    let step = if coarse > finest { coarse } else { finest };
-    let on_grid = |rounded: f64, step: f64| f64::from((rounded * step) as f32);
-    let reach = low.abs().max(high.abs());
-    if step == 0.0 {
-        return (0.0, Vec::new());
-    }
-    // Snapping moves the range by less than a step, and at most doubles or halves the step itself.
-    let likely = [step, 0.5 * step, 2.0 * step]
-        .into_iter()
-        .flat_map(|s| [on_grid((centre / s).floor(), s), on_grid((centre / s).ceil(), s)])
-        .filter(|origin| *origin != 0.0 && origin.is_finite())
-        .collect();
-    let best = if reach <= 2.0 * half { 0.0 } else { on_grid((centre / step).round(), step) };
-    (best, likely)
-}
-
-/// The largest power of two that is not above a positive normal number; 0 for smaller numbers.
-fn power_of_two_below(x: f64) -> f64 {
-    // Masks out the fraction and keeps the exponent.
-    f64::from_bits(x.to_bits() & 0x7FF0_0000_0000_0000)
 }
 
 /// An upper bound of the distance of two points; 0 for equal points.

@@ -47,6 +47,14 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 
+/// Whether a line that holds only a number is followed by indices with commas.
+pub(crate) fn looks_like(text: &[u8]) -> bool {
+    let mut lines = TextLines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
+    let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
+    let is_index = |token: &[u8]| integer(trim(token)).is_ok();
+    integer(first).is_ok() && second.contains(&b',') && second.split(|b| *b == b',').all(is_index)
+}
+
 fn patch(line: u64, indices: &[u32; 16], points: &[[f64; 3]]) -> Result<Patch, ReadError> {
     let mut control = [[[0.0; 3]; 4]; 4];
     for (corner, &index) in control.as_flattened_mut().iter_mut().zip(indices) {

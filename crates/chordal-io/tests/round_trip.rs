@@ -22,7 +22,7 @@ fn write(scene: &Scene, format: Format, certificate: Option<&Value>) -> Vec<u8> 
 }
 
 fn scene_of(mesh: Mesh) -> Scene {
-    Scene::from_mesh("", mesh, true, Frame::default())
+    Scene::from_mesh("", mesh, Frame::default())
 }
 
 /// Writes, checks that the content is recognised, and reads.

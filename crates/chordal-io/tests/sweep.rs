@@ -142,10 +142,7 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     let mut seeds = Vec::new();
     for mesh in [plain, rich] {
         for format in [Format::Obj, Format::Ply, Format::Stl] {
-            seeds.push((
-                format,
-                written(&Scene::from_mesh("a b", mesh.clone(), true, Frame::default()), format),
-            ));
+            seeds.push((format, written(&Scene::from_mesh("a b", mesh.clone(), Frame::default()), format)));
         }
     }
     let mut add = |format, text: &str| seeds.push((format, text.as_bytes().to_vec()));

@@ -1,6 +1,6 @@
 //! Curves from control points that Python passes.
 use chordal::Bezier;
-use chordal::explicit::{Curve, CurveSegment};
+use chordal::explicit::{Curve, CurveEnds, CurveSegment};
 use chordal_io::{DrawingElement, Format, Frame, PathSet};
 use chordal_verbs::{Input, Shape, sha256};
 
@@ -37,7 +37,7 @@ fn chains<const D: usize>(
             "{n_points} control points a curve are not 3n + 1, or there are too few numbers"
         ));
     }
-    let chain = |chain| Curve::new(cubics(chain), false).map_err(|error| error.to_string());
+    let chain = |chain| Curve::new(cubics(chain), CurveEnds::Open).map_err(|error| error.to_string());
     let lines: Vec<_> = points.chunks(n_points).map(chain).collect::<Result<_, _>>()?;
     let n = u32::try_from(lines.len()).map_err(|_| format!("{} curves are too many", lines.len()))?;
     let element =

@@ -22,7 +22,7 @@ pub(crate) fn triangles(numbers: &[u8], indices: &[u8], frame: Frame) -> Result<
     }
     let mesh = Mesh::new(points.to_vec(), faces.to_vec()).map_err(|error| error.to_string())?;
     let bytes = [numbers, indices].concat();
-    let shape = Shape::Scene(Scene::from_mesh("triangles", mesh, true, frame));
+    let shape = Shape::Scene(Scene::from_mesh("triangles", mesh, frame));
     Ok(Input {
         shape,
         format: Format::Ply,

@@ -6,7 +6,7 @@ use chordal::budget::{Job, RefusalCode, par_map};
 use chordal::convert::{DistanceGrid, mesh_to_grid};
 use chordal::explicit::Bvh;
 use chordal::math::{add_up, sub_up};
-use chordal_io::{Format, Volume, WriteError, npy, nrrd};
+use chordal_io::{Format, Volume, WriteError, write_volume};
 use std::io::Write;
 
 /// The lattice around a mesh.
@@ -36,10 +36,7 @@ impl BakeOutcome {
     /// # Errors
     /// When the sink fails.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
-        match self.format {
-            Format::Npy => npy::write(&self.volume, out),
-            _ => nrrd::write(&self.volume, Some(&self.certificate.to_value()), out),
-        }
+        write_volume(&self.volume, Some(&self.certificate.to_value()), self.format, out)
     }
 }
 
@@ -60,7 +57,7 @@ impl BakeOutcome {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<BakeOutcome, MeshFailure> {
-    if !matches!(to, Format::Npy | Format::Nrrd) {
+    if !to.holds_volumes() {
         return Err(MeshFailure::Usage(format!("{to} holds no lattice; npy and nrrd do")));
     }
     let mut certificate = Certificate::from_input(&input);

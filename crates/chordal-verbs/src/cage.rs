@@ -2,14 +2,16 @@
 use crate::file_rows::to_file_rows;
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
-use crate::{Input, MeshFailure, Normals, Shape, formats, write};
+use crate::{Input, MeshFailure, Normals, Shape, formats};
 use chordal::budget::{Bound, RefusalCode};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
 use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, CornerTexcoords, Domain, Scheme, Semantic};
 use chordal::{Bounded, Job, Mesh};
-use chordal_io::{Format, Polygons, Scene, WriteError, losses, losses_of_polygons, obj, ply, snap};
+use chordal_io::{
+    Format, Polygons, Scene, WriteError, losses, losses_of_polygons, snap, write, write_polygons,
+};
 use std::io::Write;
 
 /// The bound of a refined cage's polygons against its limit surface; `None` where it is unknown.
@@ -26,7 +28,7 @@ pub(crate) fn limit_surface(
     let Bounded { shape: mesh, bound } =
         request.run(job, |budget| cage_to_mesh(&polygons.cage, budget, job))?;
     // A descriptive name; a file name would make the bytes depend on a path.
-    Ok((Scene::from_mesh("cage", mesh, true, polygons.frame), bound))
+    Ok((Scene::from_mesh("cage", mesh, polygons.frame), bound))
 }
 
 /// Notes on the data of a cage that meshing drops or converts.
@@ -87,10 +89,7 @@ impl RefineOutcome {
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let certificate = self.certificate.to_value();
         match &self.made {
-            ControlMesh::Polygons(polygons) if self.format == Format::Ply => {
-                ply::write_polygons(polygons, Some(&certificate), out)
-            }
-            ControlMesh::Polygons(polygons) => obj::write_polygons(polygons, Some(&certificate), out),
+            ControlMesh::Polygons(polygons) => write_polygons(polygons, Some(&certificate), self.format, out),
             ControlMesh::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
         }
     }
@@ -129,7 +128,7 @@ pub fn refine(
     let Shape::Cage(polygons) = input.shape else {
         return Err(MeshFailure::Usage(not_a_cage_message(&input.shape, input.format)));
     };
-    let as_polygons = formats::holds_polygons(to);
+    let as_polygons = to.holds_polygons();
     if as_polygons && !matches!(normals, Normals::Auto | Normals::Keep) {
         let message = "polygons are written without normals: the smooth surface has its own";
         return Err(MeshFailure::Usage(message.to_owned()));
@@ -209,7 +208,7 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
     let a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
     let beside = if cage.texcoords().is_some() { BYTES_OF_TEXCOORDS } else { 0 };
     let bytes = n_faces.saturating_mul(a_face + beside);
-    let cut = !formats::holds_polygons(to) && !is_loop;
+    let cut = !to.holds_polygons() && !is_loop;
     let n_triangles = n_faces.saturating_mul(if cut { 2 } else { 1 });
     if n_triangles > job.triangle_limit {
         let message = format!(
@@ -313,7 +312,7 @@ fn triangles(
             formats[1], snapped.moved_at_most
         ));
     }
-    let mut scene = Scene::from_mesh("cage", snapped.mesh, true, polygons.frame);
+    let mut scene = Scene::from_mesh("cage", snapped.mesh, polygons.frame);
     normals.apply(&mut scene, formats, notes)?;
     notes.extend(losses(&scene, formats[1])?.iter().map(ToString::to_string));
     Ok(to_file_rows(scene, formats[1])?)

@@ -5,7 +5,7 @@ use chordal::budget::{Bound, RefusalCode};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::{Format, Scene};
+use chordal_io::Scene;
 
 /// The isosurface of a field at the precision of the format, with its bound.
 ///
@@ -25,9 +25,9 @@ pub(crate) fn mesh_field(
         notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
     }
     // Formats with normals; other formats keep one row a vertex.
-    let shaded = matches!(request.to, Format::Glb | Format::Obj);
+    let shaded = request.to.wants_normals();
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
-    Ok((Scene::from_mesh("field", mesh, true, implicit.frame), bound))
+    Ok((Scene::from_mesh("field", mesh, implicit.frame), bound))
 }
 
 /// Coordinates up to this have finite squares and sums of squares: derived, 2^1024 is the largest double.

@@ -1,7 +1,7 @@
 //! Triangles in the rows that a format gives them, so that counts match those of a reader of the file.
 use chordal::Mesh;
 use chordal::explicit::InvalidMesh;
-use chordal_io::{Format, Scene, WriteError, glb};
+use chordal_io::{Format, Scene, VertexRows, WriteError, glb};
 use std::borrow::Cow;
 
 /// The scene in the rows of its file. GLB has separate vertices for corners with different attributes. STL
@@ -10,12 +10,12 @@ use std::borrow::Cow;
 /// # Errors
 /// When there are more rows than one mesh can hold.
 pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteError> {
-    match to {
-        Format::Stl => {
+    match to.vertex_rows() {
+        VertexRows::Soup => {
             let soup = soup(&scene)?;
-            return Ok(Scene::from_mesh("", soup, false, scene.frame));
+            return Ok(Scene::from_triangle_soup("", soup, scene.frame));
         }
-        Format::Glb => {
+        VertexRows::Split => {
             for part in &mut scene.parts {
                 let split = match glb::split(&part.mesh).map_err(unsupported)? {
                     Cow::Borrowed(_) => continue,
@@ -24,17 +24,7 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
                 part.mesh = split;
             }
         }
-        Format::Obj
-        | Format::Ply
-        | Format::Bpt
-        | Format::Teaset
-        | Format::Json
-        | Format::Svg
-        | Format::Vm
-        | Format::Npy
-        | Format::Nrrd
-        | Format::Nii
-        | Format::Star => {}
+        VertexRows::Mesh | VertexRows::Positions => {}
     }
     Ok(scene)
 }
@@ -43,7 +33,9 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
 /// have rows of their own.
 pub(crate) fn rows_of(mesh: &Mesh, format: Format) -> Result<Cow<'_, Mesh>, WriteError> {
     match mesh.position_id() {
-        Some(id) if format == Format::Obj => merged(mesh, id).map(Cow::Owned).map_err(unsupported),
+        Some(id) if format.vertex_rows() == VertexRows::Positions => {
+            merged(mesh, id).map(Cow::Owned).map_err(unsupported)
+        }
         _ => Ok(Cow::Borrowed(mesh)),
     }
 }
@@ -99,8 +91,8 @@ mod tests {
 
     #[test]
     fn stl_has_three_rows_a_triangle_and_one_part() {
-        let mut scene = Scene::from_mesh("a", tied(), true, Frame::default());
-        scene.parts.extend(Scene::from_mesh("b", tied(), true, Frame::default()).parts);
+        let mut scene = Scene::from_mesh("a", tied(), Frame::default());
+        scene.parts.extend(Scene::from_mesh("b", tied(), Frame::default()).parts);
         let soup = to_file_rows(scene, Format::Stl).unwrap();
         let mesh = &soup.parts[0].mesh;
         assert_eq!((soup.parts.len(), mesh.positions().len()), (1, 12));

@@ -67,7 +67,7 @@ fn flip_y(contour: &mut Curve<2>) {
     let turned = if pieces.is_empty() {
         Curve::point(mirror.point(contour.start()))
     } else {
-        Curve::new(pieces, contour.is_closed())
+        Curve::new(pieces, contour.is_closed().into())
     };
     // Negation keeps numbers finite and joints connected.
     if let Ok(turned) = turned {
@@ -98,5 +98,5 @@ pub(crate) fn fill(
         }
         made
     })?;
-    Ok((Scene::from_mesh("drawing", mesh, true, filling.frame), bound, request))
+    Ok((Scene::from_mesh("drawing", mesh, filling.frame), bound, request))
 }

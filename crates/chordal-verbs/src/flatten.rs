@@ -47,7 +47,8 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
     let indexed = scene.parts.iter().all(|part| part.indexed);
     let mut flat = Scene { frame: scene.frame, groups: scene.groups.clone(), ..Scene::default() };
     for (name, mesh) in scene.world_meshes()? {
-        let one = Scene::from_mesh(name, mesh.into_owned(), indexed, scene.frame);
+        let one =
+            Scene::from_part(Part { name: name.to_owned(), mesh: mesh.into_owned(), indexed }, scene.frame);
         let at = flat.parts.len();
         flat.parts.extend(one.parts);
         flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));

@@ -38,7 +38,7 @@ pub(crate) fn mesh_volume(
     let rule = polygonize_rule(sampled, &range, notes)?;
     note_border(grid, &rule, notes);
     let made = SurfaceMesher { sampled, request, job }.make(grid, &rule)?;
-    let mut scene = Scene::from_mesh("surface", made.shape, true, sampled.volume.frame);
+    let mut scene = Scene::from_mesh("surface", made.shape, sampled.volume.frame);
     set_names(&mut scene, &sampled.volume.name);
     Ok((scene, made.bound))
 }
@@ -248,7 +248,7 @@ fn mesh_labels(
     for (number, Bounded { shape, bound }) in meshes {
         let Bounded { shape, bound } = request.snap(&shape, bound, job)?;
         let label = labels[number as usize - 1];
-        let one = Scene::from_mesh(&format!("label {label}"), shape, true, scene.frame);
+        let one = Scene::from_mesh(&format!("label {label}"), shape, scene.frame);
         let at = scene.parts.len();
         scene.parts.extend(one.parts);
         scene.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));

@@ -98,7 +98,7 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
     };
     certificate.valid_before = Some(CountedTriangles::from_scene(&scene, input.format)?.valid);
     let mut bound = Bound::exact(Reference::InputTriangles);
-    let mut topologies = vec![formats::topology(input.format); scene.parts.len()];
+    let mut topologies = vec![input.format.topology(); scene.parts.len()];
     for cure in cures {
         let facts = cure.apply(&mut scene, &mut topologies, job)?;
         bound = bound.then(&facts.1);
@@ -106,7 +106,7 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
     }
     let was_split =
         certificate.mended.iter().any(|facts| facts.cure == "split-nonmanifold" && !facts.changes.is_empty());
-    if was_split && formats::topology(to) == Topology::Positions {
+    if was_split && to.topology() == Topology::Positions {
         certificate
             .notes
             .push(format!("{to} has no indices of positions: copies on each other are one there again"));

@@ -36,7 +36,7 @@ use chordal_io::{Format, Scene};
 /// ```
 pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let lines = formats::holds_polylines(to);
+    let lines = to.holds_polylines();
     spec.check_counts(lines).map_err(MeshFailure::Usage)?;
     if !spec.has_limit() && needs_budget(&input.shape, spec.normals) {
         return Err(MeshFailure::refused(
@@ -66,7 +66,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         Shape::Patches { patches, frame } => {
             let made = request.run(job, |budget| convert::patches_to_mesh(&patches, budget, job))?;
             // A descriptive name; a file name would make the bytes depend on a path.
-            (Scene::from_mesh("patches", made.shape, true, frame), made.bound)
+            (Scene::from_mesh("patches", made.shape, frame), made.bound)
         }
         Shape::Cage(polygons) => {
             certificate.notes.extend(cage::notes_of_mesh(&polygons));

@@ -1,7 +1,6 @@
 //! `Normals`: the normals that triangles get, as a user requests them.
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
-use crate::formats::topology;
 use chordal::explicit::{NormalWeight, Semantic, Shading, with_normals};
 use chordal_io::{Format, Scene};
 use std::fmt;
@@ -52,7 +51,7 @@ impl Normals {
         for part in &mut scene.parts {
             let has_some = part.mesh.attribute(&Semantic::Normal).is_some() || part.mesh.faces().is_empty();
             let Some(shading) = self.shading(has_some, to) else { continue };
-            part.mesh = with_normals(&part.mesh, topology(from), shading).map_err(unsupported)?;
+            part.mesh = with_normals(&part.mesh, from.topology(), shading).map_err(unsupported)?;
             n_made += 1;
         }
         if n_made > 0 {
@@ -69,7 +68,7 @@ impl Normals {
         };
         match self {
             Self::Keep => None,
-            Self::Auto if has_some || !matches!(to, Format::Glb | Format::Obj) => None,
+            Self::Auto if has_some || !to.wants_normals() => None,
             Self::Auto => Some(crease(USUAL_CREASE_DEG)),
             Self::Flat => Some(Shading::Flat),
             Self::Smooth => Some(Shading::Smooth(NormalWeight::Angle)),

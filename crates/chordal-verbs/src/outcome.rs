@@ -1,8 +1,7 @@
 //! `MeshOutcome`: triangles or polylines at the precision of their format, with their certificate.
 use crate::report::Certificate;
-use crate::{write, write_polylines};
 use chordal::budget::Bound;
-use chordal_io::{Format, Polylines, Scene, WriteError};
+use chordal_io::{Format, Polylines, Scene, WriteError, write, write_polylines};
 use std::io::Write;
 
 /// A tessellation at the precision of its format, as a reader of the file gets it.

@@ -15,7 +15,7 @@ pub(crate) fn pass_through(
     notes: &mut Vec<String>,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let TransformedScene { mut scene, moved_at_most: placed, left_out } =
-        if to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+        if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     if left_out > 0 {
         notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
     }

@@ -1,5 +1,4 @@
 //! The repairs that `inspect` recommends: they were tried on the triangles, and helped.
-use crate::formats::topology;
 use crate::mend::{RepairStep, trial_steps};
 use chordal::Job;
 use chordal::check::{Cure, Defect, MeshConnectivity};
@@ -20,12 +19,12 @@ use chordal_io::{Format, Scene};
 pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Option<Vec<Cure>> {
     let mut trial = RepairTrial {
         scene: scene.clone(),
-        topologies: vec![topology(format); scene.parts.len()],
+        topologies: vec![format.topology(); scene.parts.len()],
         faults: Vec::new(),
         cures: Vec::new(),
     };
     trial.faults = trial.count_faults();
-    let ties = topology(format) == Topology::Positions;
+    let ties = format.topology() == Topology::Positions;
     for cure in trial_steps() {
         let skipped = match cure {
             // Such a format has nothing to weld, and ties what is split.

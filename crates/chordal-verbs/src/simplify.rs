@@ -10,7 +10,7 @@ use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
 use chordal::math::{Box3, add_up, div_down};
 use chordal::{Bounded, Job, Mesh};
-use chordal_io::{CoordinateOverflow, Format, Part, Scene, snap, worst_snap};
+use chordal_io::{CoordinateOverflow, Part, Scene, snap, worst_snap};
 
 /// Simplifies a scene within the budget. Returns it as it will be written, with its overall bound, and adds
 /// the rest to the certificate.
@@ -23,7 +23,7 @@ pub(crate) fn simplify_scene(
     let Certificate { notes, attributes, .. } = certificate;
     let MeshRequest { budget, to, .. } = request;
     let TransformedScene { mut scene, moved_at_most: placed, left_out } =
-        if *to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+        if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     if left_out > 0 {
         notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
     }

@@ -118,10 +118,10 @@ fn places_of_moved_parts_are_said_to_be_their_own() {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mesh = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap();
     for moved in [0.0, 5.0] {
-        let mut scene = chordal_io::Scene::from_mesh("one", mesh.clone(), true, Default::default());
+        let mut scene = chordal_io::Scene::from_mesh("one", mesh.clone(), Default::default());
         scene.nodes[0].matrix[12] = moved;
         let mut glb = Vec::new();
-        chordal_verbs::write(&scene, None, Format::Glb, &mut glb).unwrap();
+        chordal_io::write(&scene, None, Format::Glb, &mut glb).unwrap();
         let input = load(&glb, FormatHint::default(), &Default::default()).unwrap();
         let report = chordal_verbs::inspect(&input);
         let anatomy = report.certificate.valid.unwrap().anatomy.unwrap();

@@ -3,11 +3,10 @@ use crate::common;
 
 use chordal::budget::Length;
 use chordal::{Job, Mesh};
-use chordal_io::{Format, Frame, Scene};
+use chordal_io::{Format, Frame, Scene, write};
 use chordal_verbs::report::ValidityCounts;
 use chordal_verbs::{
     Duplicates, FormatHint, HoleSelection, Input, MendSpec, MeshOutcome, Shape, WeldTolerance, load, mend,
-    write,
 };
 use std::path::Path;
 
@@ -112,7 +111,7 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
 /// A triangle whose parts are shown twice, once as it is and once so many times as large; as the bytes of a GLB.
 fn shown_large(rows: &[[f64; 3]], faces: &[[u32; 3]], times: f64) -> Input {
     let mesh = Mesh::new(rows.to_vec(), faces.to_vec()).unwrap();
-    let mut scene = Scene::from_mesh("part", mesh, false, Frame::default());
+    let mut scene = Scene::from_triangle_soup("part", mesh, Frame::default());
     let mut node = scene.nodes[0].clone();
     for k in [0, 5, 10] {
         node.matrix[k] = times;

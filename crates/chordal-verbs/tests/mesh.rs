@@ -157,8 +157,8 @@ fn two_parts() -> Scene {
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     let tetrahedron = Mesh::new(corners, faces).unwrap();
-    let mut scene = Scene::from_mesh("first", tetrahedron.clone(), true, Frame::default());
-    scene.parts.extend(Scene::from_mesh("second", tetrahedron, true, Frame::default()).parts);
+    let mut scene = Scene::from_mesh("first", tetrahedron.clone(), Frame::default());
+    scene.parts.extend(Scene::from_mesh("second", tetrahedron, Frame::default()).parts);
     let (sin, cos) = (0.6, 0.8);
     let turned = [cos, sin, 0.0, 0.0, -sin, cos, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 0.2, 0.3, 1.0];
     let scaled = [3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 10.0, 0.0, 0.0, 1.0];
@@ -192,8 +192,7 @@ fn rounding_in_transforms_is_in_the_bound() {
 #[test]
 fn a_coordinate_beyond_single_precision_is_refused_by_formats_that_have_no_other() {
     let wide = vec![[0.0; 3], [1e39, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let scene =
-        |wide| Scene::from_mesh("", Mesh::new(wide, vec![[0, 1, 2]]).unwrap(), true, Frame::default());
+    let scene = |wide| Scene::from_mesh("", Mesh::new(wide, vec![[0, 1, 2]]).unwrap(), Frame::default());
     for (format, name) in FORMATS {
         let made = mesh(input(Shape::Scene(scene(wide.clone()))), &length("1"), format, &Job::default());
         match (format, made) {
@@ -302,7 +301,7 @@ fn a_part_in_two_places_has_what_the_nearer_one_allows() {
     let (positions, faces) = field([0.0; 3], (24, 0.1));
     let count = |places: &[f64]| {
         let one = chordal::Mesh::new(positions.clone(), faces.clone()).unwrap();
-        let mut scene = Scene::from_mesh("field", one, true, Frame::default());
+        let mut scene = Scene::from_mesh("field", one, Frame::default());
         scene.nodes.clear();
         scene.roots.clear();
         for x in places {
@@ -312,7 +311,7 @@ fn a_part_in_two_places_has_what_the_nearer_one_allows() {
             scene.nodes.push(Node { name: String::new(), matrix, children: Vec::new(), part: Some(0) });
         }
         let mut glb = Vec::new();
-        chordal_verbs::write(&scene, None, Format::Glb, &mut glb).unwrap();
+        chordal_io::write(&scene, None, Format::Glb, &mut glb).unwrap();
         let hint = FormatHint { name: Some("field.glb"), ..FormatHint::default() };
         let input = load(&glb, hint, &Limits::default()).unwrap();
         let spec = at_an_eye("1px", "1920x1080 fov=45 eye=0,0,0 target=1000,0,-1");
@@ -340,7 +339,7 @@ fn textured(off: f64) -> Mesh {
 
 #[test]
 fn simplified_attributes_are_measured_part_by_part() {
-    let scene = |mesh| Scene::from_mesh("hill", mesh, true, Frame::default());
+    let scene = |mesh| Scene::from_mesh("hill", mesh, Frame::default());
     let made = |scene, asked: &str| {
         mesh(input(Shape::Scene(scene)), &length(asked), Format::Ply, &Job::default()).unwrap().certificate
     };

@@ -60,8 +60,9 @@ impl MeshOptions {
         if !spec.has_limit() {
             return Err("a budget is needed: tol, px with view, triangles or segments".to_owned());
         }
-        let to = all.parsed("to")?.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
-        if !formats::holds_triangles(to) && !formats::holds_polylines(to) {
+        let to: Format =
+            all.parsed("to")?.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
+        if !to.holds_triangles() && !to.holds_polylines() {
             return Err(format!("{to} is only read; what can be written is {}", formats::output_names()));
         }
         Ok(Self {

@@ -1,7 +1,7 @@
 //! The tables of `docs/segments.md`: how many segments a curve needs, and what they lose.
 //!
 //! `cargo run -p chordal --example segments` prints them; with `-- docs/segments.md` it puts them into the page, between the marks.
-use chordal::explicit::{Arc, Curve, CurveSegment};
+use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment};
 use chordal::{Bezier, Budget, Job, Tolerance, convert};
 
 /// What goes wrong here goes to whoever runs it.
@@ -14,7 +14,7 @@ fn circle(diameter: f64) -> Outcome<Curve<2>> {
     let arc = Arc::new([radius, radius], [[radius, 0.0], [0.0, radius]], 0.0, turn)?;
     // Sine and cosine of a full turn are a little off those of none.
     let start = arc.ends()[0];
-    Ok(Curve::new(vec![CurveSegment::Arc(arc.with_ends([start, start]))], true)?)
+    Ok(Curve::new(vec![CurveSegment::Arc(arc.with_ends([start, start]))], CurveEnds::Closed)?)
 }
 
 /// A cubic with a gentle and a tight bend, as wide as asked.

@@ -2,7 +2,7 @@
 use chordal::convert::{
     DistanceGrid, Lattice, curve_to_field, field_to_grid, mesh_to_field, mesh_to_grid, outline_to_field,
 };
-use chordal::explicit::{Arc, Curve, CurveSegment, FillRule, Outline};
+use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment, FillRule, Outline};
 use chordal::implicit::shapes::{gyroid, sphere, torus};
 use chordal::implicit::{Distance, DistanceQuality, Expr, Field, Leaf, LeafAnswer, LeafError};
 use chordal::math::{Box3, Interval};
@@ -349,7 +349,7 @@ fn numbers_out_of_range_are_refused() {
 
 fn circle(r: f64) -> Curve<2> {
     let turn = Arc::new([0.0, 0.0], [[r, 0.0], [0.0, r]], 0.0, std::f64::consts::TAU).expect("an arc");
-    Curve::new(vec![CurveSegment::Arc(turn.with_ends([[r, 0.0]; 2]))], true).expect("a curve")
+    Curve::new(vec![CurveSegment::Arc(turn.with_ends([[r, 0.0]; 2]))], CurveEnds::Closed).expect("a curve")
 }
 
 #[test]

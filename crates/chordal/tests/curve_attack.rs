@@ -1,5 +1,5 @@
 //! Inputs that broke the bound, the count or the patience of the flattener, and must not again.
-use chordal::explicit::{Arc, Curve, CurveSegment, Polyline};
+use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment, Polyline};
 use chordal::{Bezier, Bounded, Budget, Failure, Job, Tolerance, convert};
 
 type Made<const D: usize> = Result<Bounded<Polyline<D>>, Failure<Polyline<D>>>;
@@ -31,7 +31,7 @@ fn arch(scale: f64) -> Curve<2> {
 
 fn circle(radius: f64) -> Curve<2> {
     let arc = Arc::new([0.0; 2], [[radius, 0.0], [0.0, radius]], 0.0, 3.0).expect("an arc");
-    Curve::new(vec![CurveSegment::Arc(arc)], false).expect("a path")
+    Curve::new(vec![CurveSegment::Arc(arc)], CurveEnds::Open).expect("a path")
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn numbers_near_the_end_of_the_range_are_bounded_or_refused() {
                 for sweep in [1e-3, 1e-9, 1e-17] {
                     let arc =
                         Arc::new([-scale, 0.0], [[scale, 0.0], [0.0, scale]], 0.0, sweep).expect("an arc");
-                    let curve = Curve::new(vec![CurveSegment::Arc(arc)], false).expect("a path");
+                    let curve = Curve::new(vec![CurveSegment::Arc(arc)], CurveEnds::Open).expect("a path");
                     let _ = at_most(make(&curve, &budget));
                     let _ = at_most(make(&curve, &Budget { segments: Some(9), ..length(1.0) }));
                 }

@@ -1,7 +1,7 @@
 //! The arrow `outlines_to_mesh`: closed form, the promise about sides, and odd outlines. The referee samples curves and
 //! counts winding by itself.
 use chordal::check::{measure, t_junctions};
-use chordal::explicit::{Arc, Bezier, Curve, CurveSegment, FillRule, Outline, Topology};
+use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, FillRule, Outline, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
 use std::f64::consts::PI;
 
@@ -12,12 +12,16 @@ fn made(outlines: &[Outline], tolerance: f64) -> Bounded<Mesh> {
 
 fn circle([x, y]: [f64; 2], r: f64) -> Curve<2> {
     let turn = Arc::new([x, y], [[r, 0.0], [0.0, r]], 0.0, 2.0 * PI).unwrap();
-    Curve::new(vec![CurveSegment::Arc(turn.with_ends([[x + r, y]; 2]))], true).unwrap()
+    Curve::new(vec![CurveSegment::Arc(turn.with_ends([[x + r, y]; 2]))], CurveEnds::Closed).unwrap()
 }
 
 fn polygon(points: &[[f64; 2]]) -> Curve<2> {
     let next = points.iter().cycle().skip(1);
-    Curve::new(points.iter().zip(next).map(|(a, b)| CurveSegment::Line([*a, *b])).collect(), true).unwrap()
+    Curve::new(
+        points.iter().zip(next).map(|(a, b)| CurveSegment::Line([*a, *b])).collect(),
+        CurveEnds::Closed,
+    )
+    .unwrap()
 }
 
 fn twice_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
@@ -78,11 +82,11 @@ fn holes_nested_contours_and_overlaps_follow_their_rule() {
 fn open_contours_are_closed_and_thin_or_empty_ones_vanish() {
     let open = Curve::new(
         vec![CurveSegment::Line([[0.0, 0.0], [2.0, 0.0]]), CurveSegment::Line([[2.0, 0.0], [2.0, 2.0]])],
-        false,
+        CurveEnds::Open,
     );
     let outline = |contours| Outline { contours, rule: FillRule::NonZero };
     assert!((measure(&made(&[outline(vec![open.unwrap()])], 0.1).shape).area - 2.0).abs() < 1e-9);
-    let line = Curve::new(vec![CurveSegment::Line([[0.0, 0.0], [2.0, 1.0]])], false).unwrap();
+    let line = Curve::new(vec![CurveSegment::Line([[0.0, 0.0], [2.0, 1.0]])], CurveEnds::Open).unwrap();
     let all = [outline(vec![line]), outline(vec![Curve::point([1.0, 1.0]).unwrap()]), outline(vec![])];
     assert!(made(&all, 0.1).shape.faces().is_empty());
     assert!(made(&[], 0.1).shape.faces().is_empty());
@@ -142,7 +146,7 @@ impl Random {
             CurveSegment::Cubic(Bezier { control: [corners[i], b, c, corners[(i + 1) % n]] })
         };
         let pieces = (0..n).map(|i| piece(i, self.point(), self.point())).collect();
-        Curve::new(pieces, true).unwrap()
+        Curve::new(pieces, CurveEnds::Closed).unwrap()
     }
 }
 

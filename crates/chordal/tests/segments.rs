@@ -1,5 +1,5 @@
 //! The tables of `docs/segments.md` are what the library makes today, and the formulas beside them are right.
-use chordal::explicit::{Arc, Curve, CurveSegment};
+use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment};
 use chordal::{Budget, Job, Tolerance, convert};
 use std::f64::consts::PI;
 
@@ -25,7 +25,9 @@ fn a_circle_takes_as_many_segments_as_its_formula_says() {
         for error in [1.0, 0.5, 0.25, 1e-3] {
             let arc = Arc::new([0.0; 2], [[radius, 0.0], [0.0, radius]], 0.0, 2.0 * PI).unwrap();
             let start = arc.ends()[0];
-            let circle = Curve::new(vec![CurveSegment::Arc(arc.with_ends([start, start]))], true).unwrap();
+            let circle =
+                Curve::new(vec![CurveSegment::Arc(arc.with_ends([start, start]))], CurveEnds::Closed)
+                    .unwrap();
             let budget = Budget::length(Tolerance::new(error).unwrap());
             let made =
                 convert::curve_to_polyline(&circle, &budget, &Job::default()).unwrap().shape.n_segments();

@@ -1,7 +1,7 @@
 //! Splines keep what they promise: through the points or not, how smooth, and how far a moved point is felt.
 use chordal::check::{join, joins};
 use chordal::explicit::spline::{self, InvalidSpline, Knots};
-use chordal::explicit::{Curve, CurveSegment, Polynomial};
+use chordal::explicit::{Curve, CurveEnds, CurveSegment, Polynomial};
 
 /// A generator with a printed seed (Knuth's linear congruential constants).
 struct Random(u64);
@@ -35,7 +35,7 @@ fn a_moved_control_point_of_a_b_spline_changes_four_spans_and_no_bit_of_the_othe
             let control = random.points::<3>(20);
             let mut other = control.clone();
             other[moved][1] += 0.125;
-            let [before, after] = [&control, &other].map(|c| spline::b_spline(c, closed).unwrap());
+            let [before, after] = [&control, &other].map(|c| spline::b_spline(c, closed.into()).unwrap());
             let changed = changed(&before, &after);
             let all = if closed { 20 } else { 17 };
             let expected: Vec<usize> = (0..all).filter(|i| (0..4).any(|k| (i + k) % 20 == moved)).collect();
@@ -51,7 +51,8 @@ fn a_moved_point_is_felt_by_four_pieces_of_catmull_rom_and_by_all_of_a_natural_s
     let mut other = points.clone();
     other[6][0] += 0.5;
     for knots in [Knots::Uniform, Knots::Centripetal] {
-        let [before, after] = [&points, &other].map(|p| spline::catmull_rom(p, knots, false).unwrap());
+        let [before, after] =
+            [&points, &other].map(|p| spline::catmull_rom(p, knots, CurveEnds::Open).unwrap());
         assert_eq!(changed(&before, &after), [4, 5, 6, 7]);
     }
     let [before, after] = [&points, &other].map(|p| spline::natural(p).unwrap());
@@ -104,11 +105,11 @@ fn splines_are_as_smooth_as_they_say_and_no_smoother() {
         let points: Vec<[f64; 2]> = random.points::<2>(40).iter().map(|p| p.map(|x| scale * x)).collect();
         let all = |path: &Curve<2>, class| joins(path).iter().all(|join| join.parametric == Some(class));
         assert!(all(&spline::natural(&points).unwrap(), 2));
-        assert!(all(&spline::b_spline(&points, false).unwrap(), 2));
-        assert!(all(&spline::b_spline(&points, true).unwrap(), 2));
-        assert_eq!(joins(&spline::b_spline(&points, true).unwrap()).len(), 40);
-        assert!(all(&spline::catmull_rom(&points, Knots::Uniform, true).unwrap(), 1));
-        let centripetal = spline::catmull_rom(&points, Knots::Centripetal, true).unwrap();
+        assert!(all(&spline::b_spline(&points, CurveEnds::Open).unwrap(), 2));
+        assert!(all(&spline::b_spline(&points, CurveEnds::Closed).unwrap(), 2));
+        assert_eq!(joins(&spline::b_spline(&points, CurveEnds::Closed).unwrap()).len(), 40);
+        assert!(all(&spline::catmull_rom(&points, Knots::Uniform, CurveEnds::Closed).unwrap(), 1));
+        let centripetal = spline::catmull_rom(&points, Knots::Centripetal, CurveEnds::Closed).unwrap();
         assert!(
             joins(&centripetal).iter().all(|join| join.parametric == Some(0) && join.geometric == Some(1))
         );
@@ -124,12 +125,12 @@ fn splines_go_through_their_points_and_the_b_spline_stays_in_its_hull() {
     let points = Random(4).points::<3>(30);
     for path in [
         spline::natural(&points).unwrap(),
-        spline::catmull_rom(&points, Knots::Uniform, false).unwrap(),
-        spline::catmull_rom(&points, Knots::Centripetal, false).unwrap(),
+        spline::catmull_rom(&points, Knots::Uniform, CurveEnds::Open).unwrap(),
+        spline::catmull_rom(&points, Knots::Centripetal, CurveEnds::Open).unwrap(),
     ] {
         assert!(points.iter().enumerate().all(|(i, p)| path.at(i as f64) == *p));
     }
-    let path = spline::b_spline(&points, false).unwrap();
+    let path = spline::b_spline(&points, CurveEnds::Open).unwrap();
     for (i, piece) in path.segments().iter().enumerate() {
         let [low, high] = piece.bounds();
         for k in 0..3 {
@@ -145,10 +146,10 @@ fn splines_go_through_their_points_and_the_b_spline_stays_in_its_hull() {
 fn what_makes_no_spline_is_refused() {
     let p = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]];
     assert_eq!(spline::natural(&p[..1]), Err(InvalidSpline::TooFew(2)));
-    assert_eq!(spline::b_spline(&p, false), Err(InvalidSpline::TooFew(4)));
+    assert_eq!(spline::b_spline(&p, CurveEnds::Open), Err(InvalidSpline::TooFew(4)));
     assert_eq!(spline::hermite(&p, &p[..2]), Err(InvalidSpline::Tangents));
-    assert_eq!(spline::catmull_rom(&p, Knots::Centripetal, false), Err(InvalidSpline::Repeated(1)));
-    assert!(spline::catmull_rom(&p, Knots::Uniform, false).is_ok());
+    assert_eq!(spline::catmull_rom(&p, Knots::Centripetal, CurveEnds::Open), Err(InvalidSpline::Repeated(1)));
+    assert!(spline::catmull_rom(&p, Knots::Uniform, CurveEnds::Open).is_ok());
     assert_eq!(spline::natural(&[[f64::NAN], [1.0]]), Err(InvalidSpline::NotFinite));
     assert_eq!(spline::natural(&[[1e308], [-1e308], [1e308]]), Err(InvalidSpline::NotFinite));
     assert_eq!(Polynomial::through(&[0.0, 0.0], &[[1.0], [2.0]]), Err(InvalidSpline::Repeated(0)));

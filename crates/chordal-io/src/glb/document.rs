@@ -2,7 +2,7 @@
 use super::node_list;
 use super::split::split;
 use super::streams::{AccessorStream, stored_bounds};
-use crate::snap::origin_of;
+use crate::single_precision::origin_of;
 use crate::{CoordinateOverflow, Part, Scene, WriteError};
 use chordal::Mesh;
 use chordal::explicit::Semantic;

@@ -37,7 +37,7 @@ pub struct GlbLevel<'a> {
 /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let fine = Mesh::new(corners.clone(), vec![[0, 1, 2], [0, 2, 3]])?;
 /// let coarse = Mesh::new(corners[..3].to_vec(), vec![[0, 1, 2]])?;
-/// let scenes = [fine, coarse].map(|mesh| Scene::from_mesh("", mesh, true, Frame::default()));
+/// let scenes = [fine, coarse].map(|mesh| Scene::from_mesh("", mesh, Frame::default()));
 /// let levels = [(0, 0.25), (1, 0.0)]
 ///     .map(|(i, coverage)| GlbLevel { scene: &scenes[i], certificate: None, coverage });
 /// let mut bytes = Vec::new();

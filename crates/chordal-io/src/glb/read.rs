@@ -63,7 +63,7 @@ const HARMLESS: [&str; 14] = [
 ///
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut bytes = Vec::new();
-/// glb::write(&Scene::from_mesh("triangle", mesh.clone(), true, Frame::default()), None, &mut bytes)?;
+/// glb::write(&Scene::from_mesh("triangle", mesh.clone(), Frame::default()), None, &mut bytes)?;
 /// let loaded = glb::read(&bytes, &Limits::default())?;
 /// let Content::Scene(scene) = loaded.content else { unreachable!() };
 /// assert_eq!(scene.parts[0].mesh, mesh);

@@ -1,6 +1,6 @@
 //! `AccessorStream`: one accessor to be written: its rows, and how they become bytes.
 use crate::WriteError;
-use crate::snap::store;
+use crate::single_precision::store;
 use chordal::Mesh;
 use chordal::convert::IndexBuffer;
 use chordal::explicit::{Attribute, Semantic};

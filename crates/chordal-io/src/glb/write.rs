@@ -30,7 +30,7 @@ use std::io::Write;
 ///
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut bytes = Vec::new();
-/// glb::write(&Scene::from_mesh("triangle", mesh, true, Frame::default()), None, &mut bytes)?;
+/// glb::write(&Scene::from_mesh("triangle", mesh, Frame::default()), None, &mut bytes)?;
 /// assert_eq!(&bytes[..4], b"glTF");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

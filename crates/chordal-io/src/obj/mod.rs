@@ -12,7 +12,7 @@ mod write_polygons;
 
 pub(crate) use detect::looks_like;
 pub use read::read;
-pub(crate) use write::colors_agree;
+pub(crate) use write::keeps;
 pub use write::write;
 pub use write_polygons::write_polygons;
 

@@ -405,7 +405,7 @@ impl<'a> ObjReader<'a> {
         let (groups, names) = group_attributes(self.groups, raw.faces.len())?;
         raw.attributes.extend(groups);
         let mesh = assemble::mesh(raw, &mut self.warnings)?;
-        let mut scene = Scene::from_mesh("", mesh, true, Frame::default());
+        let mut scene = Scene::from_mesh("", mesh, Frame::default());
         scene.certificate = self.certificate;
         scene.groups = names;
         Ok(ReadOutcome { content: Content::Scene(scene), warnings: self.warnings.into_list() })

@@ -23,7 +23,7 @@ use std::io::{BufWriter, Write};
 /// use chordal_io::{Frame, Scene, obj};
 /// let mesh = Mesh::new(vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 1e300, 0.0]], vec![[0, 1, 2]])?;
 /// let mut file = Vec::new();
-/// obj::write(&Scene::from_mesh("", mesh, true, Frame::default()), None, &mut file)?;
+/// obj::write(&Scene::from_mesh("", mesh, Frame::default()), None, &mut file)?;
 /// assert_eq!(file, b"v 0 0 0\nv 0.1 0 0\nv 0 1e300 0\nf 1 2 3\n");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -220,8 +220,22 @@ pub(super) fn group_name(groups: &BTreeMap<String, Vec<String>>, kind: &str, val
     }
 }
 
+/// Whether the writer keeps an attribute, with the first of all rows that are the same vertex.
+pub(crate) fn keeps(attribute: &Attribute, first_rows: &[u32]) -> bool {
+    let Attribute { semantic, domain, width, .. } = attribute;
+    match (semantic, domain) {
+        (Semantic::Normal, _) => *width == 3,
+        (Semantic::TexCoord(0), _) => *width == 2,
+        (Semantic::Color(0), Domain::Vertex) => *width >= 3 && colors_agree(attribute, first_rows),
+        (Semantic::Group(kind), Domain::Face) => {
+            *width == 1 && ["usemtl", "g", "o", "s", "solid"].contains(&kind.as_str())
+        }
+        _ => false,
+    }
+}
+
 /// Whether vertices of one position have one colour, so that their common line can hold it.
-pub(crate) fn colors_agree(color: &Attribute, first_rows: &[u32]) -> bool {
+fn colors_agree(color: &Attribute, first_rows: &[u32]) -> bool {
     first_rows.iter().enumerate().all(|(vertex, first)| color.row(vertex) == color.row(*first as usize))
 }
 

@@ -62,7 +62,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let faces = faces.faces.cut(&vertices.positions, place, &mut warnings);
     let PlyVertices { positions, position_id, attributes } = vertices;
     let mesh = assemble::mesh(RawMesh { positions, position_id, faces, attributes }, &mut warnings)?;
-    let mut scene = Scene::from_mesh("", mesh, true, Frame::default());
+    let mut scene = Scene::from_mesh("", mesh, Frame::default());
     scene.certificate = header.certificate;
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }

@@ -3,7 +3,7 @@ use super::vertices::POSITION_ID;
 use crate::instances::{PartInstance, part_instances};
 use crate::text::grouped;
 use crate::{Scene, WriteError};
-use chordal::explicit::{Attribute, Semantic};
+use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
@@ -25,7 +25,7 @@ use std::io::{BufWriter, Write};
 /// use chordal_io::{Content, Frame, Limits, Scene, ply};
 /// let mesh = Mesh::new(vec![[0.1, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut file = Vec::new();
-/// ply::write(&Scene::from_mesh("", mesh.clone(), true, Frame::default()), None, &mut file)?;
+/// ply::write(&Scene::from_mesh("", mesh.clone(), Frame::default()), None, &mut file)?;
 /// let Content::Scene(scene) = ply::read(&file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(scene.parts[0].mesh, mesh);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -186,4 +186,15 @@ fn byte(channel: f64) -> Option<u8> {
     let nearest = (channel * 255.0).round();
     let fits = (0.0..=255.0).contains(&nearest) && nearest / 255.0 == channel;
     fits.then_some(nearest as u8)
+}
+
+/// Whether the writer keeps an attribute.
+pub(crate) fn keeps(attribute: &Attribute) -> bool {
+    let Attribute { semantic, domain, width, .. } = attribute;
+    match (semantic, domain) {
+        (Semantic::Normal, Domain::Vertex) => *width == 3,
+        (Semantic::TexCoord(0), Domain::Vertex) => *width == 2,
+        (Semantic::Color(0), Domain::Vertex) => *width >= 3,
+        _ => false,
+    }
 }

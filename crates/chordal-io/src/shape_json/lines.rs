@@ -225,7 +225,7 @@ impl CurveList {
                 }
             }
         }
-        Ok(Curve::new(pieces, line.closed)?)
+        Ok(Curve::new(pieces, line.closed.into())?)
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadErr
         (place, format!("{} extra bytes after the last facet were skipped", grouped(rest.len() as u64)))
     });
     let (mesh, warnings) = facets.into_mesh(None)?;
-    let scene = Scene::from_mesh("", mesh, false, Frame::default());
+    let scene = Scene::from_triangle_soup("", mesh, Frame::default());
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 

@@ -22,7 +22,7 @@ use std::io::{BufWriter, Write};
 /// use chordal_io::{Frame, Scene, stl};
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut file = Vec::new();
-/// stl::write(&Scene::from_mesh("", mesh, false, Frame::default()), None, &mut file)?;
+/// stl::write(&Scene::from_triangle_soup("", mesh, Frame::default()), None, &mut file)?;
 /// assert_eq!(file.len(), 84 + 50);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

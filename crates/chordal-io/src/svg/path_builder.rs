@@ -251,7 +251,7 @@ impl PathBuilder {
         let slack = if self.drift == 0.0 && self.worst == 0.0 { 0.0 } else { slack };
         (self.worst, self.mirror) = (0.0, 0.0);
         // Segments join by construction; those that are not finite were refused with their numbers.
-        if let Ok(curve) = Curve::new(pieces, closed) {
+        if let Ok(curve) = Curve::new(pieces, closed.into()) {
             push(&mut self.curves, curve.with_slack(slack))?;
         }
         Ok(())

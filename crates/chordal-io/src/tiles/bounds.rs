@@ -1,6 +1,6 @@
 //! Bounding boxes of tiles: around what a viewer shows of a GLB that Chordal writes.
 use crate::scene::IDENTITY;
-use crate::snap::{origin_of, store};
+use crate::single_precision::{origin_of, store};
 use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
 use chordal::math::{Box3, Interval, mul_down, mul_up};
 
@@ -22,7 +22,7 @@ use chordal::math::{Box3, Interval, mul_down, mul_up};
 /// use chordal::Mesh;
 /// use chordal_io::{Frame, Scene, tiles};
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
-/// let bounds = tiles::content_bounds(&Scene::from_mesh("flat", mesh, true, Frame::default()))?;
+/// let bounds = tiles::content_bounds(&Scene::from_mesh("flat", mesh, Frame::default()))?;
 /// assert_eq!((bounds.min, bounds.max), ([0.0, 0.0, 0.0], [1.0, 0.0, 2.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

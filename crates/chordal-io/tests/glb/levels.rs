@@ -14,7 +14,7 @@ fn strip(n: u32) -> Mesh {
 
 fn scene(n: u32) -> Scene {
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.5) };
-    Scene::from_mesh(&format!("strip {n}"), strip(n), true, frame)
+    Scene::from_mesh(&format!("strip {n}"), strip(n), frame)
 }
 
 fn written(levels: &[GlbLevel<'_>]) -> Vec<u8> {

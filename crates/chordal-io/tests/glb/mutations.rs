@@ -9,7 +9,7 @@ fn seeds() -> Vec<Vec<u8>> {
     let (every, every_bin) = every_object();
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001) };
     let mut own = Vec::new();
-    glb::write(&Scene::from_mesh("cube", cube(), true, frame), Some(&json!({ "a": 1 })), &mut own)
+    glb::write(&Scene::from_mesh("cube", cube(), frame), Some(&json!({ "a": 1 })), &mut own)
         .expect("written");
     vec![glb_of(&triangle.to_string(), &triangle_bin), glb_of(&every.to_string(), &every_bin), own]
 }

@@ -61,7 +61,7 @@ proptest! {
     fn positions_and_faces_come_back_to_the_last_bit(mesh in any_mesh()) {
         let snapped = snap(&mesh, Format::Glb).unwrap().mesh;
         for original in [&mesh, &snapped] {
-            let back = placed(&Scene::from_mesh("m", original.clone(), true, Frame::default()));
+            let back = placed(&Scene::from_mesh("m", original.clone(), Frame::default()));
             prop_assert_eq!(bits(back.positions()), bits(snapped.positions()));
             prop_assert_eq!(back.faces(), mesh.faces());
         }
@@ -71,14 +71,14 @@ proptest! {
     fn a_z_up_scene_stands_up_without_rounding(mesh in any_mesh()) {
         let snapped = snap(&mesh, Format::Glb).unwrap().mesh;
         let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
-        let back = placed(&Scene::from_mesh("m", mesh, true, frame));
+        let back = placed(&Scene::from_mesh("m", mesh, frame));
         let expected: Vec<_> = snapped.positions().iter().map(|p| [p[0], p[2], -p[1]]).collect();
         prop_assert_eq!(bits(back.positions()), bits(&expected));
     }
 
     #[test]
     fn the_same_scene_gives_the_same_bytes(mesh in any_mesh()) {
-        let scene = Scene::from_mesh("m", mesh, true, Frame::default());
+        let scene = Scene::from_mesh("m", mesh, Frame::default());
         prop_assert_eq!(written(&scene, None), written(&scene, None));
         // What was read writes to the same bytes again, where nothing but the mesh is in the file.
         let (back, warnings) = again(&scene);
@@ -105,7 +105,7 @@ fn attributes_come_back_in_single_precision() {
         .and_then(|m| m.with_attribute(stream(Semantic::Color(0), 4, |i| i as f64 / 32.0)))
         .and_then(|m| m.with_attribute(stream(Semantic::Custom("_heat".to_owned()), 1, |i| i as f64 * 1e-9)))
         .expect("attributes");
-    let (back, warnings) = again(&Scene::from_mesh("cube", mesh.clone(), true, Frame::default()));
+    let (back, warnings) = again(&Scene::from_mesh("cube", mesh.clone(), Frame::default()));
     assert!(warnings.is_empty(), "{warnings:?}");
     let back = &back.parts[0].mesh;
     assert_eq!(back.attributes().len(), 5);
@@ -124,7 +124,7 @@ fn attributes_of_corners_and_faces_double_vertices_where_they_differ() {
     let by_corner =
         Attribute { semantic: Semantic::Normal, domain: Domain::Corner, width: 3, values: normals };
     let creased = cube.clone().with_attribute(by_corner).expect("corners");
-    let (back, _) = again(&Scene::from_mesh("creased", creased.clone(), true, Frame::default()));
+    let (back, _) = again(&Scene::from_mesh("creased", creased.clone(), Frame::default()));
     let mesh = &back.parts[0].mesh;
     assert_eq!((mesh.positions().len(), mesh.n_positions(), mesh.faces().len()), (24, 8, 12));
     let normals = mesh.attribute(&Semantic::Normal).expect("normals");
@@ -139,7 +139,7 @@ fn attributes_of_corners_and_faces_double_vertices_where_they_differ() {
     let values = (0..12).map(|f| f64::from(f / 2)).collect();
     let by_face = Attribute { semantic: group, domain: Domain::Face, width: 1, values };
     let grouped = cube.with_attribute(by_face).expect("faces");
-    let (back, _) = again(&Scene::from_mesh("grouped", grouped, true, Frame::default()));
+    let (back, _) = again(&Scene::from_mesh("grouped", grouped, Frame::default()));
     assert_eq!(back.parts[0].mesh.positions().len(), 24);
     let side = back.parts[0].mesh.attribute(&Semantic::Custom("_side".to_owned())).expect("kept");
     assert_eq!(side.row(back.parts[0].mesh.faces()[11][0] as usize), [5.0]);
@@ -150,7 +150,7 @@ fn a_vertex_without_a_normal_gets_an_axis() {
     let mesh =
         Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).expect("a triangle");
     let mesh = mesh.with_attribute(Attribute::vertex_normals(&[[0.0; 3], [f64::NAN; 3], [0.0, 3.0, 4.0]]));
-    let (back, _) = again(&Scene::from_mesh("m", mesh.expect("normals"), true, Frame::default()));
+    let (back, _) = again(&Scene::from_mesh("m", mesh.expect("normals"), Frame::default()));
     let normals = back.parts[0].mesh.attribute(&Semantic::Normal).expect("normals");
     let [six, eight] = [0.6_f32, 0.8].map(f64::from);
     assert_eq!(normals.values, [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, six, eight]);
@@ -161,7 +161,7 @@ fn indices_are_short_while_the_restart_value_is_out_of_reach() {
     for (n, component) in [(65_535, 5123), (65_536, 5125)] {
         let positions = (0..n).map(|i| [f64::from(i % 256), f64::from(i / 256), 0.0]).collect();
         let mesh = Mesh::new(positions, vec![[0, 1, n as u32 - 1]]).expect("a triangle");
-        let scene = Scene::from_mesh("m", mesh.clone(), true, Frame::default());
+        let scene = Scene::from_mesh("m", mesh.clone(), Frame::default());
         let bytes = written(&scene, None);
         let json = String::from_utf8_lossy(&bytes);
         assert!(json.contains(&format!("\"componentType\":{component}")), "{n} vertices");
@@ -176,7 +176,7 @@ fn the_certificate_travels_unchanged() {
         "output": { "vertices": 24, "triangles": 18_446_744_073_709_551_615_u64 - 18_446_744_073_709_551_600 },
         "notes": ["é \"quoted\" \\ 😀", null, true, -1, []]
     });
-    let scene = Scene::from_mesh("cube", cube(), true, Frame::default());
+    let scene = Scene::from_mesh("cube", cube(), Frame::default());
     let bytes = written(&scene, Some(&certificate));
     let (back, warnings) = scene_of(glb::read(&bytes, &Limits::default()).expect("read"));
     assert_eq!(back.certificate, Some(certificate));
@@ -192,7 +192,7 @@ fn nodes_names_and_instances_come_back() {
         cube().faces().to_vec(),
     );
     let node = |name: &str, matrix, children, part| Node { name: name.to_owned(), matrix, children, part };
-    let identity = Scene::from_mesh("", cube(), true, Frame::default()).nodes[0].matrix;
+    let identity = Scene::from_mesh("", cube(), Frame::default()).nodes[0].matrix;
     let mut moved = identity;
     moved[12..15].copy_from_slice(&[0.1, -2.0, 1e-3]);
     let turned = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0];
@@ -230,18 +230,18 @@ fn nodes_names_and_instances_come_back() {
 #[test]
 fn a_unit_becomes_a_scale() {
     let frame = Frame { up: None, metres_per_unit: Some(0.001) };
-    let back = placed(&Scene::from_mesh("cube", cube(), true, frame));
+    let back = placed(&Scene::from_mesh("cube", cube(), frame));
     assert_eq!(back.positions()[7], [0.001; 3]);
     let kilometres = Frame { up: Some(Axis::Z), metres_per_unit: Some(1000.0) };
     assert_eq!(
-        placed(&Scene::from_mesh("cube", cube(), true, kilometres)).positions()[7],
+        placed(&Scene::from_mesh("cube", cube(), kilometres)).positions()[7],
         [1000.0, 1000.0, -1000.0]
     );
 }
 
 #[test]
 fn nothing_is_written_as_nothing() {
-    let empty = Scene::from_mesh("empty", Mesh::default(), true, Frame::default());
+    let empty = Scene::from_mesh("empty", Mesh::default(), Frame::default());
     let (back, _) = again(&empty);
     assert_eq!((back.parts.len(), back.nodes.len()), (0, 1));
     assert_eq!(again(&Scene::default()).0.nodes.len(), 0);
@@ -255,7 +255,7 @@ fn what_gltf_cannot_hold_is_refused_with_a_sentence() {
         assert!(bytes.is_empty(), "half written");
         error.to_string()
     };
-    let of = |mesh| Scene::from_mesh("m", mesh, true, Frame::default());
+    let of = |mesh| Scene::from_mesh("m", mesh, Frame::default());
     let points = Mesh::new(vec![[0.0; 3]], vec![]).expect("a point");
     assert_eq!(refused(&of(points)), "part \"m\" has 1 points and no triangle");
     let huge = Mesh::new(vec![[0.0; 3], [1e39, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).expect("finite");
@@ -296,7 +296,7 @@ fn tangents_of_corners_double_the_vertices_where_mirrored_halves_meet() {
         .and_then(|mesh| mesh.with_attribute(normals))
         .expect("two quads");
     let mesh = with_tangents(&mesh, 0).expect("coordinates and normals").expect("few rows");
-    let (back, _) = again(&Scene::from_mesh("", mesh, false, Frame::default()));
+    let (back, _) = again(&Scene::from_triangle_soup("", mesh, Frame::default()));
     let part = &back.parts[0].mesh;
     assert_eq!((part.positions().len(), part.n_positions()), (8, 6));
     let tangents = part.attribute(&Semantic::Tangent).expect("tangents");

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 fn scene(points: &[[f64; 3]], frame: Frame) -> Scene {
     let n = points.len() as u32;
     let faces = (0..n - 2).map(|i| [i, i + 1, i + 2]).collect();
-    Scene::from_mesh("cloud", Mesh::new(points.to_vec(), faces).expect("valid"), true, frame)
+    Scene::from_mesh("cloud", Mesh::new(points.to_vec(), faces).expect("valid"), frame)
 }
 
 /// What a viewer shows of the file: its positions, turned to z-up.

@@ -217,7 +217,7 @@ impl LevelMesh {
     ) -> Result<Self, MeshFailure> {
         let request = MeshRequest::new(Budget::default(), Format::Glb, mesh.bounds());
         let Bounded { shape: mesh, bound } = request.snap(mesh, bound, job)?;
-        let mut scene = Scene::from_mesh(NAME, mesh, true, looks.frame);
+        let mut scene = Scene::from_mesh(NAME, mesh, looks.frame);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
         let (triangles, vertices) = counts(&scene);
@@ -248,7 +248,7 @@ const NAME: &str = "level";
 
 /// How positions are identified when normals are computed: a simplified mesh has indices of its own.
 fn normals_by(from: Format) -> Format {
-    if matches!(from, Format::Stl | Format::Glb) { Format::Obj } else { from }
+    if from.topology() == Topology::Positions { Format::Obj } else { from }
 }
 
 /// The tolerance of the finest level.

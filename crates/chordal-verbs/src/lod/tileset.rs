@@ -49,7 +49,7 @@ impl TileHierarchy {
         let snapped = snap(&local, Format::Stl)?;
         let bound =
             bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
-        let mut scene = Scene::from_mesh(NAME, snapped.mesh, true, looks.frame);
+        let mut scene = Scene::from_mesh(NAME, snapped.mesh, looks.frame);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
         let Some(part) = scene.parts.first() else {
@@ -74,7 +74,7 @@ impl TileHierarchy {
             let snapped = snap(&tile.mesh, Format::Stl)?;
             let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
             let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
-            let scene = to_file_rows(Scene::from_mesh(NAME, snapped.mesh, true, looks.frame), Format::Glb)?;
+            let scene = to_file_rows(Scene::from_mesh(NAME, snapped.mesh, looks.frame), Format::Glb)?;
             let (triangles, vertices) = counts(&scene);
             tiles.push(LevelMesh { scene, bound, triangles, vertices });
             children.push(tile.children);

@@ -4,13 +4,12 @@ use super::{
     to_value,
 };
 use crate::file_rows::rows_of;
-use crate::formats::topology;
 use crate::{Input, Shape};
 use chordal::Mesh;
 use chordal::convert::IndexBuffer;
 use chordal::explicit::{cache_misses, cache_order, position_id_by_bits};
 use chordal::math::Box3;
-use chordal_io::{Format, Scene};
+use chordal_io::{Format, Scene, VertexRows};
 use serde::Serialize;
 use serde_json::Value;
 use std::borrow::Cow;
@@ -176,7 +175,7 @@ impl PartFacts {
             // A mesh whose rows cannot be merged has too many of them in any case.
             counts: rows_of(&part.mesh, format).map_or_else(
                 |_| TriangleFacts::default(),
-                |rows| TriangleFacts::from_mesh(&rows, topology(format)),
+                |rows| TriangleFacts::from_mesh(&rows, format.topology()),
             ),
             instances,
         };
@@ -208,7 +207,7 @@ impl GeometrySizes {
 /// The number of vertices, and the triangles by their rows. Where the file has no indices, equal corners are
 /// one vertex: its rows, one for each corner of each triangle, imply no order or size.
 fn rows(mesh: &Mesh, format: Format) -> (usize, Cow<'_, [[u32; 3]]>) {
-    if format != Format::Stl {
+    if format.vertex_rows() != VertexRows::Soup {
         return (mesh.positions().len(), mesh.faces().into());
     }
     let ids = position_id_by_bits(mesh.positions());

@@ -1,7 +1,6 @@
 //! The validity of one part of a scene, by both definitions of "the same position".
 use super::witness::WitnessFacts;
 use crate::file_rows::rows_of;
-use crate::formats::topology;
 use chordal::Mesh;
 use chordal::budget::JobError;
 use chordal::check::{
@@ -52,14 +51,14 @@ impl TopologyChecks {
     /// Everything that needs no search.
     pub fn quick(mesh: &Mesh, format: Format) -> Result<Self, WriteError> {
         let mesh = rows_of(mesh, format)?;
-        let Ok(both) = Self::new(&mesh, topology(format), |_, _| Ok::<(), Infallible>(()));
+        let Ok(both) = Self::new(&mesh, format.topology(), |_, _| Ok::<(), Infallible>(()));
         Ok(both)
     }
 
     /// The components as well, and self-intersections where requested.
     pub fn thorough(mesh: &Mesh, format: Format, look: CheckDepth) -> Result<Self, CountError> {
         let mesh = rows_of(mesh, format).map_err(|_| CountError::Unwritten)?;
-        let mut both = Self::new(&mesh, topology(format), |surface, checked| {
+        let mut both = Self::new(&mesh, format.topology(), |surface, checked| {
             checked.components = match look {
                 CheckDepth::Full => surface.components(),
                 CheckDepth::Deep(job) => surface.components_under(job).map_err(CountError::Stopped)?,

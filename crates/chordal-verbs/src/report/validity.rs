@@ -6,7 +6,6 @@ use super::scene_check::SceneCheck;
 use super::surface::SurfaceFacts;
 use super::validity_counts::ValidityCounts;
 use super::witness::WitnessFacts;
-use crate::formats::topology;
 use chordal::check::{Defect, Validity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene, WriteError};
@@ -71,7 +70,7 @@ impl CountedTriangles {
     pub fn from_scene(scene: &Scene, format: Format) -> Result<Self, WriteError> {
         let parts: Result<Vec<_>, _> =
             scene.parts.iter().map(|part| TopologyChecks::quick(&part.mesh, format)).collect();
-        Ok(Self::total(&parts?, topology(format)))
+        Ok(Self::total(&parts?, format.topology()))
     }
 
     /// As `from_scene`, in full.
@@ -80,7 +79,7 @@ impl CountedTriangles {
         for part in &scene.parts {
             parts.push(TopologyChecks::thorough(&part.mesh, format, look)?);
         }
-        let mut counted = Self::total(&parts, topology(format));
+        let mut counted = Self::total(&parts, format.topology());
         if parts.len() > 1 {
             let part = |(i, both): (usize, &TopologyChecks)| PartValidity {
                 part: i as u64,
@@ -95,7 +94,7 @@ impl CountedTriangles {
         let mut witnesses: Vec<_> = witnesses.collect();
         if let CheckDepth::Deep(job) = look
             && let Some(together) =
-                SceneCheck::from_scene(scene, topology(format), job).map_err(CountError::Stopped)?
+                SceneCheck::from_scene(scene, format.topology(), job).map_err(CountError::Stopped)?
         {
             anatomy.add_scene_check(&together);
             witnesses.extend(together.witnesses);

@@ -60,7 +60,7 @@ fn tooth(piece: &CurveSegment<2>, t: f64, scale: f64) -> Option<Tooth> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::explicit::Bezier;
+    use crate::explicit::{Bezier, CurveEnds};
 
     #[test]
     fn an_almost_circle_has_teeth_of_almost_one_length_pointing_outwards() {
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_line_has_teeth_without_length_and_a_point_none() {
-        let line = Curve::new(vec![CurveSegment::Line([[0.0, 0.0], [2.0, 1.0]])], false).unwrap();
+        let line = Curve::new(vec![CurveSegment::Line([[0.0, 0.0], [2.0, 1.0]])], CurveEnds::Open).unwrap();
         let comb = curvature_comb(&line, 4, 3.0);
         assert!(comb[0].len() == 5 && comb[0].iter().all(|tooth| tooth.tip == tooth.on_curve));
         let still = Bezier { control: [[1.0, 1.0]; 4] };

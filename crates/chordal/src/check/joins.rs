@@ -43,11 +43,11 @@ const SECOND: f64 = 256.0;
 /// direction. Lines have zero curvature.
 ///
 /// ```
-/// use chordal::{check, explicit::{Curve, CurveSegment, spline}};
+/// use chordal::{check, explicit::{Curve, CurveEnds, CurveSegment, spline}};
 /// let path = spline::natural(&[[0.0, 0.0], [1.0, 2.0], [3.0, 1.0], [4.0, 4.0]])?;
 /// assert!(check::joins(&path).iter().all(|join| join.parametric == Some(2)));
 /// let corner = [CurveSegment::Line([[0.0, 0.0], [1.0, 0.0]]), CurveSegment::Line([[1.0, 0.0], [1.0, 1.0]])];
-/// let join = check::joins(&Curve::new(corner.to_vec(), false).unwrap())[0];
+/// let join = check::joins(&Curve::new(corner.to_vec(), CurveEnds::Open).unwrap())[0];
 /// assert_eq!((join.geometric, join.angle_rad), (Some(0), Some(std::f64::consts::FRAC_PI_2)));
 /// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
 /// ```
@@ -160,7 +160,7 @@ fn size_of<const D: usize>(piece: &CurveSegment<D>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::explicit::{Arc, Bezier};
+    use crate::explicit::{Arc, Bezier, CurveEnds};
 
     fn cubic(control: [[f64; 2]; 4]) -> CurveSegment<2> {
         CurveSegment::Cubic(Bezier { control })
@@ -215,7 +215,8 @@ mod tests {
     #[test]
     fn a_closed_path_has_a_seam() {
         let loop_of_one =
-            Curve::new(vec![cubic([[0.0, 0.0], [3.0, 3.0], [-3.0, 3.0], [0.0, 0.0]])], true).unwrap();
+            Curve::new(vec![cubic([[0.0, 0.0], [3.0, 3.0], [-3.0, 3.0], [0.0, 0.0]])], CurveEnds::Closed)
+                .unwrap();
         let joins = joins(&loop_of_one);
         assert_eq!((joins.len(), joins[0].piece, joins[0].geometric), (1, 0, Some(0)));
     }

@@ -8,7 +8,7 @@ use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
 use crate::explicit::fill::snap_grid::SnapGrid;
 use crate::explicit::fill::sweep::InsideRule;
 use crate::explicit::fill::{FillTriangles, fill};
-use crate::explicit::{Curve, CurveSegment, FillRule, Mesh, Outline, Polyline};
+use crate::explicit::{Curve, CurveEnds, CurveSegment, FillRule, Mesh, Outline, Polyline};
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
 /// Turns outlines into triangles in the plane z = 0. Each outline encloses what its fill rule says, however
@@ -33,10 +33,10 @@ use crate::math::{Box3, add_up, greater, lesser, sub_down};
 ///
 /// ```
 /// use chordal::{Budget, Job, Tolerance, convert};
-/// use chordal::explicit::{Arc, Curve, FillRule, Outline, CurveSegment};
+/// use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment, FillRule, Outline};
 /// let circle = |r: f64| {
 ///     let turn = Arc::new([0.0, 0.0], [[r, 0.0], [0.0, r]], 0.0, 2.0 * std::f64::consts::PI).unwrap();
-///     Curve::new(vec![CurveSegment::Arc(turn.with_ends([[r, 0.0]; 2]))], true).unwrap()
+///     Curve::new(vec![CurveSegment::Arc(turn.with_ends([[r, 0.0]; 2]))], CurveEnds::Closed).unwrap()
 /// };
 /// let ring = Outline { contours: vec![circle(2.0), circle(1.0)], rule: FillRule::EvenOdd };
 /// let budget = Budget::length(Tolerance::new(1e-3).unwrap());
@@ -349,5 +349,6 @@ fn closed_contour(contour: &Curve<2>) -> Curve<2> {
         pieces.push(CurveSegment::Line([end, start]));
     }
     // The pieces join as before, and the new one by construction.
-    Curve::new(pieces, true).map_or_else(|_| contour.clone(), |closed| closed.with_slack(contour.slack()))
+    Curve::new(pieces, CurveEnds::Closed)
+        .map_or_else(|_| contour.clone(), |closed| closed.with_slack(contour.slack()))
 }

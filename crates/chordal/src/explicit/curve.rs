@@ -8,10 +8,10 @@ use std::fmt;
 /// A closed path ends where it starts. A path may be a single point, without a piece.
 ///
 /// ```
-/// use chordal::explicit::{Bezier, Curve, CurveSegment};
+/// use chordal::explicit::{Bezier, Curve, CurveEnds, CurveSegment};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
 /// let back = CurveSegment::Line([[1.0, 0.0], [0.0, 0.0]]);
-/// let path = Curve::new(vec![CurveSegment::Cubic(arch), back], true)?;
+/// let path = Curve::new(vec![CurveSegment::Cubic(arch), back], CurveEnds::Closed)?;
 /// assert_eq!(path.at(0.5), [0.5, 0.75]); // half-way through the first piece
 /// assert_eq!(path.at(1.5), [0.5, 0.0]); // half-way through the second
 /// # Ok::<(), chordal::explicit::InvalidCurve>(())
@@ -24,13 +24,29 @@ pub struct Curve<const D: usize> {
     slack: f64,
 }
 
+/// Whether a path returns to its start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurveEnds {
+    /// It ends where its last piece ends.
+    Open,
+    /// Its last piece ends where its first one starts.
+    Closed,
+}
+
+impl From<bool> for CurveEnds {
+    /// Closed where the condition holds.
+    fn from(is_closed: bool) -> Self {
+        if is_closed { Self::Closed } else { Self::Open }
+    }
+}
+
 impl<const D: usize> Curve<D> {
     /// A path of at least one piece.
     ///
     /// # Errors
     /// When there is no piece, a number is not finite, a piece does not start where the one before it ends,
     /// or a closed path does not end where it starts.
-    pub fn new(pieces: Vec<CurveSegment<D>>, closed: bool) -> Result<Self, InvalidCurve> {
+    pub fn new(pieces: Vec<CurveSegment<D>>, ends: CurveEnds) -> Result<Self, InvalidCurve> {
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
             return Err(InvalidCurve::Empty);
         };
@@ -40,6 +56,7 @@ impl<const D: usize> Curve<D> {
         if let Some(before) = pieces.windows(2).position(|pair| pair[0].end() != pair[1].start()) {
             return Err(InvalidCurve::Gap { piece: before + 1 });
         }
+        let closed = ends == CurveEnds::Closed;
         if closed && last.end() != first.start() {
             return Err(InvalidCurve::Gap { piece: 0 });
         }
@@ -152,7 +169,7 @@ impl<const D: usize> Curve<D> {
         if !slack.is_finite() {
             return Err(InvalidCurve::NotFinite { piece: 0 });
         }
-        Ok(Self::new(pieces, self.closed)?.with_slack(slack))
+        Ok(Self::new(pieces, self.closed.into())?.with_slack(slack))
     }
 }
 
@@ -212,20 +229,27 @@ mod tests {
     #[test]
     fn a_gap_is_refused_wherever_it_is() {
         let (a, b, c) = ([0.0, 0.0], [1.0, 0.0], [1.0, 1.0]);
-        assert_eq!(Curve::<2>::new(vec![], false), Err(InvalidCurve::Empty));
-        assert_eq!(Curve::new(vec![line(a, b), line(a, c)], false), Err(InvalidCurve::Gap { piece: 1 }));
-        assert_eq!(Curve::new(vec![line(a, b), line(b, c)], true), Err(InvalidCurve::Gap { piece: 0 }));
+        assert_eq!(Curve::<2>::new(vec![], CurveEnds::Open), Err(InvalidCurve::Empty));
         assert_eq!(
-            Curve::new(vec![line(a, [f64::NAN, 0.0])], false),
+            Curve::new(vec![line(a, b), line(a, c)], CurveEnds::Open),
+            Err(InvalidCurve::Gap { piece: 1 })
+        );
+        assert_eq!(
+            Curve::new(vec![line(a, b), line(b, c)], CurveEnds::Closed),
+            Err(InvalidCurve::Gap { piece: 0 })
+        );
+        assert_eq!(
+            Curve::new(vec![line(a, [f64::NAN, 0.0])], CurveEnds::Open),
             Err(InvalidCurve::NotFinite { piece: 0 })
         );
-        assert!(Curve::new(vec![line(a, b), line(b, a)], true).is_ok());
+        assert!(Curve::new(vec![line(a, b), line(b, a)], CurveEnds::Closed).is_ok());
     }
 
     #[test]
     fn a_parameter_outside_is_the_nearest_end() {
         let path =
-            Curve::new(vec![line([0.0, 0.0], [1.0, 0.0]), line([1.0, 0.0], [1.0, 1.0])], false).unwrap();
+            Curve::new(vec![line([0.0, 0.0], [1.0, 0.0]), line([1.0, 0.0], [1.0, 1.0])], CurveEnds::Open)
+                .unwrap();
         for (s, point) in [
             (-1.0, [0.0, 0.0]),
             (0.25, [0.25, 0.0]),
@@ -242,7 +266,7 @@ mod tests {
 
     #[test]
     fn a_map_takes_the_slack_along() {
-        let path = Curve::new(vec![line([1.0, 0.0], [3.0, 0.0])], false).unwrap().with_slack(0.5);
+        let path = Curve::new(vec![line([1.0, 0.0], [3.0, 0.0])], CurveEnds::Open).unwrap().with_slack(0.5);
         let map = AffineMap { columns: [[2.0, 0.0], [0.0, 2.0]], offset: [1.0, 1.0] };
         let moved = path.transformed(&map).unwrap();
         assert_eq!((moved.start(), moved.end()), ([3.0, 1.0], [7.0, 1.0]));

@@ -43,7 +43,7 @@ pub use cage::{
 pub use closest_point::{SurfaceClosestPoint, SurfaceTree};
 pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuity::Continuity;
-pub use curve::{Curve, InvalidCurve};
+pub use curve::{Curve, CurveEnds, InvalidCurve};
 pub use curve_segment::{AffineMap, CurveSegment};
 pub(crate) use disjoint_sets::DisjointSets;
 #[allow(unused_imports, reason = "used by what is not called yet")]

@@ -13,7 +13,7 @@
 //! Sources: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, ch. 8–9; E. Catmull, R. Rom, *A class of
 //! local interpolating splines*, 1974; C. Yuksel, S. Schaefer, J. Keyser, *Parameterization and applications
 //! of Catmull–Rom curves*, 2011 (centripetal: no cusps and no loops within a piece).
-use super::{Bezier, Curve, CurveSegment, InvalidCurve};
+use super::{Bezier, Curve, CurveEnds, CurveSegment, InvalidCurve};
 use std::fmt;
 
 /// The knots, which are the parameters of the points.
@@ -80,7 +80,7 @@ pub fn hermite<const D: usize>(
         return Err(InvalidSpline::Tangents);
     }
     let ends = points.windows(2).zip(tangents.windows(2));
-    path(ends.map(|(p, m)| from_ends([p[0], p[1]], [m[0], m[1]])), false)
+    path(ends.map(|(p, m)| from_ends([p[0], p[1]], [m[0], m[1]])), CurveEnds::Open)
 }
 
 /// The path through `points` whose tangent at each point is a mean of the slopes of the two chords there.
@@ -93,17 +93,18 @@ pub fn hermite<const D: usize>(
 /// knots, or numbers that are not finite.
 ///
 /// ```
-/// use chordal::explicit::spline::{self, Knots};
+/// use chordal::explicit::{CurveEnds, spline::{self, Knots}};
 /// let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-/// let round = spline::catmull_rom(&square, Knots::Uniform, true)?;
+/// let round = spline::catmull_rom(&square, Knots::Uniform, CurveEnds::Closed)?;
 /// assert_eq!((round.at(1.0), round.at(0.5)), ([1.0, 0.0], [0.5, -0.125]));
 /// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
 /// ```
 pub fn catmull_rom<const D: usize>(
     points: &[[f64; D]],
     knots: Knots,
-    closed: bool,
+    ends: CurveEnds,
 ) -> Result<Curve<D>, InvalidSpline> {
+    let closed = ends == CurveEnds::Closed;
     at_least(points, if closed { 3 } else { 2 })?;
     let n = points.len();
     let n_pieces = if closed { n } else { n - 1 };
@@ -131,7 +132,7 @@ pub fn catmull_rom<const D: usize>(
         let along = |m: [f64; D]| m.map(|x| x * widths[i]);
         from_ends([points[i], points[j]], [along(tangent(i)), along(tangent(j))])
     });
-    path(pieces, closed)
+    path(pieces, ends)
 }
 
 /// The knot intervals of [`catmull_rom`], with respect to which the path is C1.
@@ -215,13 +216,14 @@ pub fn natural<const D: usize>(points: &[[f64; D]]) -> Result<Curve<D>, InvalidS
 /// When there are fewer than four points (three for a closed path), or numbers that are not finite.
 ///
 /// ```
-/// use chordal::explicit::spline;
-/// let path = spline::b_spline(&[[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0]], false)?;
+/// use chordal::explicit::{CurveEnds, spline};
+/// let path = spline::b_spline(&[[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0]], CurveEnds::Open)?;
 /// assert_eq!(path.segments().len(), 1);
 /// assert_eq!((path.start(), path.end()), ([5.0, 1.0], [5.0, 5.0]));
 /// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
 /// ```
-pub fn b_spline<const D: usize>(control: &[[f64; D]], closed: bool) -> Result<Curve<D>, InvalidSpline> {
+pub fn b_spline<const D: usize>(control: &[[f64; D]], ends: CurveEnds) -> Result<Curve<D>, InvalidSpline> {
+    let closed = ends == CurveEnds::Closed;
     at_least(control, if closed { 3 } else { 4 })?;
     let n = control.len();
     let n_pieces = if closed { n } else { n - 3 };
@@ -234,7 +236,7 @@ pub fn b_spline<const D: usize>(control: &[[f64; D]], closed: bool) -> Result<Cu
     let piece = |i: usize| Bezier {
         control: [knot(i % n), third(at(i + 1), at(i + 2)), third(at(i + 2), at(i + 1)), knot((i + 1) % n)],
     };
-    path((0..n_pieces).map(piece), closed)
+    path((0..n_pieces).map(piece), ends)
 }
 
 fn from_ends<const D: usize>([a, b]: [[f64; D]; 2], [m, o]: [[f64; D]; 2]) -> Bezier<D> {
@@ -249,7 +251,7 @@ fn at_least<const D: usize>(points: &[[f64; D]], n: usize) -> Result<(), Invalid
 
 fn path<const D: usize>(
     pieces: impl Iterator<Item = Bezier<D>>,
-    closed: bool,
+    ends: CurveEnds,
 ) -> Result<Curve<D>, InvalidSpline> {
-    Ok(Curve::new(pieces.map(CurveSegment::Cubic).collect(), closed)?)
+    Ok(Curve::new(pieces.map(CurveSegment::Cubic).collect(), ends)?)
 }

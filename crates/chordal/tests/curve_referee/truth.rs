@@ -116,7 +116,7 @@ impl<const D: usize> Path<D> {
 
     /// The path as the library has it.
     pub fn library(&self) -> Curve<D> {
-        Curve::new(self.parts.iter().map(Part::library).collect(), self.closed).expect("a path")
+        Curve::new(self.parts.iter().map(Part::library).collect(), self.closed.into()).expect("a path")
     }
 
     /// The lowest and highest coordinates.

@@ -1,0 +1,79 @@
+//! `write`: encodes a shape in any format that holds it, with its certificate where the format carries one.
+use crate::{Format, Polygons, Polylines, Scene, Volume, WriteError};
+use serde_json::Value;
+use std::io::Write;
+
+/// Writes a scene of triangles.
+///
+/// # Errors
+/// When the sink fails, or the format cannot hold the scene.
+///
+/// ```
+/// use chordal_io::{Content, Format, Limits, read, write};
+/// let loaded = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj, &Limits::default())?;
+/// let Content::Scene(scene) = loaded.content else { unreachable!() };
+/// let mut file = Vec::new();
+/// write(&scene, None, Format::Stl, &mut file)?;
+/// assert_eq!(file.len(), 84 + 50);
+/// assert!(write(&scene, None, Format::Svg, &mut file).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write(
+    scene: &Scene,
+    certificate: Option<&Value>,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    match &format.row().triangles {
+        Some(held) => (held.write)(scene, certificate, out),
+        None => Err(WriteError::Unsupported(format!("{format} holds no triangles"))),
+    }
+}
+
+/// Writes polygons of any number of corners.
+///
+/// # Errors
+/// When the sink fails, or the format cannot hold the polygons.
+pub fn write_polygons(
+    polygons: &Polygons,
+    certificate: Option<&Value>,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    match format.row().triangles.as_ref().and_then(|held| held.polygons.as_ref()) {
+        Some(held) => (held.write)(polygons, certificate, out),
+        None => Err(WriteError::Unsupported(format!("{format} holds no polygons"))),
+    }
+}
+
+/// Writes polylines.
+///
+/// # Errors
+/// When the sink fails, or the format cannot hold the polylines.
+pub fn write_polylines(
+    polylines: &Polylines,
+    certificate: Option<&Value>,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    match format.row().polylines {
+        Some(write) => write(polylines, certificate, out),
+        None => Err(WriteError::Unsupported(format!("{format} holds no polylines"))),
+    }
+}
+
+/// Writes samples on a lattice.
+///
+/// # Errors
+/// When the sink fails, or the format cannot hold the samples.
+pub fn write_volume(
+    volume: &Volume,
+    certificate: Option<&Value>,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    match format.row().volumes {
+        Some(write) => write(volume, certificate, out),
+        None => Err(WriteError::Unsupported(format!("{format} holds no volume"))),
+    }
+}
