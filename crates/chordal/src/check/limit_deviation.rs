@@ -3,8 +3,9 @@ use super::loop_deviation;
 use crate::budget::{Bound, Job, Reference, par_map};
 use crate::explicit::cage::limit::{ExtraordinaryQuad, LimitPatches, QuadPatchTree};
 use crate::explicit::{Cage, InvalidCage, LimitSheet, Patch};
-use crate::math::{PriorityItem, greater};
+use crate::math::{PriorityItem, branch_and_bound, greater};
 use glam::DVec3;
+use std::cell::Cell;
 use std::collections::BinaryHeap;
 
 /// Bounds how far the polygons of a cage are from its limit surface.
@@ -106,17 +107,17 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
     let mut open = BinaryHeap::new();
     let mut least = 0.0_f64;
     push(&mut open, square, corners, 0, &mut least);
-    for _ in 0..MOST_PIECES {
-        let Some(worst) = open.pop() else { return Ok(0.0) };
-        let PriorityItem { bound, item: worst } = worst;
-        if bound <= NEAR * least + ROUNDINGS * worst.off || worst.depth > DEEPEST {
-            return Ok(bound);
-        }
+    let least = Cell::new(least);
+    let is_settled = |worst: &PriorityItem<QuadSubpatch<'_>>, _| {
+        worst.bound <= NEAR * least.get() + ROUNDINGS * worst.item.off || worst.item.depth > DEEPEST
+    };
+    branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
+        let mut known = least.get();
         match worst.piece {
             QuadSubpatchKind::Difference(patch, off) => {
                 for half in patch.halves_u() {
                     for quarter in half.halves_v() {
-                        open.push(difference(quarter, off, worst.depth + 1, &mut least));
+                        open.push(difference(quarter, off, worst.depth + 1, &mut known));
                     }
                 }
             }
@@ -127,12 +128,13 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
                 let quarters =
                     [[a, ab, middle, da], [ab, b, bc, middle], [middle, bc, c, cd], [da, middle, cd, d]];
                 for (quarter, corners) in rough.quarters()?.iter().zip(quarters) {
-                    push(&mut open, quarter, corners, worst.depth + 1, &mut least);
+                    push(open, quarter, corners, worst.depth + 1, &mut known);
                 }
             }
         }
-    }
-    Ok(open.pop().map_or(0.0, |worst| worst.bound))
+        least.set(known);
+        Ok(())
+    })
 }
 
 fn push<'a>(

@@ -2,8 +2,9 @@
 use super::limit_deviation::{DEEPEST, MOST_PIECES, NEAR, ROUNDINGS};
 use crate::explicit::InvalidCage;
 use crate::explicit::cage::limit::{ExtraordinaryTriangle, QUARTERS, Quartic, TrianglePatchTree};
-use crate::math::PriorityItem;
+use crate::math::{PriorityItem, branch_and_bound};
 use glam::DVec3;
+use std::cell::Cell;
 use std::collections::BinaryHeap;
 
 /// A subpatch of the surface and the corresponding part of the triangle.
@@ -29,28 +30,29 @@ pub(super) fn parametric_distance(
     let mut open = BinaryHeap::new();
     let mut least = 0.0_f64;
     push(&mut open, triangle, corners, 0, &mut least);
-    for _ in 0..MOST_PIECES {
-        let Some(worst) = open.pop() else { return Ok(0.0) };
-        let PriorityItem { bound, item: worst } = worst;
-        if bound <= NEAR * least + ROUNDINGS * worst.off || worst.depth > DEEPEST {
-            return Ok(bound);
-        }
+    let least = Cell::new(least);
+    let is_settled = |worst: &PriorityItem<LoopSubpatch<'_>>, _| {
+        worst.bound <= NEAR * least.get() + ROUNDINGS * worst.item.off || worst.item.depth > DEEPEST
+    };
+    branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
+        let mut known = least.get();
         let depth = worst.depth + 1;
         match worst.piece {
             LoopSubpatchKind::Difference(quartic) => {
                 for quarter in quartic.quarters() {
-                    open.push(difference(quarter, worst.off, depth, &mut least));
+                    open.push(difference(quarter, worst.off, depth, &mut known));
                 }
             }
             LoopSubpatchKind::Extraordinary(rough, [a, b, c]) => {
                 let at = |[u, v]: [f64; 2]| a + u * (b - a) + v * (c - a);
                 for (quarter, places) in rough.quarters()?.iter().zip(QUARTERS) {
-                    push(&mut open, quarter, places.map(at), depth, &mut least);
+                    push(open, quarter, places.map(at), depth, &mut known);
                 }
             }
         }
-    }
-    Ok(open.pop().map_or(0.0, |worst| worst.bound))
+        least.set(known);
+        Ok(())
+    })
 }
 
 fn push<'a>(

@@ -12,6 +12,7 @@ mod fields;
 mod grid_to_mesh;
 mod grid_to_polyline;
 mod labels_to_meshes;
+mod ladder;
 mod lattice;
 mod mesh_leaf;
 mod mesh_to_field;

@@ -1,6 +1,7 @@
 //! Arithmetic without shapes: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
 mod big_int;
 mod box3;
+mod branch_and_bound;
 #[cfg_attr(not(test), allow(dead_code))]
 pub(crate) mod determinants;
 mod double_double;
@@ -15,6 +16,7 @@ pub mod simd;
 mod vector;
 
 pub use box3::Box3;
+pub(crate) use branch_and_bound::branch_and_bound;
 pub(crate) use double_double::DoubleDouble;
 pub(crate) use exponent::{exponent, power_of_two};
 pub(crate) use interval::bare::BareInterval;

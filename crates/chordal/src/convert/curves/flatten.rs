@@ -1,6 +1,7 @@
 //! `Flattener`: flattens many paths under one budget, with a tolerance and a bound for each piece.
 use super::piece::{Chords, rounding};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Lens, Pixels, Reference, RefusalCode, par_map};
+use crate::convert::ladder::LengthLadder;
 use crate::explicit::{Curve, CurveSegment, Polyline};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, lesser, mul_up, sub_down};
 
@@ -60,7 +61,7 @@ const COUNTED: u64 = 4096;
 /// Lengths per octave in the geometric series of candidate lengths, and the length of the series: it extends
 /// below the rounding of any shape.
 const RUNGS: u32 = 32;
-const MOST_RUNGS: u32 = 120 * RUNGS;
+const OCTAVES: u32 = 120;
 
 impl<'a, const D: usize> Flattener<'a, D> {
     /// # Errors
@@ -252,13 +253,8 @@ impl<'a, const D: usize> Flattener<'a, D> {
             let diagonal = add_up(part.place.diagonal(), part.rounding_error);
             greater(diagonal, size)
         });
-        let rung = |k: u32| {
-            let step = libm::exp2(-f64::from(k % RUNGS) / f64::from(RUNGS));
-            CurveAllowance {
-                length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))),
-                pixels: None,
-            }
-        };
+        let ladder = LengthLadder { size, per_octave: RUNGS, octaves: OCTAVES };
+        let rung = |k: u32| CurveAllowance { length: Some(ladder.length(k)), pixels: None };
         let cut = |k: u32| match self.cut(&rung(k), most) {
             Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::BelowPrecision => Ok(None),
             other => other,
@@ -268,19 +264,13 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 self.parts.iter().map(|part| FlattenedPiece::new(part, part.chords.coarsest())).collect();
             return Err(Failure::Unmet(Box::new(self.finish(&cuts, asked))));
         };
-        // 1. Finer by octaves, then by bisection, to the finest length that fits.
-        let (mut fits, mut fails) = (0, MOST_RUNGS);
-        let mut step = RUNGS;
-        while fits + 1 < fails {
-            let k = if fits + step < fails { fits + step } else { fits + (fails - fits) / 2 };
-            match cut(k)? {
-                Some(cuts) => (fits, best) = (k, tighter(best, cuts)),
-                None => {
-                    fails = k;
-                    step = (step / 2).max(1);
-                }
+        ladder.finest(|k| {
+            let Some(cuts) = cut(k)? else { return Ok(false) };
+            if largest_deviation(&cuts) < largest_deviation(&best) {
+                best = cuts;
             }
-        }
+            Ok::<_, FlatteningFailure<D>>(true)
+        })?;
         Ok(self.finish(&best, asked))
     }
 
@@ -356,9 +346,8 @@ impl FlattenedPiece {
     }
 }
 
-fn tighter(a: Vec<FlattenedPiece>, b: Vec<FlattenedPiece>) -> Vec<FlattenedPiece> {
-    let most = |cuts: &[FlattenedPiece]| cuts.iter().fold(0.0, |most: f64, cut| greater(cut.at_most, most));
-    if most(&b) < most(&a) { b } else { a }
+fn largest_deviation(cuts: &[FlattenedPiece]) -> f64 {
+    cuts.iter().fold(0.0, |most: f64, cut| greater(cut.at_most, most))
 }
 
 /// The points of a path at the parameters of its flattened pieces.

@@ -3,6 +3,7 @@ use super::mesher::{CertifiedTiles, PatchMesher, TessellationFailure};
 use super::plan::Allowance;
 use super::subpatch::PatchSurface;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
+use crate::convert::ladder::LengthLadder;
 use crate::explicit::Mesh;
 use crate::math::lesser;
 
@@ -95,7 +96,7 @@ fn check_limits(
 /// triangles.
 const RUNGS: u32 = 32;
 /// A series of 100 octaves extends below the rounding of any shape.
-const MOST_RUNGS: u32 = 100 * RUNGS;
+const OCTAVES: u32 = 100;
 /// How far a count may exceed that of a finer length, as seen on coarse meshes; the search goes down from
 /// there.
 const COUNT_NOISE: u64 = 2;
@@ -110,8 +111,8 @@ fn within_count(
     job: &Job,
 ) -> Result<Bounded<Mesh>, TessellationFailure> {
     let most = most.min(job.triangle_limit).min((job.memory_limit as f64 / BYTES_PER_TRIANGLE) as u64);
-    let size = mesher.longest_diagonal();
-    let rung = |k: u32| Allowance::rung(size, (k, RUNGS));
+    let ladder = LengthLadder { size: mesher.longest_diagonal(), per_octave: RUNGS, octaves: OCTAVES };
+    let rung = |k: u32| Allowance::from_length(ladder.length(k));
     let count = |k: u32| -> Result<u64, TessellationFailure> {
         match mesher.plan(&rung(k)) {
             Ok(planned) => Ok(planned.count(mesher)),
@@ -121,7 +122,7 @@ fn within_count(
     };
     // Go finer by octaves until even a noisy count cannot fit, then back one length at a time.
     let mut fine = 0;
-    while fine < MOST_RUNGS && count(fine)? <= COUNT_NOISE.saturating_mul(most) {
+    while fine < ladder.n_rungs() && count(fine)? <= COUNT_NOISE.saturating_mul(most) {
         fine += RUNGS / 4;
     }
     let mut k = fine;

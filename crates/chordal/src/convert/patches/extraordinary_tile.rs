@@ -38,8 +38,8 @@ use super::seams::TileSeams;
 use super::tile::{BorderVertex, PatchTileMesh, walk_side};
 use crate::check::distance_up;
 use crate::explicit::cage::limit::{LimitPatches, QuadPatchTree};
-use crate::explicit::{Bezier, Patch, PatchSide};
-use crate::math::{Box3, PriorityItem, greater, lesser};
+use crate::explicit::{Bezier, InvalidCage, Patch, PatchSide};
+use crate::math::{Box3, PriorityItem, branch_and_bound, greater, lesser};
 use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 
@@ -350,16 +350,14 @@ impl<'a> RegionHeightField<'a> {
     /// The largest height of the surface over the triangles, or its largest distance from them.
     fn interior_deviation(&self, tip: &ExtraordinaryProof<'_>) -> Option<f64> {
         let tolerance = tip.tolerance;
-        let mut open = BinaryHeap::new();
-        open.push(self.queue_entry(RegionPiece::Extraordinary(self.region), 0));
-        for round in 0..MOST_PIECES {
-            let worst = open.pop()?;
+        let open = BinaryHeap::from([self.queue_entry(RegionPiece::Extraordinary(self.region), 0)]);
+        let is_settled = |worst: &PriorityItem<RegionQueueEntry<'_>>, n_divided| {
             let fits = worst.bound <= tolerance;
-            if fits && (round >= tip.pieces || worst.bound <= 0.5 * tolerance) || worst.item.depth > DEEPEST {
-                return Some(worst.bound);
-            }
-            let depth = worst.item.depth + 1;
-            match worst.item.piece {
+            fits && (n_divided >= tip.pieces || worst.bound <= 0.5 * tolerance) || worst.item.depth > DEEPEST
+        };
+        let bound = branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
+            let depth = worst.depth + 1;
+            match worst.piece {
                 RegionPiece::Patch(patch, off) => {
                     for half in patch.halves_u() {
                         for quarter in half.halves_v() {
@@ -368,7 +366,7 @@ impl<'a> RegionHeightField<'a> {
                     }
                 }
                 RegionPiece::Extraordinary(rough) => {
-                    for quarter in rough.quarters().ok()? {
+                    for quarter in rough.quarters()? {
                         match quarter {
                             QuadPatchTree::Extraordinary(rough) => {
                                 open.push(self.queue_entry(RegionPiece::Extraordinary(rough), depth))
@@ -385,8 +383,9 @@ impl<'a> RegionHeightField<'a> {
                     }
                 }
             }
-        }
-        open.pop().map(|worst| worst.bound)
+            Ok::<_, InvalidCage>(())
+        });
+        bound.ok()
     }
 
     fn queue_entry<'b>(&self, piece: RegionPiece<'b>, depth: usize) -> PriorityItem<RegionQueueEntry<'b>> {

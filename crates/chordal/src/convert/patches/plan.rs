@@ -21,11 +21,8 @@ pub(crate) struct Allowance {
 }
 
 impl Allowance {
-    /// The `k`-th of a geometric series of lengths from four times `size` downwards, with `an_octave` per
-    /// octave: exact powers of two times one of as many fixed factors.
-    pub(crate) fn rung(size: f64, (k, an_octave): (u32, u32)) -> Self {
-        let step = libm::exp2(-f64::from(k % an_octave) / f64::from(an_octave));
-        let length = 4.0 * size * step * libm::exp2(-f64::from(k / an_octave));
+    /// A length everywhere.
+    pub(crate) fn from_length(length: f64) -> Self {
         Self { length: Some(length), pixels: None, normal_deviation: None }
     }
 

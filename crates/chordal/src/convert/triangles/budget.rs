@@ -4,6 +4,7 @@ use super::assemble::assemble;
 use super::mesher::{CertifiedLeaves, LoopMesher};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::check;
+use crate::convert::ladder::LengthLadder;
 use crate::convert::patches::budget::meets;
 use crate::convert::patches::mesher::TessellationFailure;
 use crate::convert::patches::plan::Allowance;
@@ -71,7 +72,7 @@ fn too_many(needed: f64, limit: f64) -> TessellationFailure {
 /// Lengths per octave in the geometric series of candidate lengths: neighbours differ by 4.4 %.
 const RUNGS: u32 = 16;
 /// A series of 100 octaves extends below the rounding of any shape.
-const MOST_RUNGS: u32 = 100 * RUNGS;
+const OCTAVES: u32 = 100;
 
 /// The finest mesh of the series with at most `most` triangles.
 fn within_count(
@@ -81,8 +82,8 @@ fn within_count(
     job: &Job,
 ) -> Result<Bounded<Mesh>, TessellationFailure> {
     let most = most.min(triangle_limit(job));
-    let size = mesher.longest_diagonal();
-    let rung = |k: u32| Allowance::rung(size, (k, RUNGS));
+    let ladder = LengthLadder { size: mesher.longest_diagonal(), per_octave: RUNGS, octaves: OCTAVES };
+    let rung = |k: u32| Allowance::from_length(ladder.length(k));
     let on = |k: u32| match mesher.refine(&rung(k), most) {
         Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::BelowPrecision => Ok(None),
         other => other,
@@ -96,29 +97,14 @@ fn within_count(
         };
         return Err(Failure::Unmet(Box::new(finish(&proved, asked, job))));
     };
-    // By octaves until there are too many triangles, then by bisection, as if counts were monotone.
-    let (mut low, mut high) = (0, MOST_RUNGS);
-    for k in (RUNGS..MOST_RUNGS).step_by(RUNGS as usize) {
-        match on(k)? {
-            Some(proved) => (best, low) = (tighter(best, proved), k),
-            None => {
-                high = k;
-                break;
-            }
+    ladder.finest(|k| {
+        let Some(proved) = on(k)? else { return Ok(false) };
+        if proved.bound() <= best.bound() {
+            best = proved;
         }
-    }
-    while high - low > 1 && high - low <= RUNGS {
-        let middle = low.midpoint(high);
-        match on(middle)? {
-            Some(proved) => (best, low) = (tighter(best, proved), middle),
-            None => high = middle,
-        }
-    }
+        Ok::<_, TessellationFailure>(true)
+    })?;
     Ok(finish(&best, asked, job))
-}
-
-fn tighter<'a>(before: CertifiedLeaves<'a>, after: CertifiedLeaves<'a>) -> CertifiedLeaves<'a> {
-    if after.bound() <= before.bound() { after } else { before }
 }
 
 /// The mesh with its bound; pixels at the view of the allowance.

@@ -25,8 +25,9 @@
 //! the square of the longest side over twice the area.
 use super::cell::LoopCellShape;
 use crate::check::distance_up;
+use crate::explicit::InvalidCage;
 use crate::explicit::cage::limit::Quartic;
-use crate::math::{PriorityItem, lesser};
+use crate::math::{PriorityItem, branch_and_bound, lesser};
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
@@ -104,13 +105,12 @@ impl FlatTriangle {
     }
 
     fn interior_distance(&self, piece: LoopPiece<'_>) -> f64 {
-        let mut open = BinaryHeap::new();
-        open.push(self.queue_piece(piece, 0));
-        for _ in 0..MOST_PIECES {
-            let Some(PriorityItem { bound, item }) = open.pop() else { return 0.0 };
-            if bound <= self.tolerance || item.least > self.tolerance || item.depth > DEEPEST {
-                return bound;
-            }
+        let open = BinaryHeap::from([self.queue_piece(piece, 0)]);
+        let is_settled = |worst: &PriorityItem<LoopQueueEntry<LoopPiece<'_>>>, _| {
+            let (bound, item) = (worst.bound, &worst.item);
+            bound <= self.tolerance || item.least > self.tolerance || item.depth > DEEPEST
+        };
+        let bound = branch_and_bound(open, MOST_PIECES, is_settled, |item, open| {
             let depth = item.depth + 1;
             match item.piece {
                 LoopPiece::Quartic(quartic, off) => {
@@ -119,8 +119,7 @@ impl FlatTriangle {
                     }
                 }
                 LoopPiece::Extraordinary(LoopCellShape::Extraordinary(rough)) => {
-                    let Ok(quarters) = rough.quarters() else { return f64::INFINITY };
-                    for quarter in quarters {
+                    for quarter in rough.quarters()? {
                         open.push(self.queue_piece(
                             LoopPiece::Extraordinary(LoopCellShape::from_triangle(quarter)),
                             depth,
@@ -132,8 +131,9 @@ impl FlatTriangle {
                     open.push(self.queue_piece(LoopPiece::Quartic(quartic, polynomial.off), depth));
                 }
             }
-        }
-        open.pop().map_or(0.0, |worst| worst.bound)
+            Ok::<_, InvalidCage>(())
+        });
+        bound.unwrap_or(f64::INFINITY)
     }
 
     fn queue_piece<'a>(
