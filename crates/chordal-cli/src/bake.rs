@@ -7,7 +7,9 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::numbers::{RoundingDirection, grouped, point, short};
 use crate::output::OutputTarget;
+use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
+use chordal::budget::Spell;
 use chordal_io::Format;
 use chordal_verbs::report::{DistanceGridFacts, Report};
 use chordal_verbs::{BakeSpec, bake, extension};
@@ -65,7 +67,9 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let input = common::read(&args.input, &talk)?;
     let name = source.name();
     let spec = BakeSpec { cells: args.cells as usize, band: args.band };
-    let outcome = bake(input, &spec, to, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let outcome = bake(input, &spec, to, &job)
+        .spelled(&CommandLine)
+        .map_err(|failure| common::fault(&name, &failure, ""))?;
     if let Some(facts) = outcome.certificate.baked.as_ref().filter(|facts| !facts.solid.is_solid) {
         talk.warn(&name, &[&facts.solid.sentence]);
     }

@@ -6,7 +6,9 @@ use crate::input::InputSource;
 use crate::memory;
 use crate::output::{OutputTarget, OverwritePolicy};
 use crate::signal;
+use crate::spelling::CommandLine;
 use chordal::Job;
+use chordal::budget::Spell;
 use chordal_io::{Format, Limits};
 use chordal_verbs::report::RunFacts;
 use chordal_verbs::{FormatHint, Input, MeshFailure, load};
@@ -89,6 +91,7 @@ impl RawInput {
     fn load(&self, args: &InputArgs, talk: &Console) -> Result<Input, Fault> {
         let name = &self.name;
         let mut input = load(&self.bytes, self.hint(args), &limits(args))
+            .spelled(&CommandLine)
             .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
         talk.warn(name, &input.warnings);
         let frame = input.shape.frame_mut();

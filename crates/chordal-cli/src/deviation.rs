@@ -6,8 +6,9 @@ use crate::console::{Console, StdoutUse};
 use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::numbers::{RoundingDirection, point, short};
+use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
-use chordal::budget::Length;
+use chordal::budget::{Length, Spell};
 use chordal_verbs::report::{DeviationFacts, OneSidedFacts, Report, RunFacts, Verdict};
 use chordal_verbs::{DeviationSpec, deviation};
 use clap::Args;
@@ -68,7 +69,9 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let [a, b] = common::read_both([&args.input, &against], &talk)?;
     let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
-    let mut report = deviation(a, b, &spec, &job).map_err(|failure| common::fault(&names, &failure, ""))?;
+    let mut report = deviation(a, b, &spec, &job)
+        .spelled(&CommandLine)
+        .map_err(|failure| common::fault(&names, &failure, ""))?;
     let run = RunFacts { input: Some(first.name()), ..report.run };
     report.run = clock.fill(run, &job);
     talk.warn(&names, &report.certificate.notes);

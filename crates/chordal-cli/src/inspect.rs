@@ -7,7 +7,8 @@ use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::inspect_text;
 use crate::require::{Requirement, failures};
-use chordal::budget::JobError;
+use crate::spelling::CommandLine;
+use chordal::budget::{JobError, Spell};
 use chordal_verbs::report::{RunFacts, ValidityFacts};
 use chordal_verbs::{inspect, inspect_deeply};
 use clap::Args;
@@ -49,9 +50,9 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     };
     let deep = args.self_intersections || args.require.iter().any(|required| required.needs_deep_check());
     let mut report = if deep {
-        inspect_deeply(&input, &job).map_err(|stopped| fault(&name, &stopped))?
+        inspect_deeply(&input, &job).spelled(&CommandLine).map_err(|stopped| fault(&name, &stopped))?
     } else {
-        inspect(&input)
+        inspect(&input).spelled(&CommandLine)
     };
     let run = RunFacts { input: Some(name.clone()), ..report.run };
     report.run = clock.fill(run, &job);

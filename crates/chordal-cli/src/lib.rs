@@ -22,6 +22,7 @@ mod output;
 mod render;
 mod require;
 mod signal;
+pub mod spelling;
 mod studio;
 mod summary;
 mod volume;

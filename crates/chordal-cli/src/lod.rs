@@ -7,8 +7,9 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::numbers::{RoundingDirection, grouped, short};
 use crate::output::{OutputTarget, OverwritePolicy};
+use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
-use chordal::budget::{Length, MinDistanceView, Pixels, View};
+use chordal::budget::{Length, MinDistanceView, Pixels, Spell, View};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report};
 use chordal_verbs::{LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
@@ -150,7 +151,9 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         tile_triangles: as_tiles.then_some(args.tile_triangles),
     };
     let name = source.name();
-    let outcome = lod(input, &spec, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let outcome = lod(input, &spec, &job)
+        .spelled(&CommandLine)
+        .map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = if as_tiles {
         write_tiles(&outcome, args, &target)?
     } else {
@@ -183,7 +186,10 @@ fn as_tiles(output: &Path) -> Result<bool, Fault> {
 /// Writes all tiles, the list of them last. An older list goes first: its tiles would no longer be what it says.
 fn write_tiles(outcome: &LodOutcome, args: &LodArgs, list: &OutputTarget) -> Result<u64, Fault> {
     let name = args.input.input.display().to_string();
-    let files = outcome.tileset().map_err(|failure| common::fault(&name, &failure, ""))?;
+    let files = outcome
+        .tileset()
+        .map_err(|failure| failure.spelled(&CommandLine))
+        .map_err(|failure| common::fault(&name, &failure, ""))?;
     list.clear()?;
     let mut bytes = 0;
     for (name, content) in files {

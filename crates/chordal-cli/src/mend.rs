@@ -8,8 +8,9 @@ use crate::input::InputSource;
 use crate::mesh::output_format;
 use crate::numbers::grouped;
 use crate::output::OutputTarget;
+use crate::spelling::CommandLine;
 use crate::summary::{self, plural};
-use chordal::budget::Length;
+use chordal::budget::{Length, Spell};
 use chordal_io::Format;
 use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts};
 use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance, mend};
@@ -96,8 +97,9 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let input = common::read(&args.input, &talk)?;
     let name = source.name();
-    let outcome =
-        mend(input, &args.spec(), to, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let outcome = mend(input, &args.spec(), to, &job)
+        .spelled(&CommandLine)
+        .map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
     let run = common::run("mend", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));

@@ -6,9 +6,10 @@ use crate::console::{Console, StdoutUse};
 use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::output::OutputTarget;
+use crate::spelling::CommandLine;
 use crate::summary;
 use crate::volume::VolumeArgs;
-use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
+use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, Spell, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{
@@ -142,7 +143,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let mut input = common::read(&args.input, &talk)?;
     args.volume.apply(&mut input.shape)?;
     if let Some(level) = args.result.level {
-        let made = refine(input, (level, args.result.normals), to, &job);
+        let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
         let bytes = target.write(&mut |out| outcome.write(out))?;
         let run = common::run("mesh", source.name(), &target, bytes);
@@ -153,7 +154,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     }
 
     let name = source.name();
-    let (outcome, unmet) = match mesh(input, &spec, to, &job) {
+    let (outcome, unmet) = match mesh(input, &spec, to, &job).spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
             let fault = common::fault(&name, &failure, &hint(args, &failure));

@@ -7,8 +7,9 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::numbers::{RoundingDirection, point, short};
 use crate::output::OutputTarget;
+use crate::spelling::CommandLine;
 use crate::summary;
-use chordal::budget::{Length, Pixels, Screen, View};
+use chordal::budget::{Length, Pixels, Screen, Spell, View};
 use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
 use chordal_verbs::report::Report;
 use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against};
@@ -122,7 +123,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
         None => render(&input, &options, fineness(args), &job),
     };
-    let outcome = outcome.map_err(|failure| common::fault(&name, &failure, ""))?;
+    let outcome = outcome.spelled(&CommandLine).map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
     let run = common::run("render", name, &target, bytes);

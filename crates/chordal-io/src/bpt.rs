@@ -7,6 +7,7 @@ use crate::warnings::Warnings;
 use crate::word_reader::WordReader;
 use crate::{Axis, Content, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
+use chordal::budget::Message;
 
 /// Reads the patches of a `.bpt` file. The first line is their number. Each patch is a line with its two
 /// degrees, which must be `3 3`, then its points row by row, `x y z`. Up is z, as is customary for this
@@ -81,7 +82,7 @@ fn count(words: &mut WordReader, what: impl Fn() -> String) -> Result<u64, ReadE
 fn coordinate(words: &mut WordReader, what: impl Fn() -> String) -> Result<f64, ReadError> {
     let token = words.expect(&what)?;
     finite(token, || words.place()).map_err(|mut error| {
-        error.message = format!("{}: {}", what(), error.message);
+        error.message = Message::from(what() + ": ").message(&error.message);
         error
     })
 }

@@ -1,4 +1,5 @@
 //! `ReadError`, `Warning` and `WriteError`: what is wrong with a file or a shape, and where.
+use chordal::budget::{Message, Spell, Spelling};
 use std::fmt;
 
 /// A location in a file.
@@ -49,12 +50,12 @@ pub struct ReadError {
     /// Where it is wrong.
     pub place: FileLocation,
     /// What is wrong, with the value and the limit.
-    pub message: String,
+    pub message: Message,
 }
 
 impl ReadError {
     /// An error at a location.
-    pub fn new(code: &'static str, place: FileLocation, message: impl Into<String>) -> Self {
+    pub fn new(code: &'static str, place: FileLocation, message: impl Into<Message>) -> Self {
         Self { code, place, message: message.into() }
     }
 }
@@ -70,6 +71,12 @@ impl fmt::Display for ReadError {
 
 impl std::error::Error for ReadError {}
 
+impl Spell for ReadError {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.message.spell(spelling);
+    }
+}
+
 /// Something in a file that was repaired, skipped or odd: counted, with its first location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
@@ -80,7 +87,7 @@ pub struct Warning {
     /// The first location.
     pub place: FileLocation,
     /// One sentence.
-    pub message: String,
+    pub message: Message,
 }
 
 impl fmt::Display for Warning {
@@ -89,6 +96,12 @@ impl fmt::Display for Warning {
             FileLocation::File => write!(f, "{} ({}x)", self.message, self.count),
             place => write!(f, "{} ({}x, first at {place})", self.message, self.count),
         }
+    }
+}
+
+impl Spell for Warning {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.message.spell(spelling);
     }
 }
 

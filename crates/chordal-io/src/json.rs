@@ -1,6 +1,7 @@
 //! `JsonReader`: a streaming JSON reader that tracks its JSON pointer and builds no tree.
 use crate::text::{number, show};
 use crate::{FileLocation, Limits, ReadError};
+use chordal::budget::Message;
 use std::collections::HashSet;
 
 /// The deepest nesting, whatever the limits allow: each level takes some of the call stack.
@@ -57,7 +58,7 @@ impl<'a> JsonReader<'a> {
     }
 
     /// An error at the current location.
-    pub(crate) fn error(&self, code: &'static str, message: impl Into<String>) -> ReadError {
+    pub(crate) fn error(&self, code: &'static str, message: impl Into<Message>) -> ReadError {
         ReadError::new(code, self.place(), message)
     }
 

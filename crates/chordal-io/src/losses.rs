@@ -27,9 +27,14 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         return Ok(lost);
     };
     let title = format.to_string().to_uppercase();
-    let mut count = |message: String| match lost.iter_mut().find(|w| w.message == message) {
+    let mut count = |message: String| match lost.iter_mut().find(|w| *w.message == message) {
         Some(known) => known.count += 1,
-        None => lost.push(Warning { code: "not-written", count: 1, place: FileLocation::File, message }),
+        None => lost.push(Warning {
+            code: "not-written",
+            count: 1,
+            place: FileLocation::File,
+            message: message.into(),
+        }),
     };
     if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
@@ -71,7 +76,12 @@ pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
     let mut lost = Vec::new();
     let mut count = |what: String| {
         let message = format!("{title} holds no {what}");
-        lost.push(Warning { code: "not-written", count: 1, place: FileLocation::File, message });
+        lost.push(Warning {
+            code: "not-written",
+            count: 1,
+            place: FileLocation::File,
+            message: message.into(),
+        });
     };
     if has_tags(&polygons.cage) {
         count("subdivision tags".to_owned());

@@ -32,7 +32,7 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<ReadOutcome
     };
     read(bytes, limits).map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {
-            error.message.push_str(&format!("; the content looks like {other}"));
+            error.message = error.message.words(format_args!("; the content looks like {other}"));
         }
         error
     })

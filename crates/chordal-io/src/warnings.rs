@@ -1,5 +1,6 @@
 //! `Warnings`: the warnings of a reader, one entry for each kind.
 use crate::{FileLocation, Warning};
+use chordal::budget::Message;
 
 /// Counted oddities in the order in which their kinds first occurred.
 #[derive(Debug, Default)]
@@ -9,16 +10,20 @@ pub(crate) struct Warnings {
 
 impl Warnings {
     /// Counts one more of `code`. `first` gives location and sentence and is called only the first time.
-    pub(crate) fn count(&mut self, code: &'static str, first: impl FnOnce() -> (FileLocation, String)) {
+    pub(crate) fn count<M: Into<Message>>(
+        &mut self,
+        code: &'static str,
+        first: impl FnOnce() -> (FileLocation, M),
+    ) {
         self.count_many(code, 1, first);
     }
 
     /// Counts `many` more of `code`; nothing for 0.
-    pub(crate) fn count_many(
+    pub(crate) fn count_many<M: Into<Message>>(
         &mut self,
         code: &'static str,
         many: u64,
-        first: impl FnOnce() -> (FileLocation, String),
+        first: impl FnOnce() -> (FileLocation, M),
     ) {
         if many == 0 {
             return;
@@ -28,7 +33,7 @@ impl Warnings {
             return;
         }
         let (place, message) = first();
-        self.list.push(Warning { code, count: many, place, message });
+        self.list.push(Warning { code, count: many, place, message: message.into() });
     }
 
     /// Counts `many` of `code` that have no location of their own.

@@ -102,7 +102,7 @@ impl Cage {
         let flat = Arc::clone(&self.0);
         let made =
             work::run(py, None, move |job| refined_cage(&flat.cage, levels, job).map(Self::from_cage))?;
-        made.map_err(|error| failure::mesh(py, &error))
+        made.map_err(|error| failure::mesh(py, error))
     }
 
     /// The numbers of that name: "positions", "indices" or "offsets".

@@ -3,7 +3,8 @@ use crate::outcome::Outcome;
 use crate::source::Source;
 use crate::spec::parse_argument;
 use crate::{failure, work};
-use chordal::budget::Length;
+use chordal::budget::{Length, Spell};
+use chordal_cli::spelling::CommandLine;
 use chordal_verbs::{DeviationSpec, Input, deviation};
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -60,6 +61,6 @@ pub(crate) fn report(
             report
         })
     })?;
-    let report = found.map_err(|error| failure::mesh(py, &error))?;
+    let report = found.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
     Ok(report.to_value().to_string())
 }

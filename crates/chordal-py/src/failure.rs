@@ -1,5 +1,6 @@
 //! What fails becomes one of Python's exceptions: those of `chordal._errors`, which carry what a program wants to know.
-use chordal::budget::Refusal;
+use crate::spelling::Keywords;
+use chordal::budget::{Refusal, Spell};
 use chordal_io::{FileLocation, ReadError, WriteError};
 use chordal_verbs::MeshFailure;
 use pyo3::call::PyCallArgs;
@@ -19,21 +20,22 @@ pub(crate) fn internal(py: Python<'_>, message: &str) -> PyErr {
 
 /// A budget that makes no sense.
 pub(crate) fn budget(py: Python<'_>, message: &str) -> PyErr {
-    exception(py, "BudgetError", (with_python_names(message),))
+    exception(py, "BudgetError", (message,))
 }
 
 /// An argument of that name that makes no sense.
 pub(crate) fn argument(name: &str, error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(format!("{name}: {}", with_python_names(&error.to_string())))
+    PyValueError::new_err(format!("{name}: {error}"))
 }
 
 /// Bytes that hold no shape. `source` is their file, if they are from one.
-pub(crate) fn read(py: Python<'_>, error: &ReadError, source: Option<&str>) -> PyErr {
+pub(crate) fn read(py: Python<'_>, error: ReadError, source: Option<&str>) -> PyErr {
+    let error = error.spelled(&Keywords);
     let place = match &error.place {
         FileLocation::File => None,
         place => Some(place.to_string()),
     };
-    exception(py, "ReadError", (error.code, place, with_python_names(&error.message), source))
+    exception(py, "ReadError", (error.code, place, &*error.message, source))
 }
 
 /// A shape that a format cannot hold.
@@ -42,29 +44,17 @@ pub(crate) fn write(py: Python<'_>, error: &WriteError) -> PyErr {
 }
 
 /// Work that was not done, for that reason.
-pub(crate) fn refused_error(py: Python<'_>, refusal: &Refusal) -> PyErr {
-    exception(py, "Refused", (refusal.code.as_str(), with_python_names(&refusal.message)))
+pub(crate) fn refused_error(py: Python<'_>, refusal: Refusal) -> PyErr {
+    let Refusal { code, message } = refusal.spelled(&Keywords);
+    exception(py, "Refused", (code.as_str(), &*message))
 }
 
 /// A mesh that was not made. One that misses its budget is none of these: it is a mesh.
-pub(crate) fn mesh(py: Python<'_>, failure: &MeshFailure) -> PyErr {
-    match failure {
-        MeshFailure::Length(_) => budget(py, &failure.to_string()),
+pub(crate) fn mesh(py: Python<'_>, failure: MeshFailure) -> PyErr {
+    match failure.spelled(&Keywords) {
+        MeshFailure::Length(why) => budget(py, &why.to_string()),
         MeshFailure::Refused(refusal) => refused_error(py, refusal),
-        MeshFailure::Usage(why) => exception(py, "Refused", ("unsupported", with_python_names(why))),
-        _ => exception(py, "Refused", (failure.code(), with_python_names(&failure.to_string()))),
+        MeshFailure::Usage(why) => exception(py, "Refused", ("unsupported", &*why)),
+        other => exception(py, "Refused", (other.code(), other.to_string())),
     }
-}
-
-/// Sentences of the library name the command's options; here the same things are arguments.
-fn with_python_names(message: &str) -> String {
-    const NAMES: [(&str, &str); 6] = [
-        ("--from", "format="),
-        ("--unit", "unit="),
-        ("--triangles", "triangles="),
-        ("--segments", "segments="),
-        ("--surface ", "surface="),
-        ("--level N", "Cage.refined"),
-    ];
-    NAMES.iter().fold(message.to_owned(), |text, (option, argument)| text.replace(option, argument))
 }

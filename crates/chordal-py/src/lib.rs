@@ -15,6 +15,7 @@ mod rows;
 mod rule;
 mod source;
 mod spec;
+mod spelling;
 mod triangles;
 mod view;
 mod volume;

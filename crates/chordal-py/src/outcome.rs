@@ -7,6 +7,8 @@ use crate::source::Source;
 use crate::volume::bake_input;
 use crate::{failure, work};
 use chordal::Job;
+use chordal::budget::Spell;
+use chordal_cli::spelling::CommandLine;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
@@ -61,7 +63,7 @@ impl MeshOrder {
         };
         let took = start.elapsed();
         let evaluations = (!self.calls.is_empty()).then(|| asked() - before);
-        let outcome = Arc::new(outcome);
+        let outcome = Arc::new(outcome.spelled(&CommandLine));
         let rows = match &outcome.made {
             Tessellation::Triangles(_) => {
                 OutcomeRows::Triangles(Arc::new(TriangleRows::from_outcome(&outcome)?))
@@ -91,7 +93,7 @@ impl Outcome {
     ) -> PyResult<Self> {
         let own = order.clone();
         let filled = work::run(py, progress, move |job| own.run(to, job))?;
-        let filled = filled.map_err(|error| failure::mesh(py, &error))?;
+        let filled = filled.map_err(|error| failure::mesh(py, error))?;
         Ok(Self { order, filled })
     }
 }

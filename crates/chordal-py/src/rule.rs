@@ -272,7 +272,7 @@ pub(crate) fn script(
         let place = error.place.map_or(chordal_io::FileLocation::File, |(line, column)| {
             chordal_io::FileLocation::LineColumn { line, column }
         });
-        failure::read(py, &chordal_io::ReadError::new(error.code, place, error.message), None)
+        failure::read(py, chordal_io::ReadError::new(error.code, place, error.message), None)
     })?;
     let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
     Ok((Rule { arg: Arg::shape(made.field), calls: Vec::new() }, parameters))

@@ -9,7 +9,8 @@ use crate::spec::{Wanted, parse_argument};
 use crate::triangles::triangles;
 use crate::volume::{Meant, bake_input};
 use crate::{failure, work};
-use chordal::budget::{Refusal, RefusalCode, Unit};
+use chordal::budget::{Refusal, RefusalCode, Spell, Unit};
+use chordal_cli::spelling::CommandLine;
 use chordal_io::{Axis, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
 use chordal_verbs::{BakeSpec, FormatHint, Input, Shape, inspect, load};
 use pyo3::prelude::*;
@@ -51,7 +52,7 @@ impl Reading {
         let loaded =
             load(bytes, FormatHint { name: self.name.as_deref(), format, ..FormatHint::default() }, &limits);
         match loaded {
-            Ok(input) => Ok((input, self.name)),
+            Ok(input) => Ok((input.spelled(&CommandLine), self.name)),
             Err(error) => Err(ReadFailure { error, name: self.name }),
         }
     }
@@ -74,7 +75,7 @@ impl Source {
         let surface = reading.surface.as_deref().map(polygon_surface).transpose()?;
         let read = work::run(py, None, move |_| reading.read(&bytes, format, surface))?;
         let (mut input, name) =
-            read.map_err(|unread| failure::read(py, &unread.error, unread.name.as_deref()))?;
+            read.map_err(|unread| failure::read(py, unread.error, unread.name.as_deref()))?;
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = unit.map(Unit::metres).or(frame.metres_per_unit);
         frame.up = up.or(frame.up);
@@ -134,7 +135,7 @@ impl Source {
     /// The report of `chordal inspect`, as JSON.
     fn inspect(&self, py: Python<'_>) -> PyResult<String> {
         let input = Arc::clone(&self.input);
-        let mut report = work::run(py, None, move |_| inspect(&input))?;
+        let mut report = work::run(py, None, move |_| inspect(&input).spelled(&CommandLine))?;
         report.run.input.clone_from(&self.name);
         Ok(report.to_value().to_string())
     }
@@ -168,7 +169,7 @@ impl Source {
             other => {
                 let message =
                     format!("{} are no cage: surface= takes the polygons of an .obj as one", other.kind());
-                Err(failure::refused_error(py, &Refusal { code: RefusalCode::Unsupported, message }))
+                Err(failure::refused_error(py, Refusal::new(RefusalCode::Unsupported, message)))
             }
         }
     }

@@ -2,6 +2,8 @@
 use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::{failure, work};
+use chordal::budget::Spell;
+use chordal_cli::spelling::CommandLine;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
@@ -49,7 +51,7 @@ impl Meant {
 pub(crate) fn bake_input(py: Python<'_>, named: NamedInput, spec: BakeSpec) -> PyResult<(Source, String)> {
     let NamedInput { input, name } = named;
     let made = work::run(py, None, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
-    let outcome = made.map_err(|error| failure::mesh(py, &error))?;
+    let outcome = made.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
     let run = RunFacts { verb: "bake", input: name, ..RunFacts::default() };
     let report = Report::new(outcome.certificate.clone(), run).to_value().to_string();
     let digest = work::run(py, None, {

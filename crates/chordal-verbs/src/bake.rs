@@ -58,7 +58,7 @@ impl BakeOutcome {
 /// ```
 pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<BakeOutcome, MeshFailure> {
     if !to.holds_volumes() {
-        return Err(MeshFailure::Usage(format!("{to} holds no lattice; npy and nrrd do")));
+        return Err(MeshFailure::Usage(format!("{to} holds no lattice; npy and nrrd do").into()));
     }
     let mut certificate = Certificate::from_input(&input);
     let (kind, frame) = (input.shape.kind(), *input.shape.frame());
@@ -67,7 +67,9 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     };
     let placed = flatten::flatten(scene)?;
     if placed.left_out > 0 {
-        certificate.notes.push(format!("parts that stand nowhere were left out ({}x)", placed.left_out));
+        certificate
+            .notes
+            .push(format!("parts that stand nowhere were left out ({}x)", placed.left_out).into());
     }
     let mesh = flatten::one_mesh(&placed.scene)?;
     if mesh.faces().is_empty() {
@@ -76,10 +78,10 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     let baked = mesh_to_grid(&mesh, spec.cells, spec.band, job).map_err(MeshFailure::from)?;
     let off = add_up(off_at_most(&mesh, &baked, job)?, placed.moved_at_most);
     if !baked.solid.is_solid() {
-        certificate.notes.push(baked.solid.to_string());
+        certificate.notes.push(baked.solid.to_string().into());
     }
     if to == Format::Npy {
-        certificate.notes.push("npy holds no place and no step: this report has both".to_owned());
+        certificate.notes.push("npy holds no place and no step: this report has both".into());
     }
     certificate.baked = Some(DistanceGridFacts::new(&baked, off));
     Ok(BakeOutcome { volume: Volume { frame, ..Volume::from_grid(baked.grid) }, format: to, certificate })

@@ -3,7 +3,7 @@ use crate::file_rows::to_file_rows;
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
 use crate::{Input, MeshFailure, Normals, Shape, formats};
-use chordal::budget::{Bound, RefusalCode};
+use chordal::budget::{Bound, Message, RefusalCode, Setting};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
 use chordal::explicit::triangulate::Triangulator;
@@ -32,24 +32,24 @@ pub(crate) fn limit_surface(
 }
 
 /// Notes on the data of a cage that meshing drops or converts.
-pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<String> {
-    let mut notes = Vec::new();
+pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<Message> {
+    let mut notes: Vec<Message> = Vec::new();
     if let Some(texcoords) = polygons.cage.texcoords() {
         notes.push(format!(
             "texture coordinates are those of their own limit surface (linear: {}); the bound is not about them",
             linear_name(texcoords.linear)
-        ));
+        ).into());
         notes.extend(missing_texcoords_note(&polygons.cage));
     }
     if !polygons.attributes.is_empty() {
         let message = "colours and groups of the cage were left out: its surface has none in this version";
-        notes.push(message.to_owned());
+        notes.push(message.into());
     }
     notes
 }
 
 /// A note for cages where only some faces have texture coordinates.
-fn missing_texcoords_note(cage: &Cage) -> Option<String> {
+fn missing_texcoords_note(cage: &Cage) -> Option<Message> {
     let texcoords = cage.texcoords()?;
     let mut rest = &texcoords.corners[..];
     let n = cage.faces().filter(|face| {
@@ -58,7 +58,8 @@ fn missing_texcoords_note(cage: &Cage) -> Option<String> {
         of.contains(&CornerTexcoords::NONE)
     });
     let n = n.count();
-    (n > 0).then(|| format!("faces without texture coordinates at all of their corners have 0, 0 ({n}x)"))
+    (n > 0)
+        .then(|| format!("faces without texture coordinates at all of their corners have 0, 0 ({n}x)").into())
 }
 
 /// Polygons, or their triangulation, for a file.
@@ -131,7 +132,7 @@ pub fn refine(
     let as_polygons = to.holds_polygons();
     if as_polygons && !matches!(normals, Normals::Auto | Normals::Keep) {
         let message = "polygons are written without normals: the smooth surface has its own";
-        return Err(MeshFailure::Usage(message.to_owned()));
+        return Err(MeshFailure::Usage(message.into()));
     }
     check_size(&polygons.cage, levels, to, job)?;
     let refined = refined(polygons, levels, &mut certificate.notes)?;
@@ -142,11 +143,11 @@ pub fn refine(
     if as_polygons {
         let bound = bound_to_limit(&refined.cage, job);
         certificate.bound = bound.map(|bound| crate::report::BoundFacts::new(&bound));
-        certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(ToString::to_string));
+        certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(|lost| lost.to_string().into()));
         certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&refined.cage)));
         return Ok(RefineOutcome { made: ControlMesh::Polygons(refined), format: to, certificate });
     }
-    certificate.notes.push(format!("{to} holds triangles alone: polygons were cut into them"));
+    certificate.notes.push(format!("{to} holds triangles alone: polygons were cut into them").into());
     let scene = triangles(&refined, [input.format, to], normals, &mut certificate.notes)?;
     let counted = CountedTriangles::from_scene(&scene, to)?;
     certificate.output = Some(Output::Triangles(counted.output));
@@ -175,13 +176,15 @@ pub fn refined_cage(cage: &Cage, levels: u32, job: &Job) -> Result<Cage, MeshFai
     if job.is_cancelled() { Err(MeshFailure::Cancelled) } else { Ok(refined) }
 }
 
-fn not_a_cage_message(shape: &Shape, format: Format) -> String {
+fn not_a_cage_message(shape: &Shape, format: Format) -> Message {
     if format == Format::Obj {
-        "the polygons were read as triangles, and only those of a cage are refined: --surface catmull-clark makes \
-         them one"
-            .to_owned()
+        Message::from("the polygons were read as triangles, and only those of a cage are refined: ")
+            .value(Setting::Surface, "catmull-clark")
+            .words(" makes them one")
     } else {
-        format!("--level is for polygon cages (.obj), and the input holds {}", shape.kind())
+        Message::default()
+            .setting(Setting::Level)
+            .words(format_args!(" is for polygon cages (.obj), and the input holds {}", shape.kind()))
     }
 }
 
@@ -219,16 +222,17 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
     }
     if bytes > job.memory_limit {
         let message = format!(
-            "{levels} rounds would give {n_faces} faces, which take {bytes} bytes; the limit is {} (--max-memory)",
+            "{levels} rounds would give {n_faces} faces, which take {bytes} bytes; the limit is {} (",
             job.memory_limit
         );
+        let message = Message::from(message).setting(Setting::MaxMemory).words(")");
         return Err(MeshFailure::refused(RefusalCode::TooMuchMemory, message));
     }
     Ok(())
 }
 
 /// The refined cage with its face groups.
-fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<Polygons, MeshFailure> {
+fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<Message>) -> Result<Polygons, MeshFailure> {
     if levels == 0 {
         return Ok(Polygons { certificate: None, ..polygons });
     }
@@ -240,7 +244,7 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<P
     let parts = parts_of_faces(&polygons.cage, levels);
     for attribute in polygons.attributes {
         if attribute.domain != Domain::Face {
-            notes.push("colours of the cage's vertices were left out: they are not refined".to_owned());
+            notes.push("colours of the cage's vertices were left out: they are not refined".into());
             continue;
         }
         let rows = attribute.values.chunks_exact(attribute.width).zip(&parts);
@@ -265,7 +269,7 @@ fn triangles(
     polygons: &Polygons,
     formats: [Format; 2],
     normals: Normals,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
 ) -> Result<Scene, MeshFailure> {
     let cage = &polygons.cage;
     let (mut faces, mut points, mut cut) = (Vec::new(), Vec::new(), Vec::new());
@@ -293,10 +297,10 @@ fn triangles(
     }
     let n_holes = cage.holes().len();
     if n_holes > 0 {
-        notes.push(format!("holes of the cage have no triangles ({n_holes}x)"));
+        notes.push(format!("holes of the cage have no triangles ({n_holes}x)").into());
     }
     if !polygons.attributes.is_empty() {
-        notes.push("colours and groups are written with polygons alone: to .obj".to_owned());
+        notes.push("colours and groups are written with polygons alone: to .obj".into());
     }
     let mut mesh = Mesh::new(cage.positions().to_vec(), faces).map_err(crate::file_rows::unsupported)?;
     if cage.texcoords().is_some() {
@@ -307,13 +311,13 @@ fn triangles(
     }
     let snapped = snap(&mesh, formats[1])?;
     if snapped.moved_at_most > 0.0 {
-        notes.push(format!(
-            "rounding to {} moved no vertex further than {}",
-            formats[1], snapped.moved_at_most
-        ));
+        notes.push(
+            format!("rounding to {} moved no vertex further than {}", formats[1], snapped.moved_at_most)
+                .into(),
+        );
     }
     let mut scene = Scene::from_mesh("cage", snapped.mesh, polygons.frame);
     normals.apply(&mut scene, formats, notes)?;
-    notes.extend(losses(&scene, formats[1])?.iter().map(ToString::to_string));
+    notes.extend(losses(&scene, formats[1])?.iter().map(|lost| lost.to_string().into()));
     Ok(to_file_rows(scene, formats[1])?)
 }

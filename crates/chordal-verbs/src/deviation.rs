@@ -1,7 +1,7 @@
 //! `deviation`: the distance between two shapes, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
 use crate::{Input, MeshFailure, Shape, field, flatten};
-use chordal::budget::{Bound, Length, Reference, Refusal, RefusalCode, Tolerance};
+use chordal::budget::{Bound, Length, Message, Reference, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
 use chordal::math::{add_up, sub_down};
@@ -90,7 +90,7 @@ fn measure(
     let (field, other, turned) = match (a, b) {
         (Shape::Field(_), Shape::Field(_)) => {
             let message = "one of the two has to have triangles: mesh a field first".to_owned();
-            return Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }));
+            return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
         }
         (Shape::Field(field), other) => (field, other, true),
         (other, Shape::Field(field)) => (field, other, false),
@@ -98,7 +98,7 @@ fn measure(
     };
     let ComparedSurface::Triangles(mesh, off) = ComparedSurface::from_shape(other, certificate)? else {
         let message = "only triangles are measured against a field: mesh the other shape first".to_owned();
-        return Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }));
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
     };
     let found = field::deviation_of(&mesh, &field, goal, job)?;
     let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
@@ -112,7 +112,7 @@ fn measure(
     Ok(DeviationBounds { bound, forward, backward, reached: found.reached, share: 0.0 })
 }
 
-fn frames_differ(a: &Input, b: &Input) -> Option<String> {
+fn frames_differ(a: &Input, b: &Input) -> Option<Message> {
     let (a, b) = (a.shape.frame(), b.shape.frame());
     let differ = |known: Option<bool>| known == Some(true);
     let units = differ(a.metres_per_unit.zip(b.metres_per_unit).map(|(a, b)| a != b));
@@ -123,7 +123,7 @@ fn frames_differ(a: &Input, b: &Input) -> Option<String> {
         (false, true) => "the axis that is up",
         (false, false) => return None,
     };
-    Some(format!("the two shapes differ in {what}; their coordinates are compared as they are"))
+    Some(format!("the two shapes differ in {what}; their coordinates are compared as they are").into())
 }
 
 /// A surface to measure.
@@ -147,7 +147,7 @@ impl ComparedSurface {
                 let placed = flatten::flatten(scene)?;
                 if placed.left_out > 0 {
                     let note = format!("parts that stand nowhere were left out ({}x)", placed.left_out);
-                    certificate.notes.push(note);
+                    certificate.notes.push(note.into());
                 }
                 let mesh = flatten::one_mesh(&placed.scene)?.into_owned();
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
@@ -156,15 +156,15 @@ impl ComparedSurface {
             Shape::Cage(polygons) => Ok(Self::Cage(Box::new(polygons.cage), diagonal)),
             Shape::Volume(_) => {
                 let message = "a volume has no triangles to measure: mesh it first".to_owned();
-                Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
+                Err(MeshFailure::refused(RefusalCode::Unsupported, message))
             }
             Shape::Field(_) => {
                 let message = "a field has no triangles to measure: mesh it first".to_owned();
-                Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
+                Err(MeshFailure::refused(RefusalCode::Unsupported, message))
             }
             Shape::Drawing(_) | Shape::Curves(_) => {
                 let message = "curves have no surface to measure: mesh them first".to_owned();
-                Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
+                Err(MeshFailure::refused(RefusalCode::Unsupported, message))
             }
         }
     }
@@ -177,7 +177,7 @@ impl ComparedSurface {
             Self::Patches(_, diagonal) | Self::Cage(_, diagonal) => {
                 let tolerance = Tolerance::new(share * diagonal).map_err(|_| {
                     let message = "the shape has no size".to_owned();
-                    MeshFailure::Refused(Refusal { code: RefusalCode::Empty, message })
+                    MeshFailure::refused(RefusalCode::Empty, message)
                 })?;
                 let budget = Budget::length(tolerance);
                 let made = match self {

@@ -1,7 +1,7 @@
 //! `MeshFailure`: why a verb made no result within the budget.
 use crate::MeshOutcome;
 use crate::report::Output;
-use chordal::budget::{Failure, InvalidLength, JobError, Refusal, RefusalCode};
+use chordal::budget::{Failure, InvalidLength, JobError, Message, Refusal, RefusalCode};
 use chordal_io::{CoordinateOverflow, WriteError};
 use std::fmt;
 
@@ -11,7 +11,7 @@ pub enum MeshFailure {
     /// The length has no meaning for this shape.
     Length(InvalidLength),
     /// The request has no meaning for this shape.
-    Usage(String),
+    Usage(Message),
     /// The budget was not met; this is the best result that was reached.
     Unmet(Box<MeshOutcome>),
     /// The work was refused or stopped, for this reason.
@@ -24,8 +24,8 @@ pub enum MeshFailure {
 
 impl MeshFailure {
     /// A refusal with a stable code and one sentence.
-    pub(crate) fn refused(code: RefusalCode, message: impl Into<String>) -> Self {
-        Self::Refused(Refusal { code, message: message.into() })
+    pub(crate) fn refused(code: RefusalCode, message: impl Into<Message>) -> Self {
+        Self::Refused(Refusal::new(code, message))
     }
 
     /// For results that are useless outside the budget: turns the miss into a refusal, whose sentence starts
@@ -35,6 +35,16 @@ impl MeshFailure {
             Failure::Unmet(best) => Self::refused(RefusalCode::Budget, format!("{what}{}", best.bound)),
             Failure::Refused(refusal) => Self::Refused(refusal),
             Failure::Cancelled => Self::Cancelled,
+        }
+    }
+
+    /// Its sentence, with the settings that it advises.
+    pub(crate) fn message(&self) -> Message {
+        match self {
+            Self::Length(why) => why.message(),
+            Self::Usage(why) => why.clone(),
+            Self::Refused(refusal) => refusal.message.clone(),
+            Self::Unmet(_) | Self::TooWide(_) | Self::Cancelled => self.to_string().into(),
         }
     }
 
@@ -70,7 +80,7 @@ impl MeshFailure {
 /// A scene whose transforms cannot be applied.
 impl From<WriteError> for MeshFailure {
     fn from(error: WriteError) -> Self {
-        Self::Refused(Refusal { code: RefusalCode::Unsupported, message: error.to_string() })
+        Self::refused(RefusalCode::Unsupported, error.to_string())
     }
 }
 
@@ -93,7 +103,7 @@ impl fmt::Display for MeshFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Length(why) => why.fmt(f),
-            Self::Usage(why) => f.write_str(why),
+            Self::Usage(why) => why.fmt(f),
             Self::Unmet(best) => {
                 let made = match best.certificate.output {
                     Some(Output::Polylines(lines)) => format!("{} segments", lines.segments),
@@ -109,7 +119,7 @@ impl fmt::Display for MeshFailure {
                     None => Ok(()),
                 }
             }
-            Self::Refused(refusal) => f.write_str(&refusal.message),
+            Self::Refused(refusal) => refusal.message.fmt(f),
             Self::TooWide(why) => why.fmt(f),
             Self::Cancelled => f.write_str("cancelled"),
         }

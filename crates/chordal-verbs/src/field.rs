@@ -1,7 +1,7 @@
 //! Fields: meshed within a budget, and measured against triangles.
 use crate::request::MeshRequest;
 use crate::{ImplicitShape, MeshFailure};
-use chordal::budget::{Bound, RefusalCode};
+use chordal::budget::{Bound, Message, RefusalCode, Setting};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::{Bounded, Job, Mesh, convert};
@@ -14,7 +14,7 @@ use chordal_io::Scene;
 pub(crate) fn mesh_field(
     implicit: &ImplicitShape,
     request: &MeshRequest,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let field = finite(implicit)?;
@@ -22,7 +22,9 @@ pub(crate) fn mesh_field(
         request.run(job, |budget| convert::field_to_mesh(&field, budget, job))?;
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
-        notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
+        notes.push(
+            format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there").into(),
+        );
     }
     // Formats with normals; other formats keep one row a vertex.
     let shaded = request.to.wants_normals();
@@ -34,8 +36,11 @@ pub(crate) fn mesh_field(
 const LARGEST: f64 = 1e150;
 
 /// The message for a field that cannot be meshed because it is unbounded.
-pub(crate) const ENDLESS: &str = "the shape has no end in some direction: cut it off at a box \
-                                  (--region \"-1,-1,-1 1,1,1\", in Python within())";
+pub(crate) fn endless() -> Message {
+    Message::from("the shape has no end in some direction: cut it off at a box (")
+        .value(Setting::Region, "-1,-1,-1 1,1,1")
+        .words(")")
+}
 
 /// The field clipped to its region.
 ///
@@ -57,7 +62,7 @@ pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
         ));
     }
     if !bounds.diagonal().is_finite() {
-        return Err(MeshFailure::refused(RefusalCode::Unsupported, ENDLESS));
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, endless()));
     }
     Ok(field)
 }

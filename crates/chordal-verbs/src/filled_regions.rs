@@ -2,7 +2,7 @@
 use crate::report::Certificate;
 use crate::request::MeshRequest;
 use crate::{MeshFailure, report::FrameFacts};
-use chordal::budget::{Bounded, Failure, RefusalCode};
+use chordal::budget::{Bounded, Failure, Message, RefusalCode};
 use chordal::explicit::{AffineMap, Curve, Outline};
 use chordal::math::Box3;
 use chordal::{Bound, Job, convert};
@@ -25,7 +25,7 @@ pub(crate) struct FilledRegions {
 impl FilledRegions {
     /// # Errors
     /// When nothing is filled.
-    pub fn from_drawing(drawing: &Drawing, notes: &mut Vec<String>) -> Result<Self, MeshFailure> {
+    pub fn from_drawing(drawing: &Drawing, notes: &mut Vec<Message>) -> Result<Self, MeshFailure> {
         let mut outlines: Vec<Outline> = drawing.filled().collect();
         if outlines.iter().all(|outline| outline.contours.is_empty()) {
             let message =
@@ -34,13 +34,13 @@ impl FilledRegions {
         }
         let mut frame = drawing.frame;
         if drawing.y_down {
-            notes.push(TURNED.to_owned());
+            notes.push(TURNED.into());
             frame.up = frame.up.or(Some(Axis::Y));
             outlines.iter_mut().flat_map(|outline| &mut outline.contours).for_each(flip_y);
         }
         let left_out = drawing.elements.iter().filter(|element| !element.filled).count();
         if left_out > 0 {
-            notes.push(format!("elements that are not filled were left out ({left_out}x)"));
+            notes.push(format!("elements that are not filled were left out ({left_out}x)").into());
         }
         let open = outlines
             .iter()
@@ -48,9 +48,11 @@ impl FilledRegions {
             .filter(|contour| !contour.is_closed())
             .count();
         if open > 0 {
-            notes.push(format!("open subpaths were closed by a straight line, as SVG fills them ({open}x)"));
+            notes.push(
+                format!("open subpaths were closed by a straight line, as SVG fills them ({open}x)").into(),
+            );
         }
-        notes.push(MEANING.to_owned());
+        notes.push(MEANING.into());
         let contours = outlines.iter().flat_map(|outline| &outline.contours);
         let place = contours.fold(Box3::EMPTY, |all, contour| {
             let [[x, y], [right, top]] = contour.bounds();
@@ -94,7 +96,7 @@ pub(crate) fn fill(
             Err(_) => None,
         };
         if best.is_some_and(|best| best.shape.faces().is_empty()) {
-            certificate.notes.push(VANISHED.to_owned());
+            certificate.notes.push(VANISHED.into());
         }
         made
     })?;

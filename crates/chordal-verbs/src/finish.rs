@@ -4,7 +4,7 @@ use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Outp
 use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation, flatten};
 use chordal::Job;
-use chordal::budget::{Bound, Budget, JobError, PixelBudget, View};
+use chordal::budget::{Bound, Budget, JobError, Message, PixelBudget, View};
 use chordal::check::{self, MicroTriangles};
 use chordal_io::{Polylines, Scene, losses};
 
@@ -21,7 +21,7 @@ pub(crate) fn finish_triangles(
     mut certificate: Certificate,
 ) -> Result<MeshOutcome, MeshFailure> {
     let to = asked.to;
-    certificate.notes.extend(losses(&scene, to)?.iter().map(ToString::to_string));
+    certificate.notes.extend(losses(&scene, to)?.iter().map(|lost| lost.to_string().into()));
     let scene = to_file_rows(scene, to)?;
     bound.pixels = asked.pixels_of(&bound);
     certificate.bound = Some(BoundFacts::new(&bound));
@@ -34,7 +34,7 @@ pub(crate) fn finish_triangles(
         && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)
         && budget.triangles.is_none_or(|most| triangles <= most);
     if !met {
-        certificate.notes.push(NOT_MET.to_owned());
+        certificate.notes.push(NOT_MET.into());
     }
     let outcome = MeshOutcome { made: Tessellation::Triangles(scene), format: to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
@@ -55,7 +55,7 @@ pub(crate) fn finish_polylines(
     let met =
         asked.lengths_are_met(&bound) && asked.budget.segments.is_none_or(|most| facts.segments <= most);
     if !met {
-        certificate.notes.push(NOT_MET.to_owned());
+        certificate.notes.push(NOT_MET.into());
     }
     let outcome =
         MeshOutcome { made: Tessellation::Polylines(polylines), format: asked.to, bound, certificate };
@@ -68,7 +68,7 @@ pub(crate) fn too_fine_note(
     scene: &Scene,
     budget: &Budget,
     job: &Job,
-) -> Result<Option<String>, MeshFailure> {
+) -> Result<Option<Message>, MeshFailure> {
     let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
     // A scene that cannot be merged, or is too large to check, gets no note.
     let Ok(mesh) = flatten::one_mesh(scene) else { return Ok(None) };
@@ -87,5 +87,6 @@ pub(crate) fn too_fine_note(
         format!(
             "{n_micro} of {n_triangles} {of} are smaller than a pixel {at}: more than the screen can show"
         )
+        .into()
     }))
 }

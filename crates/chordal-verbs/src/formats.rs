@@ -1,5 +1,6 @@
 //! What the verbs need to know of file formats.
 use crate::Shape;
+use chordal::budget::{Message, Setting};
 use chordal_io::Format;
 
 /// The names of the formats that hold triangles, as in "obj, ply, stl, glb".
@@ -18,36 +19,43 @@ pub fn output_names() -> String {
 }
 
 /// Refuses a format that cannot hold the shape, in a sentence with an alternative.
-pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
+pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
     match shape {
         _ if !to.holds_triangles() && !to.holds_polylines() => {
-            Err(format!("{to} is only read; what can be written is {}", output_names()))
+            Err(format!("{to} is only read; what can be written is {}", output_names()).into())
         }
         Shape::Patches { .. } | Shape::Scene(_) if !to.holds_triangles() => {
-            Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names()))
+            Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names())
+                .into())
         }
         Shape::Field(implicit) if !to.holds_triangles() && implicit.field.tape().axes()[2] => Err(format!(
             "fields that depend on z become triangles, which {to} does not hold; {} do",
             mesh_names()
-        )),
+        )
+        .into()),
         Shape::Cage(_) if !to.holds_triangles() => {
-            Err(format!("cages become polygons or triangles, which {to} does not hold; {} do", mesh_names()))
+            Err(format!("cages become polygons or triangles, which {to} does not hold; {} do", mesh_names())
+                .into())
         }
         Shape::Volume(_) if !to.holds_triangles() => {
-            Err(format!("volumes become triangles, which {to} does not hold; {} do", mesh_names()))
+            Err(format!("volumes become triangles, which {to} does not hold; {} do", mesh_names()).into())
         }
         Shape::Curves(_) if !to.holds_polylines() => Err(format!(
             "curves in space enclose no area to fill with triangles: write polylines, to json instead of {to}"
-        )),
+        )
+        .into()),
         _ => Ok(()),
     }
 }
 
 /// The refusal of a shape that is not triangles, in a sentence with an alternative. `done` is the operation.
-pub(crate) fn only_triangles(done: &str, kind: &str) -> String {
-    let instead = match kind {
-        "cage" => "; --surface faceted takes the polygons as triangles",
-        _ => "",
-    };
-    format!("only triangles can be {done}, and these are {kind}: mesh them first{instead}")
+pub(crate) fn only_triangles(done: &str, kind: &str) -> Message {
+    let message =
+        Message::from(format!("only triangles can be {done}, and these are {kind}: mesh them first"));
+    match kind {
+        "cage" => {
+            message.words("; ").value(Setting::Surface, "faceted").words(" takes the polygons as triangles")
+        }
+        _ => message,
+    }
 }

@@ -67,7 +67,7 @@ fn report(input: &Input, counted: Option<CountedTriangles>) -> Report {
     }
     let inspection = Inspection::from_input(input, &certificate);
     if inspection.found.as_ref().is_some_and(|found| !found.differs.is_empty()) {
-        certificate.notes.push(DIFFERS.to_owned());
+        certificate.notes.push(DIFFERS.into());
     }
     let run = RunFacts { verb: "inspect", ..RunFacts::default() };
     Report { inspection: Some(inspection), ..Report::new(certificate, run) }

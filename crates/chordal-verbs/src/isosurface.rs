@@ -3,7 +3,7 @@
 use crate::request::MeshRequest;
 use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
 use crate::{MeshFailure, SurfaceSpec};
-use chordal::budget::{Bound, Budget, RefusalCode};
+use chordal::budget::{Bound, Budget, Message, RefusalCode, Setting};
 use chordal::convert::{self, Border, Inside, Polygonize};
 use chordal::implicit::{Grid, Samples};
 use chordal::{Bounded, Job, Mesh};
@@ -18,19 +18,22 @@ use chordal_io::{Node, Scene};
 pub(crate) fn mesh_volume(
     sampled: &VolumeShape,
     request: &MeshRequest,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let grid = &sampled.volume.grid;
     let range = ValueRange::from_samples(grid.samples());
     if let Some(space) = &sampled.volume.space {
-        notes.push(format!("coordinates are those of the file, in its space {space}: nothing was turned"));
+        notes.push(
+            format!("coordinates are those of the file, in its space {space}: nothing was turned").into(),
+        );
     }
     if range.nan > 0 {
-        notes.push(format!("{} samples are NaN and count as outside", range.nan));
+        notes.push(format!("{} samples are NaN and count as outside", range.nan).into());
     }
     if range.infinite > 0 {
-        notes.push(format!("{} samples are infinite and count as the largest numbers", range.infinite));
+        notes
+            .push(format!("{} samples are infinite and count as the largest numbers", range.infinite).into());
     }
     if let Some(labels) = &sampled.surface.labels {
         return mesh_labels(sampled, &selected_labels(labels, sampled, &range)?, request, notes, job);
@@ -91,7 +94,7 @@ fn margin(grid: &Grid, lost: f64) -> f64 {
 fn polygonize_rule(
     sampled: &VolumeShape,
     range: &ValueRange,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
 ) -> Result<Polygonize, MeshFailure> {
     let SurfaceSpec { level, inside, border, .. } = &sampled.surface;
     let suggested = range.suggest(&sampled.volume);
@@ -105,17 +108,17 @@ fn polygonize_rule(
         (Some(level), _) => *level,
         (None, Some(found)) if found.follows() => found.level,
         (None, Some(found)) => {
-            let message = format!(
-                "samples lie between {low} and {high}, and nothing says where the surface is: --iso LEVEL does; \
-                 {} parts them best{}",
-                found.level,
-                if range.may_be_labels() {
-                    "; where they are labels, --labels gives a surface of each"
-                } else {
-                    ""
-                }
-            );
-            return Err(MeshFailure::Usage(message));
+            let between =
+                format!("samples lie between {low} and {high}, and nothing says where the surface is: ");
+            let message = Message::from(between)
+                .value(Setting::Iso, "LEVEL")
+                .words(format_args!(" does; {} parts them best", found.level));
+            return Err(MeshFailure::Usage(if range.may_be_labels() {
+                let labels = message.words("; where they are labels, ").setting(Setting::Labels);
+                labels.words(" gives a surface of each")
+            } else {
+                message
+            }));
         }
         (None, None) => {
             return Err(MeshFailure::refused(
@@ -135,14 +138,15 @@ fn polygonize_rule(
     let words = if side == Inside::High { "above" } else { "below" };
     notes.push(format!(
         "the surface is where samples are {level}, with what is {words} inside{taken}; samples lie between {low} and {high}"
-    ));
+    ).into());
     let rule = if side == Inside::High { Polygonize::above(level) } else { Polygonize::below(level) };
     if suggested.is_some_and(|found| found.kind == "signed distance" && found.level == level) && low >= 0.0 {
         let message = format!(
             "no distance is below 0, they lie between {low} and {high}: what they were taken from has no inside, and so there \
-             is no surface; --iso {} gives one that far away",
-            0.5 * high
+             is no surface; "
         );
+        let message =
+            Message::from(message).value(Setting::Iso, 0.5 * high).words(" gives one that far away");
         return Err(MeshFailure::refused(RefusalCode::Empty, message));
     }
     if !(level >= low && level <= high) {
@@ -163,7 +167,7 @@ fn default_side(level: f64, suggested: Option<&SuggestedLevel>) -> Inside {
 }
 
 /// Adds a note where the shape reaches the border of the volume.
-fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<String>) {
+fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<Message>) {
     let is_inside = |x: f64| match rule.inside {
         Inside::Low => x < rule.level,
         Inside::High => x > rule.level,
@@ -178,12 +182,12 @@ fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<String>) {
         }
     }
     if n > 0 && rule.border == [[Border::Capped; 2]; 3] {
-        notes.push(format!(
-            "the shape reaches the border of the volume ({n} samples) and is closed there by flat faces; --open leaves \
-             it open"
-        ));
+        let closed = format!(
+            "the shape reaches the border of the volume ({n} samples) and is closed there by flat faces; "
+        );
+        notes.push(Message::from(closed).setting(Setting::Open).words(" leaves it open"));
     } else if n > 0 {
-        notes.push(format!("the shape reaches the border of the volume ({n} samples) and ends there"));
+        notes.push(format!("the shape reaches the border of the volume ({n} samples) and ends there").into());
     }
 }
 
@@ -194,12 +198,12 @@ fn selected_labels(
     range: &ValueRange,
 ) -> Result<Vec<i64>, MeshFailure> {
     if sampled.surface.level.is_some() || sampled.surface.inside.is_some() {
-        let message = "labels have no level and no side: give --labels alone, or --iso";
-        return Err(MeshFailure::Usage(message.to_owned()));
+        let message = Message::from("labels have no level and no side: give ").setting(Setting::Labels);
+        return Err(MeshFailure::Usage(message.words(" alone, or ").setting(Setting::Iso)));
     }
     let Some(known) = &range.labels else {
         let message = "labels are whole numbers, and at most 65,536 different ones; these samples are not";
-        return Err(MeshFailure::Usage(message.to_owned()));
+        return Err(MeshFailure::Usage(message.into()));
     };
     match labels {
         LabelSelection::All => {
@@ -231,7 +235,7 @@ fn mesh_labels(
     sampled: &VolumeShape,
     labels: &[i64],
     request: &MeshRequest,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     // Refuses a budget that rounding to the format alone would exceed.
@@ -256,10 +260,13 @@ fn mesh_labels(
         let is_worse = worst.as_ref().is_none_or(|worst| bound.at_most() > worst.at_most());
         worst = if is_worse { Some(bound) } else { worst };
     }
-    notes.push(format!(
-        "each of {} labels has a surface of its own, halfway between its samples and others",
-        labels.len()
-    ));
+    notes.push(
+        format!(
+            "each of {} labels has a surface of its own, halfway between its samples and others",
+            labels.len()
+        )
+        .into(),
+    );
     let worst = worst.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "no label was asked for"))?;
     Ok((scene, worst))
 }

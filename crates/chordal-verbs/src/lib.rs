@@ -49,6 +49,7 @@ mod script;
 mod shape;
 mod simplify;
 mod spec;
+mod spell;
 mod volume;
 
 pub use bake::{BakeOutcome, BakeSpec, bake};

@@ -1,6 +1,7 @@
 //! `load`: parses bytes to a shape, with everything that a report says about its input.
 use crate::digest::sha256;
 use crate::{Shape, script};
+use chordal::budget::{Message, Setting};
 use chordal::math::Box3;
 use chordal_io::{FileLocation, Format, Limits, PolygonSurface, ReadError, Warning};
 
@@ -88,14 +89,17 @@ fn check_surface(surface: PolygonSurface, format: Format) -> Result<(), ReadErro
     if format == Format::Obj || surface == PolygonSurface::Faceted && is_triangles {
         return Ok(());
     }
-    let message = format!("only the polygons of an .obj can be a cage: --surface says nothing of {format}");
+    let message = Message::from("only the polygons of an .obj can be a cage: ")
+        .setting(Setting::Surface)
+        .words(format_args!(" says nothing of {format}"));
     Err(ReadError::new("no-cage", FileLocation::File, message))
 }
 
 fn format_of(bytes: &[u8], hint: FormatHint) -> Result<Format, ReadError> {
     hint.format_of(bytes).ok_or_else(|| {
         let what = if bytes.is_empty() { "the file is empty" } else { "the content is of no known format" };
-        ReadError::new("unknown-format", FileLocation::File, format!("{what}; --from names the format"))
+        let message = Message::from(what).words("; ").setting(Setting::From).words(" names the format");
+        ReadError::new("unknown-format", FileLocation::File, message)
     })
 }
 

@@ -6,8 +6,8 @@ use crate::pass_through::pass_through;
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::request::MeshRequest;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};
+use chordal::budget::Cure;
 use chordal::budget::{Bound, Budget, Length, Metric, Reference, RefusalCode, Tolerance};
-use chordal::check::Cure;
 use chordal::explicit::Topology;
 use chordal::math::div_down;
 use chordal::mend::{
@@ -87,7 +87,7 @@ pub(crate) enum RepairStep {
 pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
     let cures = spec.cures(&input.shape)?;
     if cures.is_empty() {
-        return Err(MeshFailure::Usage("no cure is asked for".to_owned()));
+        return Err(MeshFailure::Usage("no cure is asked for".into()));
     }
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let mut certificate = Certificate::from_input(&input);
@@ -107,9 +107,9 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
     let was_split =
         certificate.mended.iter().any(|facts| facts.cure == "split-nonmanifold" && !facts.changes.is_empty());
     if was_split && to.topology() == Topology::Positions {
-        certificate
-            .notes
-            .push(format!("{to} has no indices of positions: copies on each other are one there again"));
+        certificate.notes.push(
+            format!("{to} has no indices of positions: copies on each other are one there again").into(),
+        );
     }
     if scene.parts.iter().all(|part| part.mesh.positions().is_empty()) {
         return Err(MeshFailure::refused(

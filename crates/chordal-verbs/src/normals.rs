@@ -1,6 +1,7 @@
 //! `Normals`: the normals that triangles get, as a user requests them.
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
+use chordal::budget::Message;
 use chordal::explicit::{NormalWeight, Semantic, Shading, with_normals};
 use chordal_io::{Format, Scene};
 use std::fmt;
@@ -45,7 +46,7 @@ impl Normals {
         self,
         scene: &mut Scene,
         [from, to]: [Format; 2],
-        notes: &mut Vec<String>,
+        notes: &mut Vec<Message>,
     ) -> Result<(), MeshFailure> {
         let mut n_made = 0;
         for part in &mut scene.parts {
@@ -56,7 +57,7 @@ impl Normals {
         }
         if n_made > 0 {
             let how = if self == Self::Auto { Self::Crease { angle_deg: USUAL_CREASE_DEG } } else { self };
-            notes.push(format!("normals were computed: {how}"));
+            notes.push(format!("normals were computed: {how}").into());
         }
         Ok(())
     }

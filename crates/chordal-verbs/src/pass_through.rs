@@ -1,7 +1,7 @@
 //! Passes triangles through unchanged, at the precision of a format.
 use crate::MeshFailure;
 use crate::flatten::{self, TransformedScene};
-use chordal::budget::{Bound, Reference, RefusalCode};
+use chordal::budget::{Bound, Message, Reference, RefusalCode};
 use chordal::math::add_up;
 use chordal_io::{Format, Scene, snap};
 
@@ -12,12 +12,12 @@ use chordal_io::{Format, Scene, snap};
 pub(crate) fn pass_through(
     scene: Scene,
     to: Format,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let TransformedScene { mut scene, moved_at_most: placed, left_out } =
         if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     if left_out > 0 {
-        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
+        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)").into());
     }
     let stretch = flatten::part_scales(&scene);
     let mut moved = 0.0;

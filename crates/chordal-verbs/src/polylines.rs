@@ -1,7 +1,7 @@
 //! Curves into polylines within a budget, for formats that hold polylines.
 use crate::ImplicitShape;
 use crate::MeshFailure;
-use crate::field::ENDLESS;
+use crate::field::endless;
 use crate::finish::finish_polylines;
 use crate::outcome::MeshOutcome;
 use crate::report::Certificate;
@@ -33,7 +33,7 @@ pub(crate) fn flatten_curves(
 ) -> Result<MeshOutcome, MeshFailure> {
     if request.to == Format::Svg {
         return Err(MeshFailure::Usage(
-            "these curves are in space, which svg cannot hold: write .json".to_owned(),
+            "these curves are in space, which svg cannot hold: write .json".into(),
         ));
     }
     let (drawn, bound) = cut(curves, request, job)?;
@@ -50,21 +50,22 @@ pub(crate) fn contour_field(
     let field = implicit.clip_to_region();
     let Box3 { min, max } = field.bounds();
     if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
-        return Err(MeshFailure::refused(RefusalCode::Unsupported, ENDLESS));
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, endless()));
     }
     let made = convert::field_to_polyline(&field, &request.budget, job).or_else(Failure::best_effort)?;
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max].map(|corner| [corner[0], corner[1]]);
-        certificate.notes.push(format!(
-            "the shape is cut off at the rectangle from {low:?} to {high:?}, and closed there"
-        ));
+        certificate.notes.push(
+            format!("the shape is cut off at the rectangle from {low:?} to {high:?}, and closed there")
+                .into(),
+        );
     }
     // SVG's y grows downwards: the drawing stands upright where y is negated, which is exact.
     let y_down = request.to == Format::Svg;
     let mut lines = made.shape;
     if y_down {
         lines.iter_mut().flat_map(|line| &mut line.points).for_each(|point| point[1] = -point[1]);
-        certificate.notes.push("y is negated, for it grows downwards in svg".to_owned());
+        certificate.notes.push("y is negated, for it grows downwards in svg".into());
     }
     let element = DrawingElement { kind: "field", filled: true, ..DrawingElement::default() };
     let drawn = PathSet {

@@ -1,7 +1,8 @@
 //! The repairs that `inspect` recommends: they were tried on the triangles, and helped.
 use crate::mend::{RepairStep, trial_steps};
 use chordal::Job;
-use chordal::check::{Cure, Defect, MeshConnectivity};
+use chordal::budget::Cure;
+use chordal::check::{Defect, MeshConnectivity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene};
 

@@ -7,7 +7,9 @@ use crate::report::{
     BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts,
 };
 use crate::{BudgetSpec, Input, MeshFailure, Shape, flatten};
-use chordal::budget::{Camera, Failure, Length, Pixels, Projection, Refusal, RefusalCode, Screen, View};
+use chordal::budget::{
+    Camera, Failure, Length, Message, Pixels, Projection, Refusal, RefusalCode, Screen, View,
+};
 use chordal::check::{self, Goal};
 use chordal::explicit::{HitSides, Topology, facing};
 use chordal::implicit::query::BeamCounts;
@@ -95,11 +97,11 @@ pub fn render(
         Shape::Field(field) => draw_field(field, &options, certificate, job),
         Shape::Volume(_) => {
             let message = "a volume has no triangles to take a picture of: mesh it first".to_owned();
-            Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
+            Err(MeshFailure::refused(RefusalCode::Unsupported, message))
         }
         Shape::Curves(_) => {
             let message = "curves in space have no surface to take a picture of".to_owned();
-            Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
+            Err(MeshFailure::refused(RefusalCode::Unsupported, message))
         }
         Shape::Drawing(drawing) => {
             let asked = RenderRequest { options, fineness, shape: &input.shape };
@@ -128,15 +130,13 @@ fn draw_field(
     let field = shape.clip_to_region();
     let drawn = render_field(&field, options, job).map_err(|failure| match failure {
         FieldRenderError::Stopped(stop) => stop.into(),
-        FieldRenderError::Leaf(error) => {
-            MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message: error.message })
-        }
+        FieldRenderError::Leaf(error) => MeshFailure::refused(RefusalCode::Unsupported, error.message),
     })?;
     let BeamCounts { beams, uncertain, capped, .. } = drawn.counts;
     certificate.notes.push(format!(
         "the picture is made straight from the field: of {beams} rays {uncertain} passed something that nothing \
          clears, {capped} of them ended at the most steps; hits and misses are measured, not proved"
-    ));
+    ).into());
     Ok(RenderOutcome {
         picture: drawn.picture,
         camera: drawn.camera,
@@ -218,7 +218,7 @@ fn draw_filled_regions(
         Some(PictureTolerance::Pixels(pixels)) => (Budget::pixels(pixels, View::Camera(camera)), None),
         None => match Pixels::new(UNSEEN_PX) {
             Ok(pixels) => (Budget::pixels(pixels, View::Camera(camera)), None),
-            Err(_) => (fraction_of_diagonal(asked.shape, CLOSE_UP)?, Some(TOO_CLOSE.to_owned())),
+            Err(_) => (fraction_of_diagonal(asked.shape, CLOSE_UP)?, Some(TOO_CLOSE.into())),
         },
     };
     certificate.notes.extend(note);
@@ -328,7 +328,7 @@ const CLOSE_UP: f64 = 1e-4;
 struct PictureMesh {
     made: Bounded<Mesh>,
     budget: Budget,
-    note: Option<String>,
+    note: Option<Message>,
 }
 
 /// A camera, and the conditions of the job.
@@ -342,7 +342,7 @@ fn mesh_for(
     fineness: Option<PictureTolerance>,
     shot: &CameraShot,
 ) -> Result<PictureMesh, MeshFailure> {
-    let made = |(budget, note): (Budget, Option<String>)| {
+    let made = |(budget, note): (Budget, Option<Message>)| {
         Ok(PictureMesh { made: tessellate(shape, &budget, shot.job)?, budget, note })
     };
     let at_camera = |pixels| Budget::pixels(pixels, View::Camera(shot.camera));
@@ -353,7 +353,7 @@ fn mesh_for(
         }
         None => match Pixels::new(UNSEEN_PX).map(|pixels| made((at_camera(pixels), None))) {
             Ok(Err(MeshFailure::Refused(Refusal { code: RefusalCode::TooClose, .. }))) | Err(_) => {
-                made((fraction_of_diagonal(shape, CLOSE_UP)?, Some(TOO_CLOSE.to_owned())))
+                made((fraction_of_diagonal(shape, CLOSE_UP)?, Some(TOO_CLOSE.into())))
             }
             Ok(meshed) => meshed,
         },

@@ -4,7 +4,7 @@ use crate::file_rows::unsupported;
 use crate::flatten::{self, MergedParts, TransformedScene};
 use crate::report::{AttributeFacts, Certificate};
 use crate::request::MeshRequest;
-use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
+use chordal::budget::{Bound, Budget, Failure, JobError, Message, Reference, RefusalCode, Tolerance, View};
 use chordal::check::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
@@ -25,7 +25,7 @@ pub(crate) fn simplify_scene(
     let TransformedScene { mut scene, moved_at_most: placed, left_out } =
         if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     if left_out > 0 {
-        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
+        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)").into());
     }
     if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
         return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to simplify"));
@@ -82,7 +82,7 @@ pub(crate) fn simplify_scene(
         }
     }
     let after: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
-    notes.push(format!("{before} triangles were simplified to {after}"));
+    notes.push(format!("{before} triangles were simplified to {after}").into());
     notes.extend(summary_notes(&all));
     let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
     worst.pixels = pixels;
@@ -234,7 +234,7 @@ fn measure_attributes(
     [before, after]: [&Mesh; 2],
     bound: &Bound,
     job: &Job,
-) -> Result<Option<String>, MeshFailure> {
+) -> Result<Option<Message>, MeshFailure> {
     let moved = bound.at_most().and_then(|most| Tolerance::new(most).ok());
     match attribute_deviation(before, after, moved, job) {
         Ok(found) => {
@@ -242,9 +242,9 @@ fn measure_attributes(
             Ok(None)
         }
         Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
-        Err(JobError::Refused(refusal)) => {
-            Ok(Some(format!("how far attributes went off was not measured: {}", refusal.message)))
-        }
+        Err(JobError::Refused(refusal)) => Ok(Some(
+            Message::from("how far attributes went off was not measured: ").message(&refusal.message),
+        )),
     }
 }
 
@@ -334,22 +334,22 @@ pub(crate) fn add(all: &mut ReductionStats, one: ReductionStats) {
 }
 
 /// Notes on the course of a simplification.
-pub(crate) fn summary_notes(kept: &ReductionStats) -> Vec<String> {
-    let mut notes = Vec::new();
+pub(crate) fn summary_notes(kept: &ReductionStats) -> Vec<Message> {
+    let mut notes: Vec<Message> = Vec::new();
     if kept.locked_vertices > 0 {
         notes.push(format!(
             "where the mesh is not a manifold or wound against itself it stays as it is: {} vertices; mend takes such \
              places apart",
             kept.locked_vertices
-        ));
+        ).into());
     }
     if kept.collapsed_faces > 0 {
         let n = kept.collapsed_faces;
-        notes.push(format!("triangles with two corners at one position were left out ({n}x)"));
+        notes.push(format!("triangles with two corners at one position were left out ({n}x)").into());
     }
     if kept.dropped_components > 0 {
         let n = kept.dropped_components;
-        notes.push(format!("separate pieces that the budget covers were left out ({n}x)"));
+        notes.push(format!("separate pieces that the budget covers were left out ({n}x)").into());
     }
     notes
 }

@@ -1,6 +1,8 @@
 //! `BudgetSpec`: a budget as a user requests it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
-use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
+use chordal::budget::{
+    Budget, Length, Message, PixelBudget, Refusal, RefusalCode, RequiredEvidence, Setting, digits,
+};
 use chordal::convert::Spacing;
 
 /// A budget whose length can be a percentage or have a unit.
@@ -41,14 +43,16 @@ impl BudgetSpec {
     }
 
     /// Checks that counts apply: polylines have segments and meshes have triangles.
-    pub(crate) fn check_counts(&self, lines: bool) -> Result<(), String> {
+    pub(crate) fn check_counts(&self, lines: bool) -> Result<(), Message> {
         let wrong = match (lines, self.triangles, self.segments) {
             (true, Some(n), _) => {
-                format!("polylines have no triangles: --segments {n} limits their segments")
+                let what = Message::from("polylines have no triangles: ");
+                what.value(Setting::Segments, n).words(" limits their segments")
             }
-            (false, _, Some(n)) => format!(
-                "triangles have no segments: --triangles {n} limits them; for polylines write .json or .svg"
-            ),
+            (false, _, Some(n)) => {
+                let what = Message::from("triangles have no segments: ");
+                what.value(Setting::Triangles, n).words(" limits them; for polylines write .json or .svg")
+            }
             _ => return Ok(()),
         };
         Err(wrong)
@@ -68,7 +72,7 @@ impl BudgetSpec {
     /// # Errors
     /// When the length has a unit and the shape has none, or is a percentage and the shape is a point or has
     /// no size.
-    pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<String>), MeshFailure> {
+    pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<Message>), MeshFailure> {
         let mut budget = Budget {
             pixels: self.pixels,
             angle_deg: self.angle_deg,
@@ -81,7 +85,7 @@ impl BudgetSpec {
         let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
         if matches!(length, Length::Percent(_)) && diagonal <= 0.0 {
             let message = format!("the shape has no size, so {length} of it is no length: give one in units");
-            return Err(MeshFailure::Refused(Refusal { code: RefusalCode::Empty, message }));
+            return Err(MeshFailure::Refused(Refusal::new(RefusalCode::Empty, message)));
         }
         let tolerance =
             length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
@@ -94,6 +98,6 @@ impl BudgetSpec {
                 digits(diagonal)
             )),
         };
-        Ok((budget, note))
+        Ok((budget, note.map(Message::from)))
     }
 }

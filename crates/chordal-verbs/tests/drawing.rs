@@ -125,9 +125,9 @@ fn counts_of_the_wrong_kind_are_usage_errors_with_a_hint() {
         || load(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", FormatHint::default(), &Default::default()).unwrap();
     let space = || json(r#"{"curves": [{"control": [[0,0,0],[1,0,0],[2,1,0],[3,1,9]]}]}"#);
     for (input, spec, to, part) in [
-        (drawing(RING), &triangles, Format::Json, "--segments 5"),
-        (drawing(RING), &some, Format::Glb, "--triangles 5"),
-        (obj(), &some, Format::Glb, "--triangles 5"),
+        (drawing(RING), &triangles, Format::Json, "'segments=5'"),
+        (drawing(RING), &some, Format::Glb, "'triangles=5'"),
+        (obj(), &some, Format::Glb, "'triangles=5'"),
         (obj(), &triangles, Format::Json, "triangles"),
         (obj(), &triangles, Format::Svg, "obj, ply, stl, glb"),
         (drawing(RING), &triangles, Format::Bpt, "only read"),

@@ -223,7 +223,7 @@ fn triangles_finer_than_the_screen_shows_are_said() {
         let made = mesh(patch_at([0.0; 3]), &spec, Format::Ply, &Job::default()).unwrap();
         let said =
             made.certificate.notes.iter().filter(|note| note.contains("smaller than a pixel")).cloned();
-        (said.collect::<Vec<String>>(), made.certificate.output.unwrap().triangles().unwrap().triangles)
+        (said.collect::<Vec<_>>(), made.certificate.output.unwrap().triangles().unwrap().triangles)
     };
     for view in ["64x48 fov=45 dist=3", "64x48 fov=45 eye=0.5,0.5,3 target=0.5,0.5,0"] {
         assert_eq!(notes("0.5px", view).0, [""; 0]);

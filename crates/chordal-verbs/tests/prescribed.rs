@@ -2,7 +2,8 @@
 use crate::common;
 
 use chordal::Job;
-use chordal::check::{Cure, Defect};
+use chordal::budget::Cure;
+use chordal::check::Defect;
 use chordal_io::Format;
 use chordal_verbs::report::{FindingFacts, Report, cures_of_all};
 use chordal_verbs::{
@@ -127,7 +128,7 @@ fn an_open_sheet_gets_words_and_no_cure() {
         ));
         let found = &findings(&report)[0];
         assert_eq!((found.of, &found.cures[..]), ("boundary_edges", &[][..]));
-        assert!(found.advice.unwrap().contains("open sheet"), "{found:?}");
+        assert!(found.advice.as_ref().unwrap().contains("open sheet"), "{found:?}");
     }
 }
 
@@ -170,5 +171,8 @@ fn where_equal_positions_are_one_splitting_is_advice_for_another_format() {
     let stl = mended(input, &["--orient"], Format::Stl);
     let report = inspect(&stl);
     let found = findings(&report).iter().find(|finding| finding.of == "non_manifold_edges").unwrap();
-    assert!(found.cures.is_empty() && found.advice.unwrap().contains("into OBJ or PLY"), "{found:?}");
+    assert!(
+        found.cures.is_empty() && found.advice.as_ref().unwrap().contains("into OBJ or PLY"),
+        "{found:?}"
+    );
 }

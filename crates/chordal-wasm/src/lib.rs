@@ -34,6 +34,8 @@ mod options;
 mod outcome;
 mod question;
 mod seam;
+#[cfg(feature = "files")]
+mod spelling;
 mod study;
 
 use outcome::Outcome;

@@ -1,7 +1,9 @@
 //! A file in, a file out: any shape into triangles.
 use crate::options::MeshOptions;
 use crate::outcome::Outcome;
+use crate::spelling::{AsCommand, JsonKeys};
 use chordal::Job;
+use chordal::budget::Spell;
 use chordal_io::Limits;
 use chordal_verbs::{FormatHint, MeshFailure, MeshOutcome, load, mesh as mesh_verb};
 
@@ -14,26 +16,27 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
     let hint = FormatHint { name: options.name.as_deref(), format: options.from, ..FormatHint::default() };
     let mut input = match load(input, hint, &Limits::default()) {
         Ok(input) => input,
-        Err(error) => return Outcome::failed(3, error),
+        Err(error) => return Outcome::failed(3, error.spelled(&JsonKeys)),
     };
     let frame = input.shape.frame_mut();
     frame.metres_per_unit = options.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
     frame.up = options.up.or(frame.up);
     match mesh_verb(input, &options.spec, options.to, &Job::default()) {
-        Ok(made) => mesh_outcome(&made),
+        Ok(made) => mesh_outcome(made),
         Err(failure) => {
-            let error = Outcome::failed(failure.exit_code(), &failure);
+            let (exit, sentence) = (failure.exit_code(), failure.to_string());
             match failure {
                 MeshFailure::Unmet(best) if options.keep_best => {
-                    Outcome { exit: error.exit, error: error.error, ..mesh_outcome(&best) }
+                    Outcome { exit, error: sentence.into_bytes(), ..mesh_outcome(*best) }
                 }
-                _ => error,
+                other => Outcome::failed(exit, other.spelled(&JsonKeys)),
             }
         }
     }
 }
 
-fn mesh_outcome(made: &MeshOutcome) -> Outcome {
+fn mesh_outcome(made: MeshOutcome) -> Outcome {
+    let made = made.spelled(&AsCommand);
     let mut bytes = Vec::new();
     match made.write(&mut bytes) {
         Ok(()) => Outcome {

@@ -17,7 +17,8 @@ pub(crate) struct MeshOptions {
     pub keep_best: bool,
 }
 
-const KEYS: [&str; 13] = [
+/// The names of all options.
+pub(crate) const KEYS: [&str; 13] = [
     "name",
     "from",
     "to",

@@ -95,7 +95,7 @@ pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result
                 code: "GLB_UNKNOWN_CHUNK_TYPE",
                 count: 1,
                 place: FileLocation::Byte(at as u64),
-                message: format!("a chunk of unknown type {kind:#010x} was skipped"),
+                message: format!("a chunk of unknown type {kind:#010x} was skipped").into(),
             }),
         }
         n_chunks += 1;
@@ -106,7 +106,7 @@ pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result
             code: "GLB_EXTRA_DATA",
             count: 1,
             place: FileLocation::Byte(at as u64),
-            message: format!("{} extra bytes follow the end that the header names", bytes.len() - at),
+            message: format!("{} extra bytes follow the end that the header names", bytes.len() - at).into(),
         });
     } else if at != length {
         let what = format!("the header says {length} bytes, the file has {}", bytes.len());

@@ -1,5 +1,6 @@
 //! `GlbWarnings`: warnings, each kind once with its first location and its count.
 use crate::{FileLocation, Warning};
+use chordal::budget::Message;
 
 /// The warnings so far.
 #[derive(Default)]
@@ -9,7 +10,7 @@ pub(super) struct GlbWarnings {
 
 impl GlbWarnings {
     /// Counts one.
-    pub fn add(&mut self, code: &'static str, place: FileLocation, message: impl Into<String>) {
+    pub fn add(&mut self, code: &'static str, place: FileLocation, message: impl Into<Message>) {
         self.add_many(code, 1, place, message);
     }
 
@@ -19,7 +20,7 @@ impl GlbWarnings {
         code: &'static str,
         count: u64,
         place: FileLocation,
-        message: impl Into<String>,
+        message: impl Into<Message>,
     ) {
         if count == 0 {
             return;

@@ -5,6 +5,7 @@
 use crate::volume::element::{Endian, SampleType};
 use crate::volume::name_of;
 use crate::{FileLocation, ReadError};
+use chordal::budget::Message;
 
 /// Bytes of the header of version 1 and of version 2.
 const SIZES: [usize; 2] = [348, 540];
@@ -64,7 +65,7 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
     }
 }
 
-pub(super) fn header_error(code: &'static str, at: usize, message: impl Into<String>) -> ReadError {
+pub(super) fn header_error(code: &'static str, at: usize, message: impl Into<Message>) -> ReadError {
     ReadError::new(code, FileLocation::Byte(at as u64), message)
 }
 

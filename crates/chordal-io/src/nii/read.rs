@@ -7,6 +7,7 @@ use crate::volume::samples::{self, SampleLayout};
 use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Volume};
+use chordal::budget::{Message, Setting, Unit};
 use chordal::implicit::{Grid, Samples};
 
 /// Reads the volume of a NIfTI file, gzipped or not, in patient coordinates: x to the right, y to the front,
@@ -85,10 +86,11 @@ fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLa
     let last = sizes.iter().rposition(|n| *n > 1).map_or(0, |last| last + 1);
     if last > 4 || axes < 3 {
         let said: Vec<String> = sizes.iter().map(ToString::to_string).collect();
-        let message = format!(
-            "{} samples are no volume: three axes are expected, or four with --index for one volume of several",
-            said.join(" x ")
-        );
+        let said = said.join(" x ");
+        let message =
+            Message::from(format!("{said} samples are no volume: three axes are expected, or four with "))
+                .setting(Setting::Index)
+                .words(" for one volume of several");
         return Err(ReadError::new("not-3d", place, message));
     }
     let size = size_of([sizes[0], sizes[1], sizes[2]], header.element, &place, limits)?;
@@ -104,8 +106,9 @@ fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLa
 pub(crate) fn which(volumes: u64, limits: &Limits, place: &FileLocation) -> Result<u64, ReadError> {
     match limits.index {
         None if volumes > 1 => {
-            let message =
-                format!("the file holds {volumes} volumes: --index names one, from 0 to {}", volumes - 1);
+            let message = Message::from(format!("the file holds {volumes} volumes: "))
+                .setting(Setting::Index)
+                .words(format_args!(" names one, from 0 to {}", volumes - 1));
             Err(ReadError::new("several-volumes", place.clone(), message))
         }
         Some(index) if index >= volumes => {
@@ -151,8 +154,9 @@ fn unit(header: &NiftiHeader, warnings: &mut Warnings) -> Option<f64> {
         3 => Some(1e-6),
         _ => {
             warnings.count("no-unit", || {
-                let message = "the file does not say its unit, which is nearly always the millimetre: --unit mm says so";
-                (FileLocation::File, message.to_owned())
+                let unsaid = "the file does not say its unit, which is nearly always the millimetre: ";
+                let message = Message::from(unsaid).value(Setting::Unit, Unit::Millimetre).words(" says so");
+                (FileLocation::File, message)
             });
             None
         }

@@ -3,6 +3,7 @@ use super::MAGIC;
 use crate::text::{show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, Limits, ReadError};
+use chordal::budget::Message;
 
 /// The fields of the header.
 pub(super) struct NpyHeader {
@@ -17,7 +18,7 @@ pub(super) struct NpyHeader {
     pub end: usize,
 }
 
-fn header_error(at: usize, message: impl Into<String>) -> ReadError {
+fn header_error(at: usize, message: impl Into<Message>) -> ReadError {
     ReadError::new("bad-header", FileLocation::Byte(at as u64), message)
 }
 

@@ -3,6 +3,7 @@ use super::{CERTIFICATE, MAGIC};
 use crate::text::{LineTokens, TextLines, finite, integer, number, number_error, show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, Limits, ReadError};
+use chordal::budget::Message;
 use serde_json::Value;
 
 /// A value with its line number.
@@ -48,11 +49,11 @@ pub(super) struct NrrdHeader {
     pub end: usize,
 }
 
-fn header_error(line: u64, message: impl Into<String>) -> ReadError {
+fn header_error(line: u64, message: impl Into<Message>) -> ReadError {
     ReadError::new("bad-header", FileLocation::Line(line), message)
 }
 
-fn unsupported(line: u64, message: impl Into<String>) -> ReadError {
+fn unsupported(line: u64, message: impl Into<Message>) -> ReadError {
     ReadError::new("unsupported", FileLocation::Line(line), message)
 }
 

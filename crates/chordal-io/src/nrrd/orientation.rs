@@ -2,9 +2,10 @@
 use super::fields::{NrrdField, NrrdHeader};
 use crate::warnings::Warnings;
 use crate::{Axis, FileLocation, Frame, ReadError};
+use chordal::budget::Message;
 use chordal::implicit::Affine3;
 
-fn singular(line: u64, message: impl Into<String>) -> ReadError {
+fn singular(line: u64, message: impl Into<Message>) -> ReadError {
     ReadError::new("singular", FileLocation::Line(line), message)
 }
 

@@ -10,6 +10,7 @@ use crate::volume::samples::{self, SampleLayout, TextSamples};
 use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome, Volume};
+use chordal::budget::{Message, Setting};
 use chordal::implicit::{Grid, Samples};
 
 /// Reads the volume of a NRRD file, in the space of the file. Its directions and origin place the samples,
@@ -98,8 +99,9 @@ fn axes(
         return Ok(([0, 1, 2], None));
     }
     if n != 4 {
-        let message =
-            format!("{n} axes are no volume: three are expected, or four with --index for one of the fourth");
+        let message = Message::from(format!("{n} axes are no volume: three are expected, or four with "))
+            .setting(Setting::Index)
+            .words(" for one of the fourth");
         return Err(ReadError::new("not-3d", place.clone(), message));
     }
     let is_space = |kind: &str| matches!(kind, "domain" | "space");

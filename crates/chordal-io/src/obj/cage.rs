@@ -8,6 +8,7 @@ use crate::polygons::Polygons;
 use crate::text::{grouped, not_finite};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Frame, ReadError};
+use chordal::budget::{Message, Setting};
 use chordal::explicit::{Cage, CornerTexcoords, InvalidCage, Scheme};
 
 /// The polygons so far.
@@ -81,20 +82,17 @@ impl CageBuilder {
             return Ok(());
         }
         if self.scheme == Scheme::Loop && n != 3 {
-            let message = format!(
-                "Loop subdivision takes triangles alone, and this face has {n} corners: \
-                 --surface catmull-clark takes any"
-            );
+            let message = format!("Loop subdivision takes triangles alone, and this face has {n} corners: ");
+            let message = Message::from(message).value(Setting::Surface, "catmull-clark").words(" takes any");
             return Err(ReadError::new("not-triangles", place, message));
         }
         self.sorted.clear();
         self.sorted.extend_from_slice(&self.corners[start..]);
         self.sorted.sort_unstable();
         if let Some(pair) = self.sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            let message = format!(
-                "a face uses vertex {} twice, which no cage can refine: --surface faceted takes it as triangles",
-                pair[0] + 1
-            );
+            let message = format!("a face uses vertex {} twice, which no cage can refine: ", pair[0] + 1);
+            let message =
+                Message::from(message).value(Setting::Surface, "faceted").words(" takes it as triangles");
             return Err(ReadError::new("vertex-twice", place, message));
         }
         push(&mut self.ends, end)
@@ -109,9 +107,8 @@ impl CageBuilder {
     ) -> Result<Polygons, ReadError> {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             let error = not_finite(b"of a cage", FileLocation::Row { list: "vertex", row: row as u64 });
-            let message =
-                format!("{}: only triangles are taken apart, with --surface faceted", error.message);
-            return Err(ReadError { message, ..error });
+            let message = error.message.words(": only triangles are taken apart, with ");
+            return Err(ReadError { message: message.value(Setting::Surface, "faceted"), ..error });
         }
         check_extent(&positions)?;
         self.count_oddities(positions.len(), warnings)?;

@@ -196,7 +196,7 @@ impl<'a> ObjReader<'a> {
             self.warnings.count("weights-skipped", || {
                 (
                     FileLocation::Line(line),
-                    "weights of vertices were skipped; they matter to free-form shapes only".into(),
+                    "weights of vertices were skipped; they matter to free-form shapes only",
                 )
             });
         }

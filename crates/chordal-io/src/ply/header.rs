@@ -2,6 +2,7 @@
 use crate::text::{LineTokens, TextLines, grouped, integer, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
+use chordal::budget::Message;
 use serde_json::Value;
 
 /// The most elements that a header may declare, far more than any writer does.
@@ -123,7 +124,7 @@ pub(super) struct PlyHeader {
     pub(super) lines: u64,
 }
 
-fn error(line: u64, code: &'static str, message: impl Into<String>) -> ReadError {
+fn error(line: u64, code: &'static str, message: impl Into<Message>) -> ReadError {
     ReadError::new(code, FileLocation::Line(line), message)
 }
 

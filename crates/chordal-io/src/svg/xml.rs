@@ -4,6 +4,7 @@ use super::names::{ElementTag, Key};
 use crate::grow::push;
 use crate::text::{grouped, show};
 use crate::{FileLocation, Limits, ReadError};
+use chordal::budget::Message;
 use quick_xml::Reader;
 use quick_xml::escape::{EscapeError, resolve_predefined_entity, unescape};
 use quick_xml::events::Event;
@@ -188,7 +189,7 @@ impl<'a> XmlParser<'a> {
         }
     }
 
-    fn error(&self, at: usize, code: &'static str, message: impl Into<String>) -> ReadError {
+    fn error(&self, at: usize, code: &'static str, message: impl Into<Message>) -> ReadError {
         ReadError::new(code, place(self.tree.text, at), message)
     }
 

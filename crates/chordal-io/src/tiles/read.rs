@@ -269,5 +269,5 @@ fn root_uri(template: &str) -> String {
 
 /// Adds the path of a referenced file to its error.
 fn error_in_file(path: &str, error: ReadError) -> ReadError {
-    ReadError { message: format!("{} (in '{path}')", error.message), ..error }
+    ReadError { message: error.message.words(format_args!(" (in '{path}')")), ..error }
 }

@@ -5,6 +5,7 @@ use crate::grow::{out_of_memory, push, with_room};
 use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
+use chordal::budget::{Message, Setting};
 use chordal::implicit::Samples;
 
 /// The layout of samples in a stream: `outer` times `of` runs of `inner` samples, of which run `index` is
@@ -87,9 +88,8 @@ fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> R
     }
     if !limits.lenient {
         let how_many = stream.left().map_or_else(|| "more".to_owned(), |n| format!("{} more", grouped(n)));
-        let message = format!(
-            "the samples that the header declares end here, {how_many} bytes follow; --lenient skips them"
-        );
+        let message = format!("the samples that the header declares end here, {how_many} bytes follow; ");
+        let message = Message::from(message).setting(Setting::Lenient).words(" skips them");
         return Err(ReadError::new("trailing-bytes", place, message));
     }
     warnings.count("trailing-bytes", || {

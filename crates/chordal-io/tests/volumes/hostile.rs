@@ -19,7 +19,7 @@ fn h61_sizes_that_are_no_sizes_are_refused_at_their_place() {
         ([8, 2, 3, 2, 1, 1, 1, 1], "bad-size", "8 axes"),
         ([2, 4, 3, 1, 1, 1, 1, 1], "not-3d", "4 x 3 samples"),
         ([5, 2, 3, 2, 1, 2, 1, 1], "not-3d", "2 x 3 x 2 x 1 x 2"),
-        ([4, 2, 3, 2, 7, 1, 1, 1], "several-volumes", "7 volumes: --index names one, from 0 to 6"),
+        ([4, 2, 3, 2, 7, 1, 1, 1], "several-volumes", "7 volumes: 'index' names one, from 0 to 6"),
     ] {
         for bytes in [nii(dim).bytes(), nii(dim).packed()] {
             let error = refuse(&bytes, Format::Nii);

@@ -12,8 +12,8 @@ use crate::request::MeshRequest;
 use crate::simplify::{summary_notes, without_normals};
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, field, isosurface};
 use chordal::budget::{
-    Bound, Budget, Failure, JobError, Length, MinDistanceView, Pixels, Reference, Refusal, RefusalCode,
-    Tolerance, View,
+    Bound, Budget, Failure, JobError, Length, Message, MinDistanceView, Pixels, Reference, Refusal,
+    RefusalCode, Setting, Tolerance, View,
 };
 use chordal::explicit::Topology;
 use chordal::lod::{self, HYSTERESIS, LodSource, LodSteps, SwitchDistances};
@@ -100,12 +100,12 @@ const COVERED: [f64; 4] = [1000.0, 200.0, 20.0, 2.0];
 /// where there would be more than 20,000 tiles.
 pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFailure> {
     if matches!(input.shape, Shape::Drawing(_) | Shape::Curves(_)) {
-        return Err(MeshFailure::Usage("levels of detail are for surfaces, and these are curves".to_owned()));
+        return Err(MeshFailure::Usage("levels of detail are for surfaces, and these are curves".into()));
     }
     if spec.lens.focal_px().is_none() {
         let message =
             "levels change with the distance, which parallel rays do not see: give the view a field of view";
-        return Err(MeshFailure::Usage(message.to_owned()));
+        return Err(MeshFailure::Usage(message.into()));
     }
     let mut certificate = Certificate::from_input(&input);
     let place = input.shape.hull()?;
@@ -155,10 +155,9 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         let (mesh, bound) =
             finest.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"))?;
         if mesh.faces().len() / whole > MOST_TILES {
-            let message = format!(
-                "{} triangles in tiles of {whole} are more than {MOST_TILES} files: let --tile-triangles be larger",
-                mesh.faces().len()
-            );
+            let n = mesh.faces().len();
+            let message = format!("{n} triangles in tiles of {whole} are more than {MOST_TILES} files: let ");
+            let message = Message::from(message).setting(Setting::TileTriangles).words(" be larger");
             return Err(MeshFailure::Usage(message));
         }
         let cut = TileHierarchy::build(
@@ -212,7 +211,7 @@ impl LevelMesh {
         mesh: &Mesh,
         bound: Bound,
         looks: &LevelShading,
-        notes: &mut Vec<String>,
+        notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
         let request = MeshRequest::new(Budget::default(), Format::Glb, mesh.bounds());
@@ -268,7 +267,7 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
         certificate.notes.push(format!(
             "nothing says how near the eye comes: the finest level is for {distance:.6}, where the box fills the height of \
              the screen"
-        ));
+        ).into());
     }
     let view = View::MinDistance(MinDistanceView { distance, ..spec.lens });
     let length = view.length_of(spec.pixels, &shape.hull()?).and_then(|length| Tolerance::new(length).ok());
@@ -283,7 +282,7 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
 /// Makes the triangles of a shape.
 struct LevelMesher<'a> {
     shape: Shape,
-    notes: Vec<String>,
+    notes: Vec<Message>,
     place: Box3,
     /// Whether normals are recomputed, so that existing ones preserve no edge.
     has_new_normals: bool,
@@ -292,7 +291,7 @@ struct LevelMesher<'a> {
 
 impl LevelMesher<'_> {
     /// The triangles of a triangle shape as one mesh, how far its transforms moved it, and how rows are tied.
-    fn triangles(&mut self, notes: &mut Vec<String>) -> Result<Option<(Mesh, f64, Topology)>, MeshFailure> {
+    fn triangles(&mut self, notes: &mut Vec<Message>) -> Result<Option<(Mesh, f64, Topology)>, MeshFailure> {
         let Shape::Scene(scene) = &mut self.shape else { return Ok(None) };
         let TransformedScene { mut scene, moved_at_most, left_out } =
             flatten::flatten(std::mem::take(scene))?;
@@ -300,7 +299,7 @@ impl LevelMesher<'_> {
             without_normals(&mut scene)?;
         }
         if left_out > 0 {
-            notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
+            notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)").into());
         }
         let shown = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count();
         if shown == 0 {
@@ -313,7 +312,7 @@ impl LevelMesher<'_> {
                 (part.mesh, moved_at_most, topology)
             }));
         }
-        notes.push(format!("{shown} parts were put together; what their corners carry was left out"));
+        notes.push(format!("{shown} parts were put together; what their corners carry was left out").into());
         let assembled = MergedParts::from_scene(&scene, Topology::Indices)?;
         Ok(Some((assembled.mesh, moved_at_most, Topology::Indices)))
     }
@@ -338,14 +337,11 @@ impl LevelMesher<'_> {
         let (scene, bound) = made.map_err(|failure| match failure {
             MeshFailure::Cancelled => JobError::Cancelled,
             MeshFailure::Refused(refusal) => JobError::Refused(refusal),
-            other => {
-                JobError::Refused(Refusal { code: RefusalCode::Unsupported, message: other.to_string() })
-            }
+            other => JobError::Refused(Refusal::new(RefusalCode::Unsupported, other.message())),
         })?;
         let mesh = flatten::one_mesh(&scene).map(|mesh| mesh.into_owned());
-        let mesh = mesh.map_err(|error| {
-            JobError::Refused(Refusal { code: RefusalCode::Unsupported, message: error.to_string() })
-        })?;
+        let mesh = mesh
+            .map_err(|error| JobError::Refused(Refusal::new(RefusalCode::Unsupported, error.to_string())))?;
         Ok(Bounded { shape: mesh, bound })
     }
 }

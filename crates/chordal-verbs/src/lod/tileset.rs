@@ -5,7 +5,7 @@ use crate::file_rows::{to_file_rows, unsupported};
 use crate::flatten;
 use crate::report::LevelFacts;
 use crate::simplify::{add, summary_notes};
-use chordal::budget::{Bound, JobError, Reference, RefusalCode, Tolerance};
+use chordal::budget::{Bound, JobError, Message, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
 use chordal::lod::{self, ReductionStats, SwitchDistances, TilingOptions};
 use chordal::math::{Box3, add_up, mul_up};
@@ -34,7 +34,7 @@ impl TileHierarchy {
     pub fn build(
         finest: Bounded<Mesh>,
         looks: &LevelShading,
-        (most, notes): (usize, &mut Vec<String>),
+        (most, notes): (usize, &mut Vec<Message>),
         job: &Job,
     ) -> Result<Self, MeshFailure> {
         let Bounded { shape: mesh, bound } = finest;

@@ -1,8 +1,10 @@
 //! `FindingFacts`: what was found, what it means and what repairs it.
 use super::surface::SurfaceFacts;
 use super::validity::ValidityFacts;
-use chordal::check::{Cure, Defect, Severity};
-use serde::{Serialize, Serializer};
+use super::{message_option, message_text, message_texts};
+use chordal::budget::{Cure, Message, Setting};
+use chordal::check::{Defect, Severity};
+use serde::Serialize;
 
 /// One kind of defect that was found, in words, with its repairs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -16,12 +18,17 @@ pub struct FindingFacts {
     /// Its name in words, singular or plural.
     pub words: &'static str,
     /// Its meaning, as half a sentence.
-    pub means: &'static str,
-    /// The options of `chordal mend` that repair it, in this order; empty where there is none.
-    #[serde(serialize_with = "as_options")]
+    #[serde(serialize_with = "message_text")]
+    pub means: Message,
+    /// The repairs, in this order; empty where there is none.
+    #[serde(skip)]
     pub cures: Vec<Cure>,
-    /// What to do where no option repairs it.
-    pub advice: Option<&'static str>,
+    /// The same as settings of `mend`, which readers of a report call.
+    #[serde(rename = "cures", serialize_with = "message_texts")]
+    pub options: Vec<Message>,
+    /// What to do where nothing repairs it.
+    #[serde(serialize_with = "message_option")]
+    pub advice: Option<Message>,
 }
 
 impl FindingFacts {
@@ -41,6 +48,10 @@ impl FindingFacts {
         let mut all: Vec<Self> = Defect::ALL.iter().filter_map(told).collect();
         let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
         add_consequences(&mut all, tried.map_or(&[], Vec::as_slice));
+        for finding in &mut all {
+            let option = |cure: &Cure| Message::default().setting(Setting::Cure(*cure));
+            finding.options = finding.cures.iter().map(option).collect();
+        }
         all
     }
 
@@ -62,16 +73,19 @@ impl FindingFacts {
             weight: if defect.severity() == Severity::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
             // A repair with a side effect says so where it is named.
-            means: if cures.contains(&Cure::FillHoles) { MAY_CROSS } else { defect.meaning() },
+            means: if cures.contains(&Cure::FillHoles) { may_cross() } else { defect.meaning().into() },
             advice: advice(defect, valid, &cures),
             cures,
+            options: Vec::new(),
         }
     }
 }
 
 /// The meaning of a boundary that can be filled.
-const MAY_CROSS: &str = "the surface ends there, so that it has no inside; what fills it may cross the surface, \
-    which `inspect --self-intersections` tells afterwards";
+fn may_cross() -> Message {
+    let open = "the surface ends there, so that it has no inside; what fills it may cross the surface, which `inspect ";
+    Message::from(open).setting(Setting::SelfIntersections).words("` tells afterwards")
+}
 
 /// The repairs of a defect that help.
 fn cures(defect: Defect, valid: &ValidityFacts) -> Vec<Cure> {
@@ -115,18 +129,19 @@ fn add_consequences(all: &mut [FindingFacts], tried: &[Cure]) {
     }
 }
 
-/// The advice for a defect that no option repairs.
-fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<&'static str> {
+/// The advice for a defect that nothing repairs.
+fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<Message> {
     let ties = valid.topology == "positions";
     match defect {
         _ if !cures.is_empty() => None,
-        Defect::NonManifoldEdges | Defect::NonManifoldVertices if ties => Some(
-            "`chordal mend --split-nonmanifold` into OBJ or PLY: this format ties equal positions together again",
-        ),
+        Defect::NonManifoldEdges | Defect::NonManifoldVertices if ties => {
+            let split = Message::from("`chordal mend ").setting(Setting::Cure(Cure::SplitNonManifold));
+            Some(split.words("` into OBJ or PLY: this format ties equal positions together again"))
+        }
         Defect::BoundaryEdges if valid.counts.orientable => Some(
-            "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it",
+            "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it".into(),
         ),
-        _ => Some(defect.advice()),
+        _ => Some(defect.advice().into()),
     }
 }
 
@@ -135,11 +150,6 @@ fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<&'sta
 pub fn cures_of_all(findings: &[FindingFacts]) -> Vec<Cure> {
     let wanted = |cure: &Cure| findings.iter().any(|finding| finding.cures.contains(cure));
     Cure::ALL.into_iter().filter(wanted).collect()
-}
-
-/// Reports name repairs by the options of the command, which users of a report call.
-fn as_options<S: Serializer>(cures: &[Cure], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(cures.iter().map(|cure| format!("--{}", cure.name())))
 }
 
 impl ValidityFacts {

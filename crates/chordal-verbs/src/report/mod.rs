@@ -13,6 +13,7 @@ mod field;
 mod findings;
 mod inspection;
 mod levels;
+mod message_text;
 mod overshade;
 mod part_check;
 mod repairs;
@@ -35,6 +36,7 @@ pub use field::FieldFacts;
 pub use findings::{FindingFacts, cures_of_all};
 pub use inspection::{EmbeddedCertificate, GeometrySizes, Inspection, PartFacts};
 pub use levels::{LevelChoiceFacts, LevelFacts, LevelsFacts};
+use message_text::{message_option, message_text, message_texts};
 pub use overshade::{OvershadeFacts, ShadingFacts};
 use part_check::witness_facts;
 pub(crate) use part_check::{CheckDepth, CountError};
@@ -48,6 +50,7 @@ pub use witness::WitnessFacts;
 
 use crate::{Input, Shape};
 use chordal::Mesh;
+use chordal::budget::{Message, Setting};
 use chordal::explicit::{Curve, CurveSegment, Topology};
 use chordal_io::{Axis, Format, Frame, Polylines, Warning};
 use serde::Serialize;
@@ -108,11 +111,12 @@ pub struct Certificate {
     /// The levels of detail; only from `lod`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub levels: Option<LevelsFacts>,
-    /// The shading cost on a graphics processor; only from `render --show overshade`.
+    /// The shading cost on a graphics processor; only from a rendering that was asked for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overshade: Option<OvershadeFacts>,
     /// Further notes for the reader, in sentences.
-    pub notes: Vec<String>,
+    #[serde(serialize_with = "message_texts")]
+    pub notes: Vec<Message>,
 }
 
 impl Certificate {
@@ -134,7 +138,7 @@ impl Certificate {
             attributes: Vec::new(),
             levels: None,
             overshade: None,
-            notes: assumed_region(input).map(str::to_owned).into_iter().collect(),
+            notes: assumed_region(input).into_iter().collect(),
         }
     }
 
@@ -160,12 +164,14 @@ impl Report {
 }
 
 /// The note on the assumed region, where a format does not state the region of its field.
-fn assumed_region(input: &Input) -> Option<&'static str> {
+fn assumed_region(input: &Input) -> Option<Message> {
     let Shape::Field(implicit) = &input.shape else { return None };
     let assumed = input.format == Format::Vm && implicit.region == Some(chordal_io::vm::REGION);
-    assumed.then_some(
-        "an op list says no size: it is looked at from -1 to 1 along each axis; --region says otherwise",
-    )
+    assumed.then(|| {
+        Message::from("an op list says no size: it is looked at from -1 to 1 along each axis; ")
+            .setting(Setting::Region)
+            .words(" says otherwise")
+    })
 }
 
 /// These structs hold numbers, texts and lists with texts as keys, all of which JSON can represent; a number
@@ -208,7 +214,8 @@ pub struct WarningFacts {
     /// Its first position.
     pub place: String,
     /// One sentence.
-    pub message: String,
+    #[serde(serialize_with = "message_text")]
+    pub message: Message,
 }
 
 impl WarningFacts {

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// The shading cost of a mesh at a view.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OvershadeFacts {
-    /// The camera, as `--view` takes it.
+    /// The camera, as the text of a view that reads back as it.
     pub view: String,
     /// The culled sides: "none", "back" or "front".
     pub culled: &'static str,

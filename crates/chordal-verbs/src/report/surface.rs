@@ -3,7 +3,8 @@ use super::part_check::PartCheck;
 use super::scene_check::SceneCheck;
 use super::validity_counts::ValidityCounts;
 use crate::flatten::IDENTITY;
-use chordal::check::{Component, Cure, Facing, Finding, outward};
+use chordal::budget::Cure;
+use chordal::check::{Component, Facing, Finding, outward};
 use chordal_io::Scene;
 use serde::Serialize;
 

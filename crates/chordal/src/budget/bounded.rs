@@ -1,5 +1,5 @@
 //! `Bounded`: a shape with a bound on its error, and the reasons why there may be none.
-use super::{Bound, JobError};
+use super::{Bound, JobError, Message, Spell, Spelling};
 use std::fmt;
 
 /// What every lossy arrow returns.
@@ -35,7 +35,20 @@ pub struct Refusal {
     /// A stable code, for programs.
     pub code: RefusalCode,
     /// One sentence, for people.
-    pub message: String,
+    pub message: Message,
+}
+
+impl Refusal {
+    /// A refusal with a message of one sentence.
+    pub fn new(code: RefusalCode, message: impl Into<Message>) -> Self {
+        Self { code, message: message.into() }
+    }
+}
+
+impl Spell for Refusal {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.message.spell(spelling);
+    }
 }
 
 /// Stable names of the reasons for a [`Refusal`]. A released code keeps its meaning.
@@ -85,8 +98,8 @@ impl RefusalCode {
 
 impl<T> Failure<T> {
     /// A refusal with a message of one sentence.
-    pub fn refused(code: RefusalCode, message: impl Into<String>) -> Self {
-        Self::Refused(Refusal { code, message: message.into() })
+    pub fn refused(code: RefusalCode, message: impl Into<Message>) -> Self {
+        Self::Refused(Refusal::new(code, message))
     }
 
     /// The best result that was reached, also where it misses the budget.

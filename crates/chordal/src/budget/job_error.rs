@@ -1,5 +1,5 @@
 //! `JobError`: why exact work, which has no bound, gave no result.
-use super::{Failure, Refusal};
+use super::{Failure, Refusal, Spell, Spelling};
 use std::fmt;
 
 /// The reasons why a [`Job`](super::Job) without a budget ends without a result.
@@ -16,6 +16,15 @@ impl<T> From<JobError> for Failure<T> {
         match stopped {
             JobError::Refused(refusal) => Self::Refused(refusal),
             JobError::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
+impl Spell for JobError {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        match self {
+            Self::Refused(refusal) => refusal.spell(spelling),
+            Self::Cancelled => {}
         }
     }
 }

@@ -1,5 +1,5 @@
 //! `Length`: a length as a person writes it: `0.1`, `0.1mm`, `0.05%`.
-use super::{Tolerance, digits};
+use super::{Message, Setting, Spell, Spelling, Tolerance, digits};
 use std::fmt;
 use std::str::FromStr;
 
@@ -57,7 +57,7 @@ impl FromStr for Unit {
         let found = UNITS.iter().find(|row| row.1 == text);
         found.map(|row| row.0).ok_or_else(|| InvalidLength {
             text: text.to_owned(),
-            why: "units are um, mm, cm, m, km, in and ft",
+            why: "units are um, mm, cm, m, km, in and ft".into(),
         })
     }
 }
@@ -89,18 +89,21 @@ impl Length {
     /// # Errors
     /// A named unit needs `metres_per_unit`; a percentage needs a diagonal greater than zero.
     pub fn resolve(self, diagonal: f64, metres_per_unit: Option<f64>) -> Result<Tolerance, InvalidLength> {
-        let invalid = |why| InvalidLength { text: self.to_string(), why };
+        let invalid = |why: Message| InvalidLength { text: self.to_string(), why };
         let length = match self {
             Self::Plain(length) => length,
             Self::In(length, unit) => {
                 let per_unit = metres_per_unit.ok_or_else(|| {
-                    invalid("the input's unit is not known: give --unit, or a length without a unit")
+                    let unknown =
+                        Message::from("the input's unit is not known: give ").setting(Setting::Unit);
+                    invalid(unknown.words(", or a length without a unit"))
                 })?;
                 length * unit.metres() / per_unit
             }
             Self::Percent(percent) => percent / 100.0 * diagonal,
         };
-        Tolerance::new(length).map_err(|_| invalid("it is not a finite length greater than 0 for this shape"))
+        Tolerance::new(length)
+            .map_err(|_| invalid("it is not a finite length greater than 0 for this shape".into()))
     }
 }
 
@@ -118,7 +121,7 @@ impl FromStr for Length {
     type Err = InvalidLength;
     fn from_str(text: &str) -> Result<Self, InvalidLength> {
         let text = text.trim();
-        let invalid = |why| InvalidLength { text: text.to_owned(), why };
+        let invalid = |why: Message| InvalidLength { text: text.to_owned(), why };
         let split = text
             .find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E' || c == '%')
             .unwrap_or(text.len());
@@ -127,9 +130,9 @@ impl FromStr for Length {
         let number: f64 = number
             .trim()
             .parse()
-            .map_err(|_| invalid("a length is a number greater than 0, as in 0.1, 0.1mm or 0.05%"))?;
+            .map_err(|_| invalid("a length is a number greater than 0, as in 0.1, 0.1mm or 0.05%".into()))?;
         if !(number.is_finite() && number > 0.0) {
-            return Err(invalid("a length must be finite and greater than 0"));
+            return Err(invalid("a length must be finite and greater than 0".into()));
         }
         match unit.trim() {
             "" => Ok(Self::Plain(number)),
@@ -143,7 +146,21 @@ impl FromStr for Length {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidLength {
     text: String,
-    why: &'static str,
+    why: Message,
+}
+
+impl Spell for InvalidLength {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.why.spell(spelling);
+    }
+}
+
+impl InvalidLength {
+    /// The whole sentence.
+    #[must_use]
+    pub fn message(&self) -> Message {
+        Message::from(format!("'{}': ", self.text)).message(&self.why)
+    }
 }
 
 impl fmt::Display for InvalidLength {

@@ -1,5 +1,5 @@
 //! `Defect`: the possible defects of a mesh, in words, with the repairs of each.
-use super::Cure;
+use crate::budget::Cure;
 
 /// A possible defect of a mesh: the one table of names, meanings and cures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -107,7 +107,7 @@ fn sample_bricks(
 }
 
 fn refusal(code: RefusalCode, message: String) -> JobError {
-    JobError::Refused(Refusal { code, message })
+    JobError::Refused(Refusal::new(code, message))
 }
 
 /// Refuses a band that is not above 0, and samples that exceed the memory limit.

@@ -130,16 +130,14 @@ pub fn with_gradient_normals(mesh: &Mesh, field: &Field, job: &Job) -> Result<Me
     let tape = Tape::new(field.sign());
     let crease = Shading::Crease { angle_rad: CREASE_RAD, weight: NormalWeight::Angle };
     let too_many = |_| {
-        JobError::Refused(Refusal {
-            code: RefusalCode::TooManyTriangles,
-            message: "the mesh would have more than 2^32 vertices".into(),
-        })
+        let message = "the mesh would have more than 2^32 vertices";
+        JobError::Refused(Refusal::new(RefusalCode::TooManyTriangles, message))
     };
     let mesh = with_normals(mesh, Topology::Indices, crease).map_err(too_many)?;
     let points = gradient_points(&mesh);
-    let slopes = FieldSampler { tape: &tape, job }.duals(&points).map_err(|error| {
-        JobError::Refused(Refusal { code: RefusalCode::LeafFailed, message: error.message })
-    })?;
+    let slopes = FieldSampler { tape: &tape, job }
+        .duals(&points)
+        .map_err(|error| JobError::Refused(Refusal::new(RefusalCode::LeafFailed, error.message)))?;
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }

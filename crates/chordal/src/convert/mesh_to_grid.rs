@@ -51,7 +51,7 @@ pub fn mesh_to_grid(
     band: Option<f64>,
     job: &Job,
 ) -> Result<DistanceGrid, JobError> {
-    let refused = |code, message: String| JobError::Refused(Refusal { code, message });
+    let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
     if let Some(width) = band.filter(|width| !(*width > 0.0 && *width <= 1e6)) {
         let message = format!("the band is {width} cells, and must be above 0 and at most 1e6");
         return Err(refused(RefusalCode::Budget, message));

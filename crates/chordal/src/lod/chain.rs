@@ -1,7 +1,9 @@
 //! `chain`: a shape as levels with growing errors and fewer triangles, each with its own bound.
 use super::reduction::ReductionStats;
 use super::simplify::{ProgressiveSimplifier, SimplifiedMesh, SimplifyInput};
-use crate::budget::{Bound, Bounded, ErrorLimit, Job, JobError, Reference, Refusal, RefusalCode, Tolerance};
+use crate::budget::{
+    Bound, Bounded, ErrorLimit, Job, JobError, Message, Reference, Refusal, RefusalCode, Tolerance,
+};
 use crate::explicit::{Mesh, Topology};
 use crate::math::sub_down;
 use std::borrow::Cow;
@@ -184,6 +186,6 @@ fn level_of(fewer: Bounded<SimplifiedMesh>, made: Option<&Bound>) -> LodLevel {
     LodLevel { mesh: fewer.shape.mesh, bound, stats: fewer.shape.stats }
 }
 
-fn refuse<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
-    Err(JobError::Refused(Refusal { code, message: message.into() }))
+fn refuse<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal::new(code, message)))
 }

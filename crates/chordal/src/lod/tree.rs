@@ -2,7 +2,9 @@
 use super::reduction::ReductionStats;
 use super::region_tree::RegionTree;
 use super::simplify::{SimplifiedMesh, SimplifyInput, simplify_within};
-use crate::budget::{Bound, Bounded, ErrorLimit, Job, JobError, Refusal, RefusalCode, Tolerance, par_map};
+use crate::budget::{
+    Bound, Bounded, ErrorLimit, Job, JobError, Message, Refusal, RefusalCode, Tolerance, par_map,
+};
 use crate::explicit::{Mesh, Topology};
 use std::collections::BTreeMap;
 
@@ -317,6 +319,6 @@ impl<'a> TileTreeBuilder<'a> {
     }
 }
 
-fn refuse<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
-    Err(JobError::Refused(Refusal { code, message: message.into() }))
+fn refuse<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal::new(code, message)))
 }

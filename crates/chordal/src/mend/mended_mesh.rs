@@ -1,6 +1,6 @@
 //! `MendedMesh`: the result of a repair: the mesh, what was changed, and how far the surface moved.
 use crate::Mesh;
-use crate::budget::{Bound, Job, JobError, Reference, Refusal, RefusalCode};
+use crate::budget::{Bound, Job, JobError, Message, Reference, Refusal, RefusalCode};
 use crate::check::Finding;
 
 /// The result of a repair.
@@ -88,6 +88,6 @@ pub(super) fn check_limits(mesh: &Mesh, job: &Job) -> Result<(), JobError> {
     Ok(())
 }
 
-pub(super) fn refusal(code: RefusalCode, message: impl Into<String>) -> JobError {
-    JobError::Refused(Refusal { code, message: message.into() })
+pub(super) fn refusal(code: RefusalCode, message: impl Into<Message>) -> JobError {
+    JobError::Refused(Refusal::new(code, message))
 }

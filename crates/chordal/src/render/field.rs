@@ -81,7 +81,7 @@ impl From<FieldOctreeError> for FieldRenderError {
 }
 
 pub(super) fn refusal(message: String) -> FieldRenderError {
-    FieldRenderError::Stopped(JobError::Refused(Refusal { code: RefusalCode::Unsupported, message }))
+    FieldRenderError::Stopped(JobError::Refused(Refusal::new(RefusalCode::Unsupported, message)))
 }
 
 /// Renders a field.

@@ -130,7 +130,7 @@ pub(super) fn ray_generator(
     options: &RenderOptions,
     job: &Job,
 ) -> Result<RayGenerator, JobError> {
-    let refused = |code, message| JobError::Refused(Refusal { code, message });
+    let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
     View::Camera(*camera).checked().map_err(|wrong| refused(RefusalCode::Unsupported, wrong.to_string()))?;
     let eye = RayGenerator::new(camera)
         .ok_or_else(|| refused(RefusalCode::Unsupported, "the camera has no axes".into()))?;

@@ -152,7 +152,7 @@ impl<'a> GltfLint<'a> {
     ) {
         if !self.count_repeat(code) {
             let place = FileLocation::Pointer(self.pointer(below));
-            self.issues.push(Warning { code, count: 1, place, message: message() });
+            self.issues.push(Warning { code, count: 1, place, message: message().into() });
         }
     }
 
@@ -160,7 +160,7 @@ impl<'a> GltfLint<'a> {
     fn issue_at(&mut self, code: &'static str, pointer: &str, message: impl FnOnce() -> String) {
         if !self.count_repeat(code) {
             let place = FileLocation::Pointer(pointer.to_owned());
-            self.issues.push(Warning { code, count: 1, place, message: message() });
+            self.issues.push(Warning { code, count: 1, place, message: message().into() });
         }
     }
 

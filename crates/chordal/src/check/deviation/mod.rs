@@ -10,7 +10,7 @@ mod shared;
 mod subtriangle;
 mod violations;
 
-use crate::budget::{Bound, Job, JobError, Reference, Refusal, RefusalCode, Tolerance, par_map};
+use crate::budget::{Bound, Job, JobError, Message, Reference, Refusal, RefusalCode, Tolerance, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 use distance_surface::DistanceSurface;
@@ -223,8 +223,8 @@ pub fn vertex_deviation(mesh: &Mesh, against: &Mesh, job: &Job) -> Result<Vec<f6
     if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(parts.concat()) }
 }
 
-pub(super) fn refused<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
-    Err(JobError::Refused(Refusal { code, message: message.into() }))
+pub(super) fn refused<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal::new(code, message)))
 }
 
 /// The bounding box of the vertices that faces use.

@@ -21,7 +21,7 @@ mod surface_ball;
 mod walls;
 
 use super::deviation::{Goal, OneSidedDistance};
-use crate::budget::{Bound, Evidence, Job, JobError, Reference, Refusal, RefusalCode};
+use crate::budget::{Bound, Evidence, Job, JobError, Message, Reference, Refusal, RefusalCode};
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, flushes_subnormals, greater, lesser};
@@ -174,12 +174,12 @@ pub(crate) fn measured_field_deviation(
     sampled::measured(mesh, field, &Tape::new(field.sign()), job)
 }
 
-fn refused<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
-    Err(JobError::Refused(Refusal { code, message: message.into() }))
+fn refused<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal::new(code, message)))
 }
 
 fn leaf_failure(error: LeafError) -> JobError {
-    JobError::Refused(Refusal { code: RefusalCode::LeafFailed, message: error.message })
+    JobError::Refused(Refusal::new(RefusalCode::LeafFailed, error.message))
 }
 
 /// Applies `look` to some of the pieces and updates their bounds.

@@ -63,7 +63,7 @@ impl<'a> BinnedMesh<'a> {
         if width > MOST_PX || height > MOST_PX {
             let message =
                 format!("a screen is rasterized with at most {MOST_PX} pixels a side, not {width}x{height}");
-            return Err(JobError::Refused(Refusal { code: RefusalCode::Unsupported, message }));
+            return Err(JobError::Refused(Refusal::new(RefusalCode::Unsupported, message)));
         }
         let mut banded = Self {
             projected: ScreenMesh::new(mesh, camera, job)?,
@@ -210,5 +210,5 @@ impl<'a> BinnedMesh<'a> {
 
 fn too_much(what: &str, job: &Job) -> JobError {
     let message = format!("{what}; the limit is {}", job.memory_limit);
-    JobError::Refused(Refusal { code: RefusalCode::TooMuchMemory, message })
+    JobError::Refused(Refusal::new(RefusalCode::TooMuchMemory, message))
 }

@@ -52,8 +52,7 @@ const PLANES: usize = 5;
 
 impl RasterCamera {
     fn new(camera: &Camera, mesh: &Mesh) -> Result<Self, JobError> {
-        let refused =
-            |message: String| JobError::Refused(Refusal { code: RefusalCode::Unsupported, message });
+        let refused = |message: String| JobError::Refused(Refusal::new(RefusalCode::Unsupported, message));
         View::Camera(*camera).checked().map_err(|wrong| refused(wrong.to_string()))?;
         let axes = camera.axes().ok_or_else(|| refused("the camera has no axes".to_owned()))?;
         let [right, up, forward] = axes.map(DVec3::from);

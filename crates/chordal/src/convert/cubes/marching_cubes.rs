@@ -246,7 +246,7 @@ pub(crate) fn march<P: Coordinate, S: SampleSource>(
 }
 
 pub(crate) fn refusal(code: RefusalCode, message: String) -> JobError {
-    JobError::Refused(Refusal { code, message })
+    JobError::Refused(Refusal::new(code, message))
 }
 
 struct CountKernel<'a> {

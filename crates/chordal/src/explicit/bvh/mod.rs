@@ -112,7 +112,7 @@ impl Bvh {
     /// exceed the job's memory limit; [`JobError::Cancelled`] when the job was cancelled.
     pub fn build(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let n = mesh.faces().len();
-        let refused = |code, message| Err(JobError::Refused(Refusal { code, message }));
+        let refused = |code, message: String| Err(JobError::Refused(Refusal::new(code, message)));
         if n >= LAST as usize {
             let message = format!("{n} faces are more than the {} that a tree of boxes can name", LAST - 1);
             return refused(RefusalCode::TooManyTriangles, message);

@@ -5,7 +5,7 @@ mod search;
 
 use super::cage::limit::{LimitSheet, QuadPatchTree};
 use super::{LimitSurface, Patch, Scheme};
-use crate::budget::{Job, JobError, Refusal, RefusalCode, Tolerance, par_map};
+use crate::budget::{Job, JobError, Message, Refusal, RefusalCode, Tolerance, par_map};
 use crate::math::{
     Box3, add_down, add_up, div_down, div_up, exponent, flushes_subnormals, greater, length_up, mul_down,
     mul_up, power_of_two, sqrt_down, sub_down, sub_up,
@@ -348,6 +348,6 @@ fn check_memory(count: usize, bytes: u64, job: &Job) -> Result<(), JobError> {
     Ok(())
 }
 
-fn refused<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
-    Err(JobError::Refused(Refusal { code, message: message.into() }))
+fn refused<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal::new(code, message)))
 }

@@ -1,0 +1,48 @@
+//! `CommandLine`: how the command spells settings, as options.
+use chordal::budget::{Setting, Spelling};
+
+/// Settings as options of the command. Certificates are spelled so by every shell, for their bytes are the same wherever
+/// they are made.
+#[derive(Clone, Copy, Debug)]
+pub struct CommandLine;
+
+impl Spelling for CommandLine {
+    fn spell(&self, setting: Setting, value: Option<&str>) -> String {
+        let option = format!("--{}", setting.name());
+        match (setting, value) {
+            // Fields are made in Python as often as in scripts, and the package has the command, too.
+            (Setting::Region, Some(corners)) => format!("{option} \"{corners}\", in Python within()"),
+            (_, Some(value)) => format!("{option} {value}"),
+            (_, None) => option,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::Cli;
+    use chordal::budget::Cure;
+    use clap::CommandFactory;
+
+    #[test]
+    fn every_setting_is_an_option_of_some_verb() {
+        let command = Cli::command();
+        let options: Vec<String> = command
+            .get_subcommands()
+            .flat_map(|verb| verb.get_arguments())
+            .filter_map(|argument| Some(format!("--{}", argument.get_long()?)))
+            .collect();
+        for setting in Setting::PLAIN.into_iter().chain(Cure::ALL.map(Setting::Cure)) {
+            let spelled = CommandLine.spell(setting, None);
+            assert!(options.contains(&spelled), "there is no {spelled}");
+        }
+    }
+
+    #[test]
+    fn values_follow_their_option() {
+        assert_eq!(CommandLine.spell(Setting::Unit, Some("mm")), "--unit mm");
+        let region = CommandLine.spell(Setting::Region, Some("0,0,0 1,1,1"));
+        assert!(region.starts_with("--region \"0,0,0 1,1,1\""), "{region}");
+    }
+}

@@ -1,0 +1,31 @@
+//! `Keywords`: how Python spells settings, as arguments.
+use chordal::budget::{Setting, Spelling};
+use chordal_cli::spelling::CommandLine;
+
+/// Settings as arguments and functions of the package, or as options of the command where it has none.
+pub(crate) struct Keywords;
+
+impl Spelling for Keywords {
+    fn spell(&self, setting: Setting, value: Option<&str>) -> String {
+        let number = |name: &str| format!("{name}={}", value.unwrap_or_default());
+        let text = |name: &str| value.map_or_else(|| format!("{name}="), |text| format!("{name}=\"{text}\""));
+        match setting {
+            Setting::Unit => text("unit"),
+            Setting::From => text("format"),
+            Setting::Surface => text("surface"),
+            Setting::Lenient => "lenient=True".to_owned(),
+            Setting::Region => "within()".to_owned(),
+            Setting::Iso => number("iso"),
+            Setting::Labels => number("labels"),
+            Setting::Open => "border=\"open\"".to_owned(),
+            Setting::Triangles => number("triangles"),
+            Setting::Segments => number("segments"),
+            Setting::Level => "Cage.refined".to_owned(),
+            Setting::Index
+            | Setting::TileTriangles
+            | Setting::MaxMemory
+            | Setting::SelfIntersections
+            | Setting::Cure(_) => format!("{} of the command", CommandLine.spell(setting, value)),
+        }
+    }
+}

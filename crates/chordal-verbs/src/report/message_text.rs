@@ -1,0 +1,21 @@
+//! Messages in the report: as their texts, with settings as they are spelled by then.
+use chordal::budget::Message;
+use serde::{Serialize, Serializer};
+
+/// One.
+pub(super) fn message_text<S: Serializer>(message: &Message, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(message)
+}
+
+/// One or none.
+pub(super) fn message_option<S: Serializer>(
+    message: &Option<Message>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    message.as_deref().serialize(serializer)
+}
+
+/// A list.
+pub(super) fn message_texts<S: Serializer>(messages: &[Message], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(messages.iter().map(|message| &**message))
+}

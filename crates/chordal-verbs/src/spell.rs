@@ -1,0 +1,66 @@
+//! How a shell has the settings spelled in what the verbs return: its messages, and the report with its certificate.
+use crate::report::{Certificate, FindingFacts, Report, WarningFacts};
+use crate::{BakeOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome};
+use chordal::budget::{Spell, Spelling};
+
+/// The warnings; they go on into the certificates of what is made of the input.
+impl Spell for Input {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.warnings.spell(spelling);
+    }
+}
+
+/// Implements it for outcomes by their certificates, which go into the files.
+macro_rules! by_certificate {
+    ($($outcome:ident)*) => {$(
+        impl Spell for $outcome {
+            fn spell(&mut self, spelling: &dyn Spelling) {
+                self.certificate.spell(spelling);
+            }
+        }
+    )*};
+}
+
+by_certificate! { BakeOutcome LodOutcome MeshOutcome RefineOutcome RenderOutcome }
+
+impl Spell for MeshFailure {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        match self {
+            Self::Length(why) => why.spell(spelling),
+            Self::Usage(why) => why.spell(spelling),
+            Self::Unmet(best) => best.spell(spelling),
+            Self::Refused(refusal) => refusal.spell(spelling),
+            Self::TooWide(_) | Self::Cancelled => {}
+        }
+    }
+}
+
+impl Spell for Certificate {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.input.warnings.spell(spelling);
+        self.notes.spell(spelling);
+    }
+}
+
+impl Spell for WarningFacts {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.message.spell(spelling);
+    }
+}
+
+impl Spell for Report {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.certificate.spell(spelling);
+        if let Some(inspection) = &mut self.inspection {
+            inspection.findings.spell(spelling);
+        }
+    }
+}
+
+impl Spell for FindingFacts {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.means.spell(spelling);
+        self.options.spell(spelling);
+        self.advice.spell(spelling);
+    }
+}

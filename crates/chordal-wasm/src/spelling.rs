@@ -1,0 +1,43 @@
+//! `JsonKeys` and `AsCommand`: how this module spells settings, in its sentences and in certificates.
+use crate::options::KEYS;
+use chordal::budget::{Setting, Spelling};
+
+/// Settings as keys of the options; what has no key is named as an option of the command.
+pub(crate) struct JsonKeys;
+
+impl Spelling for JsonKeys {
+    fn spell(&self, setting: Setting, value: Option<&str>) -> String {
+        let name = setting.name();
+        match value {
+            _ if !KEYS.contains(&name) => format!("{} of the command", AsCommand.spell(setting, value)),
+            Some(value) if matches!(setting, Setting::Triangles | Setting::Segments) => {
+                format!("\"{name}\": {value}")
+            }
+            Some(value) => format!("\"{name}\": \"{value}\""),
+            None => format!("\"{name}\""),
+        }
+    }
+}
+
+/// Settings as the command spells them, for certificates: their bytes are the same wherever they are made.
+pub(crate) struct AsCommand;
+
+impl Spelling for AsCommand {
+    fn spell(&self, setting: Setting, value: Option<&str>) -> String {
+        let value = value.map_or_else(String::new, |value| format!(" {value}"));
+        format!("--{}{value}", setting.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_keys_where_there_are_such() {
+        assert_eq!(JsonKeys.spell(Setting::From, None), "\"from\"");
+        assert_eq!(JsonKeys.spell(Setting::Segments, Some("5")), "\"segments\": 5");
+        assert_eq!(JsonKeys.spell(Setting::Unit, Some("mm")), "\"unit\": \"mm\"");
+        assert_eq!(JsonKeys.spell(Setting::Iso, Some("0.5")), "--iso 0.5 of the command");
+    }
+}

@@ -1,0 +1,89 @@
+//! `Setting`: what a caller can set, by name; sentences that advise one hold this instead of a shell's spelling of it.
+use super::Cure;
+
+/// What a caller can set, as far as a sentence of the library advises it. A shell spells it as its users write it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Setting {
+    /// The unit of the input's lengths.
+    Unit,
+    /// The format of the input.
+    From,
+    /// How the polygons of an `.obj` are taken: the name of a surface.
+    Surface,
+    /// One volume of a file that holds several.
+    Index,
+    /// Whether bytes beyond the declared samples are skipped.
+    Lenient,
+    /// The box that a field is cut off at: its lower corner, a space, its upper corner.
+    Region,
+    /// The level of an isosurface.
+    Iso,
+    /// The labels that get a surface each.
+    Labels,
+    /// Whether a surface stays open at the border of its volume.
+    Open,
+    /// The most triangles.
+    Triangles,
+    /// The most segments of polylines.
+    Segments,
+    /// The rounds of refinement of a cage.
+    Level,
+    /// The most triangles of a tile.
+    TileTriangles,
+    /// The most bytes of memory.
+    MaxMemory,
+    /// Whether an inspection looks for triangles that cross.
+    SelfIntersections,
+    /// A repair of a mesh.
+    Cure(Cure),
+}
+
+impl Setting {
+    /// All but the repairs, of which [`Cure::ALL`] has the list.
+    pub const PLAIN: [Self; 15] = [
+        Self::Unit,
+        Self::From,
+        Self::Surface,
+        Self::Index,
+        Self::Lenient,
+        Self::Region,
+        Self::Iso,
+        Self::Labels,
+        Self::Open,
+        Self::Triangles,
+        Self::Segments,
+        Self::Level,
+        Self::TileTriangles,
+        Self::MaxMemory,
+        Self::SelfIntersections,
+    ];
+
+    /// Its words, joined by hyphens.
+    ///
+    /// ```
+    /// use chordal::budget::{Cure, Setting};
+    /// assert_eq!(Setting::MaxMemory.name(), "max-memory");
+    /// assert_eq!(Setting::Cure(Cure::FillHoles).name(), "fill-holes");
+    /// ```
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unit => "unit",
+            Self::From => "from",
+            Self::Surface => "surface",
+            Self::Index => "index",
+            Self::Lenient => "lenient",
+            Self::Region => "region",
+            Self::Iso => "iso",
+            Self::Labels => "labels",
+            Self::Open => "open",
+            Self::Triangles => "triangles",
+            Self::Segments => "segments",
+            Self::Level => "level",
+            Self::TileTriangles => "tile-triangles",
+            Self::MaxMemory => "max-memory",
+            Self::SelfIntersections => "self-intersections",
+            Self::Cure(cure) => cure.name(),
+        }
+    }
+}
