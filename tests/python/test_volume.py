@@ -50,6 +50,20 @@ def test_what_is_wrong_is_said() -> None:
         chordal.volume(BALL).mesh(iso=1000)
 
 
+def test_settings_are_spelled_as_arguments() -> None:
+    with pytest.raises(chordal.Refused, match="where the surface is: iso=LEVEL does") as caught:
+        chordal.volume(np.where(I < 6, 10.0, 90.0)).mesh()
+    assert "--" not in str(caught.value)
+    with pytest.raises(chordal.Refused, match=r"give labels= alone, or iso=$"):
+        chordal.volume((BALL < 0).astype(np.uint8)).mesh(iso=0.5, labels="all")
+    with pytest.raises(chordal.Refused, match=r"cut it off at a box \(within\(\)\)$"):
+        chordal.complement(chordal.sphere(1)).mesh(tol=0.1)
+
+
+def test_certificates_are_spelled_as_the_command_does() -> None:
+    assert "--open leaves it open" in str(chordal.volume(BALL[6:]).mesh().report["certificate"]["notes"])
+
+
 def test_a_cube_comes_back_from_its_distances() -> None:
     corners = np.indices((2, 2, 2)).reshape(3, -1).T * 2.0 - 1
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]

@@ -70,10 +70,26 @@ pub enum Verb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spelling::CommandLine;
+    use chordal::budget::{Cure, Setting, Spelling};
     use clap::CommandFactory;
 
     #[test]
     fn the_command_line_holds_together() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_setting_is_an_option_of_some_verb() {
+        let command = Cli::command();
+        let options: Vec<String> = command
+            .get_subcommands()
+            .flat_map(|verb| verb.get_arguments())
+            .filter_map(|argument| Some(format!("--{}", argument.get_long()?)))
+            .collect();
+        for setting in Setting::PLAIN.into_iter().chain(Cure::ALL.map(Setting::Cure)) {
+            let spelled = CommandLine.spell(setting, None);
+            assert!(options.contains(&spelled), "there is no {spelled}");
+        }
     }
 }

@@ -21,23 +21,6 @@ impl Spelling for CommandLine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::Cli;
-    use chordal::budget::Cure;
-    use clap::CommandFactory;
-
-    #[test]
-    fn every_setting_is_an_option_of_some_verb() {
-        let command = Cli::command();
-        let options: Vec<String> = command
-            .get_subcommands()
-            .flat_map(|verb| verb.get_arguments())
-            .filter_map(|argument| Some(format!("--{}", argument.get_long()?)))
-            .collect();
-        for setting in Setting::PLAIN.into_iter().chain(Cure::ALL.map(Setting::Cure)) {
-            let spelled = CommandLine.spell(setting, None);
-            assert!(options.contains(&spelled), "there is no {spelled}");
-        }
-    }
 
     #[test]
     fn values_follow_their_option() {

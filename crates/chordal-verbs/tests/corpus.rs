@@ -2,6 +2,7 @@
 use crate::common;
 
 use chordal::Mesh;
+use chordal::budget::{Setting, Spell, Spelling};
 use chordal::check::Defect;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, ValidityCounts};
@@ -131,6 +132,15 @@ fn places_of_moved_parts_are_said_to_be_their_own() {
     }
 }
 
+/// Settings as the schema has them.
+struct Options;
+
+impl Spelling for Options {
+    fn spell(&self, setting: Setting, _: Option<&str>) -> String {
+        format!("--{}", setting.name())
+    }
+}
+
 #[test]
 fn every_file_of_the_corpus_gets_a_letter_whose_counts_are_right() {
     let schema = schema();
@@ -147,6 +157,7 @@ fn every_file_of_the_corpus_gets_a_letter_whose_counts_are_right() {
         let sum = sum.fold([0; 6], |a, b| std::array::from_fn(|k| a[k] + b[k]));
         agree(&name, &report, &valid.counts, sum);
         is_a_good_letter(&name, &report, scene);
+        let report = report.clone().spelled(&Options);
         let wrong: Vec<_> =
             schema.iter_errors(&report.to_value()).map(|e| format!("{}: {e}", e.instance_path())).collect();
         assert!(wrong.is_empty(), "{name}: {wrong:#?}");

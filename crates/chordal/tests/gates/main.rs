@@ -12,6 +12,8 @@ mod gates;
 mod layers;
 #[path = "../names.rs"]
 mod names;
+#[path = "../options.rs"]
+mod options;
 #[path = "../test_programs.rs"]
 mod test_programs;
 #[path = "../tidy.rs"]
