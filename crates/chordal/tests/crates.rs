@@ -8,7 +8,8 @@ use std::process::Command;
 
 /// The crates with their storeys; crates of one storey do not know each other. The Python package carries the command,
 /// so it stands above it.
-const CRATES: [(&str, u8); 7] = [
+const CRATES: [(&str, u8); 8] = [
+    (TESTKIT, 0),
     ("chordal", 1),
     ("chordal-io", 2),
     ("chordal-script", 2),
@@ -17,6 +18,9 @@ const CRATES: [(&str, u8); 7] = [
     ("chordal-py", 5),
     ("chordal-wasm", 4),
 ];
+
+/// What only tests may depend on, and what depends on nothing: it judges the others.
+const TESTKIT: &str = "chordal-testkit";
 
 fn storey(name: &str) -> Option<u8> {
     CRATES.iter().find(|row| row.0 == name).map(|row| row.1)
@@ -42,7 +46,8 @@ fn metadata(arguments: &[&str]) -> Value {
     serde_json::from_str(&output_of(env!("CARGO"), &all)).expect("cargo metadata writes JSON")
 }
 
-/// Every dependency, be it for the build or the tests, that does not lead down.
+/// Every dependency, be it for the build or the tests, that does not lead down, or takes what is for tests to
+/// where no test is.
 fn upward_dependencies(metadata: &Value) -> Vec<String> {
     let mut complaints = Vec::new();
     for package in list(&metadata["packages"]) {
@@ -51,9 +56,14 @@ fn upward_dependencies(metadata: &Value) -> Vec<String> {
             complaints.push(format!("crate {name} has no place in the picture"));
             continue;
         };
-        for other in list(&package["dependencies"]).iter().map(|dependency| text(&dependency["name"])) {
+        for dependency in list(&package["dependencies"]) {
+            let other = text(&dependency["name"]);
             let ours = other == "chordal" || other.starts_with("chordal-");
-            if ours && storey(other).is_none_or(|theirs| theirs >= own) {
+            if name == TESTKIT {
+                complaints.push(format!("crate {name} depends on {other}; what judges depends on nothing"));
+            } else if other == TESTKIT && text(&dependency["kind"]) != "dev" {
+                complaints.push(format!("crate {name} depends on {other} outside its tests"));
+            } else if ours && storey(other).is_none_or(|theirs| theirs >= own) {
                 complaints.push(format!("crate {name} depends on {other}; dependencies only go down"));
             }
         }
@@ -144,12 +154,18 @@ fn a_crate_that_depends_upwards_is_found() {
         ("chordal-io", "chordal-script"),
         ("chordal-wasm", "chordal-cli"),
         ("chordal-verbs", "chordal-unheard-of"),
+        ("chordal-testkit", "chordal"),
+        ("chordal-testkit", "libm"),
         ("another", "serde"),
     ] {
         assert_eq!(upward_dependencies(&metadata(name, on)).len(), 1, "{name} on {on}");
     }
     assert!(upward_dependencies(&metadata("chordal-cli", "chordal")).is_empty());
     assert!(upward_dependencies(&metadata("chordal", "libm")).is_empty());
+    assert!(upward_dependencies(&metadata("chordal", "chordal-testkit")).is_empty());
+    let mut outside_tests = metadata("chordal", "chordal-testkit");
+    outside_tests["packages"][0]["dependencies"][0]["kind"] = Value::Null;
+    assert_eq!(upward_dependencies(&outside_tests).len(), 1);
 }
 
 #[test]
