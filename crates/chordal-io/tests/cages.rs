@@ -1,5 +1,7 @@
 //! Polygon cages: from an OBJ with subdivision tags and back, and what a hostile one may try.
 use crate::common;
+use chordal_testkit::Random;
+use chordal_testkit::corpus;
 
 use chordal::explicit::{
     Boundary, Cage, CornerTexcoords, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme, Semantic,
@@ -8,7 +10,7 @@ use chordal_io::{
     Content, FileLocation, Format, Frame, Limits, PolygonSurface, Polygons, ReadError, ReadOutcome, Warning,
     obj, ply, read,
 };
-use common::{Random, count, data, files, load_scene};
+use common::{count, load_scene};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 
@@ -204,12 +206,12 @@ fn surface_of(name: &str) -> Option<PolygonSurface> {
 
 /// The cages of OpenSubdiv's regression shapes, by name.
 fn corpus() -> Vec<(String, String)> {
-    let Some(data) = data() else { return Vec::new() };
+    let Some(data) = corpus::find("") else { return Vec::new() };
     let read = |path: &std::path::PathBuf| {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         (name, std::fs::read_to_string(path).unwrap())
     };
-    files(&data.join("subdiv/cages")).iter().map(read).collect()
+    corpus::files(&data.join("subdiv/cages")).iter().map(read).collect()
 }
 
 #[test]
@@ -297,7 +299,7 @@ fn one_round_from_a_file_of_one_round_is_two_rounds() {
         n_compared += 1;
     }
     // Those with two vertices at one place cannot be matched by place.
-    assert!(data().is_none() || n_compared > 30, "{n_compared}");
+    assert!(corpus::find("").is_none() || n_compared > 30, "{n_compared}");
 }
 
 #[test]
@@ -380,7 +382,7 @@ fn h72_odd_cages_are_refined_to_what_their_rules_say() {
 fn files_that_were_cut_or_changed_end_in_a_cage_or_an_error() {
     let seed = 72;
     eprintln!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let text = format!(
         "{SQUARE}v 2 0 0\nv 2 1 0\nvt 0 0\nf 2/1 5/1 6/1 3/1\nt crease 4/2/0 0 1 2 1 0.5 3\nt corner 2/2/0 0 5 10 0\n\
          t hole 1/0/0 1\nt interpolateboundary 1/0/0 0\nt creasemethod 0/0/1 chaikin\nt scheme 0/0/1 bilinear\n"

@@ -1,9 +1,10 @@
 //! Real files: each ends in a shape, a shape with warnings, or one error that names its place.
 use crate::common;
+use chordal_testkit::corpus;
 
 use chordal::Mesh;
 use chordal_io::{Content, Format, Limits, read};
-use common::{count, data, files};
+use common::count;
 
 /// Positions and triangles by a count that shares nothing with the readers; `None` where it is too simple for a file.
 fn naive_counts(bytes: &[u8], format: Format) -> Option<(usize, usize)> {
@@ -49,7 +50,7 @@ fn compare(name: &str, mesh: &Mesh, (n_positions, n_triangles): (usize, usize), 
 
 #[test]
 fn known_models_have_the_counts_that_they_are_known_for() {
-    let Some(data) = data() else { return };
+    let Some(data) = corpus::find("") else { return };
     for (path, vertices, positions, triangles) in [
         ("mesh/bunny/testdata/bun_zipper.ply", 35_947, 35_947, 69_451),
         ("mesh/common/data/spot.obj", 3_225, 2_930, 5_856),
@@ -73,7 +74,7 @@ fn known_models_have_the_counts_that_they_are_known_for() {
 
 #[test]
 fn text_and_binary_of_one_model_are_one_mesh() {
-    let Some(data) = data() else { return };
+    let Some(data) = corpus::find("") else { return };
     let load = |path: &str| {
         let bytes = std::fs::read(data.join(path)).expect("readable");
         common::load(&bytes, Format::from_extension(path.rsplit('.').next().unwrap()).expect("known")).0
@@ -102,10 +103,10 @@ fn text_and_binary_of_one_model_are_one_mesh() {
 
 #[test]
 fn every_real_file_ends_well() {
-    let Some(data) = data() else { return };
+    let Some(data) = corpus::find("") else { return };
     let mut counts = [0_usize; 3];
     for folder in ["mesh", "corner", "topology", "batch", "patches"] {
-        for path in files(&data.join(folder)) {
+        for path in corpus::files(&data.join(folder)) {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
             let bytes = std::fs::read(&path).expect("readable");
             let known = Format::from_extension(extension).or_else(|| Format::sniff(&bytes));

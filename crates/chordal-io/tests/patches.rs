@@ -1,9 +1,10 @@
 //! The three readers of patches: what they read, and what a hostile file may try.
 use crate::common;
+use chordal_testkit::corpus;
 
 use chordal::Patch;
 use chordal_io::{Axis, Content, FileLocation, Format, Frame, Limits, Warning, read};
-use common::{count, data, refuse};
+use common::{count, refuse};
 
 fn load(text: &str, format: Format) -> (Vec<Patch>, Frame, Vec<Warning>) {
     let loaded = read(text.as_bytes(), format, &Limits::default()).unwrap_or_else(|e| panic!("{e}: {text}"));
@@ -81,7 +82,7 @@ fn json_by_index_and_frame_are_read() {
 
 #[test]
 fn the_teaset_of_1991_is_read_by_its_content() {
-    let Some(data) = data() else { return };
+    let Some(data) = corpus::find("") else { return };
     let bytes = std::fs::read(data.join("patches/teapot")).expect("readable");
     assert_eq!(Format::sniff(&bytes), Some(Format::Teaset));
     let loaded = read(&bytes, Format::Teaset, &Limits::default()).expect("loads");

@@ -1,12 +1,13 @@
 //! What is written reads back: the same positions to the last bit, the same faces, normals at the format's precision.
 use crate::common;
+use chordal_testkit::Random;
 
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
 use chordal_io::{
     Content, Format, Frame, Limits, Node, Part, ReadOutcome, Scene, WriteError, losses, obj, ply, read, stl,
 };
-use common::{Random, count, load_scene};
+use common::{count, load_scene};
 use serde_json::{Value, json};
 
 fn write(scene: &Scene, format: Format, certificate: Option<&Value>) -> Vec<u8> {
@@ -102,7 +103,7 @@ fn cube() -> Mesh {
 fn random_meshes_come_back_from_obj_and_ply_to_the_last_bit() {
     let seed = 0xC0FFEE;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for round in 0..200 {
         let n = 3 + random.below(40);
         let mut mesh = soup(&mut random, n);
@@ -169,7 +170,7 @@ fn a_creased_cube_stays_closed_and_creased() {
 fn stl_comes_back_as_rounded_triangles_tied_by_position() {
     let seed = 11;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let positions = (0..50).map(|_| std::array::from_fn(|_| random.unit() - 0.5)).collect();
     let faces = (0..99).map(|_| std::array::from_fn(|_| random.below(50) as u32)).collect();
     for mesh in [cube(), Mesh::new(positions, faces).unwrap()] {

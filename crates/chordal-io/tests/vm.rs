@@ -2,6 +2,7 @@
 use chordal::budget::Evidence;
 use chordal::implicit::{Binary, Distance, Field, Unary};
 use chordal_io::{Content, Format, Limits, ReadError, read, vm};
+use chordal_testkit::corpus;
 
 fn load(text: &str) -> Result<Field, ReadError> {
     match read(text.as_bytes(), Format::Vm, &Limits::default())?.content {
@@ -21,23 +22,23 @@ fn value(field: &Field, p: [f64; 3]) -> f64 {
 
 #[test]
 fn the_models_of_fidget_have_their_shapes() {
-    let folder = std::env::var("CHORDAL_DATA").unwrap_or_else(|_| "../../../shared/data".to_owned());
+    let Some(folder) = corpus::find("implicit/fidget/models") else { return };
     let model = |name: &str| {
-        let bytes = std::fs::read(format!("{folder}/implicit/fidget/models/{name}.vm")).ok()?;
+        let bytes = std::fs::read(folder.join(name).with_extension("vm")).unwrap();
         assert_eq!(Format::sniff(&bytes), Some(Format::Vm), "{name}");
-        Some(load(std::str::from_utf8(&bytes).unwrap()).unwrap())
+        load(std::str::from_utf8(&bytes).unwrap()).unwrap()
     };
-    let Some(quarter) = model("quarter") else { return println!("SKIPPED: no folder {folder}") };
+    let quarter = model("quarter");
     // A quarter of the disc of radius √½, at the lower left.
     assert_eq!(value(&quarter, [-0.25, -0.5, 7.0]), -0.1875);
     assert!(value(&quarter, [0.1, -0.5, 0.0]) > 0.0 && value(&quarter, [-0.6, -0.6, 0.0]) > 0.0);
     assert_eq!(quarter.tape().axes(), [true, true, false]);
-    let tangle = model("tanglecube").unwrap();
+    let tangle = model("tanglecube");
     let f = |t: f64| t * t * t * t - 5.0 * t * t;
     assert_eq!(value(&tangle, [1.5, -0.5, 0.25]), f(1.5) + f(0.5) + f(0.25) + 10.0);
     assert_eq!(tangle.tape().axes(), [true; 3]);
     assert_eq!(tangle.distance(), Distance::SIGN);
-    let prospero = model("prospero").unwrap();
+    let prospero = model("prospero");
     assert_eq!(prospero.tape().axes(), [true, true, false]);
     // Some of it is ink, most is paper.
     let at = |k: i32| -0.95 + 0.02 * f64::from(k);
@@ -46,7 +47,7 @@ fn the_models_of_fidget_have_their_shapes() {
     prospero.tape().at(&places, &mut values).unwrap();
     let inked = values.iter().filter(|v| **v < 0.0).count();
     assert!((300..3000).contains(&inked), "{inked}");
-    assert!(model("bear").is_some() && model("hi").is_some());
+    let _ = (model("bear"), model("hi"));
     assert_eq!(prospero.tape().evidence(), Evidence::Proved);
 }
 

@@ -1,29 +1,6 @@
 //! Files of others, from the folder with test data.
 use chordal_io::{Content, Limits, glb};
-use std::path::{Path, PathBuf};
-
-/// The folder with test data; says so loudly when it is missing.
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("CHORDAL_DATA").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no test data at {}", folder.display());
-    None
-}
-
-fn files(folder: &Path, out: &mut Vec<PathBuf>) {
-    let Ok(entries) = std::fs::read_dir(folder) else { return };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            files(&path, out);
-        } else if path.extension().is_some_and(|e| e == "glb") {
-            out.push(path);
-        }
-    }
-}
+use chordal_testkit::corpus;
 
 /// What gltf-validator 2.0.0-dev.3.10 refuses, and its first code; and what needs an extension.
 const REFUSED: &[(&str, &str)] = &[
@@ -40,10 +17,9 @@ const REFUSED: &[(&str, &str)] = &[
 
 #[test]
 fn all_files_read_as_the_validator_says() {
-    let Some(folder) = data() else { return };
-    let mut all = Vec::new();
-    files(&folder, &mut all);
-    all.sort();
+    let Some(folder) = corpus::find("") else { return };
+    let mut all = corpus::files(&folder);
+    all.retain(|path| path.extension().is_some_and(|e| e == "glb"));
     assert!(all.len() >= 40, "only {} files", all.len());
     for path in all {
         let name = path.strip_prefix(&folder).expect("below").to_string_lossy().into_owned();

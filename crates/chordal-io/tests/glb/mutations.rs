@@ -2,6 +2,7 @@
 use super::build::{every_object, glb_of, triangle};
 use super::round_trip::cube;
 use chordal_io::{Axis, Content, Frame, Limits, Scene, glb};
+use chordal_testkit::Random;
 use serde_json::{Value, json};
 
 fn seeds() -> Vec<Vec<u8>> {
@@ -61,18 +62,13 @@ fn files_cut_off_anywhere() {
 
 #[test]
 fn files_with_flipped_bits() {
-    // A linear congruential generator (Knuth), so that the flips are the same everywhere.
-    let mut state = 20_240_601_u64;
-    let mut next = |below: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
+    let mut random = Random::new(20_240_601);
     for seed in seeds() {
         for _ in 0..4000 {
             let mut bytes = seed.clone();
-            for _ in 0..=next(3) {
-                let at = next(bytes.len());
-                bytes[at] ^= 1 << next(8);
+            for _ in 0..=random.below(3) {
+                let at = random.below(bytes.len());
+                bytes[at] ^= 1 << random.below(8);
             }
             survive(&bytes);
         }

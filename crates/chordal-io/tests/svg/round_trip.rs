@@ -1,15 +1,16 @@
 //! What is written reads back to the last bit.
 use super::{inside, load};
-use crate::common::Random;
 use chordal::explicit::{CurveSegment, FillRule, Polyline};
 use chordal_io::{Content, DrawingElement, Format, Frame, Limits, PathSet, Polylines, read, shape_json, svg};
+use chordal_testkit::Random;
+use chordal_testkit::corpus;
 use serde_json::{Value, json};
 
 /// Polylines of all kinds with numbers of all sizes.
 fn polylines() -> PathSet<Polyline<2>> {
     let seed = 2026;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut number = || (random.unit() - 0.5) * [1.0, 1e-9, 1e7, 1e-3][random.below(4)];
     let mut line = |n: usize, closed: bool| {
         let points = (0..n).map(|_| [number(), number()]).collect();
@@ -124,8 +125,8 @@ fn polylines_in_space_go_to_json_and_not_to_svg() {
 
 #[test]
 fn files_of_the_collection_read_and_say_what_they_skip() {
-    let Some(data) = crate::common::data() else { return };
-    let files = crate::common::files(&data);
+    let Some(data) = corpus::find("") else { return };
+    let files = corpus::files(&data);
     let drawings: Vec<_> = files.iter().filter(|path| path.extension().is_some_and(|e| e == "svg")).collect();
     if drawings.is_empty() {
         eprintln!("SKIPPED: there is no .svg in the test data");

@@ -1,18 +1,8 @@
 //! Tilesets of others, from the folder with test data.
 use chordal_io::tiles::{self, Refine, Subdivision, Tileset};
 use chordal_io::{Limits, ReadError, Warning};
-use std::path::{Path, PathBuf};
-
-/// The folder with tilesets; says so loudly when it is missing.
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("CHORDAL_DATA").map_or(beside, PathBuf::from).join("tiles");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no test data at {}", folder.display());
-    None
-}
+use chordal_testkit::corpus;
+use std::path::Path;
 
 fn read(folder: &Path) -> Result<(Tileset, Vec<Warning>), ReadError> {
     let bytes = std::fs::read(folder.join("tileset.json")).expect("readable");
@@ -22,7 +12,7 @@ fn read(folder: &Path) -> Result<(Tileset, Vec<Warning>), ReadError> {
 
 #[test]
 fn a_tileset_of_discrete_levels_reads() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = corpus::find("tiles") else { return };
     let folder = folder.join("1.0/TilesetWithDiscreteLOD");
     let (tileset, warnings) = read(&folder).expect("read");
     assert_eq!(warnings, []);
@@ -40,7 +30,7 @@ fn a_tileset_of_discrete_levels_reads() {
 
 #[test]
 fn a_sparse_implicit_quadtree_reads() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = corpus::find("tiles") else { return };
     let folder = folder.join("1.1/SparseImplicitQuadtree");
     let (tileset, warnings) = read(&folder).expect("read");
     assert_eq!(warnings, []);
@@ -61,7 +51,7 @@ fn a_sparse_implicit_quadtree_reads() {
 
 #[test]
 fn h75_a_subtree_that_is_missing_is_named() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = corpus::find("tiles") else { return };
     let folder = folder.join("1.1/SparseImplicitQuadtree");
     let bytes = std::fs::read(folder.join("tileset.json")).expect("readable");
     let mut open = |path: &str| {

@@ -1,7 +1,7 @@
 //! Real volumes: sizes, places and sums, as nibabel 5 gives them.
 use super::{load, values};
-use crate::common::data;
 use chordal_io::Format;
+use chordal_testkit::corpus;
 
 struct Real {
     file: &'static str,
@@ -82,7 +82,7 @@ const REAL: [Real; 6] = [
 
 #[test]
 fn real_volumes_read_as_by_nibabel() {
-    let Some(root) = data() else { return };
+    let Some(root) = corpus::find("") else { return };
     for real in REAL {
         let bytes = std::fs::read(root.join("volume").join(real.file)).expect(real.file);
         assert_eq!(Format::sniff(&bytes), Some(Format::Nii), "{}", real.file);
