@@ -119,6 +119,7 @@ fn read_up_to(reader: &mut dyn Read, limit: u64, name: &str) -> Result<Vec<u8>, 
 mod tests {
     use super::*;
     use crate::fault::Exit;
+    use chordal_testkit::Folder;
 
     #[test]
     fn stops_at_the_limit() {
@@ -131,8 +132,8 @@ mod tests {
 
     #[test]
     fn h78_a_file_that_changes_while_it_is_read_is_refused() {
-        let path = std::env::temp_dir().join(format!("chordal-h78-{}", std::process::id()));
-        std::fs::write(&path, "v 0 0 0\n").unwrap();
+        let folder = Folder::new("h78");
+        let path = folder.file("a.obj", "v 0 0 0\n");
         let mut file = File::open(&path).unwrap();
         let calm = read_unchanged(&mut file, "x", |file| read_up_to(file, 100, "x")).unwrap();
         assert_eq!(calm, b"v 0 0 0\n");
@@ -143,7 +144,6 @@ mod tests {
             });
             assert_eq!(disturbed.unwrap_err().code, "changed");
         }
-        std::fs::remove_file(path).unwrap();
     }
 
     #[test]

@@ -267,26 +267,12 @@ fn sync_folder(inside: &Path) {
 mod tests {
     use super::*;
     use crate::fault::Exit;
-
-    /// An empty folder of one test's own.
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("chordal-output-{}-{name}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        folder
-    }
-
-    fn names(folder: &Path) -> Vec<String> {
-        let names = fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-        let mut names: Vec<_> = names.collect();
-        names.sort();
-        names
-    }
+    use chordal_testkit::Folder;
 
     #[test]
     fn h79_a_writer_that_fails_half_way_leaves_the_old_file_and_nothing_else() {
-        let folder = folder("fails");
-        let path = folder.join("out.bin");
+        let folder = Folder::new("output-fails");
+        let path = folder.path("out.bin");
         fs::write(&path, "old").unwrap();
         let target = OutputTarget::prepare(&path, OverwritePolicy::Replace, &InputSource::Stdin).unwrap();
         let fault = target
@@ -297,14 +283,13 @@ mod tests {
             .unwrap_err();
         assert_eq!(fault.exit, Exit::Output);
         assert_eq!(fs::read(&path).unwrap(), b"old");
-        assert_eq!(names(&folder), ["out.bin"]);
-        fs::remove_dir_all(folder).unwrap();
+        assert_eq!(folder.names(), ["out.bin"]);
     }
 
     #[test]
     fn replaces_a_file_only_when_told_to() {
-        let folder = folder("replaces");
-        let path = folder.join("out.bin");
+        let folder = Folder::new("output-replaces");
+        let path = folder.path("out.bin");
         let new = |existing| {
             OutputTarget::prepare(&path, existing, &InputSource::Stdin)?
                 .write(&mut |out| Ok(out.write_all(b"new")?))
@@ -315,14 +300,13 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(new(OverwritePolicy::Replace).unwrap(), 3);
         assert_eq!(fs::read(&path).unwrap(), b"new");
-        assert_eq!(names(&folder), ["out.bin"]);
-        fs::remove_dir_all(folder).unwrap();
+        assert_eq!(folder.names(), ["out.bin"]);
     }
 
     #[test]
     fn keeps_a_file_that_appears_during_the_work() {
-        let folder = folder("appears");
-        let path = folder.join("out.bin");
+        let folder = Folder::new("output-appears");
+        let path = folder.path("out.bin");
         let target = OutputTarget::prepare(&path, OverwritePolicy::Keep, &InputSource::Stdin).unwrap();
         let fault = target
             .write(&mut |out| {
@@ -332,8 +316,7 @@ mod tests {
             .unwrap_err();
         assert_eq!(fault.code, "output-exists");
         assert_eq!(fs::read(&path).unwrap(), b"somebody else's");
-        assert_eq!(names(&folder), ["out.bin"]);
-        fs::remove_dir_all(folder).unwrap();
+        assert_eq!(folder.names(), ["out.bin"]);
     }
 
     #[test]

@@ -11,9 +11,6 @@ mod hard_inputs;
 mod input;
 mod inspect;
 mod lod;
-#[path = "../../chordal/tests/long.rs"]
-#[expect(dead_code, reason = "nothing here draws random cases")]
-mod long;
 mod mend;
 mod normals;
 mod output;

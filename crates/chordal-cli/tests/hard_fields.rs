@@ -1,8 +1,8 @@
 //! Fields that took gigabytes or minutes, or got a wrong answer: each ends, in little memory, as it should.
-use crate::{common, long};
+use crate::common;
 
+use chordal_testkit::is_long;
 use common::{Folder, Run, repro, run};
-use long::is_long;
 use serde_json::Value;
 
 /// What a run ends with.

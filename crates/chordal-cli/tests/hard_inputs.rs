@@ -1,8 +1,8 @@
 //! Volumes, drawings and meshes that took minutes or gigabytes, or missed their length by a rounding: each ends.
-use crate::{common, long};
+use crate::common;
 
+use chordal_testkit::is_long;
 use common::{Folder, repro, run};
-use long::is_long;
 
 /// The most that a process may hold, in bytes.
 const MOST_MEMORY: u64 = 256 << 20;

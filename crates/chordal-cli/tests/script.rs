@@ -1,8 +1,8 @@
 //! Shape scripts and op lists on the command line.
-use crate::{common, long};
+use crate::common;
 
+use chordal_testkit::is_long;
 use common::{Folder, chordal, run};
-use long::is_long;
 use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;

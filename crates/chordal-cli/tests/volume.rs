@@ -1,9 +1,9 @@
 //! Volumes through the command: which surface, where it stands, what is refused, and real ones.
 use crate::common;
+use chordal_testkit::corpus;
 
 use common::{CLOSED_OBJ, Folder, Run, run};
 use serde_json::Value;
-use std::path::PathBuf;
 
 /// An array `a[i, j, k]` of f4 in C's order.
 fn npy(shape: [usize; 3], value: impl Fn([usize; 3]) -> f32) -> Vec<u8> {
@@ -217,14 +217,7 @@ fn what_is_for_volumes_is_for_nothing_else() {
 }
 
 fn real(name: &str) -> Option<String> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or_else(|| beside.into(), PathBuf::from);
-    let path = root.join("volume").join(name);
-    if !path.is_file() {
-        eprintln!("SKIPPED: no test data beside the checkout (or set CHORDAL_DATA)");
-        return None;
-    }
-    path.to_str().map(str::to_owned)
+    corpus::find(&format!("volume/{name}"))?.to_str().map(str::to_owned)
 }
 
 /// Meshes a real volume to GLB and to PLY. The first has to be closed and manifold, the box is that of the second.

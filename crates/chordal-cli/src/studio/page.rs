@@ -132,34 +132,25 @@ fn kind(name: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Folder;
 
-    struct TempFolder(PathBuf);
-
-    impl TempFolder {
-        fn new(name: &str) -> Self {
-            let path = std::env::temp_dir().join(format!("chordal-page-{}-{name}", std::process::id()));
-            let _ = fs::remove_dir_all(&path);
-            fs::create_dir_all(path.join("assets")).unwrap();
-            Self(path)
-        }
-    }
-
-    impl Drop for TempFolder {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
+    /// A folder as a page's, with one for its assets.
+    fn studio_folder(name: &str) -> Folder {
+        let folder = Folder::new(&format!("page-{name}"));
+        fs::create_dir_all(folder.path("assets")).unwrap();
+        folder
     }
 
     #[test]
     fn lists_its_files_and_knows_no_path() {
-        let folder = TempFolder::new("list");
-        fs::write(folder.0.join("index.html"), "<p>").unwrap();
-        fs::write(folder.0.join("assets/a-1.js"), "1").unwrap();
-        fs::write(folder.0.join(".secret.txt"), "no").unwrap();
-        fs::write(folder.0.join("key.pem"), "no").unwrap();
+        let folder = studio_folder("list");
+        fs::write(folder.path("index.html"), "<p>").unwrap();
+        fs::write(folder.path("assets/a-1.js"), "1").unwrap();
+        fs::write(folder.path(".secret.txt"), "no").unwrap();
+        fs::write(folder.path("key.pem"), "no").unwrap();
         #[cfg(unix)]
-        std::os::unix::fs::symlink("/etc/hostname", folder.0.join("link.txt")).unwrap();
-        let page = StudioPage::find(Some(&folder.0)).unwrap();
+        std::os::unix::fs::symlink("/etc/hostname", folder.path("link.txt")).unwrap();
+        let page = StudioPage::find(Some(folder.as_ref())).unwrap();
         let names: Vec<&str> = page.0.keys().map(String::as_str).collect();
         assert_eq!(names, ["/assets/a-1.js", "/index.html"]);
         assert_eq!(page.get("/").unwrap().bytes.as_ref(), b"<p>");
@@ -191,10 +182,10 @@ mod tests {
 
     #[test]
     fn a_folder_without_a_page_is_refused() {
-        let folder = TempFolder::new("empty");
-        let fault = StudioPage::find(Some(&folder.0)).unwrap_err();
+        let folder = studio_folder("empty");
+        let fault = StudioPage::find(Some(folder.as_ref())).unwrap_err();
         assert!(fault.to_string().contains("index.html"), "{fault}");
-        let fault = StudioPage::find(Some(&folder.0.join("nowhere"))).unwrap_err();
+        let fault = StudioPage::find(Some(&folder.path("nowhere"))).unwrap_err();
         assert!(fault.to_string().contains("no such file"), "{fault}");
     }
 }

@@ -1,8 +1,8 @@
 //! What the tests of the command share: folders of their own, small inputs, and running the binary.
 #![allow(dead_code, reason = "each test file uses its own part of this")]
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use chordal_testkit::corpus;
+pub use chordal_testkit::{Folder, names};
 use std::process::{Command, Output, Stdio};
 
 /// The shipped teapot.
@@ -21,65 +21,7 @@ pub const CLOSED_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2
 
 /// A file of `repro` in the test data: inputs that were handled badly. Nothing where there is no such folder.
 pub fn repro(name: &str) -> Option<String> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or_else(|| beside.into(), PathBuf::from).join("repro");
-    if !root.is_dir() {
-        eprintln!("SKIPPED: no test data beside the checkout (or set CHORDAL_DATA)");
-        return None;
-    }
-    Some(root.join(name).to_str().unwrap().to_owned())
-}
-
-/// An empty folder of one test's own, removed when the test is over.
-pub struct Folder(PathBuf);
-
-impl Folder {
-    pub fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("chordal-{}-{name}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    /// Its own name.
-    pub fn name(&self) -> &str {
-        self.0.file_name().unwrap().to_str().unwrap()
-    }
-
-    /// A name inside.
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    /// The same as text.
-    pub fn text(&self, name: &str) -> String {
-        self.path(name).to_str().unwrap().to_owned()
-    }
-
-    /// A file inside, written.
-    pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
-        fs::write(self.path(name), content).unwrap();
-        self.text(name)
-    }
-
-    /// All names inside, in order.
-    pub fn names(&self) -> Vec<String> {
-        names(&self.0)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-/// All names in a folder, in order.
-pub fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
+    corpus::find(&format!("repro/{name}"))?.to_str().map(str::to_owned)
 }
 
 /// The command, not yet run.
