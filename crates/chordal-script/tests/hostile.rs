@@ -1,6 +1,7 @@
 //! Scripts that want too much: each ends with one error, soon, and without taking the machine's memory.
 use chordal::Job;
 use chordal_script::{Limits, RunOptions, ScriptError, run};
+use chordal_testkit::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -201,20 +202,16 @@ fn a_cancelled_job_ends_a_script() {
 fn broken_texts_end_well() {
     let seed = 5;
     println!("seed {seed}");
-    let mut state: u64 = seed;
-    let mut below = |n: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % n
-    };
+    let mut random = Random::new(seed);
     let text = "r = param('r', 0.4)\ndef hole(a, b=2):\n    c = []\n    for k in range(3):\n        c.append(move(cylinder(r, b), a * k, 0))\n    return union(c) if a > 1 else c[0]\nbox(2, 2, 1) - hole(2) | field(sqrt(x * x + y) - 1.5e0)\n";
     let bytes = text.as_bytes();
     for round in 0..4000 {
         let mut changed = bytes.to_vec();
-        for _ in 0..1 + below(4) {
-            let (i, j) = (below(changed.len()), below(changed.len()));
-            match below(4) {
-                0 => changed[i] = b"()[]{}:,.=+-*/%|&<>'\"#\\ \n\tafx19"[below(31)],
-                1 => changed[i] ^= 1 << below(8),
+        for _ in 0..1 + random.below(4) {
+            let (i, j) = (random.below(changed.len()), random.below(changed.len()));
+            match random.below(4) {
+                0 => changed[i] = b"()[]{}:,.=+-*/%|&<>'\"#\\ \n\tafx19"[random.below(31)],
+                1 => changed[i] ^= 1 << random.below(8),
                 2 => drop(changed.drain(i.min(j)..i.max(j).min(i.min(j) + 20))),
                 _ => {
                     let piece: Vec<u8> = changed[i.min(j)..i.max(j).min(i.min(j) + 20)].to_vec();
