@@ -81,20 +81,17 @@ fn sign(x: i128) -> Orientation {
 mod tests {
     use super::*;
     use crate::math::{orient2d, orient3d};
+    use chordal_testkit::Random;
 
     #[test]
     fn sides_are_those_of_the_exact_predicates() {
-        let mut state = 11_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            state >> 20
-        };
+        let mut random = Random::new(11);
         let (mut flat, mut fits) = (0, 0);
         for round in 0..60_000 {
             let bits = [2, 10, 30, 44][round % 4];
             let scale = libm::ldexp(1.0, [-1074, -500, -3, 0, 40, 900][round % 6]);
             let whole: [[i64; 3]; 4] =
-                std::array::from_fn(|_| [0; 3].map(|_| (random() % (2 << bits)) as i64 - (1 << bits)));
+                std::array::from_fn(|_| [0; 3].map(|_| random.below(2 << bits) as i64 - (1 << bits)));
             let mut points = whole.map(|p| p.map(|x| x as f64 * scale));
             if round % 3 == 0 {
                 // Nearly or exactly in the plane of the others.

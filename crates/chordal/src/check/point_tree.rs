@@ -116,16 +116,13 @@ fn is_separating_axis(along: [f64; 3], apart: [f64; 3], room: [f64; 3], i: usize
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     #[test]
     fn no_point_within_reach_is_missed_and_few_others_are_visited() {
-        let mut state = 3_u64;
-        let mut unit = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = Random::new(3);
         for scale in [1e-300, 1e-6, 1.0, 1e6, 1e300] {
-            let mut point = || std::array::from_fn(|_| scale * unit());
+            let mut point = || std::array::from_fn(|_| scale * random.unit());
             let points: Vec<[f64; 3]> = (0..2000).map(|_| point()).collect();
             let tree = PointTree::new(&points);
             let mut visits = 0;

@@ -102,14 +102,12 @@ pub(super) fn thin_faces(mesh: &Mesh) -> (Finding, Finding) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     #[test]
     fn thin_is_a_matter_of_shape_at_every_scale_and_place() {
-        let mut state = 5_u64;
-        let mut unit = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 40) as f64 / (1_u64 << 24) as f64
-        };
+        let mut random = Random::new(5);
+        let mut unit = || random.below(1 << 24) as f64 / (1_u64 << 24) as f64;
         for _ in 0..2000 {
             let height = unit() * 0.02;
             let triangle = [[0.0; 3], [1.0, 0.0, 0.0], [unit(), height, 0.0]];

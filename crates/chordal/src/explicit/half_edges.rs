@@ -259,14 +259,10 @@ impl Iterator for OneRingIter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     const OCTAHEDRON: [[u32; 3]; 8] =
         [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
-
-    fn random(state: &mut u64) -> u64 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        *state >> 33
-    }
 
     /// Checks all invariants of a closed surface from the faces alone.
     fn check(surface: &HalfEdges) {
@@ -289,14 +285,14 @@ mod tests {
     fn random_operations_leave_a_sphere() {
         let mut surface = HalfEdges::from_faces(&OCTAHEDRON, 6).unwrap();
         check(&surface);
-        let mut state = 5;
+        let mut random = Random::new(5);
         let mut done = [0; 3];
         for step in 0..3000 {
-            let h = random(&mut state) as u32 % (3 * surface.face_slots() as u32);
+            let h = random.below(3 * surface.face_slots()) as u32;
             if !surface.has_face(h / 3) {
                 continue;
             }
-            match random(&mut state) % 3 {
+            match random.below(3) {
                 0 if surface.n_faces() < 200 => {
                     let (a, b, z) = (surface.start(h), surface.end(h), surface.split(h));
                     assert_eq!([surface.start(h), surface.end(h)], [a, z]);

@@ -177,14 +177,12 @@ fn sorted(positions: &[[f64; 3]]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     #[test]
     fn both_ways_find_the_first_equal_row() {
-        let mut state = 7_u64;
-        let mut coordinate = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            [-1.0, -0.0, 0.0, 1.0, 1e-300, 3.5][(state >> 33) as usize % 6]
-        };
+        let mut random = Random::new(7);
+        let mut coordinate = || [-1.0, -0.0, 0.0, 1.0, 1e-300, 3.5][random.below(6)];
         let rows: Vec<[f64; 3]> = (0..2000).map(|_| [coordinate(), coordinate(), coordinate()]).collect();
         let naive: Vec<u32> =
             rows.iter().map(|row| rows.iter().position(|other| other == row).unwrap() as u32).collect();

@@ -257,44 +257,32 @@ fn choice(op: Binary, [a, b]: [Interval; 2], [of_a, of_b]: [PruningBounds; 2]) -
 mod tests {
     use crate::implicit::{Dual, Expr, Tape};
     use crate::math::Box3;
+    use chordal_testkit::Random;
 
-    struct ExprRng(u64);
+    fn ball(random: &mut Random) -> Expr {
+        let ([x, y, z], [a, b, c]) = (Expr::axes(), random.point());
+        ((x - a).square() + (y - b).square() + (z - c).square()).sqrt() - 0.1
+    }
 
-    impl ExprRng {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    /// Balls in a chain of unions, blends, intersections with complements, offsets and scales.
+    fn chain(random: &mut Random, n: usize, blends_only: bool) -> Expr {
+        let mut whole = ball(random);
+        for _ in 0..n {
+            let ball = ball(random);
+            whole = match if blends_only { 0.0 } else { 8.0 * random.unit() } {
+                0.0..3.0 => whole.smooth_min(&ball, 0.05),
+                3.0..4.0 => -((-whole).smooth_min(&ball, 0.05)),
+                4.0..5.0 => whole.min(&ball),
+                5.0..6.0 => whole.max(&-ball),
+                6.0..7.0 => Expr::constant(0.02) - (ball.max(&(whole * -1.25)) / 1.25),
+                _ => (whole + 0.3).min(&(ball + 0.3)) - 0.3,
+            };
         }
-
-        fn point(&mut self, half: f64) -> [f64; 3] {
-            [0; 3].map(|_| half * (2.0 * self.unit() - 1.0))
-        }
-
-        fn ball(&mut self) -> Expr {
-            let ([x, y, z], [a, b, c]) = (Expr::axes(), self.point(1.0));
-            ((x - a).square() + (y - b).square() + (z - c).square()).sqrt() - 0.1
-        }
-
-        /// Balls in a chain of unions, blends, intersections with complements, offsets and scales.
-        fn chain(&mut self, n: usize, blends_only: bool) -> Expr {
-            let mut whole = self.ball();
-            for _ in 0..n {
-                let ball = self.ball();
-                whole = match if blends_only { 0.0 } else { 8.0 * self.unit() } {
-                    0.0..3.0 => whole.smooth_min(&ball, 0.05),
-                    3.0..4.0 => -((-whole).smooth_min(&ball, 0.05)),
-                    4.0..5.0 => whole.min(&ball),
-                    5.0..6.0 => whole.max(&-ball),
-                    6.0..7.0 => Expr::constant(0.02) - (ball.max(&(whole * -1.25)) / 1.25),
-                    _ => (whole + 0.3).min(&(ball + 0.3)) - 0.3,
-                };
-            }
-            whole
-        }
+        whole
     }
 
     /// Values and gradients of the pruned tape are those of the whole, bit for bit, everywhere in the box.
-    fn same_in(tape: &Tape, bounds: &Box3, random: &mut ExprRng) -> Option<usize> {
+    fn same_in(tape: &Tape, bounds: &Box3, random: &mut Random) -> Option<usize> {
         let shorter = tape.prune(bounds).unwrap().1?;
         let points: Vec<[f64; 3]> = (0..60)
             .map(|_| [0, 1, 2].map(|k| bounds.min[k] + random.unit() * (bounds.max[k] - bounds.min[k])))
@@ -309,12 +297,12 @@ mod tests {
 
     #[test]
     fn what_has_no_say_changes_no_value() {
-        let mut random = ExprRng(5);
+        let mut random = Random::new(5);
         let mut n_shorter = 0;
         for case in 0..300 {
-            let tape = Tape::new(&random.chain(20, false));
+            let tape = Tape::new(&chain(&mut random, 20, false));
             let half = [0.5, 0.1, 0.02][case % 3];
-            let middle = random.point(1.0);
+            let middle = random.point();
             let bounds = Box3 { min: middle.map(|x| x - half), max: middle.map(|x| x + half) };
             n_shorter += usize::from(same_in(&tape, &bounds, &mut random).is_some());
         }
@@ -323,11 +311,11 @@ mod tests {
 
     #[test]
     fn a_ball_of_a_chain_of_blends_is_compared_with_the_nearest_of_all() {
-        let mut random = ExprRng(9);
-        let tape = Tape::new(&random.chain(200, true));
+        let mut random = Random::new(9);
+        let tape = Tape::new(&chain(&mut random, 200, true));
         let mut steps = 0;
         for _ in 0..20 {
-            let middle = random.point(0.8);
+            let middle = random.point_within(0.8);
             let bounds = Box3 { min: middle.map(|x| x - 0.05), max: middle.map(|x| x + 0.05) };
             steps += same_in(&tape, &bounds, &mut random).expect("most balls are far");
         }

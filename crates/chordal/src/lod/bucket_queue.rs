@@ -60,14 +60,14 @@ impl BucketQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     #[test]
     fn comes_out_by_cost_up_to_the_width_of_a_bucket() {
         let mut queue = BucketQueue::new();
-        let mut state = 1_u32;
+        let mut random = Random::new(1);
         for i in 0..5000 {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let cost = f32::from_bits(state >> 2 & 0x3fff_ffff);
+            let cost = f32::from_bits(random.below(1 << 30) as u32);
             queue.push(if i % 50 == 0 { 0.0 } else { cost }, i);
         }
         let (mut last, mut n) = (0.0_f32, 0);

@@ -5,6 +5,7 @@ use crate::budget::Job;
 use crate::explicit::{Bvh, Mesh};
 use crate::implicit::{Csg, Expr, Field, Unary, shapes};
 use crate::math::{Box3, greater};
+use chordal_testkit::Random;
 use std::collections::BTreeMap;
 
 /// A geodesic sphere: an octahedron, subdivided so often.
@@ -292,11 +293,6 @@ fn a_thin_wall_takes_few_cells() {
     assert!(found.unresolved.is_empty() && !found.wrong.is_empty());
 }
 
-fn random(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 53) as f64
-}
-
 /// A point of the boundary of a union or difference of balls, on the segment from one point to another.
 fn crossing(is_inside: impl Fn([f64; 3]) -> bool, mut ends: [[f64; 3]; 2]) -> Option<[f64; 3]> {
     let first = is_inside(ends[0]);
@@ -314,13 +310,13 @@ fn crossing(is_inside: impl Fn([f64; 3]) -> bool, mut ends: [[f64; 3]; 2]) -> Op
 fn no_sample_is_beyond_a_bound_whatever_was_done_to_the_mesh() {
     let mut n_proved = 0;
     for seed in 0..60_u64 {
-        let mut state = 2 * seed + 1;
+        let mut random = Random::new(seed);
         // A ball with a bite or a bump; the mesh is that of the ball, its vertices perturbed, so that it
         // misses small features.
-        let at = [0; 3].map(|_| 2.0 * random(&mut state) - 1.0);
+        let at: [f64; 3] = random.point();
         let far = at.iter().map(|x| x * x).sum::<f64>().sqrt();
         let at = at.map(|x| x / far);
-        let radius = 0.4 * random(&mut state) * random(&mut state);
+        let radius = 0.4 * random.unit() * random.unit();
         let is_bump = seed % 2 == 0;
         let other = moved(&sphere(radius), at);
         let field = if is_bump { sphere(1.0).union(&other) } else { sphere(1.0).difference(&other) };
@@ -334,11 +330,10 @@ fn no_sample_is_beyond_a_bound_whatever_was_done_to_the_mesh() {
             }
         };
         let whole = ball([0.0; 3], 1.0, 3);
-        let noise = 0.05 * random(&mut state);
-        let positions =
-            whole.positions().iter().map(|p| p.map(|x| x + noise * (2.0 * random(&mut state) - 1.0)));
+        let noise = 0.05 * random.unit();
+        let positions = whole.positions().iter().map(|p| p.map(|x| x + noise * random.signed()));
         let mesh = Mesh::new(positions.collect(), whole.faces().to_vec()).unwrap();
-        let limit = if seed % 3 == 0 { Some(0.02 + 0.2 * random(&mut state)) } else { None };
+        let limit = if seed % 3 == 0 { Some(0.02 + 0.2 * random.unit()) } else { None };
         let found = look(&field, &mesh, limit);
         if !found.is_proved() {
             continue;
@@ -348,7 +343,7 @@ fn no_sample_is_beyond_a_bound_whatever_was_done_to_the_mesh() {
         for sample in 0..4000 {
             // Half of the segments are about the other ball.
             let (centre, size) = if sample % 2 == 0 { ([0.0; 3], 1.5) } else { (at, 2.0 * radius) };
-            let ends = [0; 2].map(|_| centre.map(|x| x + size * (2.0 * random(&mut state) - 1.0)));
+            let ends = [0; 2].map(|_| centre.map(|x| x + size * random.signed()));
             if let Some(p) = crossing(is_inside, ends) {
                 let far = bvh.closest_distance_down(p).unwrap();
                 assert!(far <= found.bound + 1e-12, "seed {seed}: {p:?} is {far} of {}", found.bound);

@@ -206,6 +206,7 @@ pub(crate) fn arc_deviation<const D: usize>(arc: &Arc<D>, a: f64, b: f64) -> Cho
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     /// The two-sided distance of a piece and its chord, by 2000 samples of both.
     fn sampled(cubic: &Bezier<2>, a: f64, b: f64) -> f64 {
@@ -236,15 +237,11 @@ mod tests {
 
     #[test]
     fn a_certificate_is_never_low_and_close_where_the_curve_does_not_turn_back() {
-        let mut seed = 0x9e37_79b9_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = Random::new(1);
         let mut ratios = Vec::new();
         for _ in 0..3000 {
-            let cubic = Bezier { control: std::array::from_fn(|_| [random(), random()]) };
-            let (x, y) = (random(), random());
+            let cubic = Bezier { control: std::array::from_fn(|_| [0; 2].map(|_| random.unit())) };
+            let (x, y) = (random.unit(), random.unit());
             let (a, b) = if x < y { (x, y) } else { (y, x) };
             let (bound, truth) = (CubicChords::new(&cubic).deviation(a, b).at_most, sampled(&cubic, a, b));
             assert!(truth <= bound + ROUNDING * f64::EPSILON * 2.0, "{cubic:?} {a} {b}: {truth} > {bound}");

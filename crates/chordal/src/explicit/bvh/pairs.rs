@@ -198,6 +198,7 @@ fn overlapping_lanes(node: &BvhNode, lane: usize, other: &BvhNode) -> [bool; WID
 mod tests {
     use super::*;
     use crate::explicit::Mesh;
+    use chordal_testkit::Random;
 
     /// The pairs of faces whose boxes meet, found by testing all.
     fn all_pairs(mesh: &Mesh) -> Vec<[u32; 2]> {
@@ -227,20 +228,16 @@ mod tests {
 
     #[test]
     fn every_pair_whose_boxes_meet_is_found_once_and_no_other() {
-        let mut state = 9_u64;
-        let mut below = |n: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) % n
-        };
+        let mut random = Random::new(9);
         for round in 0..60 {
             let n_faces = [0, 1, 2, 5, 30, 700][round % 6];
             let scale = [1.0, 1e-300, 1e300, 0.1][round % 4];
             let side = [3, 60, 1000][round % 3];
             let mut positions = Vec::new();
             for _ in 0..n_faces {
-                let at: [f64; 3] = std::array::from_fn(|_| below(side) as f64);
+                let at: [f64; 3] = std::array::from_fn(|_| random.below(side) as f64);
                 for _ in 0..3 {
-                    positions.push(at.map(|x| (x + below(9) as f64) * scale));
+                    positions.push(at.map(|x| (x + random.below(9) as f64) * scale));
                 }
             }
             let faces = (0..n_faces as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();

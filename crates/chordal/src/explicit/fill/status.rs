@@ -91,16 +91,16 @@ impl SweepStatus {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     #[test]
     fn is_a_sorted_list_through_any_changes() {
         let mut status = SweepStatus::default();
         let mut plain: Vec<u32> = Vec::new();
-        let mut state = 9_u64;
+        let mut random = Random::new(9);
         let mut taken = Vec::new();
         for round in 0..40_000 {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            let value = (state >> 40) as u32 % 50_000;
+            let value = random.below(50_000) as u32;
             let side = |edge: u32| value.cmp(&edge);
             let place = status.take(side, &mut taken);
             let low = plain.partition_point(|v| *v < value);

@@ -196,11 +196,7 @@ fn largest_side<'a>(root: &'a Expr, inside: &'a Expr) -> Option<&'a Expr> {
 mod tests {
     use crate::implicit::shapes::{cuboid, cylinder, ellipsoid, octahedron, sphere, tetrahedron};
     use crate::implicit::{Csg, Field};
-
-    fn random(state: &mut u64) -> f64 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 11) as f64 / (1_u64 << 53) as f64
-    }
+    use chordal_testkit::Random;
 
     #[test]
     fn blends_in_pieces_have_the_sign_of_their_value() {
@@ -213,7 +209,7 @@ mod tests {
             ellipsoid([0.3, 0.5, 0.9]).unwrap().moved([0.0, 0.3, 0.0]).unwrap(),
             sphere(0.5).unwrap().moved([0.4, 0.0, 0.3]).unwrap(),
         ];
-        let mut state = 5;
+        let mut random = Random::new(5);
         for (k, a) in solids.iter().enumerate() {
             for b in &solids[..k] {
                 let both = a.smooth_union(b, 0.4).unwrap();
@@ -222,7 +218,7 @@ mod tests {
                     both.smooth_union(&solids[5], 0.2).unwrap().smooth_difference(&solids[4], 0.1).unwrap();
                 for blend in [both, less, more] {
                     for _ in 0..400 {
-                        let at = [0; 3].map(|_| 2.0 * random(&mut state) - 1.0);
+                        let at = random.point();
                         let [value, sign] = [blend.expr(), blend.sign()].map(|expr| expr.at(at).unwrap());
                         // A hundred roundings.
                         assert!(

@@ -3,11 +3,7 @@ use super::*;
 use crate::budget::Job;
 use crate::implicit::{Expr, Field, shapes};
 use crate::math::Box3;
-
-fn random(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 53) as f64
-}
+use chordal_testkit::Random;
 
 /// The tree has the sign of the expression at random points.
 fn agrees(field: &Field, half: f64) {
@@ -16,9 +12,8 @@ fn agrees(field: &Field, half: f64) {
     let domain = Box3 { min: [-half; 3], max: [half; 3] };
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
-    let mut state = 7;
-    let points: Vec<[f64; 3]> =
-        (0..500).map(|_| [0; 3].map(|_| half * (2.0 * random(&mut state) - 1.0))).collect();
+    let mut random = Random::new(7);
+    let points: Vec<[f64; 3]> = (0..500).map(|_| random.point_within(half)).collect();
     let mut expected = vec![0.0; points.len()];
     tape.at(&points, &mut expected).unwrap();
     let n = csg.primitives().len();
@@ -106,8 +101,8 @@ fn regions_change_no_value_and_hold_every_value() {
     let domain = Box3 { min: [-1.5; 3], max: [1.5; 3] };
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
-    let mut state = 3;
-    let points: Vec<[f64; 3]> = (0..4000).map(|_| [0; 3].map(|_| 0.4 * random(&mut state) - 1.4)).collect();
+    let mut random = Random::new(3);
+    let points: Vec<[f64; 3]> = (0..4000).map(|_| [0; 3].map(|_| 0.4 * random.unit() - 1.4)).collect();
     let number = csg.primitives().iter().position(|p| p.tape().len() >= 100).expect("the chain of blends");
     let questions: Vec<(u32, [f64; 3])> = points.iter().map(|p| (number as u32, *p)).collect();
     let values = evaluator.values(&questions).unwrap();
@@ -152,12 +147,12 @@ const ROOM: f64 = 64.0 * f64::EPSILON;
 
 /// Checks pairs of points in random boxes, many with a coordinate 0: values differ by what the interval of
 /// gradients allows.
-fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
+fn obeys_mean_value_theorem(expr: &Expr, random: &mut Random) {
     let tape = Tape::new(expr);
     for _ in 0..400 {
         let mut pick = || {
-            let at = 2.0 * random(state) - 1.0;
-            if random(state) < 0.3 { 0.0 } else { at }
+            let at = random.signed();
+            if random.unit() < 0.3 { 0.0 } else { at }
         };
         let (from, size): ([f64; 3], [f64; 3]) =
             (std::array::from_fn(|_| pick()), std::array::from_fn(|_| pick().abs()));
@@ -168,7 +163,7 @@ fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
         assert!(range[0].value.is_defined());
         let points: Vec<[f64; 3]> = (0..16)
             .map(|_| {
-                std::array::from_fn(|k| from[k] + size[k] * (random(state) * 1.5 - 0.25).clamp(0.0, 1.0))
+                std::array::from_fn(|k| from[k] + size[k] * (random.unit() * 1.5 - 0.25).clamp(0.0, 1.0))
             })
             .collect();
         let mut values = vec![0.0; points.len()];
@@ -201,7 +196,7 @@ fn box_distance(sides: &[Expr]) -> Expr {
 fn lengths_and_distances_from_boxes_have_ranges_of_slopes_at_their_tips() {
     let [x, y, z] = Expr::axes();
     let length = |parts: &[&Expr]| parts.iter().map(|p| p.square()).reduce(|a, b| a + b).unwrap().sqrt();
-    let mut state = 5;
+    let mut random = Random::new(5);
     let skew = &x * 0.5 + &y * 2.0 - &z;
     for expr in [
         length(&[&x, &y]),
@@ -213,7 +208,7 @@ fn lengths_and_distances_from_boxes_have_ranges_of_slopes_at_their_tips() {
         box_distance(&[&skew - 0.25, y.clone(), &x * &z]),
         box_distance(&[x.clone(), x.clone() * -1.0]),
     ] {
-        obeys_mean_value_theorem(&expr, &mut state);
+        obeys_mean_value_theorem(&expr, &mut random);
     }
 }
 
@@ -258,11 +253,11 @@ fn steps_are_looked_at_one_by_one() {
         let domain = Box3 { min: [-2.0; 3], max: [2.0; 3] };
         let job = Job::default();
         let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
-        let mut state = 11;
+        let mut random = Random::new(11);
         let mut tight = 0;
         for _ in 0..400 {
-            let from: [f64; 3] = std::array::from_fn(|_| 4.0 * random(&mut state) - 2.0);
-            let size = 0.2 * random(&mut state);
+            let from: [f64; 3] = std::array::from_fn(|_| 2.0 * random.signed());
+            let size = 0.2 * random.unit();
             let bounds = Box3 { min: from, max: from.map(|x| x + size) };
             let questions: Vec<(u32, Box3)> =
                 (0..csg.primitives().len() as u32).map(|p| (p, bounds)).collect();
@@ -272,7 +267,7 @@ fn steps_are_looked_at_one_by_one() {
                 assert_eq!(slopes.value, *range);
                 tight += usize::from(range[1] - range[0] < 3.0 * size);
                 for _ in 0..8 {
-                    let at: [f64; 3] = std::array::from_fn(|k| from[k] + size * random(&mut state));
+                    let at: [f64; 3] = std::array::from_fn(|k| from[k] + size * random.unit());
                     let value = evaluator.values(&[(*p, at)]).unwrap()[0];
                     assert!(range[0] <= value && value <= range[1], "{at:?} in {bounds:?}");
                 }
@@ -320,9 +315,8 @@ fn copies_without_end_are_listed_where_they_are_cut_off() {
         let has_steps = |term: &Term| matches!(term, Term::Unary(Unary::Round, _));
         assert!(!Tape::new(field.sign()).graph().terms().iter().any(has_steps));
         let (value, sign) = (Tape::new(field.expr()), Tape::new(field.sign()));
-        let mut state = 3;
-        let at: Vec<[f64; 3]> =
-            (0..2000).map(|_| [0; 3].map(|_| half * (2.0 * random(&mut state) - 1.0))).collect();
+        let mut random = Random::new(3);
+        let at: Vec<[f64; 3]> = (0..2000).map(|_| random.point_within(half)).collect();
         let (mut values, mut signs) = (vec![0.0; at.len()], vec![0.0; at.len()]);
         value.at(&at, &mut values).unwrap();
         sign.at(&at, &mut signs).unwrap();

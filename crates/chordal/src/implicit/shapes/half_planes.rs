@@ -279,23 +279,11 @@ fn half_plane([a, b]: [PlanarPoint; 2], [x, y]: [&Expr; 2]) -> Expr {
 mod tests {
     use crate::implicit::shapes::{ContourFill, Contours};
     use crate::implicit::{Csg, Tape};
-
-    struct PolygonRng(u64);
-
-    impl PolygonRng {
-        fn below(&mut self, n: u64) -> u64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 33) % n
-        }
-
-        fn unit(&mut self) -> f64 {
-            self.below(1 << 30) as f64 / (1_u64 << 30) as f64
-        }
-    }
+    use chordal_testkit::Random;
 
     /// Checks that half-planes and the distance put points off the contour on the same side. Returns whether
     /// there are half-planes.
-    fn agrees(contours: &[Vec<[f64; 2]>], random: &mut PolygonRng) -> bool {
+    fn agrees(contours: &[Vec<[f64; 2]>], random: &mut Random) -> bool {
         let Ok(made) = Contours::new(contours, ContourFill::EvenOdd) else { return false };
         let n_edges = made.edges.len();
         let [min, max] = made.bounds;
@@ -321,7 +309,7 @@ mod tests {
     }
 
     /// Connected cells of a square lattice as one contour: many collinear edges and equal coordinates.
-    fn staircase(random: &mut PolygonRng, n: usize) -> Vec<[f64; 2]> {
+    fn staircase(random: &mut Random, n: usize) -> Vec<[f64; 2]> {
         let (mut low, mut high) = (Vec::new(), Vec::new());
         for k in 0..n {
             let (a, b) = (random.below(4) as f64, 5.0 + random.below(4) as f64);
@@ -335,10 +323,10 @@ mod tests {
 
     #[test]
     fn stars_combs_and_staircases_are_formulas_of_half_planes() {
-        let mut random = PolygonRng(11);
+        let mut random = Random::new(11);
         let mut n_made = 0;
         for case in 0..300_usize {
-            let n = 3 + random.below(40) as usize;
+            let n = 3 + random.below(40);
             let outline: Vec<[f64; 2]> = match case % 3 {
                 // A star about the origin: simple whatever the radii.
                 0 => (0..n)
@@ -365,7 +353,7 @@ mod tests {
 
     #[test]
     fn a_spiral_is_a_formula_of_half_planes() {
-        let mut random = PolygonRng(3);
+        let mut random = Random::new(3);
         let arm = |r: f64| {
             move |k: u32| {
                 let angle = 0.4 * f64::from(k);
@@ -380,7 +368,7 @@ mod tests {
 
     #[test]
     fn holes_and_islands_are_in_the_formula() {
-        let mut random = PolygonRng(4);
+        let mut random = Random::new(4);
         let square = |half: f64, x: f64| {
             vec![[x - half, -half], [x + half, -half], [x + half, half], [x - half, half]]
         };

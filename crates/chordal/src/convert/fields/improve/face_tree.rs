@@ -249,17 +249,14 @@ fn halve(faces: &mut [(u32, FaceBox)]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
 
     #[test]
     fn finds_what_looking_at_all_finds() {
-        let mut state = 9_u64;
-        let mut unit = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = Random::new(9);
         let mut any = |size: f64| {
-            let corner = DVec3::new(unit(), unit(), unit()) * 1e6;
-            FaceBox { min: corner, max: corner + size * 1e6 * DVec3::new(unit(), unit(), unit()) }
+            let corner = DVec3::from([0; 3].map(|_| random.unit())) * 1e6;
+            FaceBox { min: corner, max: corner + size * 1e6 * DVec3::from([0; 3].map(|_| random.unit())) }
         };
         let mut boxes: Vec<Option<FaceBox>> = (0..500).map(|_| Some(any(0.05))).collect();
         let mut faces: Vec<(u32, FaceBox)> = (0..500).map(|f| (f, boxes[f as usize].unwrap())).collect();

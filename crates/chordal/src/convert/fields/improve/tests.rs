@@ -6,6 +6,7 @@ use crate::check::self_intersections;
 use crate::explicit::{HalfEdges, Mesh};
 use crate::implicit::{Csg, Dual, Expr, PrimitiveEvaluator, shapes};
 use crate::math::Box3;
+use chordal_testkit::Random;
 use glam::DVec3;
 
 /// An octahedron divided `levels` times, its vertices moved by `shape`.
@@ -207,15 +208,11 @@ fn threads_change_nothing() {
 fn random_labels_end_in_a_closed_surface() {
     // Random labels: the surface stays a closed manifold, whatever primitives its faces belong to.
     let csg = Csg::from_expr(shapes::cuboid([1.0; 3]).unwrap().sign());
-    let mut state = 3_u64;
+    let mut random = Random::new(3);
     for round in 0..5 {
         let (positions, faces) = octahedron(3, on_sphere(0.7));
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as u32
-        };
-        let n_labels = 2 * csg.primitives().len() as u32;
-        let labels = faces.iter().map(|_| random() % n_labels).collect();
+        let n_labels = 2 * csg.primitives().len();
+        let labels = faces.iter().map(|_| random.below(n_labels) as u32).collect();
         let raw = LabelledSurface { positions, faces, labels };
         let mut job = Job::default().with_threads(1);
         job.triangle_limit = 4000;
