@@ -153,7 +153,7 @@ test-python: tested need-python
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
 # What `make test` leaves to this, so that it takes twenty minutes: nine of ten random cases of every sweep that asks
-# crates/chordal/tests/long.rs, what that file's `is_long` guards, and all but nine of the random scripts of fields.
+# chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields.
 # PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release

@@ -7,10 +7,6 @@ mod dump;
 #[allow(dead_code)]
 mod families;
 pub mod models;
-#[path = "../../crates/chordal/tests/curve_referee/random.rs"]
-mod random;
-#[path = "../../crates/chordal/tests/referee/sampler/mod.rs"]
-pub mod sampler;
 pub mod scripts;
 #[path = "../../crates/chordal/tests/solids/shapes.rs"]
 pub mod shapes;
@@ -21,6 +17,7 @@ mod truth {
     pub type Control<const D: usize> = [[f64; D]; 4];
 }
 
+pub use chordal_testkit::sampler;
 pub use corpus::{labels, out, patches};
 pub use dump::{Dumped, read, write};
 pub use torus::torus;

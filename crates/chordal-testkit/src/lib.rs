@@ -1,5 +1,5 @@
 //! What the tests of Chordal's crates share: random numbers, the folder of foreign files, folders of a test's
-//! own, how long a sweep may take and fingerprints.
+//! own, how long a sweep may take, fingerprints, and the samplers that measure surfaces.
 //!
 //! This crate depends on nothing, and least of all on a crate that it helps to judge: a sampler that called
 //! the library would repeat its mistakes. So shapes come in as arrays. It stands below all others, only as a
@@ -9,6 +9,7 @@ mod effort;
 mod fingerprint;
 mod folder;
 mod random;
+pub mod sampler;
 
 pub use effort::{cases, is_long};
 pub use fingerprint::Fingerprint;

@@ -10,6 +10,3 @@ mod mend;
 mod mesh;
 mod open_scan;
 mod prescribed;
-#[allow(dead_code, reason = "the referee of curves uses all of it")]
-#[path = "../../chordal/tests/curve_referee/random.rs"]
-mod random;

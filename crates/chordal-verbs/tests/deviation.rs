@@ -1,15 +1,11 @@
 //! Deviations of real files: the ends are as close as was asked for, each file is 0 away from itself.
 use crate::common;
-#[allow(dead_code, reason = "the referee uses all of it")]
-#[path = "../../chordal/tests/deviation_referee/sampler.rs"]
-mod sampler;
-
-use crate::random;
 use chordal::Job;
 use chordal::explicit::Topology;
 use chordal::{Mesh, check};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Triangles, on};
 use chordal_verbs::{FormatHint, Input, Shape, load};
-use random::Random;
 
 fn read(path: &std::path::Path) -> Option<Input> {
     let bytes = std::fs::read(path).ok()?;
@@ -74,18 +70,14 @@ fn the_ends_are_close_on_every_file_of_the_corpus() {
     assert!(files.is_empty() || n_pairs > 30, "only {n_pairs} files were read");
 }
 
-/// The largest distance of some points of either mesh to the other, by the referee's plain loops.
+/// The largest distance of some points of either mesh to the other, by the sampler.
 fn sampled(meshes: [&Mesh; 2], random: &mut Random) -> f64 {
-    let soups = meshes
-        .map(|mesh| -> sampler::Soup { (0..mesh.faces().len()).map(|face| mesh.corners(face)).collect() });
+    let soups = meshes.map(|mesh| Triangles::new(mesh.positions(), mesh.faces()));
     let mut most = 0.0_f64;
     for (from, to) in [(&soups[0], &soups[1]), (&soups[1], &soups[0])] {
         for _ in 0..24 {
-            let [a, b, c] = from[random.below(from.len())];
-            let (s, t) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
-            let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
-            let at = std::array::from_fn(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
-            most = most.max(sampler::to_soup(at, to));
+            let triangle = from.corners[random.below(from.corners.len())];
+            most = most.max(to.distance(on(triangle, random.weights())));
         }
     }
     most

@@ -1,15 +1,11 @@
 //! Levels as they stand in the files of a tileset, read back and held against the true shape by a sampler that shares no code with the
 //! library: no point of either is farther from the other than the file says.
-#[allow(dead_code, reason = "the tests of the library use all of it")]
-#[path = "../../chordal/tests/lod/sampler.rs"]
-mod sampler;
 
-use crate::random;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Limits};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Point, Triangles, norm, on};
 use chordal_verbs::{FormatHint, LodSpec, Normals, Shape, TileErrors, load, lod};
-use random::Random;
-use sampler::{Point, Tree, norm, on, weights};
 use serde_json::Value;
 
 fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
@@ -54,13 +50,18 @@ fn tiles(bytes: &[u8], format: Format, spec: &LodSpec) -> Vec<(Vec<Mesh>, f64)> 
     found
 }
 
+/// The triangles of a mesh.
+fn triangles(mesh: &Mesh) -> Triangles {
+    Triangles::new(mesh.positions(), mesh.faces())
+}
+
 /// Random points of a mesh, all over each face.
 fn points(mesh: &Mesh, random: &mut Random) -> Vec<Point> {
     let many = 100_000 / mesh.faces().len() + 4;
     (0..mesh.faces().len())
         .flat_map(|face| {
             let corners = mesh.corners(face);
-            (0..many).map(|_| on(corners, weights(random))).chain(corners).collect::<Vec<_>>()
+            (0..many).map(|_| on(corners, random.weights())).chain(corners).collect::<Vec<_>>()
         })
         .collect()
 }
@@ -78,9 +79,9 @@ fn levels_of_a_field_are_as_near_as_they_say() {
     assert!(found.len() > 3);
     for (meshes, said) in found {
         let [mesh] = &meshes[..] else { panic!("one mesh a level") };
-        let tree = Tree::new(mesh);
+        let tree = triangles(mesh);
         let from_level = points(mesh, &mut random).into_iter().map(|p| (norm(p) - 1.0).abs());
-        let from_ball = (0..50_000).map(|_| tree.distance(random.direction()).0);
+        let from_ball = (0..50_000).map(|_| tree.distance(random.direction()));
         let off = from_level.collect::<Vec<_>>().into_iter().chain(from_ball).fold(0.0, f64::max);
         holds(off, said, "ball");
     }
@@ -111,7 +112,7 @@ fn levels_of_a_patch_are_as_near_as_they_say() {
     let fine: Vec<Point> = rows.map(|(i, j)| evaluated(&control, at(i), at(j))).collect();
     let cells = (0..n).flat_map(|j| (0..n).map(move |i| j * (n + 1) + i));
     let faces = cells.flat_map(|k| [[k, k + 1, k + n + 2], [k, k + n + 2, k + n + 1]]).collect();
-    let truth = Tree::new(&Mesh::new(fine.clone(), faces).unwrap());
+    let truth = triangles(&Mesh::new(fine.clone(), faces).unwrap());
     // A cell of 1/400 is off its patch by an eighth of its sides squared times the second derivatives, which are below 6 · 4 · 3 in all.
     let sag = 72.0 / (8.0 * f64::from(n).powi(2));
     let mut random = Random::new(2);
@@ -119,10 +120,10 @@ fn levels_of_a_patch_are_as_near_as_they_say() {
     assert!(found.len() > 2);
     for (meshes, said) in found {
         let [mesh] = &meshes[..] else { panic!("one mesh a level") };
-        let tree = Tree::new(mesh);
-        let from_patch = fine.iter().map(|p| tree.distance(*p).0).fold(0.0, f64::max);
+        let tree = triangles(mesh);
+        let from_patch = fine.iter().map(|p| tree.distance(*p)).fold(0.0, f64::max);
         let from_level =
-            points(mesh, &mut random).into_iter().map(|p| truth.distance(p).0 - sag).fold(0.0, f64::max);
+            points(mesh, &mut random).into_iter().map(|p| truth.distance(p) - sag).fold(0.0, f64::max);
         holds(from_patch.max(from_level), said, "patch");
     }
 }
@@ -147,7 +148,7 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
     }
     let Shape::Scene(scene) = loaded(text.as_bytes(), Format::Obj).shape else { panic!("triangles") };
     let given = &scene.parts[0].mesh;
-    let truth = Tree::new(given);
+    let truth = triangles(given);
     let mut random = Random::new(3);
     let made =
         lod(loaded(text.as_bytes(), Format::Obj), &spec("0.002", 400), &Job::default()).expect("levels");
@@ -183,9 +184,9 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
             faces.extend(mesh.faces().iter().map(|face| face.map(|row| row + first)));
         }
         let soup = Mesh::new(positions, faces).unwrap();
-        let tree = Tree::new(&soup);
-        let there = points(given, &mut random).into_iter().map(|p| tree.distance(p).0).fold(0.0, f64::max);
-        let back = points(&soup, &mut random).into_iter().map(|p| truth.distance(p).0).fold(0.0, f64::max);
+        let tree = triangles(&soup);
+        let there = points(given, &mut random).into_iter().map(|p| tree.distance(p)).fold(0.0, f64::max);
+        let back = points(&soup, &mut random).into_iter().map(|p| truth.distance(p)).fold(0.0, f64::max);
         holds(there.max(back), most, "cut");
     }
     assert!(n_mixed > 3, "{n_mixed}");

@@ -2,6 +2,7 @@
 use chordal::explicit::{Bvh, Containment, Enclosure, PointLocation};
 use chordal::math::Box3;
 use chordal::{Job, Mesh};
+use chordal_testkit::corpus;
 use chordal_verbs::{FormatHint, Shape, load};
 use std::path::Path;
 
@@ -82,13 +83,8 @@ fn h59_an_open_sphere_says_inside_outside_or_ambiguous_and_never_the_wrong_one()
 
 #[test]
 fn h59_an_open_scan_says_inside_outside_or_ambiguous_with_its_winding_number() {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or(beside, Into::into);
-    let path = root.join("mesh/bunny/testdata/bun_zipper.ply");
-    let Ok(bytes) = std::fs::read(&path) else {
-        eprintln!("SKIPPED: no scan at {}; set CHORDAL_DATA to where the corpus is", path.display());
-        return;
-    };
+    let Some(path) = corpus::find("mesh/bunny/testdata/bun_zipper.ply") else { return };
+    let bytes = std::fs::read(path).unwrap();
     let input = load(
         &bytes,
         FormatHint { name: Some("bun_zipper.ply"), ..FormatHint::default() },

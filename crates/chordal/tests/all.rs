@@ -28,7 +28,6 @@ mod interval_laws;
 mod lod;
 mod lod_screen;
 mod lod_tree;
-mod long;
 mod mend;
 mod normals;
 mod outlines;

@@ -1,5 +1,6 @@
 //! Inputs that broke the bound, the topology or the patience of the patch mesher, and must not again.
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Patch, Tolerance, convert};
+use chordal_testkit::sampler::Triangles;
 use std::collections::BTreeMap;
 
 type Point = [f64; 3];
@@ -37,51 +38,18 @@ fn on_patch(patch: &Patch, u: f64, v: f64) -> Point {
     on_curve(patch.control.map(|row| on_curve(row, u)), v)
 }
 
-fn minus(a: Point, b: Point) -> Point {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The distance to a segment.
-fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
-    let (along, from) = (minus(b, a), minus(p, a));
-    let length_sq = dot(along, along);
-    let t = if length_sq > 0.0 { (dot(from, along) / length_sq).clamp(0.0, 1.0) } else { 0.0 };
-    let off = minus(p, mix(a, b, t));
-    dot(off, off).sqrt()
-}
-
-/// The distance to a triangle: to its sides, or to its plane over its inside.
-fn to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
-    let sides = [[a, b], [b, c], [c, a]].map(|side| to_segment(p, side));
-    let rim = sides.into_iter().fold(f64::INFINITY, f64::min);
-    let (e, f, w) = (minus(b, a), minus(c, a), minus(p, a));
-    let (ee, ef, ff, we, wf) = (dot(e, e), dot(e, f), dot(f, f), dot(w, e), dot(w, f));
-    let area = ee * ff - ef * ef;
-    let (s, t) = ((we * ff - wf * ef) / area, (wf * ee - we * ef) / area);
-    if !(area > 0.0 && s >= 0.0 && t >= 0.0 && s + t <= 1.0) {
-        return rim;
-    }
-    let off: Point = std::array::from_fn(|k| w[k] - s * e[k] - t * f[k]);
-    rim.min(dot(off, off).sqrt())
-}
-
 /// The largest distance of an even grid of points on the patches from the mesh, both enlarged by `scale`.
 fn farthest(patches: &[Patch], mesh: &Mesh, scale: f64) -> f64 {
     let large = |p: Point| p.map(|x| x * scale);
-    let corners: Vec<[Point; 3]> =
-        (0..mesh.faces().len()).map(|face| mesh.corners(face).map(large)).collect();
+    let corners: Vec<Point> = mesh.positions().iter().map(|p| large(*p)).collect();
+    let triangles = Triangles::new(&corners, mesh.faces());
     let mut most = 0.0_f64;
     for patch in patches {
         let patch = Patch { control: patch.control.map(|row| row.map(large)) };
         for i in 0..=16 {
             for j in 0..=16 {
                 let p = on_patch(&patch, f64::from(j) / 16.0, f64::from(i) / 16.0);
-                let near = corners.iter().map(|t| to_triangle(p, *t)).fold(f64::INFINITY, f64::min);
-                most = most.max(near);
+                most = most.max(triangles.distance(p));
             }
         }
     }

@@ -7,23 +7,8 @@ use chordal::implicit::shapes::{gyroid, sphere, torus};
 use chordal::implicit::{Distance, DistanceQuality, Expr, Field, Leaf, LeafAnswer, LeafError};
 use chordal::math::{Box3, Interval};
 use chordal::{Bezier, Budget, Evidence, Job, Mesh, Tolerance};
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn point(&mut self, reach: f64) -> [f64; 3] {
-        [0; 3].map(|_| reach * (2.0 * self.unit() - 1.0))
-    }
-}
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{cross, dot, sub};
 
 /// A torus of quadrilaterals cut in two, wobbly, so that it is neither convex nor regular.
 fn ring(n: u32, m: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
@@ -44,18 +29,6 @@ fn ring(n: u32, m: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         })
         .collect();
     (points, faces)
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The distance to one triangle: to its plane where the foot is inside, else to its sides.
@@ -106,8 +79,8 @@ fn a_mesh_is_the_field_that_a_loop_over_its_triangles_says() {
     let made = mesh_to_field(&mesh, &Job::default()).expect("small");
     assert!(made.solid.is_solid(), "{}", made.solid);
     assert_eq!(made.field.distance(), Distance::EXACT);
-    let mut random = Random(11);
-    let points: Vec<[f64; 3]> = (0..3000).map(|_| random.point(1.8)).collect();
+    let mut random = Random::new(11);
+    let points: Vec<[f64; 3]> = (0..3000).map(|_| random.point_within::<3>(1.8)).collect();
     for (p, v) in points.iter().zip(values(&made.field, &points)) {
         let truth = plain(*p, &mesh);
         assert!((v - truth).abs() <= 1e-6 * truth.abs() + 3e-12, "{v} and {truth} at {p:?}");
@@ -127,9 +100,9 @@ fn ranges_of_a_mesh_hold_its_values() {
     let mesh = Mesh::new(points, faces).expect("valid");
     let tape = mesh_to_field(&mesh, &Job::default()).expect("small").field.tape();
     assert_eq!(tape.evidence(), Evidence::Proved);
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     for round in 0..400 {
-        let (p, size) = (random.point(1.6), if round % 2 == 0 { 0.3 } else { 0.02 });
+        let (p, size) = (random.point_within::<3>(1.6), if round % 2 == 0 { 0.3 } else { 0.02 });
         let bounds = Box3 { min: p, max: p.map(|x| x + size) };
         let unknown = chordal::implicit::Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
         let mut range = [unknown];
@@ -321,9 +294,9 @@ fn an_open_mesh_keeps_its_distances() {
     let made = mesh_to_field(&mesh, &Job::default()).expect("small");
     assert_eq!((made.solid.boundary_edges, made.field.distance()), (4, Distance::SIGN));
     assert!(matches!(made.field.tape().evidence(), Evidence::ProvedIf(_)));
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for _ in 0..300 {
-        let p = random.point(1.5);
+        let p = random.point_within::<3>(1.5);
         let v = made.field.expr().at(p).expect("no leaf fails");
         assert!((v.abs() - plain(p, &mesh).abs()).abs() < 1e-12);
         let w = winding(p, &mesh);
@@ -361,9 +334,9 @@ fn an_outline_is_its_distance_within_the_bound() {
     assert!(bound <= 1e-3);
     assert_eq!(made.shape.distance(), Distance::EXACT);
     let washer = made.shape.extruded(1.0).expect("a shape");
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for _ in 0..2000 {
-        let p = random.point(3.0);
+        let p = random.point_within::<3>(3.0);
         let r = p[0].hypot(p[1]);
         let flat = (r - 2.0).max(1.0 - r);
         let v = made.shape.expr().at(p).expect("no leaf fails");
@@ -398,9 +371,9 @@ fn a_tube_is_all_that_is_near_its_curve() {
         std::array::from_fn::<f64, 3, _>(|k| (0..4).map(|i| w[i] * control[i][k]).sum())
     };
     let many: Vec<[f64; 3]> = (0..=2000).map(|k| on(f64::from(k) / 2000.0)).collect();
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     for _ in 0..500 {
-        let p = random.point(2.0);
+        let p = random.point_within::<3>(2.0);
         let near = many.iter().map(|q| dot(sub(p, *q), sub(p, *q)).sqrt()).fold(f64::INFINITY, f64::min);
         let v = made.shape.expr().at(p).expect("no leaf fails");
         // The samples are 1e-3 apart at most: the nearest one is farther than the curve by less than 1e-3.

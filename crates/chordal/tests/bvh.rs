@@ -2,31 +2,8 @@
 //! arithmetic, and rays find no gap in a closed mesh.
 use chordal::explicit::{Bvh, Hit, MeshClosestPoint, Ray};
 use chordal::{Job, Mesh};
+use chordal_testkit::Random;
 use dashu_float::FBig;
-
-/// A small generator of our own (xorshift64*): tests print the seed they ran with.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.unit() * n as f64) as usize
-    }
-
-    fn point(&mut self, size: f64) -> [f64; 3] {
-        [0; 3].map(|_| size * self.signed())
-    }
-}
 
 fn mix(points: [[f64; 3]; 3], w: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| w[0] * points[0][k] + w[1] * points[1][k] + w[2] * points[2][k])
@@ -64,9 +41,9 @@ fn soup(random: &mut Random, n: usize) -> Vec<[[f64; 3]; 3]> {
     (0..n)
         .map(|_| {
             let size = [1.0, 0.3, 0.05, 1e-3][random.below(4)];
-            let at = random.point(1.0);
+            let at = random.point_within::<3>(1.0);
             let near = |random: &mut Random| {
-                let off = random.point(size);
+                let off = random.point_within::<3>(size);
                 std::array::from_fn(|k| at[k] + off[k])
             };
             let (a, b, c): ([f64; 3], [f64; 3], [f64; 3]) = (near(random), near(random), near(random));
@@ -105,7 +82,7 @@ fn placed(triangles: &[[[f64; 3]; 3]], (scale, offset): (f64, f64)) -> Vec<[[f64
 fn closest_point_is_that_of_the_plain_loop() {
     let seed = 0x5eed_0001;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for (scale, offset) in PLACES {
         for n in [1, 2, 5, 17, 150] {
             let mut triangles = placed(&soup(&mut random, n), (scale, offset));
@@ -118,7 +95,7 @@ fn closest_point_is_that_of_the_plain_loop() {
                     let w = [random.unit(), random.unit(), random.unit()];
                     let on =
                         mix(triangles[random.below(triangles.len())], w.map(|x| x / (w[0] + w[1] + w[2])));
-                    let off = random.point(reach * scale);
+                    let off = random.point_within::<3>(reach * scale);
                     let p = std::array::from_fn(|k| on[k] + off[k]);
                     let (found, expected) = (bvh.closest_point(p).unwrap(), plain.closest(p).unwrap());
                     assert_eq!(found.distance_sq, expected.distance_sq, "{scale} {offset} {n} {reach} {p:?}");
@@ -181,7 +158,7 @@ fn root(x: Big) -> f64 {
 fn bounds_on_the_distance_hold_in_exact_arithmetic_and_are_sharp() {
     let seed = 0x5eed_0002;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut widest, mut worst) = (0.0_f64, 0.0_f64);
     for (scale, offset) in PLACES {
         for triangle in placed(&soup(&mut random, 60), (scale, offset)) {
@@ -189,7 +166,7 @@ fn bounds_on_the_distance_hold_in_exact_arithmetic_and_are_sharp() {
             for reach in [0.0, 1e-12, 1e-6, 0.1, 10.0, 1e6, 1e12] {
                 let w = [random.unit(), random.unit(), random.unit()];
                 let on = mix(triangle, w.map(|x| x / (w[0] + w[1] + w[2])));
-                let off = random.point(reach * scale);
+                let off = random.point_within::<3>(reach * scale);
                 let p: [f64; 3] = std::array::from_fn(|k| on[k] + off[k]);
                 let square = true_square(p, triangle);
                 let down = bvh.closest_distance_down(p).unwrap();
@@ -217,13 +194,13 @@ fn bounds_on_the_distance_hold_in_exact_arithmetic_and_are_sharp() {
 fn bounds_over_a_mesh_enclose_the_least_over_its_triangles() {
     let seed = 0x5eed_0003;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for place in PLACES {
         let triangles = placed(&soup(&mut random, 60), place);
         let bvh = tree(&mesh_of(&triangles));
         for reach in [1e-9, 0.1, 3.0, 1e4, 1e10] {
             for _ in 0..6 {
-                let off = random.point(reach * place.0);
+                let off = random.point_within::<3>(reach * place.0);
                 let p: [f64; 3] = std::array::from_fn(|k| triangles[0][0][k] + off[k]);
                 let all = triangles.iter().map(|t| true_square(p, *t));
                 let least = all.reduce(|a, b| if b < a { b } else { a }).unwrap();
@@ -282,7 +259,7 @@ fn area(p: [f64; 3], q: [f64; 3]) -> Big {
 fn rays_hit_triangles_thinner_than_rounding() {
     let seed = 0x5eed_0008;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let zero = big(0.0);
     let mut inside = 0;
     for _ in 0..20_000 {
@@ -328,7 +305,7 @@ fn rays_exactly_through_edges_and_corners_of_a_closed_mesh_hit() {
 fn no_ray_leaves_a_closed_mesh_anywhere_in_space() {
     let seed = 0x5eed_0004;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let sphere = integer_sphere(24, 1.0e5);
     for (scale, offset) in PLACES {
         let place = |p: [f64; 3]| p.map(|x| x * (1e-5 * scale) + offset);
@@ -336,7 +313,7 @@ fn no_ray_leaves_a_closed_mesh_anywhere_in_space() {
         let bvh = tree(&mesh);
         let rounding = 1e-16 * offset.abs() / scale;
         for n in 0..30_000 {
-            let origin = place(random.point(4e4));
+            let origin = place(random.point_within::<3>(4e4));
             let corners = mesh.corners(random.below(mesh.faces().len()));
             let t = random.unit();
             // At an edge, at a corner, along an axis, anywhere: each as exactly as floats can.
@@ -346,7 +323,7 @@ fn no_ray_leaves_a_closed_mesh_anywhere_in_space() {
                 0 => towards(target),
                 1 => towards(corners[2]),
                 2 => [[1.0, 0.0, 0.0], [0.0, -1e-30, 0.0], [0.0, -0.0, 1e30]][random.below(3)],
-                _ => random.point(1.0),
+                _ => random.point_within::<3>(1.0),
             };
             let ray = Ray::new(origin, direction);
             let hit = bvh.first_hit(&ray);
@@ -361,7 +338,7 @@ fn no_ray_leaves_a_closed_mesh_anywhere_in_space() {
 fn first_hit_is_that_of_the_plain_loop() {
     let seed = 0x5eed_0005;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut hits = 0;
     for (scale, offset) in PLACES {
         let mut triangles = placed(&soup(&mut random, 120), (scale, offset));
@@ -371,7 +348,8 @@ fn first_hit_is_that_of_the_plain_loop() {
         for reach in [0.5, 3.0, 1e3, 1e8] {
             for _ in 0..400 {
                 let place = |p: [f64; 3]| p.map(|x| x * scale + offset);
-                let (origin, target) = (place(random.point(reach)), place(random.point(0.8)));
+                let (origin, target) =
+                    (place(random.point_within::<3>(reach)), place(random.point_within::<3>(0.8)));
                 let direction = std::array::from_fn(|k| target[k] - origin[k]);
                 let (t_min, t_max) = [(0.0, f64::INFINITY), (0.9, 1.1), (0.0, 1.0)][random.below(3)];
                 let ray = Ray { origin, direction, t_min, t_max };
@@ -389,11 +367,12 @@ fn first_hit_is_that_of_the_plain_loop() {
 fn hits_agree_with_the_textbook_formula() {
     let seed = 0x5eed_0006;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut met, mut missed) = (0, 0);
     for _ in 0..20_000 {
-        let [a, b, c] = [random.point(1.0), random.point(1.0), random.point(1.0)];
-        let (origin, target) = (random.point(3.0), random.point(0.3));
+        let [a, b, c] =
+            [random.point_within::<3>(1.0), random.point_within::<3>(1.0), random.point_within::<3>(1.0)];
+        let (origin, target) = (random.point_within::<3>(3.0), random.point_within::<3>(0.3));
         let direction = std::array::from_fn(|k| target[k] - origin[k]);
         // Solve origin + t·direction = a + v·(b − a) + w·(c − a) by Cramer's rule.
         let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
@@ -428,7 +407,7 @@ fn hits_agree_with_the_textbook_formula() {
 fn the_tree_is_the_same_on_any_number_of_threads() {
     let seed = 0x5eed_0007;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     // Large enough for several tasks.
     let mesh = mesh_of(&soup(&mut random, 60_000));
     let built = [1, 2, 5].map(|threads| {

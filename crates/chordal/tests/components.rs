@@ -5,17 +5,9 @@ use chordal::check::{
 };
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
+use chordal_testkit::Random;
 
 type Parts = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % n
-    }
-}
 
 /// Appends a mesh, with the other winding if `turned`.
 fn add(all: &mut Parts, (positions, faces): Parts, turned: bool) {
@@ -78,7 +70,7 @@ fn labels(mesh: &Mesh) -> Vec<usize> {
 fn each_component_is_what_its_faces_are_alone() {
     let mut met = [0; 6];
     for seed in 0..6000 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let n_rows = 6 + random.below([4, 8, 25][seed as usize % 3]);
         let n_faces = 2 + random.below(24);
         let points: Vec<[f64; 3]> = (0..n_rows).map(|_| [0, 1, 2].map(|_| random.below(64) as f64)).collect();

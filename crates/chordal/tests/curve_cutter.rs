@@ -3,14 +3,12 @@ use chordal::convert::{self, BezierCutter, Spacing};
 use chordal::explicit::{Bezier, Curve};
 use chordal::math::simd::{Isa, isa};
 use chordal::{Budget, Failure, Job, Tolerance};
+use chordal_testkit::Fingerprint;
+use chordal_testkit::Random;
 
 fn curves<const D: usize>(n: usize) -> Vec<Bezier<D>> {
-    let mut seed = 11_u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    (0..n).map(|_| Bezier { control: std::array::from_fn(|_| std::array::from_fn(|_| random())) }).collect()
+    let mut random = Random::new(11);
+    (0..n).map(|_| Bezier { control: [0; 4].map(|_| [0; D].map(|_| random.unit())) }).collect()
 }
 
 fn same_points<const D: usize>() {
@@ -58,12 +56,10 @@ fn every_set_of_instructions_gives_the_same_points() {
             let tolerance = Tolerance::new(tolerance).unwrap();
             let made = convert::beziers_to_polylines(&curves::<2>(400), tolerance, &Job::default(), spacing)
                 .unwrap();
-            let bits =
-                made.shape.points.as_flattened().iter().fold(0_u64, |sum, x| {
-                    sum.rotate_left(5).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ x.to_bits()
-                });
+            let mut sum = Fingerprint::default();
+            sum.add_bits(made.shape.points.as_flattened());
             let bound = made.bound.at_most().unwrap().to_bits();
-            all += &format!("{} {bits:x} {bound:x};", made.shape.points.len());
+            all += &format!("{} {:x} {bound:x};", made.shape.points.len(), sum.0);
         }
         all
     };

@@ -1,6 +1,7 @@
 //! The laws of cubic curves, on curves, on patches along both parameters, and on curves that break them.
 use chordal::explicit::laws::{self, CubicCurve};
 use chordal::{Bezier, Patch, curve_laws};
+use chordal_testkit::Random;
 use std::panic::catch_unwind;
 
 curve_laws!(curve_in_the_plane, Bezier<2>, 2);
@@ -140,13 +141,8 @@ fn each_law_fails_on_the_mistake_that_it_forbids() {
 
 /// Sixteen random control points about `centre`, from a seed.
 fn random_patch(seed: u64, size: f64, centre: f64) -> Patch {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        centre + size * ((state >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
-    };
+    let mut random = Random::new(seed);
+    let mut next = || centre + size * random.signed();
     Patch { control: std::array::from_fn(|_| std::array::from_fn(|_| std::array::from_fn(|_| next()))) }
 }
 

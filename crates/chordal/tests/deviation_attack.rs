@@ -1,12 +1,12 @@
 //! Attacks on what is called proved: `check::deviation`, the bounds of `mend`, and `check::self_intersections`.
 //! Each test is named after what once went wrong, or after the weak place that it leans on.
-use crate::long::cases;
-use crate::solids::random;
+use chordal_testkit::Random;
+use chordal_testkit::cases;
+use chordal_testkit::sampler::{Triangles, on};
 
 use chordal::check::{Deviation, Goal, deviation, self_intersections};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh, Tolerance, budget::Metric, mend};
-use random::Random;
 
 type P = [f64; 3];
 
@@ -19,8 +19,8 @@ fn soup(triangles: &[[P; 3]]) -> Mesh {
     mesh(triangles.as_flattened(), &faces)
 }
 
-fn triangles(mesh: &Mesh) -> Vec<[P; 3]> {
-    (0..mesh.faces().len()).map(|face| mesh.corners(face)).collect()
+fn triangles(mesh: &Mesh) -> Triangles {
+    Triangles::new(mesh.positions(), mesh.faces())
 }
 
 /// The unit square in n × n cells, at the height that `z` says.
@@ -46,57 +46,21 @@ fn tolerance(length: f64) -> Option<Tolerance> {
     Some(Tolerance::new(length).expect("positive"))
 }
 
-// Distances by plain loops.
-
-fn sub(a: P, b: P) -> P {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn dot(a: P, b: P) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn to_segment(p: P, a: P, b: P) -> f64 {
-    let (along, from) = (sub(b, a), sub(p, a));
-    let square = dot(along, along);
-    let t = if square > 0.0 { (dot(from, along) / square).clamp(0.0, 1.0) } else { 0.0 };
-    let off: P = std::array::from_fn(|k| from[k] - t * along[k]);
-    dot(off, off).sqrt()
-}
-
-fn to_triangle(p: P, [a, b, c]: [P; 3]) -> f64 {
-    let sides = to_segment(p, a, b).min(to_segment(p, b, c)).min(to_segment(p, c, a));
-    let (u, v, w) = (sub(b, a), sub(c, a), sub(p, a));
-    let (uu, uv, vv, wu, wv) = (dot(u, u), dot(u, v), dot(v, v), dot(w, u), dot(w, v));
-    let det = uu * vv - uv * uv;
-    let (s, t) = ((wu * vv - wv * uv) / det, (wv * uu - wu * uv) / det);
-    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
-        let off: P = std::array::from_fn(|k| w[k] - s * u[k] - t * v[k]);
-        return sides.min(dot(off, off).sqrt());
-    }
-    sides
-}
-
-fn to_soup(p: P, soup: &[[P; 3]]) -> f64 {
-    soup.iter().fold(f64::INFINITY, |least, t| least.min(to_triangle(p, *t)))
-}
-
 fn weighted(t: [P; 3], w: [f64; 3]) -> P {
-    let whole = w[0] + w[1] + w[2];
-    std::array::from_fn(|k| (w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k]) / whole)
+    on(t, w.map(|x| x / (w[0] + w[1] + w[2])))
 }
 
 /// The largest distance that samples and climbing find.
-fn farthest(from: &[[P; 3]], to: &[[P; 3]], random: &mut Random) -> f64 {
-    let mut best = (0.0, from[0], [1.0, 0.0, 0.0]);
-    for t in from {
+fn farthest(from: &Triangles, to: &Triangles, random: &mut Random) -> f64 {
+    let mut best = (0.0, from.corners[0], [1.0, 0.0, 0.0]);
+    for t in &from.corners {
         for _ in 0..40 {
-            let w = random.point();
-            let far = to_soup(weighted(*t, w), to);
+            let w = random.weights();
+            let far = to.distance(weighted(*t, w));
             best = if far > best.0 { (far, *t, w) } else { best };
         }
         for p in t {
-            let far = to_soup(*p, to);
+            let far = to.distance(*p);
             best =
                 if far > best.0 { (far, *t, std::array::from_fn(|k| f64::from(t[k] == *p))) } else { best };
         }
@@ -104,7 +68,7 @@ fn farthest(from: &[[P; 3]], to: &[[P; 3]], random: &mut Random) -> f64 {
     let mut step = 0.3;
     for _ in 0..80 {
         let w: P = std::array::from_fn(|k| (best.2[k] + step * (random.unit() - 0.5)).max(0.0));
-        let far = if w == [0.0; 3] { 0.0 } else { to_soup(weighted(best.1, w), to) };
+        let far = if w == [0.0; 3] { 0.0 } else { to.distance(weighted(best.1, w)) };
         if far > best.0 {
             best = (far, best.1, w);
         } else {
@@ -126,8 +90,8 @@ fn holds(what: &str, a: &Mesh, b: &Mesh, found: &Deviation, random: &mut Random)
     let seen = there.max(back);
     assert!(seen <= ends(found)[1] + SLACK, "{what}: {seen:e}, {:?}", found.bound);
     for (side, own, other) in [(&found.forward, &s, &t), (&found.backward, &t, &s)] {
-        assert!(to_soup(side.from, own) <= SLACK, "{what}: the farthest point is on no face");
-        assert!(to_soup(side.from, other) >= side.at_least - SLACK, "{what}: {side:?}");
+        assert!(own.distance(side.from) <= SLACK, "{what}: the farthest point is on no face");
+        assert!(other.distance(side.from) >= side.at_least - SLACK, "{what}: {side:?}");
     }
 }
 
@@ -172,14 +136,14 @@ fn spoiled(sheet: &Mesh, random: &mut Random) -> Mesh {
 #[test]
 fn what_a_cover_steps_over_is_seen_by_samples() {
     for seed in 0..160 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let n = 2 + random.below(4) as u32;
         let steps = [0.0, 0.125, 0.01][random.below(3)];
         let b = spoiled(&plate(n, |x, y| steps * ((3.0 * x).floor() + (2.0 * y).floor())), &mut random);
         let a = match random.below(3) {
             0 => plate(1, |_, _| 0.0),
             1 => spoiled(&plate(3, |x, _| 0.125 * x), &mut random),
-            _ => soup(&[[random.point(), random.point(), random.point()]]),
+            _ => soup(&[[[0; 3]; 3].map(|t| t.map(|_| random.unit()))]),
         };
         let goal = Goal { absolute: tolerance(1e-3), ..Goal::default() };
         let found = measured(&a, &b, &goal);
@@ -201,7 +165,7 @@ fn a_sheet_that_goes_round_an_axis_twice_and_has_a_gap_is_no_cover() {
         let b = soup(&all);
         let a = soup(&[[[-0.6, -0.5, 0.002], [0.7, -0.4, 0.002], [0.0, 0.6, 0.002]]]);
         let found = measured(&a, &b, &Goal { relative: 0.01, ..Goal::default() });
-        holds(&format!("{turns} turns"), &a, &b, &found, &mut Random(7));
+        holds(&format!("{turns} turns"), &a, &b, &found, &mut Random::new(7));
     }
 }
 
@@ -243,9 +207,9 @@ fn an_upper_end_past_the_largest_number_is_no_panic() {
 #[test]
 fn a_limit_near_the_distance_is_decided() {
     for seed in 0..40 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mut some =
-            || soup(&(0..5).map(|_| [random.point(), random.point(), random.point()]).collect::<Vec<_>>());
+            || soup(&(0..5).map(|_| [[0; 3]; 3].map(|t| t.map(|_| random.unit()))).collect::<Vec<_>>());
         let (a, b) = (some(), some());
         let [least, most] = ends(&measured(&a, &b, &Goal { relative: 1e-6, ..Goal::default() }));
         for (max, within) in
@@ -264,9 +228,9 @@ fn a_limit_near_the_distance_is_decided() {
 
 #[test]
 fn pieces_too_small_to_be_halved_end_the_search() {
-    let mut random = Random(77);
+    let mut random = Random::new(77);
     for _ in 0..30 {
-        let mut there = || random.point().map(|x| 3.0 + x);
+        let mut there = || [0; 3].map(|_| 3.0 + random.unit());
         let a = soup(&[[there(), there(), there()]]);
         let four: Vec<[P; 3]> = (0..4).map(|_| there()).map(|c| [c, c.map(|x| x + 1e-9), c]).collect();
         let [least, most] = ends(&measured(&a, &soup(&four), &Goal { relative: 0.0, ..Goal::default() }));
@@ -278,7 +242,7 @@ fn pieces_too_small_to_be_halved_end_the_search() {
 fn where_no_cover_is_the_upper_end_still_comes_down() {
     // A sheet wound at random against its own plane: 0 apart, and no face has a neighbour that is wound alike for certain.
     let sheet = plate(3, |_, _| 0.0);
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let wound = |[a, b, c]: [u32; 3], turned: bool| if turned { [a, c, b] } else { [a, b, c] };
     let faces: Vec<[u32; 3]> = sheet.faces().iter().map(|face| wound(*face, random.below(2) == 0)).collect();
     let found = measured(&plate(1, |_, _| 0.0), &mesh(sheet.positions(), &faces), &Goal::default());
@@ -314,7 +278,7 @@ fn a_face_without_area_whose_end_is_nearer_than_rounding_tells_is_in_the_bound()
 #[test]
 fn no_cure_moves_a_surface_further_than_it_says() {
     for seed in 0..cases(40) as u64 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let scale = [1.0, 2_f64.powi(-600), 2_f64.powi(600)][random.below(3)];
         let noise = scale * [0.0, 1e-16, 1e-9, 0.03][random.below(4)];
         let n = 4 + random.below(9);
@@ -352,7 +316,7 @@ fn no_cure_moves_a_surface_further_than_it_says() {
 fn another_power_of_two_along_each_axis_changes_no_pair() {
     let mut met = 0;
     for seed in 0..cases(100) as u64 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let n = 6 + random.below(9);
         let positions: Vec<P> =
             (0..n).map(|_| std::array::from_fn(|_| random.below(5) as f64 - 2.0)).collect();

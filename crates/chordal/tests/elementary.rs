@@ -1,5 +1,6 @@
 //! Our own sine and its kin: within the error that is claimed for them, against 200 bits.
 use chordal::math::elementary::{self, single};
+use chordal_testkit::Random;
 use dashu_float::FBig;
 
 /// A number of 200 bits, rounded to nearest.
@@ -12,26 +13,10 @@ fn big(x: f64) -> Big {
     Big::try_from(x).expect("finite").with_precision(BITS).value()
 }
 
-/// Splitmix64; the seed of each test stands in it.
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-    /// In [0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / 9_007_199_254_740_992.0
-    }
-    /// Both signs, sizes from 2^low to 2^high.
-    fn sized(&mut self, low: f64, high: f64) -> f64 {
-        let size = ((low + (high - low) * self.unit()) * std::f64::consts::LN_2).exp();
-        if self.bits() & 1 == 0 { size } else { -size }
-    }
+/// Both signs, sizes from 2^low to 2^high.
+fn sized(random: &mut Random, low: f64, high: f64) -> f64 {
+    let size = (random.between(low, high) * std::f64::consts::LN_2).exp();
+    if random.bits() & 1 == 0 { size } else { -size }
 }
 
 /// How far `found` is from `truth`, in u of the truth; what is below the smallest number is forgiven.
@@ -69,15 +54,15 @@ fn check(
 
 /// Angles of all sizes, and those that are nearly multiples of a quarter turn.
 fn angles(seed: u64) -> impl Iterator<Item = f64> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     (0..4000).map(move |k| {
         let near = (random.unit() * 65_000.0).floor() * std::f64::consts::FRAC_PI_2;
         match k % 8 {
-            0 | 1 => random.sized(-3.0, 3.0),
-            2 => random.sized(-60.0, 0.0),
-            3 => random.sized(0.0, 17.0),
-            4 => random.sized(17.0, 70.0),
-            5 => random.sized(60.0, 1023.0),
+            0 | 1 => sized(&mut random, -3.0, 3.0),
+            2 => sized(&mut random, -60.0, 0.0),
+            3 => sized(&mut random, 0.0, 17.0),
+            4 => sized(&mut random, 17.0, 70.0),
+            5 => sized(&mut random, 60.0, 1023.0),
             6 => {
                 f64::from_bits(near.to_bits().wrapping_add(random.bits() % 3).wrapping_sub(1)).abs().max(1e-3)
             }
@@ -96,20 +81,20 @@ fn sines_cosines_and_tangents_are_within_their_claims() {
 
 #[test]
 fn exponentials_and_logarithms_are_within_their_claims() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let powers: Vec<f64> = (0..4000)
         .map(|k| match k % 4 {
-            0 => random.sized(-2.0, 9.4),
-            1 => random.sized(-40.0, 0.0),
+            0 => sized(&mut random, -2.0, 9.4),
+            1 => sized(&mut random, -40.0, 0.0),
             2 => random.unit() * 1440.0 - 735.0,
             _ => random.unit() - 0.5,
         })
         .collect();
     check("exp", 2.0, powers.into_iter().filter(|x| *x < 709.7 && *x > -745.0), elementary::exp, Big::exp);
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let arguments = (0..6000).map(|k| match k % 3 {
         0 => f64::from_bits(random.bits() >> 1 & 0x7fef_ffff_ffff_ffff).max(5e-324),
-        1 => 1.0 + random.sized(-40.0, -1.0),
+        1 => 1.0 + sized(&mut random, -40.0, -1.0),
         _ => 0.4 + 2.0 * random.unit(),
     });
     check("ln", 3.0, arguments, elementary::ln, Big::ln);
@@ -117,26 +102,29 @@ fn exponentials_and_logarithms_are_within_their_claims() {
 
 #[test]
 fn angles_are_within_their_claims() {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let sines: Vec<f64> = (0..3000)
         .map(|k| match k % 3 {
             0 => 2.0 * random.unit() - 1.0,
-            1 => random.sized(-60.0, 0.0),
-            _ => (1.0 - random.sized(-50.0, -3.0).abs()) * if random.bits() & 1 == 0 { 1.0 } else { -1.0 },
+            1 => sized(&mut random, -60.0, 0.0),
+            _ => {
+                (1.0 - sized(&mut random, -50.0, -3.0).abs())
+                    * if random.bits() & 1 == 0 { 1.0 } else { -1.0 }
+            }
         })
         .filter(|x| x.abs() <= 1.0)
         .collect();
     check("asin", 10.0, sines.clone().into_iter(), elementary::asin, Big::asin);
     check("acos", 10.0, sines.into_iter(), elementary::acos, Big::acos);
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let mut worst = 0.0;
     for k in 0..6000 {
         let (y, x) = match k % 3 {
-            0 => (random.sized(-4.0, 4.0), random.sized(-4.0, 4.0)),
-            1 => (random.sized(-1060.0, 1023.0), random.sized(-1060.0, 1023.0)),
+            0 => (sized(&mut random, -4.0, 4.0), sized(&mut random, -4.0, 4.0)),
+            1 => (sized(&mut random, -1060.0, 1023.0), sized(&mut random, -1060.0, 1023.0)),
             _ => {
-                let x = random.sized(-1060.0, 1023.0);
-                (x * random.sized(-5.0, 5.0), x)
+                let x = sized(&mut random, -1060.0, 1023.0);
+                (x * sized(&mut random, -5.0, 5.0), x)
             }
         };
         if y.is_finite() {
@@ -188,14 +176,14 @@ fn special_arguments_have_their_values() {
 
 #[test]
 fn the_f32_functions_are_as_near_as_they_say() {
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     let mut worst = [0.0_f64; 7];
     for _ in 0..200_000 {
-        let angle = random.sized(-6.0, 12.6) as f32;
+        let angle = sized(&mut random, -6.0, 12.6) as f32;
         let part = (2.0 * random.unit() - 1.0) as f32;
-        let (a, b) = (random.sized(-20.0, 20.0) as f32, random.sized(-20.0, 20.0) as f32);
+        let (a, b) = (sized(&mut random, -20.0, 20.0) as f32, sized(&mut random, -20.0, 20.0) as f32);
         let (power, positive) =
-            ((170.0 * random.unit() - 85.0) as f32, random.sized(-120.0, 120.0).abs() as f32);
+            ((170.0 * random.unit() - 85.0) as f32, sized(&mut random, -120.0, 120.0).abs() as f32);
         let f = f64::from;
         let relative = |found: f32, truth: f64| ((f(found) - truth) / truth).abs();
         let errors = [

@@ -1,22 +1,7 @@
 //! The laws of being inside: exact where a mesh is closed, bounded winding numbers where it is not, batches as one by one.
 use chordal::explicit::{Bvh, Enclosure, PointLocation, Ray};
 use chordal::{Job, Mesh};
-
-/// xorshift64*, so that a printed seed gives the same points everywhere.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn point(&mut self, size: f64) -> [f64; 3] {
-        std::array::from_fn(|_| size * (2.0 * self.unit() - 1.0))
-    }
-}
+use chordal_testkit::Random;
 
 /// The unit cube times `size`, each side in `n × n` squares of two triangles, outward.
 fn cube(n: i32, size: f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
@@ -136,12 +121,12 @@ fn a_hair_beside_the_surface_decides() {
 fn random_points_are_inside_a_torus_where_its_formula_says_so() {
     let seed = 5;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mesh = mesh(torus(200));
     let bvh = bvh(&mesh);
     let enclosure = Enclosure::new(&mesh, &bvh);
     assert!(enclosure.is_closed());
-    let points: Vec<[f64; 3]> = (0..20_000).map(|_| random.point(3.2)).collect();
+    let points: Vec<[f64; 3]> = (0..20_000).map(|_| random.point_within::<3>(3.2)).collect();
     let found = enclosure.inside_all(&points, &Job::default());
     let mut inside = 0;
     for (p, found) in points.iter().zip(&found) {
@@ -211,9 +196,9 @@ fn a_cube_without_its_bottom_hides_five_sixths_from_its_middle() {
 fn sums_by_clusters_stay_within_their_bound_of_the_plain_sum() {
     let seed = 6;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let soup = |random: &mut Random| {
-        let positions: Vec<_> = (0..3000).map(|_| random.point(1.0)).collect();
+        let positions: Vec<_> = (0..3000).map(|_| random.point_within::<3>(1.0)).collect();
         let faces = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         mesh((positions, faces))
     };
@@ -228,7 +213,7 @@ fn sums_by_clusters_stay_within_their_bound_of_the_plain_sum() {
         let enclosure = Enclosure::new(&mesh, &bvh);
         let mut worst: f64 = 0.0;
         for round in 0..400 {
-            let p = random.point([1.0, 3.5, 20.0][round % 3]);
+            let p = random.point_within::<3>([1.0, 3.5, 20.0][round % 3]);
             let exact = bvh.winding_number_plain(p).expect("it has faces");
             for within in [0.25, 1.0 / 16.0, 1e-3] {
                 let found = enclosure.winding_number(p, within).expect("it has faces");
@@ -252,13 +237,13 @@ fn sums_by_clusters_stay_within_their_bound_of_the_plain_sum() {
 fn scaling_by_powers_of_two_and_a_shift_keep_every_verdict() {
     let seed = 7;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     // On a lattice a shift by a million is exact.
     let lattice = |p: [f64; 3]| p.map(|x| (x * 1024.0).round() / 1024.0);
     let (positions, mut faces) = torus(30);
     faces.truncate(faces.len() - 100);
     let positions: Vec<_> = positions.into_iter().map(lattice).collect();
-    let points: Vec<_> = (0..300).map(|_| lattice(random.point(3.0))).collect();
+    let points: Vec<_> = (0..300).map(|_| lattice(random.point_within::<3>(3.0))).collect();
     let sides = |map: &dyn Fn([f64; 3]) -> [f64; 3]| {
         let moved = mesh((positions.iter().map(|p| map(*p)).collect(), faces.clone()));
         let bvh = bvh(&moved);
@@ -278,10 +263,10 @@ fn scaling_by_powers_of_two_and_a_shift_keep_every_verdict() {
 fn batches_give_the_answers_of_single_queries_to_the_last_bit() {
     let seed = 8;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mesh = mesh(torus(100));
     let bvh = bvh(&mesh);
-    let far = |random: &mut Random| Ray::new(random.point(5.0), random.point(1.0));
+    let far = |random: &mut Random| Ray::new(random.point_within::<3>(5.0), random.point_within::<3>(1.0));
     let mut rays: Vec<Ray> = (0..3000).map(|_| far(&mut random)).collect();
     // Side by side, as a camera has them, through corners of the mesh, and some that are no rays.
     rays.extend((0..3000).map(|i| {
@@ -301,7 +286,7 @@ fn batches_give_the_answers_of_single_queries_to_the_last_bit() {
     rays.push(limited);
     let expected: Vec<_> = rays.iter().map(|ray| bvh.first_hit(ray)).collect();
     assert!(expected.iter().filter(|hit| hit.is_some()).count() > 1000);
-    let points: Vec<_> = (0..3000).map(|_| random.point(4.0)).chain([[f64::NAN; 3]]).collect();
+    let points: Vec<_> = (0..3000).map(|_| random.point_within::<3>(4.0)).chain([[f64::NAN; 3]]).collect();
     let closest: Vec<_> = points.iter().map(|p| bvh.closest_point(*p)).collect();
     for threads in [1, 2, 3] {
         let job = Job::default().with_threads(threads);

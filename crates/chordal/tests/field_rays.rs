@@ -6,6 +6,8 @@ use chordal::implicit::query::{
 use chordal::implicit::{Binary, Distance, Expr, Field, Tape, Unary};
 use chordal::math::Box3;
 use chordal::render::{Background, RenderOptions, RenderStyle, render_field};
+use chordal_testkit::Fingerprint;
+use chordal_testkit::Random;
 
 fn cube(half: f64) -> Box3 {
     Box3 { min: [-half; 3], max: [half; 3] }
@@ -16,21 +18,15 @@ fn ball() -> Expr {
     (x.square() + y.square() + z.square()).sqrt() - 1.0
 }
 
-/// A number in [−1, 1) that looks random.
-fn noise(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
-
 /// Beams from a sphere of radius 3 to places in a box of half that side.
 fn beams(n: usize, aim: f64) -> Vec<Beam> {
-    let mut state = 11;
+    let mut random = Random::new(11);
     (0..n)
         .map(|_| {
-            let from: [f64; 3] = std::array::from_fn(|_| noise(&mut state));
+            let from: [f64; 3] = random.point();
             let length = from.iter().map(|x| x * x).sum::<f64>().sqrt();
             let origin = from.map(|x| 3.0 * x / length);
-            let to: [f64; 3] = std::array::from_fn(|_| aim * noise(&mut state));
+            let to: [f64; 3] = random.point_within(aim);
             let direction = [0, 1, 2].map(|k| to[k] - origin[k]);
             Beam { origin, direction, from: 0.0, to: f64::INFINITY, cone: [1e-4, 0.0] } // measured: 1/60000 of the scene
         })
@@ -205,8 +201,8 @@ fn sides_and_normals_of_odd_places() {
 fn nearest_places_are_enclosed() {
     let field = Field::new(ball()).with_distance(Distance::EXACT).with_bounds(cube(1.0));
     let cells = FieldOctree::build(&field, &Job::default()).unwrap();
-    let mut state = 5;
-    let points: Vec<[f64; 3]> = (0..40).map(|_| std::array::from_fn(|_| 2.0 * noise(&mut state))).collect();
+    let mut random = Random::new(5);
+    let points: Vec<[f64; 3]> = (0..40).map(|_| random.point_within(2.0)).collect();
     let found = closest_points(&cells, &points, 5e-3, &Job::default()).unwrap(); // measured: 1e-3 needs more parts than a search has
     for (p, found) in points.iter().zip(found) {
         let found = found.expect("there is a surface");
@@ -232,10 +228,6 @@ fn nearest_places_are_enclosed() {
     }
 }
 
-fn fingerprint(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
-}
-
 #[test]
 fn pictures_are_the_same_on_any_number_of_threads() {
     let [x, y, z] = Expr::axes();
@@ -250,7 +242,7 @@ fn pictures_are_the_same_on_any_number_of_threads() {
             let options = RenderOptions { show, ..RenderOptions::sized(60, 44) };
             let on = |n| render_field(&field, &options, &Job::default().with_threads(n)).unwrap();
             let (one, three) = (on(1), on(3));
-            assert_eq!(fingerprint(&one.picture.rgba), fingerprint(&three.picture.rgba));
+            assert_eq!(Fingerprint::of(&one.picture.rgba), Fingerprint::of(&three.picture.rgba));
             assert_eq!(one.counts, three.counts);
             assert!(one.counts.hits > 300 && one.counts.certified_share() > 0.99, "{:?}", one.counts);
         }

@@ -5,23 +5,8 @@ use chordal::explicit::{acmr, cache_misses, cache_order, clusters, facing, fetch
 use chordal::math::{Orientation, orient3d};
 use chordal::render::{Background, CullMode, Picture, RenderOptions, Viewpoint, render};
 use chordal::{Job, Mesh};
+use chordal_testkit::Random;
 use std::collections::VecDeque;
-
-/// xorshift64*, so that a printed seed gives the same meshes everywhere.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.unit() * n as f64) as usize
-    }
-}
 
 /// A grid of `n × n` quads, row by row.
 fn grid(n: u32) -> Vec<[u32; 3]> {
@@ -94,7 +79,7 @@ fn misses_by_queue(faces: &[[u32; 3]], cache: usize) -> u64 {
 fn misses_are_those_of_a_queue() {
     let seed = 1;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for _ in 0..200 {
         let n = 1 + random.below(60);
         let faces: Vec<[u32; 3]> =
@@ -110,7 +95,7 @@ fn misses_are_those_of_a_queue() {
 fn the_order_brings_grids_near_the_least_whatever_they_come_in() {
     let seed = 2;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for n in [20, 100, 200] {
         let rows = grid(n);
         for faces in [shuffled(&rows, &mut random), rows] {
@@ -133,7 +118,7 @@ fn the_order_brings_grids_near_the_least_whatever_they_come_in() {
 fn buffers_hold_the_same_triangles_within_their_bound() {
     let seed = 3;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for (n, offset, scale) in
         [(8, 0.0, 1.0), (40, 1e6, 3.0), (20, -1e9, 1e-3), (10, 0.0, 1e-30), (150, 0.1, 1e20)]
     {
@@ -193,7 +178,7 @@ fn indices_have_sixteen_bits_up_to_the_restart_and_unused_vertices_go() {
 fn clusters_that_are_called_backward_show_no_front() {
     let seed = 4;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let plain = sphere(40);
     let ordered = Mesh::new(plain.positions().to_vec(), in_order(plain.faces())).expect("valid");
     let all = clusters(&ordered, 124, 64);

@@ -4,21 +4,11 @@ use chordal::check::validity;
 use chordal::explicit::{
     Attribute, Domain, NormalWeight, Semantic, Shading, Topology, face_normal, smooth_normals, with_normals,
 };
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{cross, dot, sub};
 use std::collections::BTreeMap;
 
 type V = [f64; 3];
-
-fn sub(a: V, b: V) -> V {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: V, b: V) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: V, b: V) -> V {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
 
 fn unit(a: V) -> V {
     let length = dot(a, a).sqrt();
@@ -219,20 +209,10 @@ fn on_a_sphere_smooth_normals_are_much_nearer_than_flat_ones() {
     assert!(all.iter().all(|row| row[2] < row[0] / 15.0 && row[3] < row[1] / 25.0), "{all:?}");
 }
 
-/// A generator of 31-bit numbers (Knuth's MMIX constants).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % n
-    }
-}
-
 #[test]
 fn smooth_normals_are_those_of_the_definition() {
     for seed in 0..300 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let positions: Vec<V> = (0..12).map(|_| [0; 3].map(|_| random.below(1000) as f64 / 7.0)).collect();
         let faces: Vec<[u32; 3]> = (0..20).map(|_| [0; 3].map(|_| random.below(12) as u32)).collect();
         let mesh = Mesh::new(positions, faces).unwrap();

@@ -3,6 +3,7 @@
 use chordal::check::{measure, t_junctions};
 use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, FillRule, Outline, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
+use chordal_testkit::Random;
 use std::f64::consts::PI;
 
 fn made(outlines: &[Outline], tolerance: f64) -> Bounded<Mesh> {
@@ -124,30 +125,13 @@ fn budgets_are_met_or_refused_with_a_code() {
     );
 }
 
-/// xorshift64*, so that a printed seed gives the same numbers everywhere.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn point(&mut self) -> [f64; 2] {
-        [self.unit() * 10.0 - 5.0, self.unit() * 10.0 - 5.0]
-    }
-
-    /// A closed path of cubics with loops and crossings.
-    fn path(&mut self, n: usize) -> Curve<2> {
-        let corners: Vec<_> = (0..n).map(|_| self.point()).collect();
-        let piece = |i: usize, b, c| {
-            CurveSegment::Cubic(Bezier { control: [corners[i], b, c, corners[(i + 1) % n]] })
-        };
-        let pieces = (0..n).map(|i| piece(i, self.point(), self.point())).collect();
-        Curve::new(pieces, CurveEnds::Closed).unwrap()
-    }
+/// A closed path of cubics with loops and crossings.
+fn path(random: &mut Random, n: usize) -> Curve<2> {
+    let corners: Vec<_> = (0..n).map(|_| random.point_within(5.0)).collect();
+    let piece =
+        |i: usize, b, c| CurveSegment::Cubic(Bezier { control: [corners[i], b, c, corners[(i + 1) % n]] });
+    let pieces = (0..n).map(|i| piece(i, random.point_within(5.0), random.point_within(5.0))).collect();
+    Curve::new(pieces, CurveEnds::Closed).unwrap()
 }
 
 /// Samples of a contour, so close that chords between them are 1e-5 off at most.
@@ -170,18 +154,18 @@ fn winding(contour: &[[f64; 2]], p: [f64; 2]) -> i32 {
 fn a_point_on_the_wrong_side_is_within_the_bound_of_a_contour() {
     let seed = 20_261_120;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut asked, mut wrong) = (0, 0);
     for round in 0..60 {
         let n = 1 + round % 3;
-        let contours: Vec<_> = (0..n).map(|i| random.path(2 + (round + i) % 4)).collect();
+        let contours: Vec<_> = (0..n).map(|i| path(&mut random, 2 + (round + i) % 4)).collect();
         let samples: Vec<_> = contours.iter().map(sampled).collect();
         for rule in [FillRule::NonZero, FillRule::EvenOdd] {
             let made = made(&[Outline { contours: contours.clone(), rule }], [0.3, 0.03, 0.003][round % 3]);
             is_sound(&made.shape);
             let at_most = made.bound.at_most().unwrap();
             for _ in 0..60 {
-                let p = random.point();
+                let p = random.point_within::<2>(5.0);
                 let inside = rule.holds(samples.iter().map(|contour| winding(contour, p)).sum());
                 let covers = |face: &usize| {
                     let [a, b, c] = made.shape.corners(*face);

@@ -2,31 +2,23 @@
 use chordal::check::{Defect, Finding, MeshConnectivity, MeshLocation, inside_out, self_intersections};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
+use chordal_testkit::Random;
 use std::collections::BTreeSet;
-
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % n
-    }
-
-    /// `count` different numbers below `n`, no two of which are nearer than `apart`.
-    fn spread(&mut self, count: usize, n: usize, apart: usize) -> Vec<usize> {
-        let mut found: Vec<usize> = Vec::new();
-        while found.len() < count {
-            let new = self.below(n);
-            if found.iter().all(|old| old.abs_diff(new) >= apart && old.abs_diff(new) <= n - apart) {
-                found.push(new);
-            }
-        }
-        found
-    }
-}
 
 const NU: usize = 48;
 const NV: usize = 24;
+
+/// `count` different numbers below `n`, no two of which are nearer than `apart`.
+fn spread(random: &mut Random, count: usize, n: usize, apart: usize) -> Vec<usize> {
+    let mut found: Vec<usize> = Vec::new();
+    while found.len() < count {
+        let new = random.below(n);
+        if found.iter().all(|old| old.abs_diff(new) >= apart && old.abs_diff(new) <= n - apart) {
+            found.push(new);
+        }
+    }
+    found
+}
 
 struct Patient {
     positions: Vec<[f64; 3]>,
@@ -107,9 +99,9 @@ fn a_healthy_torus_has_no_finding() {
 #[test]
 fn removed_faces_are_holes_of_three_edges_each() {
     for seed in 0..8 {
-        let (mut random, mut patient) = (Random(seed), Patient::torus());
+        let (mut random, mut patient) = (Random::new(seed), Patient::torus());
         let k = 1 + random.below(9);
-        let mut gone = random.spread(k, patient.faces.len(), 2 * NV + 6);
+        let mut gone = spread(&mut random, k, patient.faces.len(), 2 * NV + 6);
         gone.sort_unstable();
         gone.iter().rev().for_each(|face| {
             patient.faces.remove(*face);
@@ -124,8 +116,8 @@ fn removed_faces_are_holes_of_three_edges_each() {
 #[test]
 fn turned_faces_are_named_by_their_three_edges() {
     for seed in 0..8 {
-        let (mut random, mut patient) = (Random(seed ^ 77), Patient::torus());
-        let turned = random.spread(3, patient.faces.len(), 2 * NV + 6);
+        let (mut random, mut patient) = (Random::new(seed ^ 77), Patient::torus());
+        let turned = spread(&mut random, 3, patient.faces.len(), 2 * NV + 6);
         turned.iter().for_each(|face| patient.faces[*face].swap(0, 1));
         let mesh = patient.mesh();
         assert_eq!(diagnosis(&mesh), [(Defect::InconsistentEdges, 9)], "seed {seed}");
@@ -145,7 +137,7 @@ fn a_torus_turned_as_a_whole_is_inside_out() {
 #[test]
 fn repeated_collapsed_and_unused_are_counted_and_named() {
     for seed in 0..8 {
-        let (mut random, mut patient) = (Random(seed ^ 99), Patient::torus());
+        let (mut random, mut patient) = (Random::new(seed ^ 99), Patient::torus());
         let n = patient.faces.len();
         // Collapsed faces and lonely vertices hang on nothing and change nothing else.
         let (collapsed, lonely) = (1 + random.below(5), 1 + random.below(5));
@@ -181,9 +173,9 @@ fn repeated_collapsed_and_unused_are_counted_and_named() {
 #[test]
 fn cut_corners_are_duplicate_vertices_and_open_the_surface_by_index_only() {
     for seed in 0..8 {
-        let (mut random, mut patient) = (Random(seed ^ 5), Patient::torus());
+        let (mut random, mut patient) = (Random::new(seed ^ 5), Patient::torus());
         let k = 1 + random.below(6);
-        for face in random.spread(k, patient.faces.len(), 2 * NV + 6) {
+        for face in spread(&mut random, k, patient.faces.len(), 2 * NV + 6) {
             let corner = patient.corner(face, 0);
             patient.faces[face][0] = patient.positions.len() as u32;
             patient.positions.push(corner);
@@ -204,9 +196,9 @@ fn cut_corners_are_duplicate_vertices_and_open_the_surface_by_index_only() {
 #[test]
 fn halved_edges_are_t_junctions_and_touch() {
     for seed in 0..8 {
-        let (mut random, mut patient) = (Random(seed ^ 31), Patient::torus());
+        let (mut random, mut patient) = (Random::new(seed ^ 31), Patient::torus());
         let k = 1 + random.below(5);
-        let halved = random.spread(k, patient.faces.len(), 2 * NV + 6);
+        let halved = spread(&mut random, k, patient.faces.len(), 2 * NV + 6);
         for &face in &halved {
             let [a, b, c] = patient.faces[face];
             let [p, q] = [a, b].map(|i| patient.positions[i as usize]);
@@ -228,9 +220,9 @@ fn halved_edges_are_t_junctions_and_touch() {
 #[test]
 fn spikes_through_the_surface_are_found_with_the_faces_that_they_pierce() {
     for seed in 0..8 {
-        let (mut random, mut patient) = (Random(seed ^ 63), Patient::torus());
+        let (mut random, mut patient) = (Random::new(seed ^ 63), Patient::torus());
         let k = 1 + random.below(5);
-        let pierced = random.spread(k, patient.faces.len(), 2 * NV + 6);
+        let pierced = spread(&mut random, k, patient.faces.len(), 2 * NV + 6);
         for &face in &pierced {
             let corners = [0, 1, 2].map(|k| glam::DVec3::from(patient.corner(face, k)));
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;

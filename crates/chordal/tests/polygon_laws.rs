@@ -1,18 +1,7 @@
 //! The laws of points in polygons and of convex polygons, on lattices where the judge's own arithmetic is exact.
 use chordal::explicit::{FillRule, fan, is_convex, polygon_contains, winding_number};
 use chordal::math::PointInTriangle;
-
-/// xorshift64*, so that a printed seed gives the same polygons everywhere.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: u64) -> i64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        ((self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) % n) as i64
-    }
-}
+use chordal_testkit::Random;
 
 fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -62,12 +51,12 @@ fn winding_by_octants(ring: &[[i64; 2]], p: [i64; 2]) -> Option<i32> {
 fn winding_numbers_are_those_of_the_angles_and_sides_are_the_boundary() {
     let seed = 3;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut on, mut wound) = (0, 0);
     for _ in 0..60_000 {
-        let n = 1 + random.below(8) as usize;
-        let ring: Vec<[i64; 2]> = (0..n).map(|_| [random.below(7), random.below(7)]).collect();
-        let p = [random.below(7), random.below(7)];
+        let n = 1 + random.below(8);
+        let ring: Vec<[i64; 2]> = (0..n).map(|_| [0; 2].map(|_| random.below(7) as i64)).collect();
+        let p = [0; 2].map(|_| random.below(7) as i64);
         let floats: Vec<[f64; 2]> = ring.iter().map(|q| float(*q)).collect();
         let expected = winding_by_octants(&ring, p);
         assert_eq!(winding_number(&floats, float(p)), expected, "{ring:?} {p:?}");
@@ -101,12 +90,12 @@ fn sides_are_told_where_rounding_would_not() {
 fn convex_means_that_every_corner_is_on_the_same_side_of_every_side() {
     let seed = 4;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut convex, mut straight) = (0, 0);
     for round in 0..200_000 {
-        let n = 3 + random.below(4) as usize;
+        let n = 3 + random.below(4);
         let size = [3, 4, 9][round % 3];
-        let ring: Vec<[i64; 2]> = (0..n).map(|_| [random.below(size), random.below(size)]).collect();
+        let ring: Vec<[i64; 2]> = (0..n).map(|_| [0; 2].map(|_| random.below(size) as i64)).collect();
         // Once around: all corners weakly left of all sides, no corner twice, corners of one line in order.
         let holds = |ring: &[[i64; 2]]| {
             let side = |i: usize| [ring[i], ring[(i + 1) % n]];

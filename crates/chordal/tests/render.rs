@@ -3,6 +3,8 @@ use chordal::budget::{Camera, JobError, Progress, Projection, RefusalCode, Scree
 use chordal::explicit::{Attribute, Patch};
 use chordal::render::{Background, Picture, RenderOptions, RenderStyle, UpAxis, Viewpoint, frame, render};
 use chordal::{Job, Mesh};
+use chordal_testkit::Fingerprint;
+use chordal_testkit::corpus;
 use std::sync::{Arc, Mutex};
 
 /// A sphere of radius 1 about the origin in `2n × n` quads, its outside in front.
@@ -209,11 +211,6 @@ fn wire_shows_every_visible_edge_and_no_hidden_one() {
     }
 }
 
-/// 64-bit FNV-1a.
-fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
-}
-
 /// A teapot-like scene without data: a sphere with a bite, so that shadows, backs and ground all show.
 fn bitten() -> Mesh {
     let whole = sphere(16);
@@ -236,10 +233,10 @@ fn bytes_are_the_same_on_any_number_of_threads_and_every_machine() {
         for threads in [1, 2, 5] {
             let shown = render(&mesh, &options, &Job::default().with_threads(threads)).unwrap();
             assert_eq!(
-                hash(&shown.rgba),
+                Fingerprint::of(&shown.rgba),
                 expected,
                 "{show:?} on {threads} threads: {:#018x}",
-                hash(&shown.rgba)
+                Fingerprint::of(&shown.rgba)
             );
         }
     }
@@ -387,9 +384,7 @@ fn reports_progress_stops_and_refuses() {
 
 /// The original teapot by uniform sampling, with its patches' normals; `None` when the data is not there.
 fn teapot(n: usize) -> Option<Mesh> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let data = std::env::var("CHORDAL_DATA").unwrap_or_else(|_| beside.to_owned());
-    let text = std::fs::read_to_string(format!("{data}/patches/teapot")).ok()?;
+    let text = std::fs::read_to_string(corpus::find("patches/teapot")?).ok()?;
     let mut words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
     let mut count = || words.next()?.parse::<usize>().ok();
     let n_patches = count()?;
@@ -418,12 +413,7 @@ fn teapot(n: usize) -> Option<Mesh> {
 
 #[test]
 fn the_teapot_stands_in_the_picture_from_lid_to_bottom() {
-    let Some(mesh) = teapot(8) else {
-        eprintln!(
-            "SKIPPED: the_teapot_stands_in_the_picture_from_lid_to_bottom: no shared/data/patches/teapot"
-        );
-        return;
-    };
+    let Some(mesh) = teapot(8) else { return };
     let options = RenderOptions { background: Background::Transparent, ..RenderOptions::sized(320, 240) };
     let shown = render(&mesh, &options, &Job::default()).unwrap();
     let camera = frame(&mesh, UpAxis::Z, Screen { width_px: 320, height_px: 240 });

@@ -2,20 +2,12 @@
 use chordal::check::{MeshLocation, self_intersections, validity};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
+use chordal_testkit::Random;
 
 type Lattice = [i128; 3];
 type Triangle = [Lattice; 3];
 /// x, y, z over w > 0.
 type Fraction = [i128; 4];
-
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % n
-    }
-}
 
 fn minus(a: Lattice, b: Lattice) -> Lattice {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -136,7 +128,7 @@ fn agrees(points: &[Lattice], faces: &[[u32; 3]], place: impl Fn(f64) -> f64, wh
 fn lattice_soups_agree_with_exact_fractions() {
     let (mut met, mut free) = (0, 0);
     for seed in 0..30_000 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let side = [2, 3, 4, 7, 40][random.below(5)];
         // Half of them in a plane or nearly, where everything is a tie.
         let height = [1, 2, side, side][random.below(4)];
@@ -156,7 +148,7 @@ fn lattice_soups_agree_with_exact_fractions() {
 fn two_triangles_with_each_kind_of_common_corner_agree_with_exact_fractions() {
     let mut met = [[0; 2]; 3];
     for seed in 0..60_000 {
-        let mut random = Random(!seed);
+        let mut random = Random::new(!seed);
         let side = [3, 4, 6][random.below(3)];
         let height = [1, side][random.below(2)];
         let n_shared = random.below(3);
@@ -179,7 +171,7 @@ fn two_triangles_with_each_kind_of_common_corner_agree_with_exact_fractions() {
 #[test]
 fn scale_by_powers_of_two_and_a_far_place_change_no_verdict() {
     for seed in 0..1500 {
-        let mut random = Random(seed ^ 0x5555);
+        let mut random = Random::new(seed ^ 0x5555);
         let points: Vec<Lattice> = (0..9).map(|_| [0, 1, 2].map(|_| random.below(5) as i128)).collect();
         let faces: Vec<[u32; 3]> = (0..5).map(|_| [0, 1, 2].map(|_| random.below(9) as u32)).collect();
         for exponent in [-1060, -300, -20, 20, 300, 1000] {
@@ -193,7 +185,7 @@ fn scale_by_powers_of_two_and_a_far_place_change_no_verdict() {
 #[test]
 fn coordinates_that_span_many_digits_have_the_same_verdicts() {
     for seed in 0..8000 {
-        let mut random = Random(seed ^ 0x1234);
+        let mut random = Random::new(seed ^ 0x1234);
         let side = [2, 3, 6][random.below(3)];
         let points: Vec<Lattice> = (0..7).map(|_| [0, 1, 2].map(|_| random.below(side) as i128)).collect();
         let faces: Vec<[u32; 3]> = (0..3).map(|_| [0, 1, 2].map(|_| random.below(7) as u32)).collect();
@@ -213,7 +205,7 @@ fn coordinates_that_span_many_digits_have_the_same_verdicts() {
 fn a_slanted_lattice_has_the_same_verdicts_though_nothing_is_exact_in_floating_point() {
     let mut met = [0; 2];
     for seed in 0..20_000 {
-        let mut random = Random(seed ^ 0x9999);
+        let mut random = Random::new(seed ^ 0x9999);
         let points: Vec<Lattice> = (0..7).map(|_| [4, 4, 2].map(|n| random.below(n) as i128)).collect();
         let faces: Vec<[u32; 3]> = (0..3).map(|_| [0, 1, 2].map(|_| random.below(7) as u32)).collect();
         // A linear map keeps every incidence; with large entries, sides that are 0 are sums of products far beyond 53
@@ -245,7 +237,7 @@ fn a_slanted_lattice_has_the_same_verdicts_though_nothing_is_exact_in_floating_p
 #[test]
 fn numbering_and_threads_change_nothing() {
     for seed in 0..40 {
-        let mut random = Random(seed ^ 0xabc);
+        let mut random = Random::new(seed ^ 0xabc);
         let points: Vec<Lattice> = (0..400).map(|_| [0, 1, 2].map(|_| random.below(60) as i128)).collect();
         let mut faces: Vec<[u32; 3]> =
             (0..300).map(|_| [0, 1, 2].map(|_| random.below(400) as u32)).collect();
@@ -265,7 +257,7 @@ fn numbering_and_threads_change_nothing() {
 fn a_witness_lies_on_both_faces() {
     let mut met = 0;
     for seed in 0..3000 {
-        let mut random = Random(seed ^ 0x77);
+        let mut random = Random::new(seed ^ 0x77);
         let height = [1, 9][random.below(2)];
         let points: Vec<Lattice> = (0..6).map(|_| [9, 9, height].map(|n| random.below(n) as i128)).collect();
         let mesh = mesh(&points, &[[0, 1, 2], [3, 4, 5]], |x| x);

@@ -2,19 +2,10 @@
 use chordal::check::{join, joins};
 use chordal::explicit::spline::{self, InvalidSpline, Knots};
 use chordal::explicit::{Curve, CurveEnds, CurveSegment, Polynomial};
+use chordal_testkit::Random;
 
-/// A generator with a printed seed (Knuth's linear congruential constants).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn points<const D: usize>(&mut self, n: usize) -> Vec<[f64; D]> {
-        (0..n).map(|_| std::array::from_fn(|_| 10.0 * self.unit() - 5.0)).collect()
-    }
+fn points<const D: usize>(random: &mut Random, n: usize) -> Vec<[f64; D]> {
+    (0..n).map(|_| random.point_within(5.0)).collect()
 }
 
 fn bits(piece: &CurveSegment<3>) -> Vec<u64> {
@@ -29,10 +20,10 @@ fn changed(before: &Curve<3>, after: &Curve<3>) -> Vec<usize> {
 
 #[test]
 fn a_moved_control_point_of_a_b_spline_changes_four_spans_and_no_bit_of_the_others() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for closed in [false, true] {
         for moved in 0..20 {
-            let control = random.points::<3>(20);
+            let control = points::<3>(&mut random, 20);
             let mut other = control.clone();
             other[moved][1] += 0.125;
             let [before, after] = [&control, &other].map(|c| spline::b_spline(c, closed.into()).unwrap());
@@ -47,7 +38,7 @@ fn a_moved_control_point_of_a_b_spline_changes_four_spans_and_no_bit_of_the_othe
 
 #[test]
 fn a_moved_point_is_felt_by_four_pieces_of_catmull_rom_and_by_all_of_a_natural_spline() {
-    let points = Random(2).points::<3>(12);
+    let points = points::<3>(&mut Random::new(2), 12);
     let mut other = points.clone();
     other[6][0] += 0.5;
     for knots in [Knots::Uniform, Knots::Centripetal] {
@@ -100,9 +91,10 @@ fn runge_s_function_swings_in_a_polynomial_and_not_in_a_spline() {
 
 #[test]
 fn splines_are_as_smooth_as_they_say_and_no_smoother() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for scale in [1e-6, 1.0, 1e6] {
-        let points: Vec<[f64; 2]> = random.points::<2>(40).iter().map(|p| p.map(|x| scale * x)).collect();
+        let points: Vec<[f64; 2]> =
+            points::<2>(&mut random, 40).iter().map(|p| p.map(|x| scale * x)).collect();
         let all = |path: &Curve<2>, class| joins(path).iter().all(|join| join.parametric == Some(class));
         assert!(all(&spline::natural(&points).unwrap(), 2));
         assert!(all(&spline::b_spline(&points, CurveEnds::Open).unwrap(), 2));
@@ -122,7 +114,7 @@ fn splines_are_as_smooth_as_they_say_and_no_smoother() {
 
 #[test]
 fn splines_go_through_their_points_and_the_b_spline_stays_in_its_hull() {
-    let points = Random(4).points::<3>(30);
+    let points = points::<3>(&mut Random::new(4), 30);
     for path in [
         spline::natural(&points).unwrap(),
         spline::catmull_rom(&points, Knots::Uniform, CurveEnds::Open).unwrap(),

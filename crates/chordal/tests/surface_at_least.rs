@@ -1,6 +1,7 @@
 //! The lower bound on a distance, against squared distances in whole fractions without any rounding.
 use chordal::Mesh;
 use chordal::check::surface_at_least;
+use chordal_testkit::Random;
 use dashu_float::FBig;
 
 /// A vector of numbers without rounding.
@@ -71,24 +72,6 @@ fn is_at_most(length: f64, square: &Square) -> bool {
     &(&length * &length) * &square.1 <= square.0
 }
 
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn point(&mut self) -> [f64; 3] {
-        std::array::from_fn(|_| 2.0 * self.unit() - 1.0)
-    }
-
-    /// A power of ten between those given, evenly by exponent.
-    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
-        libm::exp10(low + (high - low) * self.unit())
-    }
-}
-
 /// `a + s·(b − a)`.
 fn toward(a: [f64; 3], b: [f64; 3], s: f64) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + s * (b[k] - a[k]))
@@ -101,7 +84,7 @@ fn moved(a: [f64; 3], by: [f64; 3], s: f64) -> [f64; 3] {
 /// Sound triangles, needles, caps, and those without area.
 fn random_triangle(random: &mut Random) -> [[f64; 3]; 3] {
     let [a, b, c] = std::array::from_fn(|_| random.point());
-    let thin = random.magnitude(-17.0, -1.0);
+    let thin = random.power(-17.0, -1.0);
     match (random.unit() * 6.0) as u32 {
         0 => [a, b, moved(a, c, thin)],
         1 => [a, b, moved(toward(a, b, random.unit()), c, thin)],
@@ -119,7 +102,7 @@ fn random_point(random: &mut Random, [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
         _ => toward(toward(a, b, random.unit()), c, random.unit()),
     };
     let away = random.point();
-    moved(foot, away, random.magnitude(-18.0, 1.0))
+    moved(foot, away, random.power(-18.0, 1.0))
 }
 
 fn bound(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
@@ -131,12 +114,12 @@ fn bound(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
 fn is_never_above_the_distance_whatever_the_triangle_scale_and_place() {
     let mut positive = 0;
     for seed in 0..30_000 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let triangle = random_triangle(&mut random);
         let point = random_point(&mut random, triangle);
         let exponent = [0, -6, 6, -300, 290, -155, 153][seed as usize % 7];
         let scale = 10_f64.powi(exponent);
-        let shift = if seed % 5 == 0 { random.magnitude(0.0, 9.0) } else { 0.0 };
+        let shift = if seed % 5 == 0 { random.power(0.0, 9.0) } else { 0.0 };
         let place = |p: [f64; 3]| p.map(|x| (x + shift) * scale);
         let (point, triangle) = (place(point), triangle.map(place));
         let least = bound(point, triangle);
@@ -157,7 +140,7 @@ fn the_check_itself_notices_a_bound_too_high_by_one_part_in_ten_thousand_billion
 #[test]
 fn is_tight_to_twelve_digits_for_triangles_and_distances_of_one_size() {
     for seed in 0..20_000 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let triangle: [[f64; 3]; 3] = std::array::from_fn(|_| random.point());
         let sides =
             [0, 1, 2].map(|k| glam::DVec3::from(triangle[(k + 1) % 3]) - glam::DVec3::from(triangle[k]));
@@ -167,7 +150,7 @@ fn is_tight_to_twelve_digits_for_triangles_and_distances_of_one_size() {
         }
         let foot = toward(toward(triangle[0], triangle[1], random.unit()), triangle[2], random.unit());
         let away = random.point();
-        let point = moved(foot, away, random.magnitude(-2.0, 1.0));
+        let point = moved(foot, away, random.power(-2.0, 1.0));
         let square = to_triangle(point, triangle);
         if is_at_most(0.005, &square) {
             let scale = 10_f64.powi([0, -6, 6][seed as usize % 3]);
@@ -181,7 +164,7 @@ fn is_tight_to_twelve_digits_for_triangles_and_distances_of_one_size() {
 #[test]
 fn over_a_mesh_it_is_the_farthest_point_from_its_nearest_triangle() {
     for seed in 0..40 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         // Several chunks of triangles, in an order with and without neighbourhood.
         let n = 40 + (random.unit() * 300.0) as usize;
         let spread = if seed % 2 == 0 { 0.1 } else { 1.0 };
@@ -226,7 +209,7 @@ fn nothing_to_measure_gives_nothing_and_a_bad_point_no_claim() {
 #[cfg(feature = "threads")]
 #[test]
 fn one_thread_and_many_bound_the_same() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let corners: Vec<[f64; 3]> = (0..90_000).map(|_| random.point()).collect();
     let mesh = Mesh::new(corners, (0..30_000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap();
     let points: Vec<[f64; 3]> = (0..16).map(|_| random.point()).collect();

@@ -2,6 +2,7 @@
 use chordal::check::{MeshLocation, t_junctions};
 use chordal::explicit::{Topology, Twin, Twins, next_in_face};
 use chordal::{Mesh, Tolerance};
+use chordal_testkit::Random;
 use std::collections::BTreeSet;
 
 /// A strip left of the line x = 0 with `left` squares, and one right of it with `right`, welded where they agree.
@@ -55,11 +56,8 @@ fn a_vertex_off_the_line_counts_within_a_tolerance_only() {
 fn lattices_agree_with_a_look_at_every_pair() {
     let mut met = 0;
     for seed in 0..400_u64 {
-        let mut state = seed;
-        let mut below = |n: i64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) as i64 % n
-        };
+        let mut random = Random::new(seed);
+        let mut below = |n: usize| random.below(n) as i64;
         let lattice: Vec<[i64; 3]> = (0..60).map(|_| [below(9), below(9), below(2)]).collect();
         let faces = (0..25).map(|_| std::array::from_fn(|_| below(60) as u32)).collect();
         let positions = lattice.iter().map(|p| p.map(|x| x as f64 * 0.125)).collect();

@@ -2,32 +2,10 @@
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Diagonal, Domain, Quad, Semantic, Triangle, corner_rows, interpolate};
 use chordal::math::PointInTriangle;
+use chordal_testkit::Random;
 
-/// xorshift64*, so that a printed seed gives the same triangles everywhere.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn point<const D: usize>(&mut self) -> [f64; D] {
-        std::array::from_fn(|_| self.unit() - 0.5)
-    }
-
-    fn triangle<const D: usize>(&mut self) -> Triangle<D> {
-        Triangle { corners: std::array::from_fn(|_| self.point()) }
-    }
-
-    /// Three weights ≥ 0 with the sum 1.
-    fn weights(&mut self) -> [f64; 3] {
-        let (u, v) = (self.unit(), self.unit());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        [u, v, 1.0 - (u + v)]
-    }
+fn triangle<const D: usize>(random: &mut Random) -> Triangle<D> {
+    Triangle { corners: std::array::from_fn(|_| random.point_within(0.5)) }
 }
 
 fn mean<const D: usize>(corners: [[f64; D]; 3], w: [f64; 3]) -> [f64; D] {
@@ -49,9 +27,9 @@ fn the_half_square_faces_up_and_two_swapped_corners_turn_it_over() {
     }
     let seed = 11;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for _ in 0..1000 {
-        let triangle = random.triangle::<3>();
+        let triangle = triangle::<3>(&mut random);
         let [a, b, c] = triangle.corners;
         let other = Triangle { corners: [a, c, b] };
         assert_eq!(triangle.normal().map(|n| n.map(|x| -x)), other.normal());
@@ -66,7 +44,7 @@ fn the_half_square_faces_up_and_two_swapped_corners_turn_it_over() {
 fn a_segment_between_two_inside_points_stays_inside() {
     let seed = 12;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     // On a lattice the points of a segment are exact, and often on edges.
     let lattice = |random: &mut Random| [0, 1].map(|_| (random.unit() * 9.0).floor() * 8.0);
     let (mut pairs, mut on_edges) = (0, 0);
@@ -110,10 +88,10 @@ fn edge_functions_have_exact_signs_where_rounding_would_lose_them() {
 fn weights_reproduce_the_point_and_add_up_to_one() {
     let seed = 13;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for round in 0..5000 {
         let scale = libm::ldexp(1.0, [0, -600, 600, 20, -20][round % 5]);
-        let corners = random.triangle::<3>().corners.map(|p| p.map(|x| x * scale));
+        let corners = triangle::<3>(&mut random).corners.map(|p| p.map(|x| x * scale));
         let triangle = Triangle { corners };
         let w = random.weights();
         let point = mean(corners, w);
@@ -140,10 +118,10 @@ fn weights_reproduce_the_point_and_add_up_to_one() {
 fn weights_are_affine_also_outside() {
     let seed = 14;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for _ in 0..5000 {
-        let triangle = random.triangle::<2>();
-        let (p, q) = (random.point::<2>(), random.point::<2>());
+        let triangle = triangle::<2>(&mut random);
+        let (p, q) = (random.point_within::<2>(0.5), random.point_within::<2>(0.5));
         let t = random.unit();
         let between = [0, 1].map(|k| p[k] + t * (q[k] - p[k]));
         let [of_p, of_q, of_between] =
@@ -172,10 +150,10 @@ fn weights_of_a_sliver_far_away_keep_their_digits() {
 fn corners_and_constants_are_interpolated_exactly() {
     let seed = 15;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for _ in 0..2000 {
-        let triangle = random.triangle::<3>();
-        let rows: [[f64; 4]; 3] = std::array::from_fn(|_| random.point());
+        let triangle = triangle::<3>(&mut random);
+        let rows: [[f64; 4]; 3] = std::array::from_fn(|_| random.point_within(0.5));
         let mut out = [0.0; 4];
         for k in 0..3 {
             let weights = triangle.barycentric(triangle.corners[k]).expect("it has an area");
@@ -221,9 +199,9 @@ fn shape_measures_know_their_ends_and_no_scale() {
     assert!((needle.slenderness() - 100.0 / 10_001.0).abs() < 1e-16);
     let seed = 16;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for _ in 0..1000 {
-        let triangle = random.triangle::<3>();
+        let triangle = triangle::<3>(&mut random);
         for exponent in [-700, -20, 20, 700] {
             let scale = libm::ldexp(1.0, exponent);
             let scaled = Triangle { corners: triangle.corners.map(|p| p.map(|x| x * scale)) };
@@ -269,10 +247,10 @@ fn a_quad_bulges_by_the_height_of_its_fourth_corner() {
 fn the_flattest_diagonal_bends_less_and_lies_inside_a_dart() {
     let seed = 17;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut seconds = 0;
     for _ in 0..5000 {
-        let quad = Quad { corners: std::array::from_fn(|_| random.point()) };
+        let quad = Quad { corners: std::array::from_fn(|_| random.point_within(0.5)) };
         let [first, second] = quad.bends_rad().map(|bend| bend.expect("random corners span areas"));
         let expected = if second < first { Diagonal::Second } else { Diagonal::First };
         seconds += usize::from(expected == Diagonal::Second);

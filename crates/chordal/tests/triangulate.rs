@@ -1,18 +1,8 @@
 //! The laws of polygon triangulation: a disc with the polygon's border, nothing face down unless it must be.
 use chordal::explicit::triangulate::{Triangulation, polygon};
+use chordal_testkit::Random;
+use chordal_testkit::corpus;
 use std::collections::HashMap;
-
-/// xorshift64*, so that a printed seed gives the same polygons everywhere.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// n − 2 triangles, the polygon's edges once each and forwards, every other edge once each way.
 fn expect_disc(n: usize, cut: &Triangulation) {
@@ -90,7 +80,7 @@ fn fewer_than_three_corners_give_nothing() {
 fn random_simple_polygons_are_cut_exactly_at_every_scale_and_tilt() {
     let seed = 0x9E37_79B9_7F4A_7C15;
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for round in 0..2000 {
         let n = 3 + (random.unit() * 60.0) as usize;
         let flat = star(&mut random, n);
@@ -117,7 +107,7 @@ fn areas_add_up_on_an_integer_lattice() {
     // On integers both sides are exact, so that this judges `folded` with arithmetic of its own.
     let seed = 77;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut exact, mut folded) = (0, 0);
     for _ in 0..20_000 {
         let n = 4 + (random.unit() * 7.0) as usize;
@@ -249,7 +239,7 @@ fn twenty_thousand_corners_are_cut_exactly() {
             .collect()
     };
     for (name, points) in [
-        ("star", star(&mut Random(seed), 20_000)),
+        ("star", star(&mut Random::new(seed), 20_000)),
         ("comb", comb(10_000)),
         ("spiral", spiral(40, 250)),
         ("circle", circle(20_000)),
@@ -265,7 +255,7 @@ fn hostile_polygons_end() {
     // Each of these takes a cubic clipper hours: chords of a circle, a random scribble, few points many times.
     let seed = 6;
     println!("seed {seed}");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let n = 20_001;
     let chord = |i: usize| libm::sincos(std::f64::consts::TAU * ((i * 9001) % n) as f64 / n as f64);
     let chords: Vec<[f64; 3]> = (0..n).map(chord).map(|(sin, cos)| [cos, sin, 0.0]).collect();
@@ -276,20 +266,11 @@ fn hostile_polygons_end() {
     }
 }
 
-fn data() -> Option<std::path::PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or_else(|| beside.into(), std::path::PathBuf::from);
-    root.is_dir().then_some(root)
-}
-
 #[test]
 fn outlines_from_the_field_that_do_not_cross_are_cut_wherever_earcut_can_cut_them() {
-    let Some(data) = data() else {
-        eprintln!("SKIPPED: no test data (set CHORDAL_DATA)");
-        return;
-    };
+    let Some(folder) = corpus::find("polygon/earcut/test/fixtures") else { return };
     let mut rings = 0;
-    let mut files: Vec<_> = std::fs::read_dir(data.join("polygon/earcut/test/fixtures"))
+    let mut files: Vec<_> = std::fs::read_dir(folder)
         .expect("the fixtures are there")
         .map(|entry| entry.expect("readable").path())
         .collect();

@@ -2,6 +2,7 @@
 use chordal::Mesh;
 use chordal::check::{MAX_WITNESSES, MeshLocation, Validity, is_collinear, measure, validity};
 use chordal::explicit::{Topology, Twin, Twins, position_id_by_bits};
+use chordal_testkit::corpus;
 
 /// A vertex `i` columns along and `j` across.
 type At<'a> = &'a dyn Fn(usize, usize) -> u32;
@@ -312,14 +313,7 @@ fn read(path: &std::path::Path) -> Mesh {
 }
 
 fn data(path: &str) -> Option<Mesh> {
-    let beside = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or(beside, Into::into);
-    let file = root.join(path);
-    if file.exists() {
-        return Some(read(&file));
-    }
-    eprintln!("SKIPPED: no {path} below shared/data; set CHORDAL_DATA to where it is");
-    None
+    corpus::find(path).map(|file| read(&file))
 }
 
 #[test]

@@ -2,17 +2,8 @@
 use chordal::Mesh;
 use chordal::check::{Validity, validity};
 use chordal::explicit::{Topology, Twin, Twins};
+use chordal_testkit::Random;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// A generator of 32-bit numbers (Knuth's MMIX constants); tests print their seed.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % n
-    }
-}
 
 /// Few positions on a small lattice, rows tied at random, any faces: every kind of fault, also several at once.
 fn random_soup(random: &mut Random) -> Mesh {
@@ -61,7 +52,7 @@ fn broken_band(random: &mut Random) -> Mesh {
 
 /// Random soup and broken bands in turn.
 fn random_mesh(seed: u64) -> Mesh {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     if seed.is_multiple_of(3) { broken_band(&mut random) } else { random_soup(&mut random) }
 }
 
@@ -265,7 +256,7 @@ fn counts_are_those_of_the_oracle() {
 #[test]
 fn every_face_without_area_is_found_and_no_other() {
     for seed in 0..3000 {
-        let mesh = random_soup(&mut Random(seed));
+        let mesh = random_soup(&mut Random::new(seed));
         // The coordinates are small integers: the cross product is exact.
         let flat = |face: &[u32; 3]| {
             let [a, b, c] = face.map(|row| glam::DVec3::from(mesh.positions()[row as usize]));
@@ -326,7 +317,7 @@ fn numbering_and_common_turning_change_no_count() {
     };
     for seed in 0..1000 {
         let mesh = random_mesh(seed);
-        let mut random = Random(!seed);
+        let mut random = Random::new(!seed);
         let n = mesh.positions().len();
         let mut to: Vec<u32> = (0..n as u32).collect();
         (1..n).rev().for_each(|i| to.swap(i, random.below(i + 1)));

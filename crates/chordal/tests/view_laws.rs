@@ -3,47 +3,25 @@
 use chordal::View;
 use chordal::budget::{Camera, MinDistanceView, Pixels, Projection, Screen};
 use chordal::math::Box3;
+use chordal_testkit::Random;
 use glam::DVec3;
 
-/// SplitMix64: the seed stands in every failure's message.
-struct Dice(u64);
+/// Evenly by magnitude.
+fn magnitude(random: &mut Random, low: f64, high: f64) -> f64 {
+    random.between(low.ln(), high.ln()).exp()
+}
 
-impl Dice {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
+fn one_of<const N: usize>(random: &mut Random, choices: [f64; N]) -> f64 {
+    choices[random.below(N)]
+}
 
-    /// In `[low, high)`.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.bits() >> 11) as f64 / (1_u64 << 53) as f64)
-    }
+fn direction(random: &mut Random) -> DVec3 {
+    random.direction().into()
+}
 
-    /// Evenly by magnitude.
-    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    fn one_of<const N: usize>(&mut self, choices: [f64; N]) -> f64 {
-        choices[self.bits() as usize % N]
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        loop {
-            let v = DVec3::new(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0));
-            if v.length() > 0.1 && v.length() < 1.0 {
-                return v.normalize();
-            }
-        }
-    }
-
-    fn screen(&mut self) -> Screen {
-        let [width_px, height_px] = [(1920, 1080), (512, 512), (300, 2000), (3840, 800)].map(|(w, h)| [w, h])
-            [self.bits() as usize % 4];
-        Screen { width_px, height_px }
-    }
+fn screen(random: &mut Random) -> Screen {
+    let [width_px, height_px] = [[1920, 1080], [512, 512], [300, 2000], [3840, 800]][random.below(4)];
+    Screen { width_px, height_px }
 }
 
 /// The test's own eye: axes, and what they make of two nearby points.
@@ -130,7 +108,7 @@ impl Referee {
 
     /// The worst of many displacements of length `error`, in pixels: around the plane of the point and the axis,
     /// where the worst lies, across it, and anywhere.
-    fn worst(&self, point: DVec3, error: f64, dice: &mut Dice) -> f64 {
+    fn worst(&self, point: DVec3, error: f64, random: &mut Random) -> f64 {
         let p = self.seen_from(point - self.eye);
         let [right, up, forward] = self.axes;
         let out = p.truncate().normalize_or(glam::DVec2::X);
@@ -142,56 +120,56 @@ impl Referee {
         // The exact worst is where the ray touches the ball of the error.
         let touch = (error / p.length()).clamp(0.0, 1.0).asin();
         directions.extend([turned(steepest + touch), -turned(steepest - touch)]);
-        directions.extend((0..6).map(|_| turned(dice.between(0.0, std::f64::consts::TAU))));
-        directions.extend((0..6).map(|_| dice.direction()));
-        let lengths = [1.0, dice.between(0.0, 1.0)];
+        directions.extend((0..6).map(|_| turned(random.between(0.0, std::f64::consts::TAU))));
+        directions.extend((0..6).map(|_| direction(random)));
+        let lengths = [1.0, random.between(0.0, 1.0)];
         let moves = directions.iter().flat_map(|d| lengths.map(|l| *d * (error * l * (1.0 - f64::EPSILON))));
         moves.filter_map(|moved| self.pixels(point, moved)).fold(0.0, f64::max)
     }
 }
 
-fn projection(dice: &mut Dice) -> Projection {
-    if dice.bits().is_multiple_of(4) {
-        Projection::Orthographic { height: dice.magnitude(0.1, 100.0) }
+fn projection(random: &mut Random) -> Projection {
+    if random.below(4) == 0 {
+        Projection::Orthographic { height: magnitude(random, 0.1, 100.0) }
     } else {
-        let free = dice.between(5.0, 170.0);
-        Projection::Perspective { fov_y_deg: dice.one_of([free, 1.0, 45.0, 60.0, 90.0, 178.0]) }
+        let free = random.between(5.0, 170.0);
+        Projection::Perspective { fov_y_deg: one_of(random, [free, 1.0, 45.0, 60.0, 90.0, 178.0]) }
     }
 }
 
 /// A camera at any scale and place, its up sometimes nearly along the line of sight.
-fn camera(dice: &mut Dice) -> (View, Referee, f64) {
-    let scale = dice.one_of([1e-6, 1e-3, 1.0, 1.0, 1e3, 1e6]);
-    let far_off = dice.one_of([0.0, 0.0, 1.0, 1e4]);
-    let eye = dice.direction() * (scale * far_off);
-    let forward = dice.direction();
-    let lean = dice.one_of([1.0, 1.0, 1e-4, 1e-9]);
-    let up = forward + dice.direction() * lean;
-    let target = eye + forward * (scale * dice.magnitude(0.1, 10.0));
+fn camera(random: &mut Random) -> (View, Referee, f64) {
+    let scale = one_of(random, [1e-6, 1e-3, 1.0, 1.0, 1e3, 1e6]);
+    let far_off = one_of(random, [0.0, 0.0, 1.0, 1e4]);
+    let eye = direction(random) * (scale * far_off);
+    let forward = direction(random);
+    let lean = one_of(random, [1.0, 1.0, 1e-4, 1e-9]);
+    let up = forward + direction(random) * lean;
+    let target = eye + forward * (scale * magnitude(random, 0.1, 10.0));
     let forward = (target - eye).normalize();
-    let near = dice.one_of([0.0, 0.1, 1.0]) * scale;
-    let projection = match projection(dice) {
+    let near = one_of(random, [0.0, 0.1, 1.0]) * scale;
+    let projection = match projection(random) {
         Projection::Orthographic { height } => Projection::Orthographic { height: height * scale },
         perspective => perspective,
     };
-    let screen = dice.screen();
+    let screen = screen(random);
     let camera = Camera { eye: eye.into(), target: target.into(), up: up.into(), near, projection, screen };
     let view = View::Camera(camera).checked().expect("a camera");
     (view, Referee::new(eye, [forward, up], near, (projection, screen)), scale)
 }
 
 /// A box that is seen, cut by the border or the near plane, around the eye, behind it, tiny, or large.
-fn place(dice: &mut Dice, referee: &Referee, scale: f64) -> (Box3, Vec<[f64; 3]>) {
+fn place(random: &mut Random, referee: &Referee, scale: f64) -> (Box3, Vec<[f64; 3]>) {
     let mut across = || {
-        let free = dice.between(-1.2, 1.2);
-        dice.one_of([free, free, 1.0, -1.0, 0.0])
+        let free = random.between(-1.2, 1.2);
+        one_of(random, [free, free, 1.0, -1.0, 0.0])
     };
     let across = [across(), across()];
-    let free = scale * dice.magnitude(0.05, 50.0);
-    let depth = dice.one_of([free, free, free, referee.near * 1.01, referee.near, -free]);
+    let free = scale * magnitude(random, 0.05, 50.0);
+    let depth = one_of(random, [free, free, free, referee.near * 1.01, referee.near, -free]);
     let centre = referee.place(across, depth);
-    let size = scale * dice.one_of([0.0, 1e-6, 1e-3, 0.1, 1.0]);
-    let mut near_by = || (centre + dice.direction() * (size * dice.between(0.0, 1.0))).to_array();
+    let size = scale * one_of(random, [0.0, 1e-6, 1e-3, 0.1, 1.0]);
+    let mut near_by = || (centre + direction(random) * (size * random.between(0.0, 1.0))).to_array();
     let mut points = vec![centre.to_array(), near_by(), near_by(), near_by()];
     let place = Box3::from_points(&points);
     let corner =
@@ -204,17 +182,17 @@ fn place(dice: &mut Dice, referee: &Referee, scale: f64) -> (Box3, Vec<[f64; 3]>
 fn no_visible_point_of_a_camera_moves_further_than_the_bound() {
     let (mut tight, mut tested, mut refused) = (0.0_f64, 0_u64, 0_u64);
     for seed in 0..12_000 {
-        let mut dice = Dice(seed);
-        let (view, referee, scale) = camera(&mut dice);
-        let (place, points) = place(&mut dice, &referee, scale);
-        let error = scale * dice.magnitude(1e-7, 1.0);
+        let mut random = Random::new(seed);
+        let (view, referee, scale) = camera(&mut random);
+        let (place, points) = place(&mut random, &referee, scale);
+        let error = scale * magnitude(&mut random, 1e-7, 1.0);
         let Some(bound) = view.pixels_of(error, &place) else {
             refused += 1;
             continue;
         };
         for point in points {
             assert!(place.contains(point));
-            let worst = referee.worst(point.into(), error, &mut dice);
+            let worst = referee.worst(point.into(), error, &mut random);
             assert!(
                 worst <= bound,
                 "seed {seed}: {worst} px > {bound} px, {view}, {place:?}, error {error:e}"
@@ -231,29 +209,29 @@ fn no_visible_point_of_a_camera_moves_further_than_the_bound() {
 fn no_visible_point_of_any_eye_that_keeps_its_distance_moves_further_than_the_bound() {
     let (mut tight, mut tested) = (0.0_f64, 0_u64);
     for seed in 0..12_000 {
-        let mut dice = Dice(seed);
-        let scale = dice.one_of([1e-6, 1.0, 1e6]);
-        let projection = match projection(&mut dice) {
+        let mut random = Random::new(seed);
+        let scale = one_of(&mut random, [1e-6, 1.0, 1e6]);
+        let projection = match projection(&mut random) {
             Projection::Orthographic { height } => Projection::Orthographic { height: height * scale },
             perspective => perspective,
         };
-        let screen = dice.screen();
-        let forward = dice.direction();
-        let up = dice.direction();
+        let screen = screen(&mut random);
+        let forward = direction(&mut random);
+        let up = direction(&mut random);
         let referee = Referee::new(DVec3::ZERO, [forward, up], 0.0, (projection, screen));
         // On the screen, at its corner, or off it by no more than the error takes it back.
-        let distance = scale * dice.magnitude(0.1, 10.0);
-        let error = distance * dice.magnitude(1e-6, 1.0);
-        let free = [dice.between(-1.1, 1.1), dice.between(-1.1, 1.1)];
-        let off = 1.0 + dice.between(-2.0, 4.0) * error / distance;
-        let across = if dice.bits().is_multiple_of(4) { free } else { [off, dice.one_of([off, -off])] };
+        let distance = scale * magnitude(&mut random, 0.1, 10.0);
+        let error = distance * magnitude(&mut random, 1e-6, 1.0);
+        let free = [random.between(-1.1, 1.1), random.between(-1.1, 1.1)];
+        let off = 1.0 + random.between(-2.0, 4.0) * error / distance;
+        let across = if random.below(4) == 0 { free } else { [off, one_of(&mut random, [off, -off])] };
         let ray = referee.place(across, 1.0).normalize();
-        let closer = dice.one_of([1.0, 1.0, 1.5]);
+        let closer = one_of(&mut random, [1.0, 1.0, 1.5]);
         let view =
             View::MinDistance(MinDistanceView { distance, projection, screen }).checked().expect("a view");
         let point = ray * (distance * closer * (1.0 + 4.0 * f64::EPSILON));
         let Some(bound) = view.pixels_of(error, &Box3::from_points(&[point.into()])) else { continue };
-        let worst = referee.worst(point, error, &mut dice);
+        let worst = referee.worst(point, error, &mut random);
         assert!(worst <= bound, "seed {seed}: {worst} px > {bound} px, {view}, at {point}, error {error:e}");
         tested += 1;
         tight = tight.max(worst / bound);
@@ -268,21 +246,21 @@ fn no_visible_point_of_any_eye_that_keeps_its_distance_moves_further_than_the_bo
 fn two_steps_are_no_more_than_both_together() {
     let (mut tested, mut beyond_the_sum) = (0_u64, 0_u64);
     for seed in 0..12_000 {
-        let mut dice = Dice(seed);
-        let (view, referee, scale) = camera(&mut dice);
-        let off = 1.0 + dice.between(-1.0, 1.0) * dice.magnitude(1e-6, 0.3);
-        let across = [off, dice.one_of([off, -off, 0.0])];
-        let depth =
-            dice.one_of([1.0, 1.0, 1.01, 3.0]) * if referee.near > 0.0 { referee.near } else { scale };
+        let mut random = Random::new(seed);
+        let (view, referee, scale) = camera(&mut random);
+        let off = 1.0 + random.between(-1.0, 1.0) * magnitude(&mut random, 1e-6, 0.3);
+        let across = [off, one_of(&mut random, [off, -off, 0.0])];
+        let depth = one_of(&mut random, [1.0, 1.0, 1.01, 3.0])
+            * if referee.near > 0.0 { referee.near } else { scale };
         let middle = referee.place(across, depth);
-        let errors = [0, 1].map(|_| depth * dice.magnitude(1e-6, 0.3));
+        let errors = [0, 1].map(|_| depth * magnitude(&mut random, 1e-6, 0.3));
         let p = referee.seen_from(middle - referee.eye);
         let [right, up, forward] = referee.axes;
         let out = p.truncate().normalize_or(glam::DVec2::X);
         let out = right * out.x + up * out.y;
         let mut directions = vec![out, -out, forward, -forward];
         directions.extend((0..6).map(|_| {
-            let angle = dice.between(0.0, std::f64::consts::TAU);
+            let angle = random.between(0.0, std::f64::consts::TAU);
             out * angle.cos() - forward * angle.sin()
         }));
         for d in &directions {
@@ -315,12 +293,12 @@ fn two_steps_are_no_more_than_both_together() {
 fn a_length_from_pixels_keeps_them_and_wastes_nothing() {
     let (mut found, mut none) = (0, 0);
     for seed in 0..20_000 {
-        let mut dice = Dice(seed);
-        let (camera, referee, scale) = camera(&mut dice);
-        let (place, _) = place(&mut dice, &referee, scale);
-        let (projection, screen) = (referee.projection, dice.screen());
+        let mut random = Random::new(seed);
+        let (camera, referee, scale) = camera(&mut random);
+        let (place, _) = place(&mut random, &referee, scale);
+        let (projection, screen) = (referee.projection, screen(&mut random));
         let closest = View::MinDistance(MinDistanceView { distance: scale, projection, screen });
-        let pixels = Pixels::new(dice.magnitude(1e-3, 1e3)).unwrap();
+        let pixels = Pixels::new(magnitude(&mut random, 1e-3, 1e3)).unwrap();
         for view in [camera, closest] {
             let sight = view.lens().scale_at(&place);
             let Some(length) = view.length_of(pixels, &place) else {
@@ -345,9 +323,9 @@ fn a_length_from_pixels_keeps_them_and_wastes_nothing() {
 #[test]
 fn the_bound_grows_with_the_error() {
     for seed in 0..4_000 {
-        let mut dice = Dice(seed);
-        let (view, referee, scale) = camera(&mut dice);
-        let (place, _) = place(&mut dice, &referee, scale);
+        let mut random = Random::new(seed);
+        let (view, referee, scale) = camera(&mut random);
+        let (place, _) = place(&mut random, &referee, scale);
         let sight = view.lens().scale_at(&place);
         let mut last = Some(0.0);
         for k in -20..20 {

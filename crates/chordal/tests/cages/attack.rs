@@ -2,10 +2,7 @@
 use chordal::check;
 use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, InvalidCage};
 use chordal::{Budget, Job, Tolerance, convert};
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
-}
+use chordal_testkit::sampler::distance;
 
 /// The largest distance between the limit surface of a cage and that after each of so many rounds, at places of all faces.
 fn off(cage: &Cage, rounds: u32) -> f64 {

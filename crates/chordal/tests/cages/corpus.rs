@@ -2,16 +2,6 @@
 use chordal::explicit::{Boundary, Cage, CreasingMethod, InvalidCage, Scheme};
 use std::path::PathBuf;
 
-pub fn folder() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or(beside.into(), PathBuf::from).join("subdiv");
-    if root.is_dir() {
-        return Some(root);
-    }
-    eprintln!("SKIPPED: no subdiv below shared/data; set CHORDAL_DATA to where it is");
-    None
-}
-
 /// Positions and faces of a file.
 pub fn polygons(text: &str) -> (Vec<[f64; 3]>, Vec<Vec<u32>>) {
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
@@ -70,7 +60,7 @@ pub fn cage(name: &str, text: &str) -> Result<Cage, InvalidCage> {
 
 /// All of them, by name, but for poles of quads that have a vertex twice.
 pub fn cages() -> Vec<(String, Cage)> {
-    let Some(folder) = folder() else { return Vec::new() };
+    let Some(folder) = chordal_testkit::corpus::find("subdiv") else { return Vec::new() };
     let files = std::fs::read_dir(folder.join("cages")).unwrap();
     let mut names: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
     names.sort();

@@ -1,13 +1,10 @@
 //! The limit surface: what rounds converge to, and the same whether a round was done before or not.
 use super::corpus::cages;
 use chordal::explicit::{Cage, Jet, Scheme};
+use chordal_testkit::sampler::distance;
 
 fn size(cage: &Cage) -> f64 {
     cage.positions().as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most })
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
 }
 
 fn with_limit() -> impl Iterator<Item = (String, Cage)> {

@@ -5,6 +5,8 @@ use chordal::budget::RefusalCode;
 use chordal::check::{self, Goal};
 use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, Jet, Scheme, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::distance;
 use std::collections::BTreeMap;
 
 type Point = [f64; 3];
@@ -17,32 +19,18 @@ fn size(cage: &Cage) -> f64 {
     cage.positions().as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most })
 }
 
-fn distance(a: Point, b: Point) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
-}
-
-/// Numbers between −0.5 and 0.5.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    }
-}
-
 /// `rings` rings of triangles around a vertex of n neighbours, lifted at random.
 fn star(n: u32, rings: u32, seed: u64) -> Cage {
-    let mut noise = Noise(seed);
+    let mut random = Random::new(seed);
     let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(n);
-    let mut points = vec![[0.0, 0.0, noise.next()]];
+    let mut points = vec![[0.0, 0.0, 0.5 * random.signed()]];
     // Ring r has n·r points.
     for r in 1..=rings {
         for k in 0..n * r {
             let (sector, step) = (k / r, f64::from(k % r));
             let (a, b) = (turn(sector), turn(sector + 1));
             let along = |f: fn(f64) -> f64| (f64::from(r) - step) * f(a) + step * f(b);
-            points.push([along(f64::cos), along(f64::sin), 1.5 * noise.next()]);
+            points.push([along(f64::cos), along(f64::sin), 0.75 * random.signed()]);
         }
     }
     let id = |r: u32, k: u32| if r == 0 { 0 } else { 1 + n * r * (r - 1) / 2 + k % (n * r) };
@@ -63,8 +51,8 @@ fn star(n: u32, rings: u32, seed: u64) -> Cage {
 
 /// A cage of triangles at random: planes folded together, creases and corners of any sharpness.
 fn random(seed: u64) -> Cage {
-    let mut noise = Noise(seed.wrapping_mul(77) + 5);
-    let mut pick = |n: u32| ((noise.next() + 0.5) * f64::from(n)) as u32;
+    let mut random = Random::new(seed);
+    let mut pick = |n: u32| random.below(n as usize) as u32;
     let n = 4 + pick(6);
     let points: Vec<Point> = (0..n).map(|_| [0, 1, 2].map(|_| f64::from(pick(1000)) * 1e-3)).collect();
     let mut faces: Vec<[u32; 3]> = Vec::new();

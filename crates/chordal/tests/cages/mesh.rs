@@ -1,11 +1,12 @@
 //! Meshes of limit surfaces keep their bound, as a referee sees it that has only plain rounds and the masks of smooth vertices,
 //! creases and corners.
 use super::corpus::cages;
-use crate::long::is_long;
 use chordal::budget::Pixels;
 use chordal::check::{self, Goal};
 use chordal::explicit::{Cage, INFINITELY_SHARP, Scheme, Semantic, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, convert};
+use chordal_testkit::Random;
+use chordal_testkit::is_long;
 use std::collections::BTreeMap;
 
 fn diagonal(cage: &Cage) -> f64 {
@@ -116,11 +117,7 @@ fn no_cage_of_the_corpus_is_further_than_its_bound() {
 
 /// Two rings of quads around a vertex of `n`, lifted at random.
 fn star(n: u32, seed: u64) -> Cage {
-    let mut state = seed;
-    let mut next = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
+    let mut random = Random::new(seed);
     let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(n);
     let mut points = vec![[0.0, 0.0, 0.0]];
     // Sector k has the points a·E(k) + b·E(k+1), a > 0, b ≥ 0, a, b ≤ 3.
@@ -143,7 +140,7 @@ fn star(n: u32, seed: u64) -> Cage {
             }
         }
     }
-    points.iter_mut().for_each(|p| p[2] = 1.5 * next());
+    points.iter_mut().for_each(|p| p[2] = 0.75 * random.signed());
     let id = |k: u32, a: u32, b: u32| match (a, b) {
         (0, 0) => 0,
         (0, _) => 1 + ((k + 1) % n) * 12 + (b - 1) * 4,

@@ -1,5 +1,5 @@
 //! The reference: refined control meshes of OpenSubdiv. Its vertices are in another order, so points and faces are compared as sets.
-use super::corpus::{cage, cages, folder, polygons};
+use super::corpus::{cage, cages, polygons};
 use chordal::explicit::Cage;
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ fn compare(what: &str, ours: &Cage, (points, faces): (Vec<[f64; 3]>, Vec<Vec<u32
 
 #[test]
 fn every_round_is_that_of_the_reference() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = chordal_testkit::corpus::find("subdiv") else { return };
     let baseline = folder.join("opensubdiv/regression/hbr_regression/baseline");
     let mut names: Vec<String> = std::fs::read_dir(&baseline)
         .unwrap()

@@ -1,9 +1,10 @@
 //! Texture coordinates of cages: by OpenSubdiv's numbers, and by laws that need none.
-use super::corpus::{cage as corpus_cage, cages, folder};
+use super::corpus::{cage as corpus_cage, cages};
 use chordal::explicit::{
     Boundary, Cage, CornerTexcoords, InvalidCage, LinearTexcoords, Scheme, Semantic, Topology,
 };
 use chordal::{Budget, Job, Mesh, Tolerance, check, convert};
+use chordal_testkit::Random;
 
 const NONE: u32 = CornerTexcoords::NONE;
 
@@ -134,7 +135,7 @@ fn textured(name: &str, text: &str, linear: LinearTexcoords) -> Cage {
 
 /// Cages of the corpus that have texture coordinates and are quick to refine.
 fn corpus() -> Vec<(String, String)> {
-    let Some(folder) = folder() else { return Vec::new() };
+    let Some(folder) = chordal_testkit::corpus::find("subdiv") else { return Vec::new() };
     let all = cages().into_iter().filter(|(_, cage)| cage.n_faces() < 100);
     let texts = all.map(|(name, _)| {
         let text = std::fs::read_to_string(folder.join("cages").join(format!("{name}.obj"))).unwrap();
@@ -458,48 +459,35 @@ fn wrong_rows_are_refused_by_name() {
     assert!(matches!(large.refined_times(3), Err(InvalidCage::TexcoordNotFinite { .. })));
 }
 
-/// xorshift64*: no law here hangs on its quality.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: u32) -> u32 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        ((self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) % u64::from(n)) as u32
-    }
-}
-
 /// Any faces over few vertices, with any rows: rounds and meshes of them never panic, and what is the same at all corners stays so.
 #[test]
 fn any_faces_with_any_rows_are_refined() {
     for seed in 1..=300_u64 {
-        let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-        let n = 4 + random.below(6);
+        let mut random = Random::new(seed);
+        let mut below = |n: u32| random.below(n as usize) as u32;
+        let n = 4 + below(6);
         let mut faces = Vec::new();
-        for _ in 0..1 + random.below(8) {
+        for _ in 0..1 + below(8) {
             let mut all: Vec<u32> = (0..n).collect();
-            let size = 3 + random.below(n.min(5) - 2);
+            let size = 3 + below(n.min(5) - 2);
             faces.push(
-                (0..size)
-                    .map(|_| all.swap_remove(random.below(all.len() as u32) as usize))
-                    .collect::<Vec<_>>(),
+                (0..size).map(|_| all.swap_remove(below(all.len() as u32) as usize)).collect::<Vec<_>>(),
             );
         }
-        let points = (0..n).map(|_| [0; 3].map(|_| f64::from(random.below(16)))).collect();
+        let points = (0..n).map(|_| [0; 3].map(|_| f64::from(below(16)))).collect();
         let mut cage = Cage::new(points, &faces).unwrap();
         let edges: Vec<_> =
-            faces.iter().map(|face| ([face[0], face[1]], f64::from(random.below(5)) * 0.75)).collect();
+            faces.iter().map(|face| ([face[0], face[1]], f64::from(below(5)) * 0.75)).collect();
         cage = cage.with_creases(&edges).unwrap().with_sharp_vertices(&[(0, 1.5)]).unwrap();
-        if faces.iter().all(|face| face.len() == 3) && random.below(2) == 0 {
+        if faces.iter().all(|face| face.len() == 3) && below(2) == 0 {
             cage = cage.with_scheme(Scheme::Loop).unwrap();
         }
         let n_corners: usize = faces.iter().map(Vec::len).sum();
-        let linear = LinearTexcoords::ALL[random.below(6) as usize];
-        let rows: Vec<u32> = (0..n_corners).map(|_| random.below(12)).collect();
+        let linear = LinearTexcoords::ALL[below(6) as usize];
+        let rows: Vec<u32> = (0..n_corners).map(|_| below(12)).collect();
         let rows: Vec<u32> =
             rows.into_iter().map(|row| if row == 11 && seed % 3 == 0 { NONE } else { row }).collect();
-        let values = (0..12).map(|_| [0; 2].map(|_| f64::from(random.below(9)) / 8.0)).collect();
+        let values = (0..12).map(|_| [0; 2].map(|_| f64::from(below(9)) / 8.0)).collect();
         let cage = cage.with_texcoords(CornerTexcoords { values, corners: rows.clone(), linear }).unwrap();
         for rounds in 0..4 {
             let refined = cage.refined_times(rounds).unwrap();

@@ -1,10 +1,10 @@
 //! Arcs of circles and ellipses, whose truth is known in closed form, and of every hard shape.
 use super::lengths::{check, judge};
-use super::random::Random;
 use super::truth::{Path, Round};
 use super::{cases, flatten, for_all, quantile};
 use chordal::Budget;
 use chordal::convert::Spacing;
+use chordal_testkit::Random;
 use std::f64::consts::{PI, TAU};
 
 fn circle(radius: f64, sweep: f64) -> Round<2> {

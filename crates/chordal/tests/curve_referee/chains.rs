@@ -1,11 +1,11 @@
 //! Paths of many pieces of all kinds, open and closed, and many paths at once.
 use super::families::shape;
 use super::lengths::{check, judge};
-use super::random::Random;
 use super::truth::{Part, Path, Round};
 use super::{cases, for_all, length};
 use chordal::convert::{Spacing, curves_to_polylines};
 use chordal::{Budget, Job};
+use chordal_testkit::Random;
 
 /// A path of 1 to 12 pieces, some of them points.
 pub fn chain<const D: usize>(seed: usize) -> Path<D> {

@@ -1,6 +1,6 @@
 //! Random cubics of every kind that is hard in its own way.
-use super::random::Random;
 use super::truth::Control;
+use chordal_testkit::Random;
 
 /// A cubic with the name of its kind.
 #[derive(Clone, Debug)]

@@ -1,11 +1,11 @@
 //! Whether the referee can be trusted: closed forms, and polylines that are broken on purpose.
 use super::families::shape;
 use super::measure::{Look, measure};
-use super::random::Random;
 use super::truth::{Path, Round};
 use super::{flatten, length};
 use chordal::convert::Spacing;
 use chordal::explicit::Polyline;
+use chordal_testkit::Random;
 
 fn polyline(points: &[[f64; 2]], places: &[f64]) -> Polyline<2> {
     Polyline { points: points.to_vec(), places: places.to_vec(), closed: false }

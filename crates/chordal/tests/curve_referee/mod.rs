@@ -13,16 +13,15 @@ mod honesty;
 mod lengths;
 mod measure;
 mod pixels;
-pub mod random;
 mod same;
 mod special;
 mod truth;
 mod uniform;
 
-use crate::long::cases;
 use chordal::convert::{Spacing, curve_to_polyline, curve_to_polyline_evenly};
 use chordal::explicit::Polyline;
 use chordal::{Bounded, Budget, Failure, Job, Tolerance};
+use chordal_testkit::cases;
 use truth::Path;
 
 /// A polyline with its bound, or why there is none.

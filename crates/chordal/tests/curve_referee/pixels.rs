@@ -2,25 +2,18 @@
 use super::chains::chain;
 use super::families::shape;
 use super::measure::distance;
-use super::random::Random;
 use super::truth::Path;
 use super::{cases, flatten, for_all, quantile};
 use chordal::budget::{Camera, MinDistanceView, Pixels, Projection, RefusalCode, Screen};
 use chordal::convert::Spacing;
 use chordal::{Bounded, Budget, Failure, View};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{cross, dot};
 
 type Point = [f64; 3];
 
 fn plus(a: Point, by: f64, b: Point) -> Point {
     std::array::from_fn(|k| a[k] + by * b[k])
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    (0..3).map(|k| a[k] * b[k]).sum()
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn unit(a: Point) -> Point {

@@ -4,19 +4,15 @@ use super::families::shape;
 use super::truth::Path;
 use chordal::convert::{Spacing, curves_to_polylines};
 use chordal::{Budget, Job, Tolerance};
+use chordal_testkit::Fingerprint;
 use std::process::Command;
 
 /// In the environment of the tests that this one starts: the digest that they must come to.
 const EXPECTED: &str = "CHORDAL_REFEREE_DIGEST";
 
-/// All bits of the polylines of many paths under some budgets, folded into a number (FNV-1a).
+/// All bits of the polylines of many paths under some budgets, folded into a number.
 fn digest(threads: usize) -> u64 {
-    let mut sum = 0xcbf2_9ce4_8422_2325_u64;
-    let mut add = |number: u64| {
-        for byte in number.to_le_bytes() {
-            sum = (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    };
+    let mut sum = Fingerprint::default();
     let cubics = (0..900).map(|seed| Path::cubic(shape::<2>(seed).control));
     let curves: Vec<_> = cubics.chain((0..60).map(chain)).map(|path| path.library()).collect();
     let length = |l: f64| Budget::length(Tolerance::new(l).expect("positive"));
@@ -26,14 +22,13 @@ fn digest(threads: usize) -> u64 {
             let job = Job::default().with_threads(threads);
             let made = curves_to_polylines(&curves, &budget, &job, spacing).expect("within reach");
             for polyline in &made.shape {
-                add(polyline.points.len() as u64);
-                polyline.points.as_flattened().iter().chain(&polyline.places).for_each(|x| add(x.to_bits()));
+                sum.add_number(polyline.points.len() as u64);
+                sum.add_bits(polyline.points.as_flattened().iter().chain(&polyline.places));
             }
-            add(made.bound.at_least().to_bits());
-            add(made.bound.at_most().expect("proved").to_bits());
+            sum.add_bits(&[made.bound.at_least(), made.bound.at_most().expect("proved")]);
         }
     }
-    sum
+    sum.0
 }
 
 #[test]

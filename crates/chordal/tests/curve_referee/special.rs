@@ -2,10 +2,10 @@
 use super::families::shape;
 use super::for_all;
 use super::lengths::{Case, check, judge};
-use super::random::Random;
 use super::truth::{Control, Path};
-use crate::long::{cases, is_long};
 use chordal::convert::Spacing;
+use chordal_testkit::Random;
+use chordal_testkit::{cases, is_long};
 
 const SPACINGS: [Spacing; 2] = [Spacing::Fewest, Spacing::Even];
 

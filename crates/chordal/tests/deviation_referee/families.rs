@@ -1,6 +1,6 @@
 //! Pairs of meshes of many kinds.
-use super::random::Random;
 use chordal::Mesh;
+use chordal_testkit::Random;
 
 type Point = [f64; 3];
 

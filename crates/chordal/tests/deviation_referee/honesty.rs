@@ -1,9 +1,9 @@
 //! The referee sees what it is there for: bounds that are cut are caught.
 use super::families::{KINDS, pair};
-use super::random::Random;
 use super::sampler::farthest;
-use super::{measured, soup_of};
+use super::{measured, triangles_of};
 use chordal::check::Goal;
+use chordal_testkit::Random;
 
 #[test]
 fn bounds_cut_by_a_fifth_are_caught() {
@@ -16,7 +16,7 @@ fn bounds_cut_by_a_fifth_are_caught() {
             if most < 1e-12 {
                 continue;
             }
-            let [a, b] = [soup_of(&a), soup_of(&b)];
+            let [a, b] = [triangles_of(&a), triangles_of(&b)];
             all += 1;
             caught +=
                 usize::from(farthest(&a, &b, &mut random).max(farthest(&b, &a, &mut random)) > 0.8 * most);

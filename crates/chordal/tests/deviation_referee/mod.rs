@@ -6,16 +6,16 @@ mod honesty;
 mod same;
 pub mod sampler;
 
-use crate::curve_referee::random;
-use crate::long::cases;
 use chordal::check::{Deviation, Goal, deviation};
 use chordal::{Job, Mesh, budget::Evidence};
+use chordal_testkit::Random;
+use chordal_testkit::cases;
+use chordal_testkit::sampler::Triangles;
 use families::{KINDS, pair};
-use random::Random;
-use sampler::{Soup, farthest, to_soup};
+use sampler::farthest;
 
-fn soup_of(mesh: &Mesh) -> Soup {
-    (0..mesh.faces().len()).map(|face| mesh.corners(face)).collect()
+pub fn triangles_of(mesh: &Mesh) -> Triangles {
+    Triangles::new(mesh.positions(), mesh.faces())
 }
 
 fn measured(a: &Mesh, b: &Mesh, goal: &Goal) -> Deviation {
@@ -23,15 +23,18 @@ fn measured(a: &Mesh, b: &Mesh, goal: &Goal) -> Deviation {
 }
 
 /// Both meshes brought around zero with an extent near 1, so that the referee's own rounding stays small.
-fn around_zero(meshes: [&Mesh; 2]) -> ([Soup; 2], f64) {
+fn around_zero(meshes: [&Mesh; 2]) -> ([Triangles; 2], f64) {
     let all = || meshes.iter().flat_map(|mesh| mesh.positions());
     let origin = *all().next().expect("positions");
     let off = |p: &[f64; 3]| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
     let size = all().flat_map(off).fold(0.0_f64, |most, x| most.max(x.abs()));
     // A power of two, so that nothing is rounded.
     let scale = if size > 0.0 { 2_f64.powi(-(size.log2().floor() as i32)) } else { 1.0 };
-    let soup = |mesh: &Mesh| soup_of(mesh).iter().map(|t| t.map(|p| off(&p).map(|x| x * scale))).collect();
-    ([soup(meshes[0]), soup(meshes[1])], scale)
+    let local = |mesh: &Mesh| {
+        let positions: Vec<_> = mesh.positions().iter().map(|p| off(p).map(|x| x * scale)).collect();
+        Triangles::new(&positions, mesh.faces())
+    };
+    (meshes.map(local), scale)
 }
 
 /// What the referee's arithmetic may be off by, on shapes of extent 1 to 4.
@@ -56,8 +59,8 @@ fn check(name: &str, meshes: [&Mesh; 2], found: &Deviation, random: &mut Random)
         let from = local(side.from);
         // A point in the world is rounded to the world's digits.
         let digits = origin.iter().fold(1.0_f64, |most, x| most.max((x * scale).abs())) * 1e-15;
-        assert!(to_soup(from, own) <= SLACK + 8.0 * digits, "{name}: the worst point is not on its surface");
-        let attained = to_soup(from, other);
+        assert!(own.distance(from) <= SLACK + 8.0 * digits, "{name}: the worst point is not on its surface");
+        let attained = other.distance(from);
         assert!(
             attained >= side.at_least * scale - SLACK - 8.0 * digits,
             "{name}: {attained:e} at the worst point"

@@ -1,10 +1,10 @@
 //! Laws: nothing is 0 away from itself, the order does not matter, nor scale, place or threads; and what a limit does.
 use super::families::{KINDS, moved, pair};
 use super::measured;
-use super::random::Random;
 use chordal::budget::{JobError, RefusalCode, Tolerance};
 use chordal::check::{Goal, deviation};
 use chordal::{Job, Mesh};
+use chordal_testkit::Random;
 
 fn pairs() -> impl Iterator<Item = (String, [Mesh; 2])> {
     (0..KINDS.len()).flat_map(|kind| {

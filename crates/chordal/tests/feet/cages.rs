@@ -1,9 +1,11 @@
 //! Limit surfaces beside their own points, at irregular vertices, creases, corners and borders.
 use super::corpus::cages;
-use super::{Point, Random, judge};
-use crate::long::cases;
+use super::judge;
 use chordal::explicit::{Cage, LimitSurface, Scheme, SurfaceTree};
 use chordal::{Job, Tolerance};
+use chordal_testkit::Random;
+use chordal_testkit::cases;
+use chordal_testkit::sampler::Point;
 
 fn samples(limit: &LimitSurface<'_>, n: usize) -> Vec<Point> {
     let sheets = (0..limit.n_sheets()).map(|sheet| limit.sheet(sheet).unwrap());
@@ -21,7 +23,7 @@ fn extent(samples: &[Point]) -> f64 {
 
 #[test]
 fn no_cage_of_the_corpus_breaks_an_enclosure() {
-    let mut numbers = Random(21);
+    let mut numbers = Random::new(21);
     let mut wide = 0;
     for (name, cage) in cages().into_iter().filter(|(_, cage)| cage.scheme() != Scheme::Loop) {
         let limit = cage.limit().unwrap();
@@ -36,10 +38,10 @@ fn no_cage_of_the_corpus_breaks_an_enclosure() {
                 0 => samples[(query * 169) % samples.len()],
                 1 => {
                     let on = samples[(query * 101) % samples.len()];
-                    let off = numbers.point(0.05 * size);
+                    let off = numbers.point_within::<3>(0.05 * size);
                     [0, 1, 2].map(|k| on[k] + off[k])
                 }
-                _ => numbers.point(1.5 * size),
+                _ => numbers.point_within::<3>(1.5 * size),
             };
             let found = tree.closest_point(p, Some(Tolerance::new(tolerance * size).unwrap())).unwrap();
             let sheet = limit.sheet(found.sheet as usize).unwrap();
@@ -82,8 +84,8 @@ fn what_was_asked_before_changes_no_answer() {
             continue;
         }
         let limit = cage.limit().unwrap();
-        let mut numbers = Random(22);
-        let points: Vec<Point> = (0..60).map(|_| numbers.point(1.5)).collect();
+        let mut numbers = Random::new(22);
+        let points: Vec<Point> = (0..60).map(|_| numbers.point_within::<3>(1.5)).collect();
         let tree = || SurfaceTree::from_limit(&limit, &Job::default()).unwrap();
         let all = tree().closest_points(&points, None, &Job::default());
         for (p, known) in points.iter().zip(&all).rev() {

@@ -1,7 +1,8 @@
 //! Surfaces whose distance has a closed form.
-use super::{Point, Random, distance};
 use chordal::explicit::{Cage, SurfaceTree};
 use chordal::{Job, Patch};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Point, distance};
 
 fn tree(patch: Patch) -> SurfaceTree {
     SurfaceTree::from_patches(&[patch], &Job::default()).unwrap()
@@ -18,9 +19,9 @@ fn holds(tree: &SurfaceTree, p: Point, truth: f64) {
 #[test]
 fn a_rectangle() {
     let tree = tree(Patch::flat([0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]));
-    let mut numbers = Random(11);
+    let mut numbers = Random::new(11);
     for _ in 0..500 {
-        let p = numbers.point(4.0);
+        let p = numbers.point_within::<3>(4.0);
         let beyond = |x: f64, most: f64| (-x).max(x - most).max(0.0);
         holds(&tree, p, distance([beyond(p[0], 2.0), beyond(p[1], 1.0), p[2]], [0.0; 3]));
     }
@@ -36,7 +37,7 @@ fn saddle() -> Patch {
 #[test]
 fn along_the_normals_of_a_saddle() {
     let tree = tree(saddle());
-    let mut numbers = Random(12);
+    let mut numbers = Random::new(12);
     for _ in 0..500 {
         let (x, y) = (0.9 * numbers.signed(), 0.9 * numbers.signed());
         // Its radii of curvature are 1 at least.
@@ -76,9 +77,9 @@ fn a_cage_whose_limit_is_a_plane_and_one_that_is_itself() {
         .map(|(i, j)| [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
     let flat = Cage::new(points, faces).unwrap().with_boundary(chordal::explicit::Boundary::None);
     let tree = SurfaceTree::from_limit(&flat.limit().unwrap(), &Job::default()).unwrap();
-    let mut numbers = Random(13);
+    let mut numbers = Random::new(13);
     for _ in 0..200 {
-        let p = numbers.point(8.0);
+        let p = numbers.point_within::<3>(8.0);
         let beyond = |x: f64| (1.0 - x).max(x - 5.0).max(0.0);
         let found = tree.closest_point(p, None).unwrap();
         let truth = distance([beyond(p[0]), beyond(p[1]), p[2]], [0.0; 3]);

@@ -1,11 +1,12 @@
 //! Meshes against patches and limit surfaces: enclosures beside samples of both, for meshes that are ours and that are not.
 use super::corpus::cages;
 use super::patches::samples as patch_samples;
-use super::{Point, Random, distance};
-use crate::long::is_long;
 use chordal::check::{self, Deviation, Goal};
 use chordal::explicit::{Cage, Scheme};
 use chordal::{Budget, Job, Mesh, Patch, Tolerance, convert};
+use chordal_testkit::Random;
+use chordal_testkit::is_long;
+use chordal_testkit::sampler::{Point, distance};
 
 fn to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
     let sub = |p: Point, q: Point| [0, 1, 2].map(|k| p[k] - q[k]);
@@ -144,7 +145,7 @@ fn meshes_of_cages() {
         assert!(found.reached, "{name}: {found:?}");
         assert!(found.bound.at_least() <= made.bound.at_most().unwrap(), "{name}: {found:?}");
         assert!(made.bound.at_least() <= found.bound.at_most().unwrap(), "{name}: {found:?}");
-        let mut numbers = Random(31);
+        let mut numbers = Random::new(31);
         let shaken = |p: &Point| [0, 1, 2].map(|k| p[k] + 0.02 * size * numbers.signed());
         let other =
             Mesh::new(made.shape.positions().iter().map(shaken).collect(), made.shape.faces().to_vec())

@@ -1,7 +1,9 @@
 //! Random patches, and those with nothing to hold on to, beside samples by the plain sum of Bernstein's polynomials.
-use super::{Point, Random, distance, judge};
+use super::judge;
 use chordal::explicit::{SurfaceClosestPoint, SurfaceTree};
 use chordal::{Job, Patch, Tolerance};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Point, distance};
 
 pub fn at(patch: &Patch, u: f64, v: f64) -> Point {
     let weights = |t: f64| {
@@ -35,7 +37,7 @@ fn foot(tree: &SurfaceTree, p: Point) -> SurfaceClosestPoint {
 
 #[test]
 fn no_enclosure_of_ten_thousand_is_broken() {
-    let mut numbers = Random(1);
+    let mut numbers = Random::new(1);
     let (mut wide, mut on_border) = (0, 0);
     for round in 0..250 {
         let patches: Vec<Patch> =
@@ -47,9 +49,9 @@ fn no_enclosure_of_ten_thousand_is_broken() {
             let p = match query % 8 {
                 0 => at(&patches[0], 0.5 + 0.5 * numbers.signed(), 0.5 + 0.5 * numbers.signed()),
                 1 => samples[(query * 37) % samples.len()],
-                2 => numbers.point(1e3),
-                3 => numbers.point(1e9),
-                _ => numbers.point(4.0),
+                2 => numbers.point_within::<3>(1e3),
+                3 => numbers.point_within::<3>(1e9),
+                _ => numbers.point_within::<3>(4.0),
             };
             let found = foot(&tree, p);
             let place = at(&patches[found.sheet as usize], found.u, found.v);
@@ -65,13 +67,13 @@ fn no_enclosure_of_ten_thousand_is_broken() {
 
 #[test]
 fn a_tolerance_is_met_and_holds() {
-    let mut numbers = Random(2);
+    let mut numbers = Random::new(2);
     for _ in 0..100 {
         let patch = random(&mut numbers, 1.0);
         let tree = SurfaceTree::from_patches(&[patch], &Job::default()).unwrap();
         let samples = samples(&patch, 24);
         for tolerance in [1e-1, 1e-3, 1e-6] {
-            let p = numbers.point(3.0);
+            let p = numbers.point_within::<3>(3.0);
             let found = tree.closest_point(p, Some(Tolerance::new(tolerance).unwrap())).unwrap();
             judge(&found, p, at(&patch, found.u, found.v), &samples, 1e-13);
             assert!(found.at_most - found.at_least <= tolerance, "{found:?}");
@@ -100,7 +102,7 @@ fn degenerate() -> Vec<Patch> {
 
 #[test]
 fn degenerate_patches_have_feet() {
-    let mut numbers = Random(3);
+    let mut numbers = Random::new(3);
     for (which, patch) in degenerate().into_iter().enumerate() {
         let tree = SurfaceTree::from_patches(&[patch], &Job::default()).unwrap();
         let samples = samples(&patch, 40);
@@ -108,7 +110,7 @@ fn degenerate_patches_have_feet() {
             let p = match query % 4 {
                 0 => samples[(query * 31) % samples.len()],
                 1 => patch.control[0][0],
-                _ => numbers.point(2.0),
+                _ => numbers.point_within::<3>(2.0),
             };
             let found = foot(&tree, p);
             judge(&found, p, at(&patch, found.u, found.v), &samples, 1e-14);
@@ -119,10 +121,10 @@ fn degenerate_patches_have_feet() {
 
 #[test]
 fn a_power_of_two_changes_no_digit() {
-    let mut numbers = Random(4);
+    let mut numbers = Random::new(4);
     for _ in 0..50 {
         let patch = random(&mut numbers, 1.0);
-        let p = numbers.point(3.0);
+        let p = numbers.point_within::<3>(3.0);
         let plain = foot(&SurfaceTree::from_patches(&[patch], &Job::default()).unwrap(), p);
         for exponent in [-300, -900, 300, 900] {
             let scale = f64::powi(2.0, exponent);
@@ -138,7 +140,7 @@ fn a_power_of_two_changes_no_digit() {
 
 #[test]
 fn queries_that_dwarf_the_surface_or_are_none() {
-    let patch = random(&mut Random(5), 1.0);
+    let patch = random(&mut Random::new(5), 1.0);
     let tree = SurfaceTree::from_patches(&[patch], &Job::default()).unwrap();
     for far in [1e12, 1e18, 1e20, 1e100, 1e200, 1e300] {
         for p in [[far, 0.0, 0.0], [-far, far, 0.5 * far]] {
@@ -174,10 +176,10 @@ fn queries_that_dwarf_the_surface_or_are_none() {
 
 #[test]
 fn many_queries_are_answered_like_each_on_any_number_of_threads() {
-    let mut numbers = Random(6);
+    let mut numbers = Random::new(6);
     let patches: Vec<Patch> = (0..5).map(|_| random(&mut numbers, 1.0)).collect();
     let tree = SurfaceTree::from_patches(&patches, &Job::default()).unwrap();
-    let points: Vec<Point> = (0..1000).map(|_| numbers.point(3.0)).collect();
+    let points: Vec<Point> = (0..1000).map(|_| numbers.point_within::<3>(3.0)).collect();
     let each: Vec<_> = points.iter().map(|p| tree.closest_point(*p, None)).collect();
     for threads in [1, 2, 5] {
         assert_eq!(tree.closest_points(&points, None, &Job::default().with_threads(threads)), each);

@@ -2,31 +2,8 @@
 use chordal::implicit::Dual;
 use chordal::implicit::{DistanceQuality, Field};
 use chordal::math::{Box3, Interval};
-
-/// Numbers by SplitMix64 (S. Vigna, 2015).
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub fn point(&mut self, reach: f64) -> [f64; 3] {
-        [0; 3].map(|_| reach * (2.0 * self.unit() - 1.0))
-    }
-}
+use chordal_testkit::Random;
+use chordal_testkit::sampler::distance;
 
 const REACH: f64 = 2.5;
 const POINTS: usize = 1500;
@@ -40,15 +17,11 @@ fn values(field: &Field, points: &[[f64; 3]]) -> Vec<f64> {
     out
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
-}
-
 pub fn obey(name: &str, field: &Field) {
     let seed = name.bytes().fold(5_u64, |h, b| h.wrapping_mul(31).wrapping_add(u64::from(b)));
     eprintln!("{name}: seed {seed}");
     let mut random = Random::new(seed);
-    let points: Vec<[f64; 3]> = (0..POINTS).map(|_| random.point(REACH)).collect();
+    let points: Vec<[f64; 3]> = (0..POINTS).map(|_| random.point_within(REACH)).collect();
     let at = values(field, &points);
     let quality = |v: f64| if v >= 0.0 { field.distance().outside } else { field.distance().inside };
     signs(name, field, &points, &at);
@@ -64,7 +37,7 @@ pub fn obey(name: &str, field: &Field) {
     let mut around = Vec::new();
     for (p, v) in points.iter().zip(&at) {
         for _ in 0..8 {
-            let d = random.point(1.0);
+            let d = random.point_within(1.0);
             let length = distance(d, [0.0; 3]);
             let by = v.abs() * random.unit().powf(0.1) / length;
             around.push(std::array::from_fn(|k| p[k] + by * d[k]));
@@ -137,7 +110,7 @@ fn ranges(name: &str, field: &Field, random: &mut Random) {
         let tape = Field::new(expr.clone()).tape();
         let boxes: Vec<Box3> = (0..120)
             .map(|k| {
-                let (p, size) = (random.point(REACH), if k % 2 == 0 { 0.5 } else { 0.01 });
+                let (p, size) = (random.point_within(REACH), if k % 2 == 0 { 0.5 } else { 0.01 });
                 Box3 { min: p, max: p.map(|x| x + size * random.unit()) }
             })
             .collect();

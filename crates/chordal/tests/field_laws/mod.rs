@@ -5,7 +5,8 @@ mod trees;
 
 use chordal::implicit::shapes::*;
 use chordal::implicit::{Affine3, Distance, DistanceQuality, Field, Repeat};
-use law::{Random, obey};
+use chordal_testkit::Random;
+use law::obey;
 
 /// One test for each shape: its name and how it is made.
 macro_rules! field_laws {
@@ -98,7 +99,7 @@ fn shear() -> Affine3 {
 
 fn scattered() -> Result<Vec<Field>, InvalidShape> {
     let mut random = Random::new(7);
-    (0..50).map(|_| sphere(0.3)?.moved(random.point(2.0))).collect()
+    (0..50).map(|_| sphere(0.3)?.moved(random.point_within(2.0))).collect()
 }
 
 /// Laws that fail on what breaks them: a distance twice too long, a box that is too small, a sign of another shape.
@@ -123,7 +124,7 @@ fn csg_is_minimum_and_maximum() {
     let (a, b) = (torus(1.0, 0.3).expect("a shape"), cuboid([1.0, 2.0, 0.5]).expect("a shape"));
     let mut random = Random::new(3);
     for _ in 0..2000 {
-        let p = random.point(2.0);
+        let p = random.point_within(2.0);
         let at = |field: &Field| field.expr().at(p).expect("no leaf fails");
         let (va, vb) = (at(&a), at(&b));
         assert_eq!(at(&a.union(&b)), va.min(vb));

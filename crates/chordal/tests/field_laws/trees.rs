@@ -1,9 +1,10 @@
 //! Random trees of shapes obey the laws too.
-use super::law::{Random, obey};
+use super::law::obey;
 use chordal::implicit::shapes::{
     InvalidShape, capped_cone, capsule, cuboid, cylinder, ellipsoid, sphere, torus,
 };
 use chordal::implicit::{DistanceQuality, Field};
+use chordal_testkit::Random;
 
 fn leaf(random: &mut Random) -> Result<Field, InvalidShape> {
     let size = 0.4 + 0.8 * random.unit();
@@ -13,14 +14,16 @@ fn leaf(random: &mut Random) -> Result<Field, InvalidShape> {
         2 => cylinder(0.5 * size, 1.0),
         3 => torus(size, 0.2),
         4 => capped_cone(size, 0.2, 1.0),
-        5 => capsule([0.0; 3], random.point(1.0), 0.4 * size),
+        5 => capsule([0.0; 3], random.point_within(1.0), 0.4 * size),
         _ => ellipsoid([size, 0.5, 0.8]),
     }
 }
 
 fn tree(random: &mut Random, depth: u32) -> Result<Field, InvalidShape> {
     if depth == 0 {
-        return leaf(random)?.rotated_deg([1.0, 0.5, 0.2], 360.0 * random.unit())?.moved(random.point(0.8));
+        return leaf(random)?
+            .rotated_deg([1.0, 0.5, 0.2], 360.0 * random.unit())?
+            .moved(random.point_within(0.8));
     }
     let (a, b) = (tree(random, depth - 1)?, tree(random, depth - 1)?);
     Ok(match random.bits() % 8 {

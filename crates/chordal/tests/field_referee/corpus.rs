@@ -1,16 +1,17 @@
 //! The corpus of solids: each is meshed within a budget, closed and manifold, and judged by the referee; and the error falls with
 //! the square of the cells where shapes are smooth.
-use super::measure::{backward, forward, is_good, soup_of, surface};
-use super::random::Random;
+use super::measure::{backward, forward, is_good, surface};
 use super::shapes::{self, Shape};
 use super::{SLACK, budget};
-use crate::long::is_long;
+use crate::deviation_referee::triangles_of;
 use chordal::check::validity;
 use chordal::convert::field_to_mesh;
 use chordal::explicit::Topology;
 use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::{Budget, Job, Mesh};
+use chordal_testkit::Random;
+use chordal_testkit::is_long;
 
 fn corpus() -> Vec<(Shape, f64)> {
     let (n_bells, within) = if is_long() { (100, 0.04) } else { (40, 0.06) };
@@ -37,13 +38,13 @@ fn the_corpus_is_met_closed_and_never_farther_than_proved() {
         is_good(&made.shape).unwrap_or_else(|what| panic!("{}: {what}", shape.name));
         let valid = validity(&made.shape, Topology::Indices);
         assert!(valid.closed && valid.manifold(), "{}", shape.name);
-        let soup = soup_of(&made.shape);
+        let soup = triangles_of(&made.shape);
         let ahead = forward(&soup, &shape, &mut random);
         let back = backward(&surface(&shape, 300, &mut random), &soup);
         println!(
             "{}: {} faces, [{:.4}, {most:.4}] of {length}, seen {ahead:.4} {back:.4}",
             shape.name,
-            soup.len(),
+            soup.corners.len(),
             made.bound.at_least()
         );
         assert!(ahead.max(back) <= most + SLACK, "{}: {ahead:e} {back:e} of {most:e}", shape.name);
@@ -95,7 +96,8 @@ fn parts_that_abut_at_a_sharp_angle_are_proved() {
 
 /// How far the middles of triangles in a ball about the origin are, as a root mean square.
 fn stray(mesh: &Mesh, within: f64, far: impl Fn([f64; 3]) -> f64) -> f64 {
-    let all: Vec<f64> = soup_of(mesh)
+    let all: Vec<f64> = triangles_of(mesh)
+        .corners
         .iter()
         .map(|t| std::array::from_fn(|k| (t[0][k] + t[1][k] + t[2][k]) / 3.0))
         .filter(|c: &[f64; 3]| c[0].hypot(c[1]).hypot(c[2]) < within)

@@ -1,10 +1,12 @@
 //! Meshes that no polygonizer of this library made: moved, torn, turned, too coarse; and bounds that are cut.
-use super::measure::{backward, forward, soup_of, surface};
-use super::random::Random;
+use super::measure::{backward, forward, surface};
 use super::shapes::{self, Node, Shape};
 use super::{budget, deviation, judged, made, trees};
+use crate::deviation_referee::triangles_of;
 use chordal::convert::field_to_mesh;
 use chordal::{Job, Mesh};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::distance_to_triangle;
 
 fn changed(mesh: &Mesh, point: impl FnMut([f64; 3]) -> [f64; 3], keep: impl Fn([f64; 3]) -> bool) -> Mesh {
     let positions: Vec<[f64; 3]> = mesh.positions().to_vec();
@@ -38,7 +40,7 @@ fn damaged_meshes_are_as_far_as_proved() {
         cases.push(("as it is", mesh));
         for (what, mesh) in cases {
             // Without a goal the search may give up where the mesh is far off; with one it says whether that holds.
-            let soup = soup_of(&mesh);
+            let soup = triangles_of(&mesh);
             let ahead = forward(&soup, &shape, &mut random);
             let back = backward(&surface(&shape, 300, &mut random), &soup);
             let found = deviation(&shape, &mesh, Some(1.3 * ahead.max(back)));
@@ -78,10 +80,10 @@ fn triangles_in_a_sphere_are_known_to_the_last_digits() {
         let found = deviation(&sphere, &mesh, None);
         // From a point of a triangle to the sphere it is |‖p‖ − 1|: the corners are farthest out, and the foot of the
         // centre farthest in.
-        let soup = soup_of(&mesh);
-        let truth = soup.iter().fold(0.0_f64, |most, t| {
+        let soup = triangles_of(&mesh);
+        let truth = soup.corners.iter().fold(0.0_f64, |most, t| {
             let out = t.iter().map(|p| (p[0].hypot(p[1]).hypot(p[2]) - 1.0).abs()).fold(0.0, f64::max);
-            most.max(out).max(1.0 - super::sampler::to_triangle([0.0; 3], *t))
+            most.max(out).max(1.0 - distance_to_triangle([0.0; 3], *t))
         });
         let side = &found.forward;
         assert!(side.at_least <= truth + 1e-12 && truth <= side.at_most + 1e-12, "{truth} {side:?}");
@@ -118,12 +120,13 @@ fn damaged_meshes_have_two_ends_without_a_limit() {
             // The own functions of these two are distances: nothing of the mesh is farther than the farthest sample, and the way
             // to one, which is less than half of an edge.
             if shape.name == "sphere" || shape.name == "torus" {
-                let soup = soup_of(&mesh);
+                let soup = triangles_of(&mesh);
                 let edge = |t: &[[f64; 3]; 3], k: usize| {
                     let (a, b) = (t[k], t[(k + 1) % 3]);
                     (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
                 };
-                let longest = soup.iter().flat_map(|t| [0, 1, 2].map(|k| edge(t, k))).fold(0.0, f64::max);
+                let longest =
+                    soup.corners.iter().flat_map(|t| [0, 1, 2].map(|k| edge(t, k))).fold(0.0, f64::max);
                 let ahead = forward(&soup, &shape, &mut random);
                 let least = found.forward.at_least;
                 assert!(least <= ahead + 0.5 * longest, "{} {what}: {least} of {ahead}", shape.name);

@@ -1,17 +1,14 @@
 //! Distances that the referee finds itself: points of triangles by the shape's own function, points of the shape by bisection.
-use super::random::Random;
-use super::sampler::{Soup, to_soup};
 use super::shapes::{Point, Shape};
+use crate::deviation_referee::triangles_of;
 use chordal::Mesh;
-
-pub fn soup_of(mesh: &Mesh) -> Soup {
-    (0..mesh.faces().len()).map(|face| mesh.corners(face)).collect()
-}
+use chordal_testkit::Random;
+use chordal_testkit::sampler::Triangles;
 
 /// The farthest that a point of the triangles surely is from the surface: |f| over the slope is never more than the distance.
-pub fn forward(mesh: &Soup, shape: &Shape, random: &mut Random) -> f64 {
+pub fn forward(mesh: &Triangles, shape: &Shape, random: &mut Random) -> f64 {
     let mut most = 0.0_f64;
-    for t in mesh {
+    for t in &mesh.corners {
         let mut see = |w: [f64; 3]| {
             let sum = w[0] + w[1] + w[2];
             let p: Point = std::array::from_fn(|k| (w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k]) / sum);
@@ -53,8 +50,8 @@ pub fn surface(shape: &Shape, count: usize, random: &mut Random) -> Vec<Point> {
 }
 
 /// The farthest of some points from the triangles.
-pub fn backward(points: &[Point], mesh: &Soup) -> f64 {
-    points.iter().map(|p| to_soup(*p, mesh)).fold(0.0, f64::max)
+pub fn backward(points: &[Point], mesh: &Triangles) -> f64 {
+    points.iter().map(|p| mesh.distance(*p)).fold(0.0, f64::max)
 }
 
 /// Closed, each edge used once each way, and the volume inside positive.
@@ -68,7 +65,8 @@ pub fn is_good(mesh: &Mesh) -> Result<(), String> {
     if let Some([a, b]) = edges.iter().find(|[a, b]| edges.binary_search(&[*b, *a]).is_err()) {
         return Err(format!("the edge {a}-{b} has one side"));
     }
-    let volume: f64 = soup_of(mesh)
+    let volume: f64 = triangles_of(mesh)
+        .corners
         .iter()
         .map(|[a, b, c]| {
             a[0] * (b[1] * c[2] - b[2] * c[1])

@@ -7,15 +7,14 @@ mod measure;
 mod same;
 mod shapes;
 
-use crate::curve_referee::random;
-use crate::deviation_referee::sampler;
-use crate::long::is_long;
+use crate::deviation_referee::triangles_of;
 use chordal::check::{FieldDeviation, Goal, field_deviation, validity};
 use chordal::convert::field_to_mesh;
 use chordal::explicit::Topology;
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};
-use measure::{backward, forward, is_good, soup_of, surface};
-use random::Random;
+use chordal_testkit::Random;
+use chordal_testkit::is_long;
+use measure::{backward, forward, is_good, surface};
 use shapes::Shape;
 
 fn budget(length: f64) -> Budget {
@@ -42,7 +41,7 @@ fn judged(shape: &Shape, mesh: &Mesh, found: &FieldDeviation, random: &mut Rando
     let most = found.bound.at_most()?;
     // The boxes of some of these shapes are this test's word.
     assert!(found.bound.evidence().bounds_above(), "{}", shape.name);
-    let soup = soup_of(mesh);
+    let soup = triangles_of(mesh);
     let (ahead, back) = (forward(&soup, shape, random), backward(&surface(shape, 300, random), &soup));
     assert!(
         ahead <= found.forward.at_most + SLACK,
@@ -91,13 +90,13 @@ fn no_point_is_farther_than_proved() {
         let most = made.bound.at_most();
         is_good(&made.shape).unwrap_or_else(|what| panic!("{}: {what}", shape.name));
         assert!(validity(&made.shape, Topology::Indices).manifold(), "{}", shape.name);
-        let soup = soup_of(&made.shape);
+        let soup = triangles_of(&made.shape);
         let ahead = forward(&soup, &shape, &mut random);
         let back = backward(&surface(&shape, 300, &mut random), &soup);
         println!(
             "{}: {} faces, [{:.4}, {most:?}], seen {ahead:.4} {back:.4}",
             shape.name,
-            soup.len(),
+            soup.corners.len(),
             made.bound.at_least()
         );
         let most = most.unwrap_or_else(|| panic!("{}: nothing proved", shape.name));

@@ -2,24 +2,19 @@
 use super::{budget, shapes};
 use chordal::Job;
 use chordal::convert::field_to_mesh;
+use chordal_testkit::Fingerprint;
 
 /// A number for all bytes of the meshes and of their bounds.
 fn digest(threads: usize) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    let mut add = |bits: u64| {
-        for byte in bits.to_le_bytes() {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    };
+    let mut sum = Fingerprint::default();
     for shape in [shapes::torus(), shapes::gyroid()] {
         let job = Job::default().with_threads(threads);
         let made = field_to_mesh(&shape.field, &budget(0.06), &job).expect("it is proved");
-        made.shape.positions().as_flattened().iter().for_each(|x| add(x.to_bits()));
-        made.shape.faces().as_flattened().iter().for_each(|i| add(u64::from(*i)));
-        add(made.bound.at_least().to_bits());
-        add(made.bound.at_most().expect("proved").to_bits());
+        sum.add_bits(made.shape.positions().as_flattened());
+        made.shape.faces().as_flattened().iter().for_each(|i| sum.add_number(u64::from(*i)));
+        sum.add_bits(&[made.bound.at_least(), made.bound.at_most().expect("proved")]);
     }
-    hash
+    sum.0
 }
 
 #[test]

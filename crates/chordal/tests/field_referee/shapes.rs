@@ -1,7 +1,7 @@
 //! Shapes as expressions of the library and, apart from them, as functions of the referee's own.
-use super::random::Random;
 use chordal::implicit::{Expr, Field, Unary};
 use chordal::math::Box3;
+use chordal_testkit::Random;
 
 pub type Point = [f64; 3];
 

@@ -1,8 +1,9 @@
 //! The tape has the plain evaluator's values bit for bit, on whatever instruction set it runs; gradients are those of
 //! differences; a shortened tape has the same values in its region.
-use super::models::Random;
+use super::models::RandomFields;
 use chordal::implicit::{Dual, ExprGraph, Tape, reference};
 use chordal::math::{Box3, Interval};
+use chordal_testkit::Random;
 
 /// The bits of a number; NaN is NaN.
 fn bits(x: f64) -> u64 {
@@ -21,7 +22,7 @@ fn compare(random: &mut Random, size: usize, rows: usize) {
     let expr = random.expression(size);
     let (graph, tape) = (ExprGraph::from_expr(&expr), Tape::new(&expr));
     let points: Vec<[f64; 3]> = (0..rows)
-        .map(|k| if k % 7 == 0 { [0, 1, 2].map(|_| random.number()) } else { random.point() })
+        .map(|k| if k % 7 == 0 { [0, 1, 2].map(|_| random.number()) } else { random.point_within(4.0) })
         .collect();
     let mut values = vec![0.0; rows];
     tape.at(&points, &mut values).unwrap();
@@ -74,7 +75,7 @@ fn compare(random: &mut Random, size: usize, rows: usize) {
 #[test]
 fn the_tape_is_the_plain_evaluator_bit_for_bit() {
     let seed = 11;
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     for case in 0..250 {
         let (size, rows) = (1 + random.below(40), 1 + random.below(300));
         println!("seed {seed}, case {case}: {size} operations, {rows} rows");
@@ -100,12 +101,12 @@ fn every_instruction_set_gives_the_same_bits() {
 
 #[test]
 fn gradients_are_those_of_differences() {
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     let mut n_checked = 0;
     for _ in 0..400 {
         let expr = random.expression(6);
         let tape = Tape::new(&expr);
-        let points: Vec<[f64; 3]> = (0..20).map(|_| random.point()).collect();
+        let points: Vec<[f64; 3]> = (0..20).map(|_| random.point_within(4.0)).collect();
         let mut slopes = vec![NOWHERE; points.len()];
         tape.gradient_at(&points, &mut slopes).unwrap();
         for (p, slope) in points.iter().zip(&slopes) {
@@ -148,7 +149,7 @@ fn gradients_are_those_of_differences() {
 
 #[test]
 fn a_shortened_tape_has_the_same_values_in_its_region() {
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     let mut n_shorter = 0;
     for case in 0..400 {
         let expr = if case % 2 == 0 { random.solids(12) } else { random.expression(40) };
@@ -176,7 +177,7 @@ fn a_shortened_tape_has_the_same_values_in_its_region() {
 
 #[test]
 fn a_region_of_one_solid_needs_that_one_alone() {
-    let mut random = Random(14);
+    let mut random = Random::new(14);
     let tape = Tape::new(&random.solids(60));
     let bounds = Box3 { min: [1.0; 3], max: [1.01; 3] };
     let (_, shorter) = tape.prune(&bounds).unwrap();

@@ -1,9 +1,9 @@
 //! Two cells that share a face, with every corner below, at and above the level, along each axis.
 use super::solid::{flat, flaw, volume6};
-use crate::long::is_long;
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_triangles};
 use chordal::implicit::{Affine3, Grid, Samples};
+use chordal_testkit::is_long;
 
 #[test]
 fn two_cells_are_closed_and_manifold_in_every_pattern() {

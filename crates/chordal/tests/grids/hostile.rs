@@ -1,10 +1,11 @@
 //! HOSTILE.md, rows 63 to 66 and 70: what volumes of other people look like.
 use super::shapes::sampled;
-use super::solid::{Random, flat, flaw, volume6};
+use super::solid::{flat, flaw, volume6};
 use chordal::budget::RefusalCode;
 use chordal::convert::{LabelOptions, Polygonize, grid_to_mesh, grid_to_triangles, labels_to_meshes};
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::{Budget, Evidence, Failure, Job, Tolerance};
+use chordal_testkit::Random;
 use std::collections::BTreeSet;
 
 fn grid(size: [usize; 3], samples: Samples) -> Grid {
@@ -17,12 +18,11 @@ fn ball([x, y, z]: [f64; 3]) -> f64 {
 
 #[test]
 fn h63_samples_that_are_no_numbers_are_outside_and_leave_it_closed() {
-    let mut random = Random(0x5EED_0063);
+    let mut random = Random::new(0x5EED_0063);
     let clean = sampled(ball, 12, &Affine3::cubes([-1.0; 3], 2.0 / 11.0).unwrap());
     let mut values: Vec<f64> = (0..12 * 12 * 12).map(|at| clean.samples().get(at)).collect();
     for _ in 0..300 {
-        values[random.below(1728) as usize] =
-            [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][random.below(3) as usize];
+        values[random.below(1728)] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][random.below(3)];
     }
     let grid = grid([12; 3], Samples::F64(values.clone()));
     let made = grid_to_mesh(&grid, &Polygonize::below(0.0), None, &Job::default()).unwrap();
@@ -88,7 +88,7 @@ fn h65_singular_transforms_are_refused_and_mirrored_ones_turned() {
 
 #[test]
 fn h66_thousands_of_labels_are_closed_each_and_share_their_vertices() {
-    let mut random = Random(0x5EED_0066);
+    let mut random = Random::new(0x5EED_0066);
     let n = 28;
     // Boxes of 2 x 2 x 2 samples with a label each, in a shuffled order, and some of the largest label.
     let samples: Vec<u32> = (0..n * n * n)

@@ -1,7 +1,7 @@
 //! The interpolant of a grid as a leaf: against its definition, and its ranges against points.
-use super::solid::Random;
 use chordal::implicit::{Affine3, Grid, Leaf, Samples, Trilinear};
 use chordal::math::{Box3, Interval};
+use chordal_testkit::Random;
 
 fn leaf(random: &mut Random, rows: [[f64; 4]; 3]) -> Trilinear {
     let size = [7, 20, 9];
@@ -11,7 +11,7 @@ fn leaf(random: &mut Random, rows: [[f64; 4]; 3]) -> Trilinear {
 
 #[test]
 fn ranges_hold_values_and_gradients_of_points() {
-    let mut random = Random(0x5EED_0010);
+    let mut random = Random::new(0x5EED_0010);
     for rows in [
         [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
         [[0.3, 0.1, 0.0, -2.0], [0.0, -0.2, 0.05, 1.0], [0.02, 0.0, 0.7, 5.0]],
@@ -19,7 +19,7 @@ fn ranges_hold_values_and_gradients_of_points() {
     ] {
         let leaf = leaf(&mut random, rows);
         for _ in 0..3000 {
-            let wide = [0.1, 1.0, 6.0][random.below(3) as usize];
+            let wide = [0.1, 1.0, 6.0][random.below(3)];
             let start: [f64; 3] = [0, 1, 2].map(|k| random.unit() * [9.0, 22.0, 11.0][k] - 1.0);
             let corner = leaf.grid().affine().at(start);
             let size: [f64; 3] = [0; 3].map(|_: i32| random.unit() * wide);
@@ -52,7 +52,7 @@ fn ranges_hold_values_and_gradients_of_points() {
 fn ranges_of_equal_samples_hold_their_rounded_means() {
     let samples = Samples::F64(vec![5.3; 27]);
     let leaf = Trilinear::new(Grid::new([3; 3], samples, Affine3::IDENTITY).unwrap());
-    let mut random = Random(0x5EED_0011);
+    let mut random = Random::new(0x5EED_0011);
     let mut off = 0;
     for _ in 0..1000 {
         let p: [f64; 3] = std::array::from_fn(|_| 2.0 * random.unit());

@@ -1,15 +1,15 @@
 //! Level curves of planes of samples: each crossed edge once, in lines that are closed or end at the border.
-use super::solid::Random;
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_polyline};
 use chordal::implicit::{Affine3, Grid, Samples};
+use chordal_testkit::Random;
 use std::collections::BTreeSet;
 
 #[test]
 fn random_planes_have_lines_that_are_closed_or_end_at_the_border() {
-    let mut random = Random(0x5EED_0020);
+    let mut random = Random::new(0x5EED_0020);
     for case in 0..20_000 {
-        let size = [2 + random.below(5) as usize, 2 + random.below(5) as usize, 1];
+        let size = [2 + random.below(5), 2 + random.below(5), 1];
         let values: Vec<i8> = (0..size[0] * size[1]).map(|_| random.below(3) as i8 - 1).collect();
         let side = |i: usize, j: usize| values[i + size[0] * j] < 0;
         let mut crossed = 0;

@@ -1,13 +1,14 @@
 //! Many small volumes of every type, with ties and without numbers.
-use super::solid::{Random, flat, flaw, volume6};
-use crate::long::cases;
+use super::solid::{flat, flaw, volume6};
 use chordal::Job;
 use chordal::convert::{Inside, Polygonize, grid_to_triangles};
 use chordal::implicit::{Affine3, Grid, Samples};
+use chordal_testkit::Random;
+use chordal_testkit::cases;
 
 fn samples(random: &mut Random, n: usize) -> Samples {
     let kind = random.below(7);
-    let mut few = |n: u64| random.below(n);
+    let mut few = |n: usize| random.below(n);
     match kind {
         0 => Samples::U8((0..n).map(|_| few(3) as u8).collect()),
         1 => Samples::I16((0..n).map(|_| few(5) as i16 - 2).collect()),
@@ -30,16 +31,16 @@ fn samples(random: &mut Random, n: usize) -> Samples {
 #[test]
 fn random_volumes_are_closed_and_manifold() {
     let seed = 0x5EED_0001;
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let job = Job::default().with_threads(1);
     let mut with_surface = 0;
     let n_cases = cases(100_000) as u64;
     for case in 0..n_cases {
-        let size = [0; 3].map(|_: i32| 2 + random.below(3) as usize);
+        let size = [0; 3].map(|_: i32| 2 + random.below(3));
         let samples = samples(&mut random, size.iter().product());
         let grid = Grid::new(size, samples, Affine3::IDENTITY).unwrap();
         let inside = if random.below(2) == 0 { Inside::Low } else { Inside::High };
-        let level = [0.0, 0.5, 1.0, -1e-310][random.below(4) as usize];
+        let level = [0.0, 0.5, 1.0, -1e-310][random.below(4)];
         let rule = Polygonize { inside, ..Polygonize::above(level) };
         let made = grid_to_triangles::<f64>(&grid, &rule, &job).unwrap();
         let n = made.positions.len();

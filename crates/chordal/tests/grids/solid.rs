@@ -1,25 +1,5 @@
 //! Whether triangles are a closed, oriented manifold, by counting alone.
 
-/// xorshift64*, so that a printed seed gives the same samples everywhere.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub fn below(&mut self, n: u64) -> u64 {
-        ((self.next() >> 32) * n) >> 32
-    }
-}
-
 /// What is wrong with the topology, if anything. `border` says whether an edge with one face may be there.
 pub fn flaw(n: usize, faces: &[[u32; 3]], border: impl Fn(u32, u32) -> bool) -> Option<String> {
     let mut half: Vec<(u32, u32)> = Vec::with_capacity(3 * faces.len());

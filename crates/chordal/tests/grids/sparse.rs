@@ -1,6 +1,5 @@
 //! Samples in bricks: the same numbers, leaves and meshes as from one array.
 use super::shapes::sampled;
-use super::solid::Random;
 use chordal::convert::{
     Lattice, Polygonize, field_to_grid, field_to_sparse_grid, grid_to_mesh, sparse_grid_to_mesh,
 };
@@ -8,16 +7,16 @@ use chordal::implicit::shapes::torus;
 use chordal::implicit::{Affine3, Grid, Leaf, Samples, SparseGrid, Trilinear};
 use chordal::math::{Box3, Interval};
 use chordal::{Budget, Job, Tolerance};
+use chordal_testkit::Random;
 
 #[test]
 fn bricks_hold_any_samples_bit_for_bit() {
-    let mut random = Random(0x5EED_0030);
+    let mut random = Random::new(0x5EED_0030);
     for _ in 0..200 {
-        let size = [0; 3].map(|_: i32| 1 + random.below(20) as usize);
+        let size = [0; 3].map(|_: i32| 1 + random.below(20));
         let some = [1.0, -1.0, 1.0, 1.0, -0.0, f64::NAN, 0.25];
         let kinds = 1 + random.below(7);
-        let values: Vec<f64> =
-            (0..size.iter().product()).map(|_| some[random.below(kinds) as usize]).collect();
+        let values: Vec<f64> = (0..size.iter().product()).map(|_| some[random.below(kinds)]).collect();
         let grid = Grid::new(size, Samples::F64(values.clone()), Affine3::IDENTITY).unwrap();
         let sparse = SparseGrid::from_grid(&grid, 1.0);
         let Samples::F64(back) = sparse.to_dense().samples().clone() else { panic!("f64 in, f64 out") };
@@ -48,7 +47,7 @@ fn a_band_of_a_field_is_sampled_meshed_and_evaluated_as_in_one_array() {
         assert_eq!((a.shape, a.bound), (b.shape, b.bound));
     }
     let (a, b) = (Trilinear::new(dense), Trilinear::new(sparse));
-    let mut random = Random(0x5EED_0031);
+    let mut random = Random::new(0x5EED_0031);
     let mut point = || [0; 3].map(|_: i32| 3.0 * random.unit() - 1.5);
     let points: Vec<[f64; 3]> = (0..2000).map(|_| point()).collect();
     let boxes: Vec<Box3> = points.iter().map(|p| Box3 { min: *p, max: p.map(|x| x + 0.1) }).collect();

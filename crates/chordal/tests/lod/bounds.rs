@@ -1,10 +1,11 @@
 //! Bounds: no point of either surface is farther than promised, and the worst pair is as far as it is said to be.
-use super::random::Random;
-use super::sampler::{Tree, apart, norm, sub};
+use super::sampler::{apart, triangles};
 use super::{data, length, made, n_faces, shapes};
 use chordal::budget::Evidence;
 use chordal::lod::SimplifiedMesh;
 use chordal::{Bounded, Budget, Mesh};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{norm, sub};
 
 /// What the arithmetic of the sampler may be off by, as a share of the coordinates: a thousand roundings, since needles have no good normal.
 const SLACK: f64 = 1e-12;
@@ -21,8 +22,8 @@ pub fn holds(name: &str, mesh: &Mesh, made: &Bounded<SimplifiedMesh>, random: &m
     let ulp = mesh.bounds().diagonal() * f64::EPSILON;
     assert!(most <= 1.1 * least + 16.0 * ulp, "{name}: [{least:e}, {most:e}] is wide");
     if let Some(worst) = &made.shape.worst {
-        let trees = [Tree::new(mesh), Tree::new(out)];
-        let off = trees.map(|tree| tree.distance(worst.from).0);
+        let trees = [triangles(mesh), triangles(out)];
+        let off = trees.map(|tree| tree.distance(worst.from));
         let (own, far) = (off[0].min(off[1]), off[0].max(off[1]));
         assert!(own <= slack, "{name}: the worst point is {own:e} off both surfaces");
         assert!(far >= least - slack, "{name}: the worst point is {far:e} away, said was {least:e}");

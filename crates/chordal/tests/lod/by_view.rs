@@ -1,11 +1,12 @@
 //! Pixels at a camera: what is far away may lose more, and on the screen nothing moves farther than promised.
-use super::random::Random;
-use super::sampler::{FIXED, Point, Tree, cross, dot, nearest, norm, on, sub, weights};
+use super::sampler::{FIXED, triangles};
 use super::{length, made, n_faces, shapes};
 use chordal::budget::{Camera, Projection, RefusalCode, View};
 use chordal::explicit::Topology;
 use chordal::lod::{SimplifiedMesh, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Point, closest_weights, cross, dot, norm, on, sub};
 
 fn pixels(pixels: &str, view: &str) -> Budget {
     Budget::pixels(pixels.parse().expect("pixels"), view.parse().expect("a view"))
@@ -85,15 +86,15 @@ impl Screen {
 
 /// The farthest that a point of one surface is on the screen from the nearest point of the other, with how many were seen.
 fn one_way(from: &Mesh, to: &Mesh, screen: &Screen, random: &mut Random) -> (f64, usize) {
-    let tree = Tree::new(to);
+    let tree = triangles(to);
     let (mut most, mut n_seen) = (0.0_f64, 0);
     for face in 0..from.faces().len() {
         let t = from.corners(face);
-        let more: Vec<_> = (0..200_000 / from.faces().len() + 4).map(|_| weights(random)).collect();
+        let more: Vec<_> = (0..200_000 / from.faces().len() + 4).map(|_| random.weights()).collect();
         for w in FIXED.into_iter().chain(more) {
             let p = on(t, w);
-            let other = to.corners(tree.distance(p).1 as usize);
-            let q = on(other, nearest(p, other));
+            let other = to.corners(tree.nearest(p, 0).1);
+            let q = on(other, closest_weights(p, other));
             n_seen += usize::from(screen.shows(screen.at(p)));
             most = most.max(screen.moved(p, q));
         }

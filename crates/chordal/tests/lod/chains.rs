@@ -1,11 +1,11 @@
 //! Chains: every level held against the source by the sampler.
-use super::random::Random;
 use super::sampler::farthest;
 use super::{data, shapes};
 use chordal::budget::Evidence;
 use chordal::explicit::Topology;
 use chordal::lod::{LodSource, LodSteps, chain};
 use chordal::{Job, Mesh, Tolerance};
+use chordal_testkit::Random;
 
 /// The bound holds up to this share, and up to roundings of the coordinates: of points, and of their feet on needles.
 const SLACK: f64 = 1e-9;

@@ -3,12 +3,8 @@ use chordal::Mesh;
 
 /// A file below the folder of test data, its polygons cut into fans; `None` where there is none.
 pub fn obj(path: &str) -> Option<Mesh> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or(beside.into(), std::path::PathBuf::from);
-    let Ok(text) = std::fs::read_to_string(root.join("mesh").join(path)) else {
-        eprintln!("SKIPPED: no mesh/{path} below shared/data; set CHORDAL_DATA to where it is");
-        return None;
-    };
+    let file = chordal_testkit::corpus::find(&format!("mesh/{path}"))?;
+    let text = std::fs::read_to_string(file).expect("a text");
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     for line in text.lines() {
         let mut words = line.split_whitespace();

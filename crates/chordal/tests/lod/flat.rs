@@ -1,8 +1,8 @@
 //! Flat shading: normals of faces cost nothing, and come out as normals of faces.
-use super::sampler::{Point, cross, dot, norm, sub};
 use super::{length, made, n_faces, shapes};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal_testkit::sampler::{Point, cross, dot, norm, sub};
 
 fn normal(t: [Point; 3]) -> Point {
     let n = cross(sub(t[1], t[0]), sub(t[2], t[0]));

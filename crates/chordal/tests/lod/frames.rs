@@ -1,7 +1,7 @@
 //! Frames and threads: the same mesh larger, elsewhere, twice, on more threads.
-use super::random::Random;
 use super::{bounds, length, made, made_on, n_faces, shapes};
 use chordal::{Budget, Job, Mesh};
+use chordal_testkit::Random;
 
 fn mapped(mesh: &Mesh, map: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
     mesh.with_positions(mesh.positions().iter().map(|p| map(*p)).collect()).expect("finite")

@@ -13,7 +13,6 @@ mod seams;
 mod topology;
 mod wild;
 
-use crate::curve_referee::random;
 use crate::solids::shapes;
 use chordal::explicit::Topology;
 use chordal::lod::{SimplifiedMesh, simplify};

@@ -1,11 +1,11 @@
 //! Odd input: an honest result or a refusal, never a panic or a wait.
-use super::random::Random;
-use super::sampler::Tree;
+use super::sampler::triangles;
 use super::{bounds, length, made, n_faces, shapes};
 use chordal::budget::RefusalCode;
 use chordal::explicit::Topology;
 use chordal::lod::{SimplifiedMesh, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh};
+use chordal_testkit::Random;
 use std::time::Duration;
 
 fn mesh(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Mesh {
@@ -50,9 +50,9 @@ fn survives(name: &str, mesh: &Mesh) {
         }
         let most = made.bound.at_most().expect("proved");
         let [forward, backward] = [(mesh, &made.shape.mesh), (&made.shape.mesh, mesh)].map(|(a, b)| {
-            let tree = Tree::new(b);
+            let tree = triangles(b);
             let corners = a.faces().as_flattened().iter().map(|row| a.positions()[*row as usize]);
-            corners.map(|p| tree.distance(p).0).fold(0.0, f64::max)
+            corners.map(|p| tree.distance(p)).fold(0.0, f64::max)
         });
         let reach = mesh.positions().as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         assert!(

@@ -1,9 +1,9 @@
 //! Pieces: a component goes only where a length covers that, and never for a count.
-use super::random::Random;
 use super::{bounds, length, made, n_faces, shapes};
 use chordal::check::validity;
 use chordal::explicit::Topology;
 use chordal::{Budget, Failure, Job, Mesh, lod::simplify};
+use chordal_testkit::Random;
 
 fn components(mesh: &Mesh) -> u64 {
     validity(mesh, Topology::Positions).components

@@ -1,9 +1,10 @@
 //! Seams: values belong to their chart, and lines between charts stay where they are.
-use super::random::Random;
-use super::sampler::{Tree, nearest, norm, on, sub, weights};
+use super::sampler::triangles;
 use super::{length, made, n_faces, shapes};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::{Budget, Mesh};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{closest_weights, norm, on, sub};
 use std::f64::consts::TAU;
 
 /// Values at the corners of a mesh.
@@ -45,14 +46,14 @@ fn values(mesh: &Mesh, face: usize, w: [f64; 3]) -> Vec<f64> {
 
 /// How far the values at points of one surface are from those of the other close by, at most.
 fn smeared(from: &Mesh, to: &Mesh, reach: f64) -> f64 {
-    let (tree, mut random, mut most) = (Tree::new(to), Random::new(7), 0.0_f64);
+    let (tree, mut random, mut most) = (triangles(to), Random::new(7), 0.0_f64);
     for face in 0..from.faces().len() {
         for _ in 0..(20_000 / from.faces().len()).max(3) {
-            let w = weights(&mut random);
+            let w = random.weights();
             let p = on(from.corners(face), w);
             let own = values(from, face, w);
-            let off = |other: u32| {
-                let there = values(to, other as usize, nearest(p, to.corners(other as usize)));
+            let off = |other: usize| {
+                let there = values(to, other, closest_weights(p, to.corners(other)));
                 own.iter().zip(&there).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
             };
             // At a seam either side may be the right one.
@@ -164,7 +165,7 @@ fn the_border_of_two_materials_stays() {
         let of = |f: usize| {
             let t = mesh.corners(f);
             0.5 * mesh.attributes()[0].row(f)[0]
-                * norm(super::sampler::cross(sub(t[1], t[0]), sub(t[2], t[0])))
+                * norm(chordal_testkit::sampler::cross(sub(t[1], t[0]), sub(t[2], t[0])))
         };
         (0..mesh.faces().len()).map(of).sum()
     };

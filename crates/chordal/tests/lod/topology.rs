@@ -1,10 +1,11 @@
 //! Topology: a manifold stays one, and what is none stays as it is.
-use super::random::Random;
-use super::sampler::{Tree, cross, dot, sub};
+use super::sampler::triangles;
 use super::{bounds, length, made, n_faces, shapes};
 use chordal::check::{Validity, validity};
 use chordal::explicit::Topology;
 use chordal::{Budget, Mesh};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{cross, dot, sub};
 
 fn of(mesh: &Mesh) -> Validity {
     validity(mesh, Topology::Positions)
@@ -60,14 +61,14 @@ fn nothing_turns_over() {
     for mesh in [shapes::torus([60, 30], 0.1), shapes::lobes(4), shapes::heights([40, 40], 0.002)] {
         let asked = 0.004 * mesh.bounds().diagonal();
         let out = made(&mesh, &length(asked)).shape.mesh;
-        let tree = Tree::new(&mesh);
+        let tree = triangles(&mesh);
         let normal = |t: [[f64; 3]; 3]| cross(sub(t[1], t[0]), sub(t[2], t[0]));
         for face in 0..out.faces().len() {
             let t = out.corners(face);
             let middle = std::array::from_fn(|k| (t[0][k] + t[1][k] + t[2][k]) / 3.0);
             // Some face of the original close to the middle looks to the same side.
             let near = tree.within(middle, 1.5 * asked);
-            let alike = near.iter().any(|f| dot(normal(mesh.corners(*f as usize)), normal(t)) > 0.0);
+            let alike = near.iter().any(|f| dot(normal(mesh.corners(*f)), normal(t)) > 0.0);
             assert!(alike, "face {face} looks the other way");
         }
     }

@@ -1,10 +1,10 @@
 //! Meshes by chance: whatever the topology, the bound holds and nothing breaks.
-use super::random::Random;
 use super::{bounds, length, made, n_faces, shapes};
-use crate::long::cases;
 use chordal::check::validity;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::{Budget, Mesh};
+use chordal_testkit::Random;
+use chordal_testkit::cases;
 
 /// Faces between rows by chance: edges with many faces, vertices with many fans, faces twice and without area.
 fn soup(random: &mut Random) -> Mesh {

@@ -2,15 +2,15 @@
 //! shares no code with the library.
 mod picture;
 
-use crate::curve_referee::random;
 use crate::lod::data;
 use crate::solids::shapes;
 use chordal::budget::{MinDistanceView, Pixels};
 use chordal::explicit::Topology;
 use chordal::lod::{LodLevel, LodSource, LodSteps, SwitchDistances, chain};
 use chordal::{Job, Mesh, Tolerance, View};
-use picture::{Camera, Picture, dot};
-use random::Random;
+use chordal_testkit::Random;
+use chordal_testkit::sampler::dot;
+use picture::{Camera, Picture};
 use std::sync::OnceLock;
 
 /// Roundings of projections and of the search for the switch distance.

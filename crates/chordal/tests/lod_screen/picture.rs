@@ -1,17 +1,9 @@
 //! Which samples of a screen a mesh covers, and how far those are from what another covers. Plain arithmetic, nothing of the
 //! library.
 use chordal::Mesh;
+use chordal_testkit::sampler::{Point, cross, dot};
 
-type Point = [f64; 3];
 type Spot = [f64; 2];
-
-pub fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
 
 fn unit(a: Point) -> Point {
     let size = dot(a, a).sqrt();

@@ -1,13 +1,12 @@
 //! Trees of tiles: the leaves are the mesh, any mixture of depths is one surface, and its bound holds.
 
-use crate::solids::random;
 use crate::solids::shapes;
 use chordal::budget::{Evidence, JobError, Reference, RefusalCode};
 use chordal::check::{Goal, Validity, deviation, validity};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{LodTile, LodTileTree, TilingOptions, tree};
 use chordal::{Bound, Bounded, Job, Mesh, Tolerance};
-use random::Random;
+use chordal_testkit::Random;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Tiles of so many triangles, the first above the leaves within a share of the diagonal.
@@ -112,7 +111,7 @@ fn mixes(made: &LodTileTree, mesh: &Mesh, alike: impl Fn(&Validity, &Validity)) 
     let whole = validity(mesh, Topology::Positions);
     let mut depths = BTreeSet::new();
     for seed in 0..TRIES {
-        let shown = mixture(made, &mut Random(seed));
+        let shown = mixture(made, &mut Random::new(seed));
         depths.insert(shown.iter().map(|tile| tile.depth).collect::<Vec<_>>());
         let one = together(&shown);
         let found = validity(&one, Topology::Positions);
@@ -228,7 +227,7 @@ fn seams_and_materials_hold_along_the_cuts_too() {
     mixes(&made, &mesh, same);
     let known: BTreeSet<Vec<u64>> = all_corners(std::iter::once(&mesh)).into_iter().flatten().collect();
     for seed in 0..TRIES {
-        let shown = mixture(&made, &mut Random(seed));
+        let shown = mixture(&made, &mut Random::new(seed));
         // Positions of several tiles at once.
         let mut tiles_at: BTreeMap<&[u64], BTreeSet<usize>> = BTreeMap::new();
         let of_tile: Vec<Vec<Corners>> =
@@ -348,7 +347,7 @@ fn what_does_not_shrink_stays_in_several_roots() {
 fn soups_keep_their_bounds() {
     for seed in 0..4 {
         println!("soup {seed}");
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let n = 40;
         // Lattice points, so that many corners, edges and whole triangles meet, and some have no area.
         let mut coordinate = || (2.5 * random.signed()).round();
@@ -357,7 +356,7 @@ fn soups_keep_their_bounds() {
         let faces = (0..60).map(|_| [row(), row(), row()]).collect();
         let mesh = Mesh::new(positions, faces).expect("valid");
         let made = made(&mesh, 20, 0.05);
-        let shown = mixture(&made, &mut Random(seed));
+        let shown = mixture(&made, &mut Random::new(seed));
         let error = shown.iter().fold(0.0, |most: f64, tile| most.max(tile.error()));
         let far = deviation(&mesh, &together(&shown), &Goal::default(), &Job::default()).expect("judged");
         assert!(far.bound.at_least() <= error, "{} is not within {error}", far.bound);

@@ -1,6 +1,7 @@
 //! Attributes survive: those of vertices, of corners and of faces.
 use super::*;
 use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal_testkit::Random;
 
 fn stream(domain: Domain, semantic: Semantic, values: Vec<f64>) -> Attribute {
     Attribute { semantic, domain, width: 1, values }
@@ -23,7 +24,7 @@ fn with_streams(mesh: Mesh) -> Mesh {
 #[test]
 fn every_row_has_what_belongs_to_its_place() {
     for seed in 0..500 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let positions: Vec<[f64; 3]> =
             (0..9).map(|_| std::array::from_fn(|_| random.below(4) as f64)).collect();
         let faces: Vec<[u32; 3]> = (0..12).map(|_| std::array::from_fn(|_| random.below(9) as u32)).collect();

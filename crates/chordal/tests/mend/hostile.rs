@@ -1,6 +1,7 @@
 //! Rows 54 to 58 of the list of hostile inputs, as far as cures go: nothing panics, hangs, or turns into NaN.
 use super::*;
 use chordal::Tolerance;
+use chordal_testkit::Random;
 
 /// All cures in the order in which the command applies them, none of which may fail.
 fn mend_all(mesh: &Mesh) -> Mesh {
@@ -78,7 +79,7 @@ fn h56_repeated_and_isolated_things_go_only_when_asked() {
 fn h57_a_fan_of_a_thousand_faces_along_one_edge_comes_apart() {
     let n = 1000;
     let mut positions = vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    let mut random = Random(57);
+    let mut random = Random::new(57);
     positions.extend((0..n).map(|_| [random.unit() - 0.5, random.unit() - 0.5, random.unit()]));
     let faces: Vec<[u32; 3]> =
         (0..n).map(|i| if i % 2 == 0 { [0, 1, i + 2] } else { [1, 0, i + 2] }).collect();

@@ -1,6 +1,7 @@
 //! What holds for every mesh, on random ones full of faults.
 use super::sampler::one_sided;
 use super::*;
+use chordal_testkit::Random;
 
 /// Few positions on a small lattice, rows tied at random, any faces: every kind of fault, also several at once.
 fn random_soup(random: &mut Random) -> Mesh {
@@ -46,7 +47,7 @@ fn broken_band(random: &mut Random) -> Mesh {
 }
 
 fn random_mesh(seed: u64) -> Mesh {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     if seed.is_multiple_of(3) { broken_band(&mut random) } else { random_soup(&mut random) }
 }
 

@@ -14,22 +14,6 @@ use chordal::mend::{
 };
 use chordal::{Job, Mesh};
 
-/// A generator of 31-bit numbers (Knuth's MMIX constants); tests print their seed.
-pub struct Random(pub u64);
-
-impl Random {
-    /// A number below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % n
-    }
-
-    /// A number in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        self.below(1 << 30) as f64 / f64::from(1 << 30)
-    }
-}
-
 /// A cure that needs no number.
 type Cure = fn(&Mesh) -> MendedMesh;
 

@@ -2,13 +2,11 @@
 use super::sampler::one_sided;
 use super::*;
 use chordal::Tolerance;
+use chordal_testkit::Random;
+use chordal_testkit::sampler::distance;
 
 fn within(mesh: &Mesh, tolerance: f64) -> MendedMesh {
     weld(mesh, Weld::Within(Tolerance::new(tolerance).unwrap()), &Job::default()).unwrap()
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
 }
 
 fn cloud(random: &mut Random, n: usize) -> Mesh {
@@ -20,7 +18,7 @@ fn cloud(random: &mut Random, n: usize) -> Mesh {
 #[test]
 fn nothing_moves_further_than_the_tolerance_and_nothing_stays_within_it() {
     for seed in 0..100 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mesh = cloud(&mut random, 60);
         let tolerance = [0.01, 0.1, 0.3, 2.0][seed as usize % 4];
         let mended = within(&mesh, tolerance);
@@ -48,7 +46,7 @@ fn nothing_moves_further_than_the_tolerance_and_nothing_stays_within_it() {
 #[test]
 fn the_order_of_the_rows_does_not_matter() {
     for seed in 0..50 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mesh = cloud(&mut random, 40);
         let mut order: Vec<usize> = (0..40).collect();
         (1..40).rev().for_each(|i| order.swap(i, random.below(i + 1)));

@@ -1,13 +1,12 @@
 //! What a graphics processor would shade: closed forms, a naive rasterizer that shares no code, and hostile input.
 mod naive;
 
-use crate::solids::random;
 use chordal::budget::{Camera, JobError, Projection, RefusalCode, Screen};
 use chordal::check::{Overshade, flicker, micro_triangles, overshade};
 use chordal::explicit::HitSides;
 use chordal::{Job, Mesh, View};
+use chordal_testkit::Random;
 use naive::{Naive, naive};
-use random::Random;
 
 fn camera(projection: Projection, [width_px, height_px]: [u32; 2]) -> Camera {
     let screen = Screen { width_px, height_px };
@@ -87,7 +86,7 @@ fn same(found: &Overshade, expected: &Naive) {
 #[test]
 fn the_naive_rasterizer_finds_the_same() {
     for seed in 0..12 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         println!("seed {seed}");
         let size = [[37, 23], [16, 16], [64, 41], [1, 9]][seed as usize % 4];
         let mesh = soup(120, &mut random);
@@ -104,7 +103,7 @@ fn the_naive_rasterizer_finds_the_same() {
 #[test]
 fn needles_and_corners_on_pixel_centres_are_as_the_rule_says() {
     for seed in 0..20 {
-        let mut random = Random(1000 + seed);
+        let mut random = Random::new(1000 + seed);
         println!("seed {}", 1000 + seed);
         // Corners on halves of pixels, many in one line; and long triangles a few steps thin.
         let mut positions = Vec::new();
@@ -140,7 +139,7 @@ fn a_triangle_that_covers_the_screen_wastes_nothing() {
 
 #[test]
 fn a_triangle_wastes_lanes_only_where_its_edges_pass() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     for _ in 0..50 {
         let corner = |random: &mut Random| [40.0 * random.signed(), 40.0 * random.signed(), 0.0];
         let corners = vec![corner(&mut random), corner(&mut random), corner(&mut random)];
@@ -186,7 +185,7 @@ fn triangles_of_half_a_pixel_run_four_lanes_for_each_and_half_of_them_for_nothin
 #[test]
 fn every_pixel_of_a_tiling_belongs_to_one_triangle() {
     for seed in 0..20 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         println!("seed {seed}");
         let n = 3 + random.below(40) as u32;
         let step = 80.0 / f64::from(n);
@@ -209,7 +208,7 @@ fn every_pixel_of_a_tiling_belongs_to_one_triangle() {
 
 #[test]
 fn a_turned_camera_sees_the_same_turned() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mesh = soup(300, &mut random);
     for projection in [FOV, Projection::Orthographic { height: 9.0 }] {
         let camera = Camera { eye: [0.0, 0.0, 30.0], ..camera(projection, [48, 48]) };
@@ -228,7 +227,7 @@ fn a_turned_camera_sees_the_same_turned() {
 
 #[test]
 fn scale_changes_nothing() {
-    let mesh = soup(200, &mut Random(5));
+    let mesh = soup(200, &mut Random::new(5));
     let near = Camera { near: 0.5, ..camera(FOV, [60, 40]) };
     let at_one = (seen(&mesh, &near), flicker(&mesh, &near, HitSides::Both, &Job::default()));
     for scale in [2.0_f64.powi(-100), 2.0_f64.powi(-20), 2.0_f64.powi(20), 2.0_f64.powi(400)] {
@@ -326,7 +325,7 @@ fn what_is_behind_or_beside_costs_nothing() {
 
 #[test]
 fn no_finite_mesh_breaks_it() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let extremes = [0.0, -0.0, 1.0, -1.0, 8.0, 1e-320, 1e-30, 3e5, 1e30, -1e160, 1e300, f64::MAX, f64::MIN];
     let views = [
         "9x7 fov=50 eye=0,0,8 target=0,0,0",
@@ -445,7 +444,7 @@ fn the_edge_of_a_roof_flickers_by_half_of_its_contrast_along_its_line() {
 fn detail_below_the_pixel_flickers_as_chance_would_and_a_smooth_surface_hardly() {
     let rough = |n: u32| {
         let flat = grid([n; 2], 64.0 / f64::from(n), [-32.0, -32.0]);
-        let mut random = Random(9);
+        let mut random = Random::new(9);
         // As steep at every size.
         let high = 30.0 / f64::from(n);
         let lift = |p: &[f64; 3]| [p[0], p[1], high * random.signed()];

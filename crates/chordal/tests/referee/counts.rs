@@ -1,11 +1,11 @@
 //! Budgets of triangles: the best mesh of at most that many, with the bound that it reached.
 use super::cracks::quilt;
 use super::length::rounding;
-use super::sampler::{Control, Surface, Triangles, measure};
 use super::shapes::{diagonal, shape};
 use super::teapot::teapot;
 use super::{library_patches, mesh_within};
 use chordal::{Bounded, Budget, Job, Mesh, convert};
+use chordal_testkit::sampler::{Control, Surface, Triangles, measure};
 
 fn mesh_of(controls: &[Control], most: u64) -> Bounded<Mesh> {
     convert::patches_to_mesh(

@@ -1,9 +1,9 @@
 //! Whether meshes of several patches hold together.
 use super::mesh_within;
 use super::naive::naive_mesh;
-use super::random::Random;
-use super::sampler::{Control, Point};
 use super::topology::Topology;
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Control, Point};
 
 /// `n × n` patches over one random net of control points, so that neighbours share their sides exactly; each patch
 /// turned and mirrored at random.

@@ -1,9 +1,10 @@
 //! Eyes: where they are, where they look, and where they see a point. No code of the library's views.
-use super::random::Random;
-use super::sampler::{
+use super::frame::frame;
+use chordal::budget::{Projection, Screen};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{
     Bounds, Control, Point, add, around, distance, distance_to_bounds, dot, quarters, scale, sub,
 };
-use chordal::budget::{Projection, Screen};
 
 /// An eye with its picture.
 pub struct Eye {
@@ -67,7 +68,7 @@ impl Eye {
     pub fn aimed(at: Point, point: Point, lens: Lens, r: &mut Random) -> Self {
         let ray = lens.ray(place(r));
         // The turn that brings the ray, and any direction across it, to where they belong.
-        let (from, to) = (r.frame(ray), r.frame(sub(point, at)));
+        let (from, to) = (frame(r, ray), frame(r, sub(point, at)));
         let turned = |axis: usize| (0..3).fold([0.0; 3], |sum, k| add(sum, scale(to[k], from[k][axis])));
         Self { at, axes: [0, 1, 2].map(turned), lens, near: 0.0 }
     }

@@ -1,7 +1,8 @@
 //! Whether the referee can be trusted: closed forms, a mesher with a known bound, and meshes that are broken on purpose.
 use super::naive::{naive_bound, naive_mesh};
-use super::sampler::{Control, Point, Surface, Triangles, distance, measure};
 use super::shapes::shape;
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Control, Point, Surface, Triangles, distance, measure};
 
 /// The flat unit square, with `z` a function of the row and column.
 fn lifted(z: impl Fn(usize, usize) -> f64) -> Control {
@@ -51,7 +52,7 @@ fn finds_the_nearest_of_several_valleys() {
     for seed in 0..200 {
         let shape = shape(14 * seed + 4);
         let surface = Surface::new(vec![shape.control]);
-        let mut random = super::random::Random::new(seed);
+        let mut random = Random::new(seed);
         let corner = shape.control[random.below(4)][random.below(4)];
         let p: Point = std::array::from_fn(|k| corner[k] + shape.size * random.between(-0.2, 0.2));
         let found = surface.proved_nearest(p, None, 1e-3).expect("decided").distance * 0.999;
@@ -59,7 +60,7 @@ fn finds_the_nearest_of_several_valleys() {
         let dense =
             (0..=n * n + 2 * n).map(|i| [(i % (n + 1)) as f64 / n as f64, (i / (n + 1)) as f64 / n as f64]);
         let least = dense
-            .map(|uv| distance(p, super::sampler::evaluate(&shape.control, uv)))
+            .map(|uv| distance(p, chordal_testkit::sampler::evaluate(&shape.control, uv)))
             .fold(f64::INFINITY, f64::min);
         // Samples lie within 4 sizes / n of each other, so the least is that close to the truth or closer.
         assert!(found <= least && found >= least - 0.02 * shape.size, "seed {seed}: {found} and {least}");
@@ -80,7 +81,7 @@ fn passes_a_known_bound() {
 fn fails_a_tight_bound_that_is_cut_by_30_percent() {
     // Low hills over an even grid: points of equal (u, v) are above each other, so the bound is nearly the distance.
     for seed in 0..50 {
-        let mut random = super::random::Random::new(seed);
+        let mut random = Random::new(seed);
         let heights: [f64; 16] = std::array::from_fn(|_| random.between(-0.1, 0.1));
         let control = lifted(|i, j| heights[4 * i + j]);
         let (measured, bound) = (naive(&control, 3), naive_bound(&control, 3));
@@ -101,7 +102,7 @@ fn sees_one_vertex_out_of_place() {
         let made = super::mesh_within(&[shape.control], 1e-2 * shape.size);
         let at_most = made.bound.at_most().expect("proved");
         let mut positions = made.shape.positions().to_vec();
-        let mut random = super::random::Random::new(seed);
+        let mut random = Random::new(seed);
         let victim = made.shape.faces()[random.below(made.shape.faces().len())][0] as usize;
         // Three bounds away, in a direction in which the surface is not: out of the box.
         let out = 2.0 * shape.size + 3.0 * at_most;

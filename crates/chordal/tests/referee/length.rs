@@ -1,8 +1,8 @@
 //! Bounds in units against the truth, on random patches at every tolerance.
 use super::cracks::quilt;
-use super::sampler::{Control, Surface, Triangles, measure};
 use super::shapes::{KINDS, shape};
 use super::{for_all, is_long, mesh_within, quantile};
+use chordal_testkit::sampler::{Control, Surface, Triangles, measure};
 use std::fmt;
 
 /// One mesh, measured.

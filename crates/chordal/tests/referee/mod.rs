@@ -7,19 +7,18 @@
 mod counts;
 mod cracks;
 mod eyes;
+mod frame;
 mod honesty;
 mod length;
 mod naive;
 mod pixels;
-mod random;
-mod sampler;
 mod shapes;
 mod teapot;
 mod topology;
 
-use crate::long::is_long;
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
-use sampler::Control;
+use chordal_testkit::is_long;
+use chordal_testkit::sampler::Control;
 
 /// The library's patches of bare control points.
 fn library_patches(controls: &[Control]) -> Vec<Patch> {

@@ -1,5 +1,5 @@
 //! A mesher of the simplest kind, with a bound that is known by another way: what the referee is tried on.
-use super::sampler::{Control, Point, add, distance, evaluate, quarters, scale, sub};
+use chordal_testkit::sampler::{Control, Point, add, distance, evaluate, quarters, scale, sub};
 
 /// `2·4^levels` triangles of a patch over even squares.
 pub fn naive_mesh(control: &Control, levels: u32) -> (Vec<Point>, Vec<[u32; 3]>) {

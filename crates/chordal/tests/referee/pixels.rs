@@ -1,13 +1,13 @@
 //! Bounds in pixels against true projections, from random and from hostile eyes.
 use super::eyes::{Eye, Lens, box_of, step_out};
-use super::random::Random;
-use super::sampler::{
-    Foot, Point, Surface, Triangles, add, cross, distance, evaluate, length, measure, scale, sub,
-};
 use super::shapes::{Shape, shape};
 use super::{for_all, is_long, library_patches, quantile};
 use chordal::budget::{Camera, Failure, MinDistanceView, Pixels, Projection, RefusalCode};
 use chordal::{Bounded, Budget, Job, Mesh, View, convert};
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{
+    Foot, Point, Surface, Triangles, add, cross, distance, evaluate, measure, norm, scale, sub,
+};
 
 /// A point of one shape and the nearest one of the other, the furthest apart first.
 fn pairs(shape: &Shape, made: &Bounded<Mesh>) -> Vec<[Point; 2]> {
@@ -63,7 +63,7 @@ fn rounding(shape: &Shape, eye: &Eye, pixels: f64) -> f64 {
 fn across(pair: [Point; 2], r: &mut Random) -> Point {
     let any = r.direction();
     let side = cross(sub(pair[1], pair[0]), any);
-    if length(side) > 0.0 { scale(side, 1.0 / length(side)) } else { any }
+    if norm(side) > 0.0 { scale(side, 1.0 / norm(side)) } else { any }
 }
 
 /// The worst of many eyes that keep `away` from the box, as a part of the bound.

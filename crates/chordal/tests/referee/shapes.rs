@@ -1,6 +1,7 @@
 //! Random bicubic patches of every kind that has ever been trouble, at every scale and place.
-use super::random::Random;
-use super::sampler::{Control, Point, add, distance, scale};
+use super::frame::frame;
+use chordal_testkit::Random;
+use chordal_testkit::sampler::{Control, Point, add, distance, scale};
 
 /// A patch with what it is, its size (the diagonal of its control points' box) and its seed.
 #[derive(Clone, Debug)]
@@ -138,7 +139,7 @@ pub fn shape(seed: u64) -> Shape {
     let mut r = Random::new(seed);
     let control = make(&mut r);
     let direction = r.direction();
-    let axes = r.frame(direction);
+    let axes = frame(&mut r, direction);
     let turned = |p: Point| add(scale(axes[0], p[0]), add(scale(axes[1], p[1]), scale(axes[2], p[2])));
     let factor = 10_f64.powf(r.between(-6.0, 6.0));
     let control = control.map(|row| row.map(|p| scale(turned(p), factor)));

@@ -1,9 +1,9 @@
 //! Newell's teapot: 32 patches, some of them with poles, and six open edges.
 use super::length::rounding;
-use super::sampler::{Control, Surface, Triangles, measure};
 use super::topology::Topology;
 use super::{is_long, library_patches, mesh_within};
 use chordal::{Budget, Job, Tolerance, convert};
+use chordal_testkit::sampler::{Control, Surface, Triangles, measure};
 use std::path::Path;
 
 /// The shipped teapot: a count, then for each patch its two degrees and sixteen points.

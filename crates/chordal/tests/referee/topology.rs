@@ -1,6 +1,6 @@
 //! What hangs together: edges, boundary loops, T-junctions and degenerate triangles of a mesh, counted from scratch.
-use super::sampler::{Point, cross, distance, dot, length, sub};
 use chordal::Mesh;
+use chordal_testkit::sampler::{Point, cross, distance, dot, norm, sub};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A mesh by distinct positions.
@@ -63,7 +63,7 @@ impl Topology {
         let flat = |[a, b, c]: &[u32; 3]| {
             let [p, q, r] = [a, b, c].map(|i| self.positions[*i as usize]);
             let (u, v) = (sub(q, p), sub(r, p));
-            p == q || q == r || r == p || length(cross(u, v)) == 0.0
+            p == q || q == r || r == p || norm(cross(u, v)) == 0.0
         };
         self.faces.iter().filter(|f| flat(f)).count()
     }

@@ -1,5 +1,4 @@
 //! The surfaces that simplification is tried on are what they are said to be: so many triangles, this topology.
-pub mod random;
 pub mod shapes;
 
 use chordal::Mesh;

@@ -4,6 +4,7 @@
 
 use chordal::Mesh;
 use chordal::explicit::triangulate::polygon_with_holes;
+use chordal_testkit::Random;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -160,18 +161,13 @@ pub fn plate(k: u32) -> Mesh {
 
 /// Hills over the unit square in n × m quads, each vertex up or down by as much as `noise`; open.
 pub fn heights([n, m]: [u32; 2], noise: f64) -> Mesh {
-    let mut state = 1_u64;
-    let mut random = || {
-        // An LCG (Knuth's MMIX), of which the upper bits are taken.
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        2.0 * (state >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
-    };
+    let mut random = Random::new(1);
     let mut positions = Vec::new();
     for i in 0..=n {
         for j in 0..=m {
             let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(m));
             let hills = (9.0 * x).sin() * (7.0 * y).cos() + 0.3 * (31.0 * x + 17.0 * y).sin();
-            positions.push([x, y, 0.08 * hills + noise * random()]);
+            positions.push([x, y, 0.08 * hills + noise * random.signed()]);
         }
     }
     made(positions, quads([n, m], |i, j| i * (m + 1) + j))

@@ -1,17 +1,18 @@
 //! The truth: bicubic patches from their control points, and the distance of points from them.
-use super::tree::{Bounds, Tree, around};
+use super::box_tree::{Bounds, BoxTree, around};
 use super::triangles::closest_on_triangle;
-use super::vector::{Point, add, distance, dot, length, scale, sub};
+use super::vector::{Point, add, distance, dot, norm, scale, sub};
 
 /// Four rows of four control points; `u` runs along a row, `v` from row to row.
 pub type Control = [[Point; 4]; 4];
 
 /// Patches to which distances are asked.
 pub struct Surface {
+    /// The patches.
     pub patches: Vec<Control>,
     /// The cells of all patches.
-    parts: Vec<Part>,
-    tree: Tree,
+    parts: Vec<PatchCell>,
+    tree: BoxTree,
     /// Distances below this are rounding.
     pub floor: f64,
 }
@@ -19,8 +20,11 @@ pub struct Surface {
 /// A point of the surface that is close to some other point.
 #[derive(Clone, Copy, Debug)]
 pub struct Foot {
+    /// How far it is from that other point.
     pub distance: f64,
+    /// Its patch.
     pub patch: usize,
+    /// Its parameters.
     pub uv: [f64; 2],
 }
 
@@ -92,12 +96,12 @@ fn cells(control: &Control) -> Vec<Control> {
 }
 
 fn size(control: &Control) -> f64 {
-    control.iter().flatten().map(|p| length(*p)).fold(0.0, f64::max)
+    control.iter().flatten().map(|p| norm(*p)).fold(0.0, f64::max)
 }
 
-/// How far a part is at most from the two triangles over its corners `[a, b, c]` and `[a, c, d]`: a control point
-/// minus its place on the bilinear surface is a control point of the difference, which stays in their hull; and
-/// a bilinear surface leaves the triangles by a quarter of its twist.
+/// How far a part is at most from the two triangles over its corners `[a, b, c]` and `[a, c, d]`: a control
+/// point minus its place on the bilinear surface is a control point of the difference, which stays in their
+/// hull; and a bilinear surface leaves the triangles by a quarter of its twist.
 fn unevenness(part: &Control) -> f64 {
     let [a, b, c, d] = corners(part);
     let bilinear = |i: usize, j: usize| {
@@ -106,7 +110,7 @@ fn unevenness(part: &Control) -> f64 {
         add(scale(lower, 1.0 - v), scale(add(scale(d, 1.0 - u), scale(c, u)), v))
     };
     let off = |n: usize| distance(part[n / 4][n % 4], bilinear(n / 4, n % 4));
-    (0..16).map(off).fold(0.0, f64::max) + 0.25 * length(sub(add(a, c), add(b, d)))
+    (0..16).map(off).fold(0.0, f64::max) + 0.25 * norm(sub(add(a, c), add(b, d)))
 }
 
 fn corners(c: &Control) -> [Point; 4] {
@@ -120,14 +124,14 @@ fn distance_to_corners(p: Point, [a, b, c, d]: [Point; 4]) -> f64 {
 }
 
 /// One cell of a patch.
-struct Part {
+struct PatchCell {
     control: Control,
     unevenness: f64,
     /// So nearly a parallelogram in the plane that a point close by has one foot only.
     is_tame: bool,
 }
 
-impl Part {
+impl PatchCell {
     fn new(control: Control) -> Self {
         let unevenness = unevenness(&control);
         let [a, b, c, d] = corners(&control);
@@ -144,19 +148,20 @@ impl Part {
 }
 
 impl Surface {
+    /// The surface of these patches.
     pub fn new(patches: Vec<Control>) -> Self {
         let size = patches.iter().map(size).fold(0.0, f64::max);
         // Halving rounds by some units in the last place, which the boxes take in.
         let slack = 64.0 * f64::EPSILON * size;
         let wide = |[low, high]: Bounds| [low.map(|x| x - slack), high.map(|x| x + slack)];
-        let parts: Vec<Part> = patches.iter().flat_map(cells).map(Part::new).collect();
+        let parts: Vec<PatchCell> = patches.iter().flat_map(cells).map(PatchCell::new).collect();
         let boxes: Vec<Bounds> =
             parts.iter().map(|part| wide(around(part.control.iter().flatten().copied()))).collect();
-        Self { tree: Tree::new(&boxes), parts, patches, floor: slack }
+        Self { tree: BoxTree::new(&boxes), parts, patches, floor: slack }
     }
 
-    /// A foot near the best one. Its distance is an upper bound of the true one: parts of the surface that could
-    /// be nearer are searched from their middle by Newton's method, which finds a local minimum.
+    /// A foot near the best one. Its distance is an upper bound of the true one: parts of the surface that
+    /// could be nearer are searched from their middle by Newton's method, which finds a local minimum.
     pub fn nearest(&self, p: Point, guess: Option<Foot>) -> Foot {
         let far = Foot { distance: f64::INFINITY, patch: 0, uv: [0.5; 2] };
         let mut found = guess.map_or(far, |g| self.slide(p, g.patch, g.uv));
@@ -193,6 +198,7 @@ impl Surface {
                 let gain = foot.distance - away;
                 foot = Foot { distance: away, patch, uv };
                 damping *= 0.1;
+                // Below the gap of a proof by far.
                 if gain <= 1e-7 * away {
                     break;
                 }
@@ -207,15 +213,16 @@ impl Surface {
         foot
     }
 
-    /// Looks for a point of the surface nearer to `p` than `goal`, by branch and bound over quarters of the cells.
-    fn search(&self, p: Point, goal: f64) -> Search {
-        let mut answer = Search::Beyond;
+    /// Looks for a point of the surface nearer to `p` than `goal`, by branch and bound over quarters of the
+    /// cells.
+    fn search(&self, p: Point, goal: f64) -> SearchAnswer {
+        let mut answer = SearchAnswer::Beyond;
         let mut effort = 20_000;
         self.tree.visit(p, goal, |item, best| {
             match search_part(&self.parts[item].control, corner_of(item).1, p, goal, &mut effort) {
-                InPart::Beyond => return best,
-                InPart::Nearer(uv) => answer = Search::Nearer(self.slide(p, corner_of(item).0, uv)),
-                InPart::Undecided => answer = Search::Undecided,
+                CellAnswer::Beyond => return best,
+                CellAnswer::Nearer(uv) => answer = SearchAnswer::Nearer(self.slide(p, corner_of(item).0, uv)),
+                CellAnswer::Undecided => answer = SearchAnswer::Undecided,
             }
             // Nothing more is to be visited.
             0.0
@@ -223,8 +230,8 @@ impl Surface {
         answer
     }
 
-    /// A foot whose distance is at most the part `gap` above the true one, which branch and bound proves; `None`
-    /// where its effort does not suffice. Below the floor there is nothing to prove.
+    /// A foot whose distance is at most the part `gap` above the true one, which branch and bound proves;
+    /// `None` where its effort does not suffice. Below the floor there is nothing to prove.
     pub fn proved_nearest(&self, p: Point, guess: Option<Foot>, gap: f64) -> Option<Foot> {
         let mut found = self.nearest(p, guess);
         for _ in 0..64 {
@@ -232,9 +239,9 @@ impl Surface {
                 return Some(found);
             }
             match self.search(p, found.distance * (1.0 - gap)) {
-                Search::Beyond => return Some(found),
-                Search::Nearer(foot) => found = foot,
-                Search::Undecided => break,
+                SearchAnswer::Beyond => return Some(found),
+                SearchAnswer::Nearer(foot) => found = foot,
+                SearchAnswer::Undecided => break,
             }
         }
         None
@@ -248,7 +255,7 @@ fn corner_of(item: usize) -> (usize, [f64; 2]) {
 }
 
 /// The search in one cell, given with its lowest parameters, for a point nearer to `p` than `goal`.
-fn search_part(cell: &Control, at: [f64; 2], p: Point, goal: f64, effort: &mut u32) -> InPart {
+fn search_part(cell: &Control, at: [f64; 2], p: Point, goal: f64, effort: &mut u32) -> CellAnswer {
     let mut stack = vec![(*cell, at, 1.0 / CELLS as f64)];
     while let Some((part, [u, v], side)) = stack.pop() {
         let corners = corners(&part);
@@ -256,19 +263,19 @@ fn search_part(cell: &Control, at: [f64; 2], p: Point, goal: f64, effort: &mut u
             continue;
         }
         if let Some(n) = (0..4).find(|&n| distance(corners[n], p) < goal) {
-            return InPart::Nearer([u + [0.0, side, side, 0.0][n], v + [0.0, 0.0, side, side][n]]);
+            return CellAnswer::Nearer([u + [0.0, side, side, 0.0][n], v + [0.0, 0.0, side, side][n]]);
         }
         if *effort == 0 {
-            return InPart::Undecided;
+            return CellAnswer::Undecided;
         }
         *effort -= 1;
         stack.extend(quarters(&part).map(|(q, [du, dv])| (q, [u + side * du, v + side * dv], side / 2.0)));
     }
-    InPart::Beyond
+    CellAnswer::Beyond
 }
 
 /// What a search in one cell came to.
-enum InPart {
+enum CellAnswer {
     Beyond,
     /// There is one at these parameters.
     Nearer([f64; 2]),
@@ -276,7 +283,7 @@ enum InPart {
 }
 
 /// What a search for a nearer point came to.
-enum Search {
+enum SearchAnswer {
     /// Proved: there is none.
     Beyond,
     /// One is there; the foot is near it.
@@ -301,6 +308,7 @@ fn newton_step(control: &Control, p: Point, [u, v]: [f64; 2], damping: f64) -> O
     let full: [f64; 3] = std::array::from_fn(|k| first[k] + second[k]);
     let definite = |h: &[f64; 3]| h[0] > 0.0 && h[2] > 0.0 && h[0] * h[2] - h[1] * h[1] > 0.0;
     let hessian = if definite(&full) { full } else { first };
+    // Some tens of roundings of the trace, so that it can be divided by.
     let lift = (damping + 1e-14) * (first[0] + first[2]);
     let [a, b, d] = [hessian[0] + lift, hessian[1], hessian[2] + lift];
     match free {

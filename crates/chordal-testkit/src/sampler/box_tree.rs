@@ -1,16 +1,16 @@
 //! A tree of boxes, to find the nearest of many things.
-use super::vector::Point;
+use super::vector::{Point, norm};
 
 /// An axis-aligned box: low and high corner.
 pub type Bounds = [Point; 2];
 
 /// A binary tree over boxes, built once by halving the longest side at the median.
-pub struct Tree {
-    nodes: Vec<Node>,
+pub struct BoxTree {
+    nodes: Vec<BoxNode>,
     order: Vec<u32>,
 }
 
-struct Node {
+struct BoxNode {
     bounds: Bounds,
     /// The range of `order` below this node.
     range: [u32; 2],
@@ -18,8 +18,10 @@ struct Node {
     second: u32,
 }
 
+/// The most things below a node without children; chosen.
 const LEAF: usize = 4;
 
+/// The box around points.
 pub fn around(points: impl IntoIterator<Item = Point>) -> Bounds {
     points.into_iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
         [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
@@ -28,10 +30,10 @@ pub fn around(points: impl IntoIterator<Item = Point>) -> Bounds {
 
 /// The distance from a point to a box; 0 inside.
 pub fn distance_to_bounds([low, high]: &Bounds, p: Point) -> f64 {
-    super::vector::length(std::array::from_fn(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0)))
+    norm(std::array::from_fn(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0)))
 }
 
-impl Tree {
+impl BoxTree {
     pub fn new(boxes: &[Bounds]) -> Self {
         let mut tree = Self { nodes: Vec::new(), order: (0..boxes.len() as u32).collect() };
         if !boxes.is_empty() {
@@ -43,7 +45,7 @@ impl Tree {
     fn build(&mut self, boxes: &[Bounds], start: usize, end: usize) {
         let bounds = around(self.order[start..end].iter().flat_map(|&i| boxes[i as usize]));
         let here = self.nodes.len();
-        self.nodes.push(Node { bounds, range: [start as u32, end as u32], second: 0 });
+        self.nodes.push(BoxNode { bounds, range: [start as u32, end as u32], second: 0 });
         if end - start <= LEAF {
             return;
         }
@@ -57,8 +59,8 @@ impl Tree {
         self.build(boxes, start + half, end);
     }
 
-    /// Visits, roughly from near to far, each item whose node is nearer to `p` than `best`. The visitor gets the
-    /// item and what is best so far, and returns what is best then.
+    /// Visits, roughly from near to far, each item whose node is nearer to `p` than `best`. The visitor gets
+    /// the item and what is best so far, and returns what is best then.
     pub fn visit(&self, p: Point, best: f64, mut visitor: impl FnMut(usize, f64) -> f64) {
         let mut best = best;
         let mut stack = vec![];

@@ -6,7 +6,7 @@ use super::vector::{Point, add, scale};
 
 /// How densely to sample.
 #[derive(Clone, Copy, Debug)]
-pub struct Effort {
+pub struct SamplingEffort {
     /// Samples a side of each patch.
     pub grid: usize,
     /// How many of the highest samples are climbed from, a patch or a mesh.
@@ -15,7 +15,7 @@ pub struct Effort {
     pub halvings: u32,
 }
 
-impl Effort {
+impl SamplingEffort {
     /// Three samples a side of an average triangle.
     pub fn for_triangles(a_patch: usize) -> Self {
         let grid = (3.0 * (a_patch as f64 / 2.0).sqrt()) as usize;
@@ -28,9 +28,10 @@ const PROOF: f64 = 1e-3;
 /// Samples a mesh that may turn out wrong before the search for the largest distance gives up.
 const MOST_WRONG: usize = 200;
 
-/// What was measured, both from below: every value belongs to a sample, and is exact up to rounding or proved.
+/// What was measured, both from below: every value belongs to a sample, and is exact up to rounding or
+/// proved.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Distance {
+pub struct TwoSidedDistance {
     /// Surface to mesh.
     pub to_mesh: f64,
     /// Where on the surface.
@@ -41,21 +42,23 @@ pub struct Distance {
     pub mesh_at: Point,
 }
 
-impl Distance {
+impl TwoSidedDistance {
+    /// The larger of both.
     pub fn both(&self) -> f64 {
         self.to_mesh.max(self.to_surface)
     }
 }
 
-pub fn measure(surface: &Surface, mesh: &Triangles) -> Distance {
-    let effort = Effort::for_triangles(mesh.corners.len() / surface.patches.len().max(1));
+/// Both, with an effort that fits the number of triangles.
+pub fn measure(surface: &Surface, mesh: &Triangles) -> TwoSidedDistance {
+    let effort = SamplingEffort::for_triangles(mesh.corners.len() / surface.patches.len().max(1));
     let (to_mesh, surface_at) = surface_to_mesh(surface, mesh, effort);
     let (to_surface, mesh_at) = mesh_to_surface(surface, mesh, effort);
-    Distance { to_mesh, surface_at, to_surface, mesh_at }
+    TwoSidedDistance { to_mesh, surface_at, to_surface, mesh_at }
 }
 
 /// The largest distance from a point of the surface to the mesh, and that point.
-pub fn surface_to_mesh(surface: &Surface, mesh: &Triangles, effort: Effort) -> (f64, Point) {
+pub fn surface_to_mesh(surface: &Surface, mesh: &Triangles, effort: SamplingEffort) -> (f64, Point) {
     let first = surface.patches.first().map_or([0.0; 3], |control| control[0][0]);
     let mut worst = (0.0, first);
     for control in &surface.patches {
@@ -101,7 +104,7 @@ fn on_triangle([p, q, r]: [Point; 3], [a, b]: [f64; 2]) -> Point {
 }
 
 /// The largest distance from a point of the mesh to the surface, and that point.
-pub fn mesh_to_surface(surface: &Surface, mesh: &Triangles, effort: Effort) -> (f64, Point) {
+pub fn mesh_to_surface(surface: &Surface, mesh: &Triangles, effort: SamplingEffort) -> (f64, Point) {
     const SAMPLES: [[f64; 2]; 5] = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];
     let mut values = Vec::with_capacity(SAMPLES.len() * mesh.corners.len());
     let mut foot = None;
@@ -116,7 +119,8 @@ pub fn mesh_to_surface(surface: &Surface, mesh: &Triangles, effort: Effort) -> (
     highest_first(&mut values, wanted);
     let mut worst = (0.0, mesh.corners.first().map_or([0.0; 3], |corners| corners[0]));
     for (n, &(value, (i, ab, foot))) in values.iter().take(wanted).enumerate() {
-        // After the wanted climbs only what is higher than all that was proved: their feet were not the nearest.
+        // After the wanted climbs only what is higher than all that was proved: their feet were not the
+        // nearest.
         if value <= surface.floor || (n >= effort.climbs && value <= worst.0) {
             break;
         }
