@@ -4,7 +4,6 @@ use chordal::math::Box3;
 use chordal::{Job, Mesh};
 use chordal_testkit::corpus;
 use chordal_verbs::{FormatHint, Shape, load};
-use std::path::Path;
 
 /// The unit sphere in `2n` times `n` quads, without the faces that reach above `cut`.
 fn bowl(n: u32, cut: f64) -> Mesh {
