@@ -1,5 +1,6 @@
 //! Cages as OpenSubdiv's regression shapes are written: an OBJ with tags.
-use chordal::explicit::{Boundary, Cage, CreasingMethod, InvalidCage, Scheme};
+use chordal::explicit::{Cage, InvalidCage};
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, Scheme};
 
 /// Reads a file; the scheme is in its name.
 ///

@@ -1,5 +1,6 @@
 //! Fields as op lists, so that every side reads the same text.
-use chordal::implicit::{Binary, Expr, Unary};
+use chordal::implicit::Expr;
+use chordal::implicit::evaluation::{Binary, Unary};
 use std::collections::HashMap;
 use std::fmt::Write;
 

@@ -1,7 +1,8 @@
 //! Fields that scripts and op lists say, and the op lists of fields, for a peer that reads nothing else.
 use crate::models;
 use chordal::Job;
-use chordal::implicit::{Binary, ExprGraph, Field, Term, Unary};
+use chordal::implicit::Field;
+use chordal::implicit::evaluation::{Binary, ExprGraph, Term, Unary};
 use chordal::math::Box3;
 use std::fmt::Write;
 use std::path::Path;

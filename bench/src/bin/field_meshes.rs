@@ -4,8 +4,9 @@
 //! `text MODEL` gives its op list;
 //! `judge MODEL MESH` measures a mesh that anybody wrote, by samples that share nothing with the proof. A model is a name or a file.
 use chordal::budget::{Failure, Tolerance};
-use chordal::explicit::{Bvh, Topology};
-use chordal::implicit::{Dual, Tape};
+use chordal::explicit::Topology;
+use chordal::explicit::query::Bvh;
+use chordal::implicit::evaluation::{Dual, Tape};
 use chordal::{Budget, Job, Mesh, check, convert};
 use chordal_bench::scripts::Model;
 use chordal_bench::{read, write};

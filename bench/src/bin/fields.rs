@@ -2,7 +2,7 @@
 //! second of Chordal, fidget's interpreter and fidget's machine code, one thread each, medians of runs in turn.
 //!
 //! FOLDER holds op lists (`prospero.vm`). Models made here are op lists as well, so that all sides read the same text.
-use chordal::implicit::{Dual, Tape};
+use chordal::implicit::evaluation::{Dual, Tape};
 use chordal::math::{Box3, Interval};
 use chordal_bench::models::{csg, expression, gyroids};
 use fidget::context::Context;

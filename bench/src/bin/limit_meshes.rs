@@ -10,7 +10,8 @@
 use chordal::budget::{Budget, Job, Tolerance};
 use chordal::check::{Goal, deviation};
 use chordal::convert::cage_to_mesh;
-use chordal::explicit::{Bvh, Cage};
+use chordal::explicit::Cage;
+use chordal::explicit::query::Bvh;
 use chordal::{Mesh, math::Box3};
 use chordal_bench::cages::read;
 use std::time::Instant;

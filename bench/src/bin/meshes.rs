@@ -2,7 +2,8 @@
 //! was found. `meshes make DIR` writes the inputs, in the plain format that `read` reads and numpy too.
 use chordal::budget::Tolerance;
 use chordal::check::{Goal, deviation, self_intersections, validity};
-use chordal::explicit::{Bvh, Ray, Topology, position_id_by_bits, vertex_normals};
+use chordal::explicit::{Topology, position_id_by_bits, vertex_normals};
+use chordal::explicit::query::{Bvh, Ray};
 use chordal::{Job, Mesh};
 use chordal_bench::torus;
 use serde_json::{Value, json};

@@ -4,7 +4,8 @@
 //! WHAT is `f64`, `f32` (triangles alone), `bound` (triangles and their bound), `ties` (the samples rounded to tenths, which
 //! puts many on the level) or `nets` (the crate fast-surface-nets, on one thread).
 use chordal::Job;
-use chordal::convert::{Polygonize, grid_to_mesh, grid_to_triangles};
+use chordal::convert::{Polygonize, grid_to_mesh};
+use chordal::convert::lattices::grid_to_triangles;
 use chordal::implicit::{Affine3, Grid, Samples};
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};

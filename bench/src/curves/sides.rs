@@ -1,6 +1,7 @@
 //! The sides: how each of them makes polylines, one curve after the other and all at once.
 use super::Cubic;
-use chordal::convert::{BezierCutter, Spacing, beziers_to_polylines, curve_to_polyline};
+use chordal::convert::{Spacing, curve_to_polyline};
+use chordal::convert::batch::{BezierCutter, beziers_to_polylines};
 use chordal::{Bezier, Budget, Job, Tolerance};
 use kurbo::PathEl;
 use std::ops::Range;

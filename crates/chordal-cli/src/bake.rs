@@ -9,7 +9,7 @@ use crate::numbers::{RoundingDirection, grouped, point, short};
 use crate::output::OutputTarget;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
-use chordal::budget::Spell;
+use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::report::{DistanceGridFacts, Report};
 use chordal_verbs::{BakeSpec, bake, extension};

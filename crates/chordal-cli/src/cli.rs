@@ -71,7 +71,7 @@ pub enum Verb {
 mod tests {
     use super::*;
     use crate::spelling::CommandLine;
-    use chordal::budget::{Cure, Setting, Spelling};
+    use chordal::budget::advice::{Cure, Setting, Spelling};
     use clap::CommandFactory;
 
     #[test]

@@ -8,7 +8,7 @@ use crate::output::{OutputTarget, OverwritePolicy};
 use crate::signal;
 use crate::spelling::CommandLine;
 use chordal::Job;
-use chordal::budget::Spell;
+use chordal::budget::advice::Spell;
 use chordal_io::{Format, Limits};
 use chordal_verbs::report::RunFacts;
 use chordal_verbs::{FormatHint, Input, MeshFailure, load};

@@ -1,7 +1,7 @@
 //! The letter of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and what mends it.
 use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, one_way_note, plural};
-use chordal::budget::Cure;
+use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EmbeddedCertificate, FieldFacts, FindingFacts, Inspection,
     KinkFacts, Report, SharpnessFacts, SurfaceFacts, ValidityFacts, WitnessFacts, cures_of_all,

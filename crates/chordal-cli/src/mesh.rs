@@ -9,7 +9,8 @@ use crate::output::OutputTarget;
 use crate::spelling::CommandLine;
 use crate::summary;
 use crate::volume::VolumeArgs;
-use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, Spell, View};
+use chordal::budget::advice::Spell;
+use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{

@@ -1,5 +1,5 @@
 //! `CommandLine`: how the command spells settings, as options.
-use chordal::budget::{Setting, Spelling};
+use chordal::budget::advice::{Setting, Spelling};
 
 /// Settings as options of the command. Certificates are spelled so by every shell, for their bytes are the same wherever
 /// they are made.

@@ -7,7 +7,7 @@ use crate::warnings::Warnings;
 use crate::word_reader::WordReader;
 use crate::{Axis, Content, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 
 /// Reads the patches of a `.bpt` file. The first line is their number. Each patch is a line with its two
 /// degrees, which must be `3 3`, then its points row by row, `x y z`. Up is z, as is customary for this

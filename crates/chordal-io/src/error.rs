@@ -1,5 +1,5 @@
 //! `ReadError`, `Warning` and `WriteError`: what is wrong with a file or a shape, and where.
-use chordal::budget::{Message, Spell, Spelling};
+use chordal::budget::advice::{Message, Spell, Spelling};
 use std::fmt;
 
 /// A location in a file.

@@ -1,7 +1,7 @@
 //! `JsonReader`: a streaming JSON reader that tracks its JSON pointer and builds no tree.
 use crate::text::{number, show};
 use crate::{FileLocation, Limits, ReadError};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 use std::collections::HashSet;
 
 /// The deepest nesting, whatever the limits allow: each level takes some of the call stack.

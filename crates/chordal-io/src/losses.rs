@@ -2,7 +2,8 @@
 use crate::format::TriangleFormat;
 use crate::instances::part_instances;
 use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
-use chordal::explicit::{Attribute, Boundary, Cage, Domain, Scheme, Semantic};
+use chordal::explicit::subdivision::{Boundary, Scheme};
+use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 
 /// What writing a scene in a format leaves out, counted in parts, so that nothing is lost silently. Rounding
 /// is not counted here. For GLB the list is empty: its writer reports for itself what it cannot write.

@@ -3,7 +3,8 @@
 use crate::text::{TextLines, grouped, number, number_error, show, text_of};
 use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
-use chordal::implicit::{Binary, Expr, Field, Unary};
+use chordal::implicit::evaluation::{Binary, Unary};
+use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use std::collections::HashMap;
 

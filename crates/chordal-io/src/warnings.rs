@@ -1,6 +1,6 @@
 //! `Warnings`: the warnings of a reader, one entry for each kind.
 use crate::{FileLocation, Warning};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 
 /// Counted oddities in the order in which their kinds first occurred.
 #[derive(Debug, Default)]

@@ -3,9 +3,10 @@ use crate::common;
 use chordal_testkit::Random;
 use chordal_testkit::corpus;
 
-use chordal::explicit::{
-    Boundary, Cage, CornerTexcoords, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme, Semantic,
+use chordal::explicit::subdivision::{
+    Boundary, CornerTexcoords, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme,
 };
+use chordal::explicit::{Cage, Semantic};
 use chordal_io::{
     Content, FileLocation, Format, Frame, Limits, PolygonSurface, Polygons, ReadError, ReadOutcome, Warning,
     obj, ply, read,

@@ -1,6 +1,7 @@
 //! Op lists: the models that come with fidget, every operation, and what is refused, with its line and column.
 use chordal::budget::Evidence;
-use chordal::implicit::{Binary, Distance, Field, Unary};
+use chordal::implicit::evaluation::{Binary, Unary};
+use chordal::implicit::{Distance, Field};
 use chordal_io::{Content, Format, Limits, ReadError, read, vm};
 use chordal_testkit::corpus;
 

@@ -2,7 +2,8 @@
 use crate::array::{Array, ArrayData};
 use crate::source::Source;
 use crate::{failure, work};
-use chordal::explicit::{Boundary, Cage as Polygon, CreasingMethod, InvalidCage, Scheme};
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, Scheme};
+use chordal::explicit::{Cage as Polygon, InvalidCage};
 use chordal_io::{Format, Frame, Polygons, obj};
 use chordal_verbs::{Input, Shape, refined_cage, sha256};
 use pyo3::prelude::*;

@@ -1,6 +1,7 @@
 //! What fails becomes one of Python's exceptions: those of `chordal._errors`, which carry what a program wants to know.
 use crate::spelling::Keywords;
-use chordal::budget::{Refusal, Spell};
+use chordal::budget::Refusal;
+use chordal::budget::advice::Spell;
 use chordal_io::{FileLocation, ReadError, WriteError};
 use chordal_verbs::MeshFailure;
 use pyo3::call::PyCallArgs;

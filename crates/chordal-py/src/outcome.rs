@@ -7,7 +7,7 @@ use crate::source::Source;
 use crate::volume::bake_input;
 use crate::{failure, work};
 use chordal::Job;
-use chordal::budget::Spell;
+use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, RunFacts};

@@ -1,6 +1,7 @@
 //! `PythonLeaf`: a Python function as a part of a field.
 use chordal::budget::Evidence;
-use chordal::implicit::{Leaf, LeafAnswer, LeafError, Lipschitz};
+use chordal::implicit::Lipschitz;
+use chordal::implicit::leaves::{Leaf, LeafAnswer, LeafError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::fmt;

@@ -1,5 +1,5 @@
 //! `Keywords`: how Python spells settings, as arguments.
-use chordal::budget::{Setting, Spelling};
+use chordal::budget::advice::{Setting, Spelling};
 use chordal_cli::spelling::CommandLine;
 
 /// Settings as arguments and functions of the package, or as options of the command where it has none.

@@ -2,7 +2,7 @@
 use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::{failure, work};
-use chordal::budget::Spell;
+use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, RunFacts};

@@ -1,5 +1,6 @@
 //! What scripts mean: shapes, operators, parameters, formulas, and the sentences about what is wrong.
-use chordal::implicit::{Distance, DistanceQuality, ExprGraph};
+use chordal::implicit::evaluation::ExprGraph;
+use chordal::implicit::{Distance, DistanceQuality};
 use chordal_script::{RunOptions, Script, ScriptError, language, run};
 
 fn script(text: &str) -> Result<Script, ScriptError> {

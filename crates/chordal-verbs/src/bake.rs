@@ -4,7 +4,7 @@ use crate::{Input, MeshFailure, Shape, flatten, formats};
 use chordal::Mesh;
 use chordal::budget::{Job, RefusalCode, par_map};
 use chordal::convert::{DistanceGrid, mesh_to_grid};
-use chordal::explicit::Bvh;
+use chordal::explicit::query::Bvh;
 use chordal::math::{add_up, sub_up};
 use chordal_io::{Format, Volume, WriteError, write_volume};
 use std::io::Write;

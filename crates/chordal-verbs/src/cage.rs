@@ -3,11 +3,13 @@ use crate::file_rows::to_file_rows;
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
 use crate::{Input, MeshFailure, Normals, Shape, formats};
-use chordal::budget::{Bound, Message, RefusalCode, Setting};
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::{Bound, RefusalCode};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
+use chordal::explicit::subdivision::{CornerTexcoords, Scheme};
 use chordal::explicit::triangulate::Triangulator;
-use chordal::explicit::{Attribute, Cage, CornerTexcoords, Domain, Scheme, Semantic};
+use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{
     Format, Polygons, Scene, WriteError, losses, losses_of_polygons, snap, write, write_polygons,

@@ -1,7 +1,8 @@
 //! `deviation`: the distance between two shapes, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
 use crate::{Input, MeshFailure, Shape, field, flatten};
-use chordal::budget::{Bound, Length, Message, Reference, RefusalCode, Tolerance};
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, Length, Reference, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
 use chordal::math::{add_up, sub_down};

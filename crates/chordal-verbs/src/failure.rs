@@ -1,7 +1,8 @@
 //! `MeshFailure`: why a verb made no result within the budget.
 use crate::MeshOutcome;
 use crate::report::Output;
-use chordal::budget::{Failure, InvalidLength, JobError, Message, Refusal, RefusalCode};
+use chordal::budget::advice::Message;
+use chordal::budget::{Failure, InvalidLength, JobError, Refusal, RefusalCode};
 use chordal_io::{CoordinateOverflow, WriteError};
 use std::fmt;
 

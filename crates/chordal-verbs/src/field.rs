@@ -1,7 +1,8 @@
 //! Fields: meshed within a budget, and measured against triangles.
 use crate::request::MeshRequest;
 use crate::{ImplicitShape, MeshFailure};
-use chordal::budget::{Bound, Message, RefusalCode, Setting};
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::{Bound, RefusalCode};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::{Bounded, Job, Mesh, convert};

@@ -2,8 +2,10 @@
 use crate::report::Certificate;
 use crate::request::MeshRequest;
 use crate::{MeshFailure, report::FrameFacts};
-use chordal::budget::{Bounded, Failure, Message, RefusalCode};
-use chordal::explicit::{AffineMap, Curve, Outline};
+use chordal::budget::advice::Message;
+use chordal::budget::{Bounded, Failure, RefusalCode};
+use chordal::explicit::parametric::AffineMap;
+use chordal::explicit::{Curve, Outline};
 use chordal::math::Box3;
 use chordal::{Bound, Job, convert};
 use chordal_io::{Axis, Drawing, Frame, Scene};

@@ -4,8 +4,10 @@ use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Outp
 use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation, flatten};
 use chordal::Job;
-use chordal::budget::{Bound, Budget, JobError, Message, PixelBudget, View};
-use chordal::check::{self, MicroTriangles};
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, Budget, JobError, PixelBudget, View};
+use chordal::check;
+use chordal::check::shading::MicroTriangles;
 use chordal_io::{Polylines, Scene, losses};
 
 const NOT_MET: &str = "the budget was not met: this is the best that was reached";
@@ -72,7 +74,7 @@ pub(crate) fn too_fine_note(
     let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
     // A scene that cannot be merged, or is too large to check, gets no note.
     let Ok(mesh) = flatten::one_mesh(scene) else { return Ok(None) };
-    let found = match check::micro_triangles(&mesh, &view, job) {
+    let found = match check::shading::micro_triangles(&mesh, &view, job) {
         Ok(found) => found,
         Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
         Err(JobError::Refused(_)) => return Ok(None),

@@ -1,6 +1,6 @@
 //! What the verbs need to know of file formats.
 use crate::Shape;
-use chordal::budget::{Message, Setting};
+use chordal::budget::advice::{Message, Setting};
 use chordal_io::Format;
 
 /// The names of the formats that hold triangles, as in "obj, ply, stl, glb".

@@ -3,7 +3,8 @@
 use crate::request::MeshRequest;
 use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
 use crate::{MeshFailure, SurfaceSpec};
-use chordal::budget::{Bound, Budget, Message, RefusalCode, Setting};
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::{Bound, Budget, RefusalCode};
 use chordal::convert::{self, Border, Inside, Polygonize};
 use chordal::implicit::{Grid, Samples};
 use chordal::{Bounded, Job, Mesh};
@@ -240,12 +241,12 @@ fn mesh_labels(
 ) -> Result<(Scene, Bound), MeshFailure> {
     // Refuses a budget that rounding to the format alone would exceed.
     request.reserve_rounding(request.rounding())?;
-    let rule = convert::LabelOptions {
+    let rule = convert::lattices::LabelOptions {
         border: [[sampled.surface.border; 2]; 3],
-        ..convert::LabelOptions::default()
+        ..convert::lattices::LabelOptions::default()
     };
     let numbered = label_indices(&sampled.volume.grid, labels, job)?;
-    let meshes = convert::labels_to_meshes(&numbered, &rule, job)
+    let meshes = convert::lattices::labels_to_meshes(&numbered, &rule, job)
         .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
     let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
     let mut worst: Option<Bound> = None;

@@ -1,7 +1,7 @@
 //! `load`: parses bytes to a shape, with everything that a report says about its input.
 use crate::digest::sha256;
 use crate::{Shape, script};
-use chordal::budget::{Message, Setting};
+use chordal::budget::advice::{Message, Setting};
 use chordal::math::Box3;
 use chordal_io::{FileLocation, Format, Limits, PolygonSurface, ReadError, Warning};
 

@@ -6,7 +6,7 @@ use crate::pass_through::pass_through;
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::request::MeshRequest;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};
-use chordal::budget::Cure;
+use chordal::budget::advice::Cure;
 use chordal::budget::{Bound, Budget, Length, Metric, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
 use chordal::math::div_down;

@@ -1,7 +1,7 @@
 //! `Normals`: the normals that triangles get, as a user requests them.
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 use chordal::explicit::{NormalWeight, Semantic, Shading, with_normals};
 use chordal_io::{Format, Scene};
 use std::fmt;

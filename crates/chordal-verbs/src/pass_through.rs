@@ -1,7 +1,8 @@
 //! Passes triangles through unchanged, at the precision of a format.
 use crate::MeshFailure;
 use crate::flatten::{self, TransformedScene};
-use chordal::budget::{Bound, Message, Reference, RefusalCode};
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::math::add_up;
 use chordal_io::{Format, Scene, snap};
 

@@ -1,8 +1,9 @@
 //! The repairs that `inspect` recommends: they were tried on the triangles, and helped.
 use crate::mend::{RepairStep, trial_steps};
 use chordal::Job;
-use chordal::budget::Cure;
-use chordal::check::{Defect, MeshConnectivity};
+use chordal::budget::advice::Cure;
+use chordal::check::Defect;
+use chordal::check::findings::MeshConnectivity;
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene};
 

@@ -7,16 +7,18 @@ use crate::report::{
     BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts,
 };
 use crate::{BudgetSpec, Input, MeshFailure, Shape, flatten};
-use chordal::budget::{
-    Camera, Failure, Length, Message, Pixels, Projection, Refusal, RefusalCode, Screen, View,
-};
+use chordal::budget::advice::Message;
+use chordal::budget::camera::{Camera, Projection, Screen};
+use chordal::budget::{Failure, Length, Pixels, Refusal, RefusalCode, View};
 use chordal::check::{self, Goal};
-use chordal::explicit::{HitSides, Topology, facing};
+use chordal::explicit::Topology;
+use chordal::explicit::query::{HitSides, facing};
 use chordal::implicit::query::BeamCounts;
 use chordal::math::Box3;
+use chordal::render::fields::{FieldRenderError, ReferenceSurface, render_field};
 use chordal::render::{
-    CullMode, FieldRenderError, Picture, ReferenceSurface, RenderOptions, RenderStyle, UpAxis, Viewpoint,
-    frame, render as trace, render_against as trace_against, render_field, render_overshade,
+    CullMode, Picture, RenderOptions, RenderStyle, UpAxis, Viewpoint, frame, render as trace,
+    render_against as trace_against, render_overshade,
 };
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
@@ -276,7 +278,7 @@ fn draw_mesh(
             CullMode::Back => HitSides::Front,
             CullMode::Front => HitSides::Back,
         };
-        let flicker = check::flicker(mesh, &camera, sides, job)?;
+        let flicker = check::shading::flicker(mesh, &camera, sides, job)?;
         certificate.overshade = Some(OvershadeFacts::new(&found, &flicker, &camera, sides));
         picture
     } else {

@@ -1,8 +1,7 @@
 //! `BudgetSpec`: a budget as a user requests it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
-use chordal::budget::{
-    Budget, Length, Message, PixelBudget, Refusal, RefusalCode, RequiredEvidence, Setting, digits,
-};
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
 use chordal::convert::Spacing;
 
 /// A budget whose length can be a percentage or have a unit.

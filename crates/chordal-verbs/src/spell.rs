@@ -1,7 +1,7 @@
 //! How a shell has the settings spelled in what the verbs return: its messages, and the report with its certificate.
 use crate::report::{Certificate, FindingFacts, Report, WarningFacts};
 use crate::{BakeOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome};
-use chordal::budget::{Spell, Spelling};
+use chordal::budget::advice::{Spell, Spelling};
 
 /// The warnings; they go on into the certificates of what is made of the input.
 impl Spell for Input {

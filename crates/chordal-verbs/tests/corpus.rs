@@ -2,7 +2,7 @@
 use crate::common;
 
 use chordal::Mesh;
-use chordal::budget::{Setting, Spell, Spelling};
+use chordal::budget::advice::{Setting, Spell, Spelling};
 use chordal::check::Defect;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, ValidityCounts};

@@ -150,7 +150,7 @@ fn closed_outlines_fill_with_triangles_in_every_mesh_format() {
         assert_eq!(scene.frame.up, Some(Axis::Y));
         let mesh = &scene.parts[0].mesh;
         // The area of a ring, off by no more than the bound along its borders.
-        let (area, true_area) = (check::measure(mesh).area, 12.0 * std::f64::consts::PI);
+        let (area, true_area) = (check::findings::measure(mesh).area, 12.0 * std::f64::consts::PI);
         assert!((area - true_area).abs() <= at_most * 12.0 * std::f64::consts::PI, "{to}: {area}");
         // Face up, in the plane, with y upwards.
         for face in 0..mesh.faces().len() {

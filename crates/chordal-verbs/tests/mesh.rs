@@ -1,7 +1,8 @@
 //! The verb `mesh`: the chain from the parsed numbers to the triangles in the file.
 use chordal::budget::{PixelBudget, Reference, RefusalCode, RequiredEvidence};
 use chordal::explicit::{Attribute, Domain, Semantic};
-use chordal::implicit::{Expr, Field, Leaf, LeafError};
+use chordal::implicit::leaves::{Leaf, LeafError};
+use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::{Bound, Evidence, Job, Mesh, Patch};
 use chordal_io::{Format, Frame, Limits, Node, Scene};

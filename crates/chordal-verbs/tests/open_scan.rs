@@ -1,5 +1,5 @@
 //! Row 59 of the hostile inputs: an open scan has no sign of its own, and is never given a wrong one quietly.
-use chordal::explicit::{Bvh, Containment, Enclosure, PointLocation};
+use chordal::explicit::query::{Bvh, Containment, Enclosure, PointLocation};
 use chordal::math::Box3;
 use chordal::{Job, Mesh};
 use chordal_testkit::corpus;

@@ -2,7 +2,7 @@
 use crate::common;
 
 use chordal::Job;
-use chordal::budget::Cure;
+use chordal::budget::advice::Cure;
 use chordal::check::Defect;
 use chordal_io::Format;
 use chordal_verbs::report::{FindingFacts, Report, cures_of_all};

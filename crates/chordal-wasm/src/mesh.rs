@@ -3,7 +3,7 @@ use crate::options::MeshOptions;
 use crate::outcome::Outcome;
 use crate::spelling::{AsCommand, JsonKeys};
 use chordal::Job;
-use chordal::budget::Spell;
+use chordal::budget::advice::Spell;
 use chordal_io::Limits;
 use chordal_verbs::{FormatHint, MeshFailure, MeshOutcome, load, mesh as mesh_verb};
 

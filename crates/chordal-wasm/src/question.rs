@@ -1,6 +1,6 @@
 //! Reads what a page asks about curves, from its JSON, one value at a time.
 use chordal::Bezier;
-use chordal::explicit::Continuity;
+use chordal::explicit::parametric::Continuity;
 use serde_json::{Map, Value};
 
 /// The most segments of one polyline; a page draws a few hundred.

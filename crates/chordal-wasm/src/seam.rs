@@ -1,8 +1,9 @@
 //! What a page asks about two cubics: made to meet as smoothly as is wished, how they meet, and the comb of their curvature.
 use crate::question::{AnswerError, Leader, Question};
 use chordal::Bezier;
-use chordal::check::{Join, Tooth, curvature_comb, join};
-use chordal::explicit::{Continuity, CurveSegment};
+use chordal::check::curves::{Join, Tooth, curvature_comb, join};
+use chordal::explicit::CurveSegment;
+use chordal::explicit::parametric::Continuity;
 use serde_json::{Value, json};
 
 /// Teeth of the comb of each curve.

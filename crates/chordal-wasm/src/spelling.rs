@@ -1,6 +1,6 @@
 //! `JsonKeys` and `AsCommand`: how this module spells settings, in its sentences and in certificates.
 use crate::options::KEYS;
-use chordal::budget::{Setting, Spelling};
+use chordal::budget::advice::{Setting, Spelling};
 
 /// Settings as keys of the options; what has no key is named as an option of the command.
 pub(crate) struct JsonKeys;

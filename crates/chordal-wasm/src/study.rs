@@ -1,7 +1,7 @@
 //! What a page asks about one cubic: its polylines at a number of segments, and how the error falls with that number.
 use crate::question::{AnswerError, Question};
 use chordal::budget::Bounded;
-use chordal::check::{Gap, largest_gap};
+use chordal::check::curves::{Gap, largest_gap};
 use chordal::convert::{curve_to_polyline, curve_to_polyline_evenly};
 use chordal::explicit::{Curve, Polyline};
 use chordal::{Bezier, Bound, Budget, Failure, Job, Tolerance};

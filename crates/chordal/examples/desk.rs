@@ -3,7 +3,8 @@
 //! `cargo run --release -p chordal --example desk examples/teapot.bpt given.obj > desk.obj` writes the triangles of all
 //! three as they are to begin with, and those within a pixel; the table of `docs/by_view.md` goes to stderr. Units are
 //! metres.
-use chordal::budget::{Camera, Projection, View};
+use chordal::budget::View;
+use chordal::budget::camera::{Camera, Projection};
 use chordal::explicit::Topology;
 use chordal::lod::simplify;
 use chordal::{Budget, Job, Mesh, Patch, Tolerance, convert};

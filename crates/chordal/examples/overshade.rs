@@ -1,8 +1,8 @@
 //! What a smooth and a rough ball of 1 to 10,000,000 triangles cost a graphics processor on a screen of 1920 × 1080, as a
 //! table for docs/overshade.md: `cargo run --release -p chordal --example overshade`.
-use chordal::budget::{Camera, Projection, Screen};
-use chordal::check::{flicker, overshade};
-use chordal::explicit::HitSides;
+use chordal::budget::camera::{Camera, Projection, Screen};
+use chordal::check::shading::{flicker, overshade};
+use chordal::explicit::query::HitSides;
 use chordal::{Job, Mesh};
 use std::time::Instant;
 

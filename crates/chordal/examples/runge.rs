@@ -1,7 +1,8 @@
 //! Runge's function through 11 equally spaced points: the polynomial swings out of bounds, the spline does not.
 //!
 //! `cargo run -p chordal --example runge > runge.svg` writes the picture; what it measures goes to stderr.
-use chordal::explicit::{Polynomial, spline};
+use chordal::explicit::parametric::Polynomial;
+use chordal::explicit::spline;
 use chordal::{Budget, Job, Tolerance, convert};
 
 /// What is to be drawn: few know that so tame a function does this.

@@ -1,10 +1,27 @@
 //! Chordal: shapes into triangles under one budget, the error that may be seen.
 //!
-//! Every lossy step takes a [`Budget`] and returns a [`Bounded`] shape: the triangles and a [`Bound`] on how
-//! far they are from the true shape, together with how that is known ([`Evidence`]).
+//! Every lossy step takes a [`Budget`] and returns a [`Bounded`] shape: the result and a [`Bound`] on how far it
+//! is from the true shape, together with how that is known ([`Evidence`]). You bring a budget, you leave with a
+//! bound.
+//!
+//! # A tour
+//! **A curve becomes a polyline.** The budget is a length, pixels at a view, a number of segments, or several.
 //!
 //! ```
-//! use chordal::{Budget, Job, Tolerance, convert, explicit::Patch};
+//! use chordal::prelude::*;
+//!
+//! let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+//! let budget = Budget::length(Tolerance::new(1e-3)?);
+//! let made = convert::curve_to_polyline(&arch.into(), &budget, &Job::default()).expect("reachable");
+//! assert_eq!(made.shape.points.len(), 15);
+//! assert!(made.bound.evidence == Evidence::Proved && made.bound.at_most().unwrap() <= 1e-3);
+//! # Ok::<(), chordal::budget::InvalidTolerance>(())
+//! ```
+//!
+//! **Patches become a mesh** without cracks, with as many triangles as each place needs.
+//!
+//! ```
+//! use chordal::prelude::*;
 //!
 //! // A bicubic Bézier patch over the unit square, lifted in the middle.
 //! let mut patch = Patch::flat([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
@@ -12,13 +29,50 @@
 //!     patch.control[i][j][2] = 0.5;
 //! }
 //! let budget = Budget::length(Tolerance::new(1e-3)?);
-//! let bounded = convert::patches_to_mesh(&[patch], &budget, &Job::default()).expect("reachable");
-//! assert!(bounded.bound.at_most().unwrap() <= 1e-3);
+//! let made = convert::patches_to_mesh(&[patch], &budget, &Job::default()).expect("reachable");
+//! assert!(made.bound.at_most().unwrap() <= 1e-3);
 //! # Ok::<(), chordal::budget::InvalidTolerance>(())
 //! ```
 //!
+//! **A field becomes a mesh**, closed and manifold. Shapes combine by union, intersection and difference, and
+//! their edges stay sharp.
+//!
+//! ```
+//! use chordal::implicit::shapes::{cuboid, cylinder};
+//! use chordal::prelude::*;
+//!
+//! let block = cuboid([2.0, 2.0, 1.0])?.difference(&cylinder(0.4, 2.0)?);
+//! let budget = Budget::length(Tolerance::new(0.01)?);
+//! let made = convert::field_to_mesh(&block, &budget, &Job::default()).expect("reachable");
+//! assert!(made.shape.faces().len() < 200 && made.bound.at_most().unwrap() <= 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! **A mesh becomes a smaller mesh**, within a length of the one it came from. **Two surfaces are compared** from
+//! both sides, by proof and not by samples.
+//!
+//! ```
+//! use chordal::explicit::Topology;
+//! use chordal::implicit::shapes::sphere;
+//! use chordal::prelude::*;
+//!
+//! let job = Job::default();
+//! let length = |length| Tolerance::new(length).map(Budget::length);
+//! let fine = convert::field_to_mesh(&sphere(1.0)?, &length(0.005)?, &job).expect("reachable").shape;
+//! let made = lod::simplify(&fine, &length(0.05)?, Topology::Indices, &job).expect("reachable");
+//! assert!(2 * made.shape.mesh.faces().len() < fine.faces().len());
+//!
+//! let found = check::deviation(&made.shape.mesh, &fine, &check::Goal::default(), &job)?;
+//! assert!(found.bound.at_most().unwrap() <= 0.05);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Where to go on
 //! The modules, lowest first; imports only go down: [`math`], [`budget`], [`explicit`] and [`implicit`],
-//! [`check`], [`convert`], [`lod`], [`mend`], [`render`]. ARCHITECTURE.md has the picture.
+//! [`check`], [`convert`], [`lod`], [`mend`], [`render`]. What most programs need stands in these modules
+//! themselves, what experts need in their submodules, such as [`explicit::query`] for rays and closest points,
+//! [`explicit::subdivision`] and [`implicit::evaluation`]. ARCHITECTURE.md has the picture, GLOSSARY.md the
+//! words, and `docs/` a page for each arrow.
 
 pub mod budget;
 pub mod check;
@@ -28,6 +82,7 @@ pub mod implicit;
 pub mod lod;
 pub mod math;
 pub mod mend;
+pub mod prelude;
 pub mod render;
 
 pub use budget::{Bound, Bounded, Budget, Evidence, Failure, Job, Tolerance, View};

@@ -2,7 +2,7 @@
 use crate::solids::shapes;
 
 use chordal::budget::JobError;
-use chordal::check::{AttributeDeviation, attribute_deviation};
+use chordal::check::findings::{AttributeDeviation, attribute_deviation};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::simplify;
 use chordal::{Budget, Job, Mesh, Tolerance};

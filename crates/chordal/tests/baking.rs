@@ -1,10 +1,12 @@
 //! Meshes, outlines and curves as fields and grids, against plain loops over all triangles and closed forms.
+use chordal::convert::lattices::Lattice;
 use chordal::convert::{
-    DistanceGrid, Lattice, curve_to_field, field_to_grid, mesh_to_field, mesh_to_grid, outline_to_field,
+    DistanceGrid, curve_to_field, field_to_grid, mesh_to_field, mesh_to_grid, outline_to_field,
 };
 use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment, FillRule, Outline};
+use chordal::implicit::leaves::{Leaf, LeafAnswer, LeafError};
 use chordal::implicit::shapes::{gyroid, sphere, torus};
-use chordal::implicit::{Distance, DistanceQuality, Expr, Field, Leaf, LeafAnswer, LeafError};
+use chordal::implicit::{Distance, DistanceQuality, Expr, Field};
 use chordal::math::{Box3, Interval};
 use chordal::{Bezier, Budget, Evidence, Job, Mesh, Tolerance};
 use chordal_testkit::Random;
@@ -104,12 +106,16 @@ fn ranges_of_a_mesh_hold_its_values() {
     for round in 0..400 {
         let (p, size) = (random.point_within::<3>(1.6), if round % 2 == 0 { 0.3 } else { 0.02 });
         let bounds = Box3 { min: p, max: p.map(|x| x + size) };
-        let unknown = chordal::implicit::Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+        let unknown = chordal::implicit::evaluation::Dual {
+            value: Interval::UNKNOWN,
+            gradient: [Interval::UNKNOWN; 3],
+        };
         let mut range = [unknown];
         tape.gradient_over(&[bounds], &mut range).expect("no leaf fails");
         assert!(range[0].value.is_defined());
         let inside: Vec<[f64; 3]> = (0..20).map(|_| p.map(|x| x + size * random.unit())).collect();
-        let mut slopes = vec![chordal::implicit::Dual { value: 0.0, gradient: [0.0; 3] }; inside.len()];
+        let mut slopes =
+            vec![chordal::implicit::evaluation::Dual { value: 0.0, gradient: [0.0; 3] }; inside.len()];
         tape.gradient_at(&inside, &mut slopes).expect("no leaf fails");
         for slope in slopes {
             assert!(range[0].value.contains(slope.value), "{} in {}", slope.value, range[0].value);

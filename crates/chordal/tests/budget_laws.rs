@@ -1,10 +1,8 @@
 //! Laws of the nouns of `budget`: a chain of bounds holds for real point sets and claims no more than the triangle
 //! inequality leaves; what is shown reads back; what is no budget is refused.
 use crate::exact;
-use chordal::budget::{
-    Bound, Camera, Evidence, Length, Metric, MinDistanceView, Pixels, Projection, Reference, Screen,
-    Tolerance, Unit, View,
-};
+use chordal::budget::camera::{Camera, MinDistanceView, Projection, Screen};
+use chordal::budget::{Bound, Evidence, Length, Metric, Pixels, Reference, Tolerance, Unit, View};
 use chordal::math::{add_up, sqrt_down, sqrt_up, sub_down};
 use exact::{at_least, at_most, cases, exact};
 use proptest::prelude::*;

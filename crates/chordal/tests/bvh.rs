@@ -1,6 +1,6 @@
-//! Laws of `explicit::Bvh`: what it returns is what a plain loop over all triangles finds, its bounds hold in exact
+//! Laws of `explicit::query::Bvh`: what it returns is what a plain loop over all triangles finds, its bounds hold in exact
 //! arithmetic, and rays find no gap in a closed mesh.
-use chordal::explicit::{Bvh, Hit, MeshClosestPoint, Ray};
+use chordal::explicit::query::{Bvh, Hit, MeshClosestPoint, Ray};
 use chordal::{Job, Mesh};
 use chordal_testkit::Random;
 use dashu_float::FBig;

@@ -1,8 +1,7 @@
 //! Components: each by itself is what it is alone, and shells within shells face the right way.
 use chordal::budget::JobError;
-use chordal::check::{
-    Component, Facing, MeshConnectivity, MeshLocation, components, inside_out, outward, validity,
-};
+use chordal::check::findings::{MeshConnectivity, MeshLocation};
+use chordal::check::{Component, Facing, components, inside_out, outward, validity};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
 use chordal_testkit::Random;

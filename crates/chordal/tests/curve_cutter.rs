@@ -1,5 +1,6 @@
 //! The ways to cut many curves give the same points as the one for a single path, on every set of instructions.
-use chordal::convert::{self, BezierCutter, Spacing};
+use chordal::convert::batch::BezierCutter;
+use chordal::convert::{self, Spacing};
 use chordal::explicit::{Bezier, Curve};
 use chordal::math::simd::{Isa, isa};
 use chordal::{Budget, Failure, Job, Tolerance};
@@ -15,9 +16,10 @@ fn same_points<const D: usize>() {
     let curves = curves::<D>(600);
     for (tolerance, spacing) in [(1e-2, Spacing::Fewest), (1e-4, Spacing::Fewest), (1e-3, Spacing::Even)] {
         let tolerance = Tolerance::new(tolerance).unwrap();
-        let batch = convert::beziers_to_polylines(&curves, tolerance, &Job::default(), spacing).unwrap();
+        let batch =
+            convert::batch::beziers_to_polylines(&curves, tolerance, &Job::default(), spacing).unwrap();
         let alone = Job::default().with_threads(1);
-        assert_eq!(convert::beziers_to_polylines(&curves, tolerance, &alone, spacing).unwrap(), batch);
+        assert_eq!(convert::batch::beziers_to_polylines(&curves, tolerance, &alone, spacing).unwrap(), batch);
         let mut cutter = BezierCutter::new(tolerance, spacing).unwrap();
         for (i, curve) in curves.iter().enumerate() {
             let path: Curve<D> = (*curve).into();
@@ -54,8 +56,9 @@ fn every_set_of_instructions_gives_the_same_points() {
         for (tolerance, spacing) in [(1e-1, Spacing::Fewest), (1e-4, Spacing::Fewest), (1e-3, Spacing::Even)]
         {
             let tolerance = Tolerance::new(tolerance).unwrap();
-            let made = convert::beziers_to_polylines(&curves::<2>(400), tolerance, &Job::default(), spacing)
-                .unwrap();
+            let made =
+                convert::batch::beziers_to_polylines(&curves::<2>(400), tolerance, &Job::default(), spacing)
+                    .unwrap();
             let mut sum = Fingerprint::default();
             sum.add_bits(made.shape.points.as_flattened());
             let bound = made.bound.at_most().unwrap().to_bits();

@@ -1,11 +1,13 @@
 //! Rays and fields: hits against closed forms and dense marching, fields that lie, nearest places, and pictures.
 use chordal::Job;
+use chordal::implicit::evaluation::{Binary, Tape, Unary};
 use chordal::implicit::query::{
     Beam, BeamCounts, BeamRecord, FieldOctree, FieldTracer, closest_points, contains, normals,
 };
-use chordal::implicit::{Binary, Distance, Expr, Field, Tape, Unary};
+use chordal::implicit::{Distance, Expr, Field};
 use chordal::math::Box3;
-use chordal::render::{Background, RenderOptions, RenderStyle, render_field};
+use chordal::render::fields::render_field;
+use chordal::render::{Background, RenderOptions, RenderStyle};
 use chordal_testkit::Fingerprint;
 use chordal_testkit::Random;
 

@@ -1,8 +1,10 @@
 //! The laws of what a graphics processor takes: orders lose nothing, bounds hold, cones never hide a front.
-use chordal::budget::{Camera, Projection, RefusalCode, Screen};
-use chordal::convert::{IndexBuffer, mesh_to_gpu_buffers};
-use chordal::explicit::{acmr, cache_misses, cache_order, clusters, facing, fetch_order};
-use chordal::math::{Orientation, orient3d};
+use chordal::budget::RefusalCode;
+use chordal::budget::camera::{Camera, Projection, Screen};
+use chordal::convert::gpu::{IndexBuffer, mesh_to_gpu_buffers};
+use chordal::explicit::query::{clusters, facing};
+use chordal::explicit::{acmr, cache_misses, cache_order, fetch_order};
+use chordal::math::exact::{Orientation, orient3d};
 use chordal::render::{Background, CullMode, Picture, RenderOptions, Viewpoint, render};
 use chordal::{Job, Mesh};
 use chordal_testkit::Random;

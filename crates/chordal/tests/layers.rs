@@ -11,7 +11,7 @@ use gates::{Kind, Source, Token, expect_none};
 use std::collections::BTreeMap;
 
 /// The rooms with their storeys; rooms of one storey do not know each other.
-const ROOMS: [(&str, u8); 9] = [
+const ROOMS: [(&str, u8); 10] = [
     ("math", 1),
     ("budget", 2),
     ("explicit", 3),
@@ -21,6 +21,7 @@ const ROOMS: [(&str, u8); 9] = [
     ("lod", 6),
     ("mend", 6),
     ("render", 6),
+    ("prelude", 7),
 ];
 
 /// The name by which the library knows itself.

@@ -1,6 +1,7 @@
 //! The arrow `outlines_to_mesh`: closed form, the promise about sides, and odd outlines. The referee samples curves and
 //! counts winding by itself.
-use chordal::check::{measure, t_junctions};
+use chordal::check::findings::measure;
+use chordal::check::t_junctions;
 use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, FillRule, Outline, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
 use chordal_testkit::Random;

@@ -1,7 +1,7 @@
 //! `PatchGrid` gives the bits of `Patch::at` and `Patch::normal`, on every instruction set.
 use crate::exact;
 use chordal::Patch;
-use chordal::explicit::PatchGrid;
+use chordal::explicit::parametric::PatchGrid;
 use chordal::math::simd::{self, Isa};
 use proptest::prelude::*;
 

@@ -1,5 +1,6 @@
 //! Planted defects: a healthy torus is spoilt in known places, and exactly those are found.
-use chordal::check::{Defect, Finding, MeshConnectivity, MeshLocation, inside_out, self_intersections};
+use chordal::check::findings::{Finding, MeshConnectivity, MeshLocation};
+use chordal::check::{Defect, inside_out, self_intersections};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
 use chordal_testkit::Random;

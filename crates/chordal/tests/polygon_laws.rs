@@ -1,6 +1,7 @@
 //! The laws of points in polygons and of convex polygons, on lattices where the judge's own arithmetic is exact.
-use chordal::explicit::{FillRule, fan, is_convex, polygon_contains, winding_number};
-use chordal::math::PointInTriangle;
+use chordal::explicit::FillRule;
+use chordal::explicit::polygons::{fan, is_convex, polygon_contains, winding_number};
+use chordal::math::exact::PointInTriangle;
 use chordal_testkit::Random;
 
 fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {

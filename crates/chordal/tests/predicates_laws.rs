@@ -1,6 +1,6 @@
 //! Laws of the predicates: the sign of exact arithmetic, always.
 use crate::exact;
-use chordal::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
+use chordal::math::exact::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 use dashu_float::FBig;
 use exact::{cases, exact, number};
 use proptest::prelude::*;

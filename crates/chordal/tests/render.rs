@@ -1,5 +1,6 @@
 //! What a picture promises: places, normals, holes, lines, sides, and the same bytes everywhere.
-use chordal::budget::{Camera, JobError, Progress, Projection, RefusalCode, Screen};
+use chordal::budget::camera::{Camera, Projection, Screen};
+use chordal::budget::{JobError, Progress, RefusalCode};
 use chordal::explicit::{Attribute, Patch};
 use chordal::render::{Background, Picture, RenderOptions, RenderStyle, UpAxis, Viewpoint, frame, render};
 use chordal::{Job, Mesh};

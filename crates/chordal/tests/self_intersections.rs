@@ -1,5 +1,6 @@
 //! Self-intersections: every pair against exact fractions, on lattices full of ties; then shapes whose answer is known.
-use chordal::check::{MeshLocation, self_intersections, validity};
+use chordal::check::findings::MeshLocation;
+use chordal::check::{self_intersections, validity};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
 use chordal_testkit::Random;

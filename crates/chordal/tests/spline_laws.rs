@@ -1,7 +1,8 @@
 //! Splines keep what they promise: through the points or not, how smooth, and how far a moved point is felt.
-use chordal::check::{join, joins};
+use chordal::check::curves::{join, joins};
+use chordal::explicit::parametric::Polynomial;
 use chordal::explicit::spline::{self, InvalidSpline, Knots};
-use chordal::explicit::{Curve, CurveEnds, CurveSegment, Polynomial};
+use chordal::explicit::{Curve, CurveEnds, CurveSegment};
 use chordal_testkit::Random;
 
 fn points<const D: usize>(random: &mut Random, n: usize) -> Vec<[f64; D]> {

@@ -1,6 +1,8 @@
 //! T-junctions: a seam cut on one side only, and random lattices against every pair of vertex and edge.
-use chordal::check::{MeshLocation, t_junctions};
-use chordal::explicit::{Topology, Twin, Twins, next_in_face};
+use chordal::check::findings::MeshLocation;
+use chordal::check::t_junctions;
+use chordal::explicit::Topology;
+use chordal::explicit::adjacency::{Twin, Twins, next_in_face};
 use chordal::{Mesh, Tolerance};
 use chordal_testkit::Random;
 use std::collections::BTreeSet;

@@ -1,7 +1,8 @@
 //! The laws of triangles and quads: sides, weights, areas, shapes, bends.
 use chordal::Mesh;
-use chordal::explicit::{Attribute, Diagonal, Domain, Quad, Semantic, Triangle, corner_rows, interpolate};
-use chordal::math::PointInTriangle;
+use chordal::explicit::polygons::{Diagonal, Quad};
+use chordal::explicit::{Attribute, Domain, Semantic, Triangle, corner_rows, interpolate};
+use chordal::math::exact::PointInTriangle;
 use chordal_testkit::Random;
 
 fn triangle<const D: usize>(random: &mut Random) -> Triangle<D> {

@@ -1,7 +1,9 @@
 //! Validity of shapes whose topology is known: laws first, then each fault by itself, then files.
 use chordal::Mesh;
-use chordal::check::{MAX_WITNESSES, MeshLocation, Validity, is_collinear, measure, validity};
-use chordal::explicit::{Topology, Twin, Twins, position_id_by_bits};
+use chordal::check::findings::{MAX_WITNESSES, MeshLocation, measure};
+use chordal::check::{Validity, is_collinear, validity};
+use chordal::explicit::adjacency::{Twin, Twins};
+use chordal::explicit::{Topology, position_id_by_bits};
 use chordal_testkit::corpus;
 
 /// A vertex `i` columns along and `j` across.

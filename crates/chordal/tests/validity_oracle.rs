@@ -1,7 +1,8 @@
 //! Twins and validity against a naive oracle, written from the definitions, on small random meshes full of faults.
 use chordal::Mesh;
 use chordal::check::{Validity, validity};
-use chordal::explicit::{Topology, Twin, Twins};
+use chordal::explicit::Topology;
+use chordal::explicit::adjacency::{Twin, Twins};
 use chordal_testkit::Random;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -269,7 +270,7 @@ fn every_face_without_area_is_found_and_no_other() {
 
 #[test]
 fn witnesses_name_what_was_found_where_it_is() {
-    use chordal::check::{Finding, MAX_WITNESSES, MeshLocation};
+    use chordal::check::findings::{Finding, MAX_WITNESSES, MeshLocation};
     for seed in 0..2000 {
         let mesh = random_mesh(seed);
         let naive = Naive::new(&mesh);

@@ -1,7 +1,8 @@
 //! Laws of `View`, `Lens` and `Sight`, judged by a projection that is written here and shares nothing with them:
 //! no visible point moves on the screen by more than the bound says.
 use chordal::View;
-use chordal::budget::{Camera, MinDistanceView, Pixels, Projection, Screen};
+use chordal::budget::Pixels;
+use chordal::budget::camera::{Camera, MinDistanceView, Projection, Screen};
 use chordal::math::Box3;
 use chordal_testkit::Random;
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! `GlbWarnings`: warnings, each kind once with its first location and its count.
 use crate::{FileLocation, Warning};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 
 /// The warnings so far.
 #[derive(Default)]

@@ -2,7 +2,7 @@
 use crate::WriteError;
 use crate::single_precision::store;
 use chordal::Mesh;
-use chordal::convert::IndexBuffer;
+use chordal::convert::gpu::IndexBuffer;
 use chordal::explicit::{Attribute, Semantic};
 use std::io::Write;
 

@@ -5,7 +5,7 @@
 use crate::volume::element::{Endian, SampleType};
 use crate::volume::name_of;
 use crate::{FileLocation, ReadError};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 
 /// Bytes of the header of version 1 and of version 2.
 const SIZES: [usize; 2] = [348, 540];

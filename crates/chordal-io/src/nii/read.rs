@@ -7,7 +7,8 @@ use crate::volume::samples::{self, SampleLayout};
 use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Volume};
-use chordal::budget::{Message, Setting, Unit};
+use chordal::budget::Unit;
+use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::{Grid, Samples};
 
 /// Reads the volume of a NIfTI file, gzipped or not, in patient coordinates: x to the right, y to the front,

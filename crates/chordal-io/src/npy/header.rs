@@ -3,7 +3,7 @@ use super::MAGIC;
 use crate::text::{show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, Limits, ReadError};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 
 /// The fields of the header.
 pub(super) struct NpyHeader {

@@ -3,7 +3,7 @@ use super::{CERTIFICATE, MAGIC};
 use crate::text::{LineTokens, TextLines, finite, integer, number, number_error, show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, Limits, ReadError};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 use serde_json::Value;
 
 /// A value with its line number.

@@ -2,7 +2,7 @@
 use super::fields::{NrrdField, NrrdHeader};
 use crate::warnings::Warnings;
 use crate::{Axis, FileLocation, Frame, ReadError};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 use chordal::implicit::Affine3;
 
 fn singular(line: u64, message: impl Into<Message>) -> ReadError {

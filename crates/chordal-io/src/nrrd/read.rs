@@ -10,7 +10,7 @@ use crate::volume::samples::{self, SampleLayout, TextSamples};
 use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome, Volume};
-use chordal::budget::{Message, Setting};
+use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::{Grid, Samples};
 
 /// Reads the volume of a NRRD file, in the space of the file. Its directions and origin place the samples,

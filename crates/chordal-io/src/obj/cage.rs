@@ -8,8 +8,9 @@ use crate::polygons::Polygons;
 use crate::text::{grouped, not_finite};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Frame, ReadError};
-use chordal::budget::{Message, Setting};
-use chordal::explicit::{Cage, CornerTexcoords, InvalidCage, Scheme};
+use chordal::budget::advice::{Message, Setting};
+use chordal::explicit::subdivision::{CornerTexcoords, Scheme};
+use chordal::explicit::{Cage, InvalidCage};
 
 /// The polygons so far.
 #[derive(Debug)]

@@ -12,7 +12,8 @@ use crate::grow::{push, push_many, with_room};
 use crate::text::{LineTokens, integer, not_finite, number, number_error, show, text_of};
 use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Frame, Limits, PolygonSurface, ReadError, ReadOutcome, Scene};
-use chordal::explicit::{Attribute, Domain, Scheme, Semantic};
+use chordal::explicit::subdivision::Scheme;
+use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
 use std::collections::BTreeMap;
 

@@ -3,7 +3,7 @@ use super::tag_names::{is_tag, scheme_of};
 use crate::assemble::too_many_rows;
 use crate::text::{LineTokens, TextLines};
 use crate::{FileLocation, Limits, ReadError};
-use chordal::explicit::Scheme;
+use chordal::explicit::subdivision::Scheme;
 
 /// An iterator of statements: lines, joined with the next one where they end in a backslash.
 pub(super) struct ObjStatements<'a> {

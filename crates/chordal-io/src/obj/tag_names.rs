@@ -1,6 +1,6 @@
 //! The names of subdivision tags in an OBJ, and of what they name.
 use crate::text::LineTokens;
-use chordal::explicit::{Boundary, Scheme};
+use chordal::explicit::subdivision::{Boundary, Scheme};
 
 /// Tags that mark the polygons as a cage, whether or not all of their content is understood.
 pub(super) const KNOWN: [&str; 13] = [

@@ -8,7 +8,7 @@ use crate::grow::push;
 use crate::text::{LineTokens, grouped, integer, number, number_error, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
-use chordal::explicit::{Boundary, CreasingMethod, LinearTexcoords};
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, LinearTexcoords};
 
 /// The content of the tags, with vertices and faces that exist.
 #[derive(Debug, Default)]

@@ -3,9 +3,8 @@ use super::CERTIFICATE;
 use super::tag_names::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
 use super::write::{GROUPS, ObjWriter, group_name, put};
 use crate::{Polygons, WriteError};
-use chordal::explicit::{
-    Attribute, CornerTexcoords, CreasingMethod, Domain, LinearTexcoords, Scheme, Semantic,
-};
+use chordal::explicit::subdivision::{CornerTexcoords, CreasingMethod, LinearTexcoords, Scheme};
+use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 

@@ -2,7 +2,7 @@
 use crate::text::{LineTokens, TextLines, grouped, integer, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 use serde_json::Value;
 
 /// The most elements that a header may declare, far more than any writer does.

@@ -2,7 +2,8 @@
 use super::cursor::SvgSyntaxError;
 use crate::ReadError;
 use crate::grow::{push, push_large};
-use chordal::explicit::{Arc, Bezier, Curve, CurveSegment, InvalidArc, SvgArcShape};
+use chordal::explicit::parametric::{InvalidArc, SvgArcShape};
+use chordal::explicit::{Arc, Bezier, Curve, CurveSegment};
 use chordal::math::{add_up, mul_up};
 use std::f64::consts::PI;
 

@@ -258,7 +258,7 @@ fn round_rect(
 
 fn quarter(
     pen: &mut PathBuilder,
-    arc: Result<Arc<2>, chordal::explicit::InvalidArc>,
+    arc: Result<Arc<2>, chordal::explicit::parametric::InvalidArc>,
 ) -> Result<(), ElementError> {
     match arc {
         Ok(arc) => Ok(pen.arc(arc)?),

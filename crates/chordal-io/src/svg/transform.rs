@@ -1,6 +1,7 @@
 //! `SvgTransform`: transforms and view boxes, with bounds on their own rounding.
 use super::cursor::{CursorResult, SvgSyntaxError, TextCursor};
-use chordal::explicit::{AffineMap, Curve, InvalidCurve};
+use chordal::explicit::parametric::AffineMap;
+use chordal::explicit::{Curve, InvalidCurve};
 use chordal::math::{add_up, mul_up};
 use std::f64::consts::PI;
 

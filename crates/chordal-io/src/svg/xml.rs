@@ -4,7 +4,7 @@ use super::names::{ElementTag, Key};
 use crate::grow::push;
 use crate::text::{grouped, show};
 use crate::{FileLocation, Limits, ReadError};
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 use quick_xml::Reader;
 use quick_xml::escape::{EscapeError, resolve_predefined_entity, unescape};
 use quick_xml::events::Event;

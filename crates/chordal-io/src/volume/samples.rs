@@ -5,7 +5,7 @@ use crate::grow::{out_of_memory, push, with_room};
 use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
-use chordal::budget::{Message, Setting};
+use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::Samples;
 
 /// The layout of samples in a stream: `outer` times `of` runs of `inner` samples, of which run `index` is

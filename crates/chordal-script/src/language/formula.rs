@@ -2,8 +2,9 @@
 use super::bind::{BoundArgs, Function, required};
 use super::transforms::RADIANS;
 use super::{Arg, CallError, Formula, Solid};
+use chordal::implicit::evaluation::{Binary, Unary};
 use chordal::implicit::shapes::InvalidShape;
-use chordal::implicit::{Binary, Expr, Field, Unary};
+use chordal::implicit::{Expr, Field};
 
 /// Functions of numbers and formulas, and conversions from formulas to shapes.
 pub(super) const FORMULAS: &[Function] = &[

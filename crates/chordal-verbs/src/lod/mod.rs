@@ -11,12 +11,14 @@ use crate::report::{
 use crate::request::MeshRequest;
 use crate::simplify::{summary_notes, without_normals};
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, field, isosurface};
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{
-    Bound, Budget, Failure, JobError, Length, Message, MinDistanceView, Pixels, Reference, Refusal,
-    RefusalCode, Setting, Tolerance, View,
+    Bound, Budget, Failure, JobError, Length, Pixels, Reference, Refusal, RefusalCode, Tolerance, View,
 };
 use chordal::explicit::Topology;
-use chordal::lod::{self, HYSTERESIS, LodSource, LodSteps, SwitchDistances};
+use chordal::lod::selection::{HYSTERESIS, SwitchDistances};
+use chordal::lod::{self, LodSource, LodSteps};
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Format, Frame, Scene, WriteError, glb};

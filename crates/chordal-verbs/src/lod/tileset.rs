@@ -5,9 +5,12 @@ use crate::file_rows::{to_file_rows, unsupported};
 use crate::flatten;
 use crate::report::LevelFacts;
 use crate::simplify::{add, summary_notes};
-use chordal::budget::{Bound, JobError, Message, Reference, RefusalCode, Tolerance};
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, JobError, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
-use chordal::lod::{self, ReductionStats, SwitchDistances, TilingOptions};
+use chordal::lod::selection::SwitchDistances;
+use chordal::lod::tiling::TilingOptions;
+use chordal::lod::{self, ReductionStats};
 use chordal::math::{Box3, add_up, mul_up};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::tiles::{self, Tile, Tileset};
@@ -62,10 +65,11 @@ impl TileHierarchy {
         let step = step.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "the shape has no size"))?;
         let cuts = TilingOptions { most, ..TilingOptions::from_step(step) };
         let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
-        let made = lod::tree(&made, Topology::Positions, &cuts, job).map_err(|stopped| match stopped {
-            JobError::Refused(refusal) => MeshFailure::Refused(refusal),
-            JobError::Cancelled => MeshFailure::Cancelled,
-        })?;
+        let made =
+            lod::tiling::tree(&made, Topology::Positions, &cuts, job).map_err(|stopped| match stopped {
+                JobError::Refused(refusal) => MeshFailure::Refused(refusal),
+                JobError::Cancelled => MeshFailure::Cancelled,
+            })?;
         let mut kept = ReductionStats::default();
         made.roots.iter().for_each(|root| add(&mut kept, made.tiles[*root].stats));
         notes.extend(summary_notes(&kept));
@@ -144,7 +148,7 @@ fn reach(numbers: &[f64]) -> f64 {
 impl LodOutcome {
     /// The files of a tileset of 3D Tiles 1.1 by name, `tileset.json` last. With up to `spec.tile_triangles`
     /// in the finest level, it has one tile a level, each the child of the next coarser one. Above that, the
-    /// finest level is cut in space ([`chordal::lod::tree`]), and tiles meet without cracks whichever are
+    /// finest level is cut in space ([`chordal::lod::tiling::tree`]), and tiles meet without cracks whichever are
     /// shown.
     ///
     /// # Errors

@@ -1,5 +1,5 @@
 //! Attribute deviation in the report.
-use chordal::check::AttributeDeviation;
+use chordal::check::findings::AttributeDeviation;
 use chordal::explicit::Semantic;
 use serde::Serialize;
 

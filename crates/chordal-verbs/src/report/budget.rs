@@ -1,5 +1,6 @@
 //! The budget in the report.
-use chordal::budget::{Budget, Projection, View};
+use chordal::budget::camera::Projection;
+use chordal::budget::{Budget, View};
 use serde::Serialize;
 
 /// A [`Budget`] in the report: lengths are absolute, however they were given.

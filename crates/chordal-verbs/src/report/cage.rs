@@ -1,5 +1,6 @@
 //! Cages and refined polygons in the report.
-use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme};
+use chordal::explicit::Cage;
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme};
 use chordal_io::Polygons;
 use serde::Serialize;
 use std::collections::BTreeMap;

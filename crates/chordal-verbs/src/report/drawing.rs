@@ -1,6 +1,6 @@
 //! Curves in the report; only from `inspect`.
 use crate::shape::in_space;
-use chordal::check::{Join, joins};
+use chordal::check::curves::{Join, joins};
 use chordal::explicit::{Curve, CurveSegment};
 use chordal_io::{DrawingElement, PathSet};
 use serde::Serialize;

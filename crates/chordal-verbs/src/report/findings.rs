@@ -2,8 +2,9 @@
 use super::surface::SurfaceFacts;
 use super::validity::ValidityFacts;
 use super::{message_option, message_text, message_texts};
-use chordal::budget::{Cure, Message, Setting};
-use chordal::check::{Defect, Severity};
+use chordal::budget::advice::{Cure, Message, Setting};
+use chordal::check::Defect;
+use chordal::check::findings::Severity;
 use serde::Serialize;
 
 /// One kind of defect that was found, in words, with its repairs.

@@ -6,7 +6,7 @@ use super::{
 use crate::file_rows::rows_of;
 use crate::{Input, Shape};
 use chordal::Mesh;
-use chordal::convert::IndexBuffer;
+use chordal::convert::gpu::IndexBuffer;
 use chordal::explicit::{cache_misses, cache_order, position_id_by_bits};
 use chordal::math::Box3;
 use chordal_io::{Format, Scene, VertexRows};

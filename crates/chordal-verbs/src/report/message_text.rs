@@ -1,5 +1,5 @@
 //! Messages in the report: as their texts, with settings as they are spelled by then.
-use chordal::budget::Message;
+use chordal::budget::advice::Message;
 use serde::{Serialize, Serializer};
 
 /// One.

@@ -50,7 +50,7 @@ pub use witness::WitnessFacts;
 
 use crate::{Input, Shape};
 use chordal::Mesh;
-use chordal::budget::{Message, Setting};
+use chordal::budget::advice::{Message, Setting};
 use chordal::explicit::{Curve, CurveSegment, Topology};
 use chordal_io::{Axis, Format, Frame, Polylines, Warning};
 use serde::Serialize;

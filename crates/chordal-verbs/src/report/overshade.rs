@@ -1,8 +1,8 @@
 //! The shading cost on a graphics processor, in the report.
 use chordal::View;
-use chordal::budget::Camera;
-use chordal::check::{Flicker, Overshade, ShadingCounts};
-use chordal::explicit::HitSides;
+use chordal::budget::camera::Camera;
+use chordal::check::shading::{Flicker, Overshade, ShadingCounts};
+use chordal::explicit::query::HitSides;
 use serde::Serialize;
 
 /// The shading cost of a mesh at a view.

@@ -3,10 +3,8 @@ use super::witness::WitnessFacts;
 use crate::file_rows::rows_of;
 use chordal::Mesh;
 use chordal::budget::JobError;
-use chordal::check::{
-    Component, Defect, Finding, MeshConnectivity, MeshLocation, Validity, Witness, inside_out,
-    self_intersections,
-};
+use chordal::check::findings::{Finding, MeshConnectivity, MeshLocation, Witness};
+use chordal::check::{Component, Defect, Validity, inside_out, self_intersections};
 use chordal::explicit::Topology;
 use chordal_io::{Format, WriteError};
 use std::convert::Infallible;

@@ -1,6 +1,6 @@
 //! Repairs in the report.
 use super::{BoundFacts, WitnessFacts, witness_facts};
-use chordal::check::MAX_WITNESSES;
+use chordal::check::findings::MAX_WITNESSES;
 use chordal::mend::MendedMesh;
 use serde::Serialize;
 

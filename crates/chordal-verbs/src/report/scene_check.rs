@@ -4,7 +4,8 @@ use super::witness::WitnessFacts;
 use crate::flatten::{MergedParts, n_places};
 use chordal::Job;
 use chordal::budget::JobError;
-use chordal::check::{Defect, MeshConnectivity, Witness, intersections_between, outward};
+use chordal::check::findings::{MeshConnectivity, Witness};
+use chordal::check::{Defect, intersections_between, outward};
 use chordal::explicit::Topology;
 use chordal_io::Scene;
 
@@ -43,7 +44,7 @@ impl SceneCheck {
 }
 
 fn facts(assembled: &MergedParts, witness: &Witness) -> Option<WitnessFacts> {
-    let chordal::check::MeshLocation::Faces([f, g]) = witness.place else { return None };
+    let chordal::check::findings::MeshLocation::Faces([f, g]) = witness.place else { return None };
     let [(part, f), (other, g)] = [f, g].map(|face| assembled.in_part(face));
     Some(WitnessFacts {
         of: Defect::SelfIntersections.name(),

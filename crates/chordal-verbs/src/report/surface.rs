@@ -3,8 +3,9 @@ use super::part_check::PartCheck;
 use super::scene_check::SceneCheck;
 use super::validity_counts::ValidityCounts;
 use crate::flatten::IDENTITY;
-use chordal::budget::Cure;
-use chordal::check::{Component, Facing, Finding, outward};
+use chordal::budget::advice::Cure;
+use chordal::check::findings::Finding;
+use chordal::check::{Component, Facing, outward};
 use chordal_io::Scene;
 use serde::Serialize;
 

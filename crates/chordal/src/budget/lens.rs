@@ -41,7 +41,7 @@ use crate::math::{Box3, add_up, div_down, div_up, greater, lesser, mul_down, mul
 /// let length = scale.length_of("1px".parse()?).unwrap();
 /// assert!(length < 0.02 && length > 0.0199);
 /// assert!(scale.pixels_of(length).unwrap() <= 1.0);
-/// # Ok::<(), chordal::budget::InvalidView>(())
+/// # Ok::<(), chordal::budget::camera::InvalidView>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
@@ -152,7 +152,7 @@ impl MinDistanceView {
     /// use chordal::View;
     /// let View::MinDistance(view) = "1000x1000 fov=90 dist=1".parse::<View>()? else { panic!() };
     /// assert!((view.focal_px().unwrap() - 500.0).abs() < 1e-9);
-    /// # Ok::<(), chordal::budget::InvalidView>(())
+    /// # Ok::<(), chordal::budget::camera::InvalidView>(())
     /// ```
     #[must_use]
     pub fn focal_px(&self) -> Option<f64> {

@@ -8,7 +8,7 @@ use std::ops::{Deref, Range};
 /// As it is, it names a setting in quotes. A shell puts its own [`Spelling`] in their place, with [`Spell::spelled`].
 ///
 /// ```
-/// use chordal::budget::{Message, Setting, Spell, Spelling};
+/// use chordal::budget::advice::{Message, Setting, Spell, Spelling};
 ///
 /// struct Keywords;
 /// impl Spelling for Keywords {

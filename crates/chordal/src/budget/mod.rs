@@ -17,16 +17,30 @@ mod view;
 
 pub use bound::{Bound, Evidence, Metric, Reference};
 pub use bounded::{Bounded, Failure, Refusal, RefusalCode};
-pub use cure::Cure;
+pub(crate) use cure::Cure;
 pub(crate) use error_limit::ErrorLimit;
 pub use job::{Job, Progress};
 pub use job_error::JobError;
 pub use length::{InvalidLength, Length, Unit};
-pub use lens::{Lens, PixelScale};
+pub(crate) use lens::{Lens, PixelScale};
 pub use limits::{Budget, PixelBudget, RequiredEvidence, UnknownRequirement};
-pub use message::{Message, Spell, Spelling};
+pub(crate) use message::{Message, Spell, Spelling};
 pub use parallel::par_map;
 pub(crate) use parallel::par_map_owned;
-pub use setting::Setting;
+pub(crate) use setting::Setting;
 pub use tolerance::{InvalidTolerance, Tolerance, digits};
-pub use view::{Camera, InvalidView, MinDistanceView, Pixels, Projection, Screen, View};
+pub(crate) use view::{Camera, MinDistanceView, Projection, Screen};
+pub use view::{Pixels, View};
+
+/// Messages with settings that a shell spells in its own way.
+pub mod advice {
+    pub use super::cure::Cure;
+    pub use super::message::{Message, Spell, Spelling};
+    pub use super::setting::Setting;
+}
+
+/// Cameras, and how large a length is on their screen.
+pub mod camera {
+    pub use super::lens::{Lens, PixelScale};
+    pub use super::view::{Camera, InvalidView, MinDistanceView, Projection, Screen};
+}

@@ -61,7 +61,7 @@ impl Setting {
     /// Its words, joined by hyphens.
     ///
     /// ```
-    /// use chordal::budget::{Cure, Setting};
+    /// use chordal::budget::advice::{Cure, Setting};
     /// assert_eq!(Setting::MaxMemory.name(), "max-memory");
     /// assert_eq!(Setting::Cure(Cure::FillHoles).name(), "fill-holes");
     /// ```

@@ -102,7 +102,7 @@ pub struct MinDistanceView {
 /// let view: View = "1920x1080 fov=45 dist=4".parse()?;
 /// assert_eq!(view.to_string(), "1920x1080 fov=45 dist=4");
 /// assert!("1920x1080 fov=180 dist=4".parse::<View>().is_err());
-/// # Ok::<(), chordal::budget::InvalidView>(())
+/// # Ok::<(), chordal::budget::camera::InvalidView>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {

@@ -66,7 +66,9 @@ impl AttributeDeviation {
 /// As for [`Bvh::build`].
 ///
 /// ```
-/// use chordal::{Job, Mesh, check::attribute_deviation, explicit::{Attribute, Domain, Semantic}};
+/// use chordal::{Job, Mesh};
+/// use chordal::check::findings::attribute_deviation;
+/// use chordal::explicit::{Attribute, Domain, Semantic};
 /// let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Mesh::new(square, vec![[0, 1, 2], [0, 2, 3]])?;
 /// let uv = |values: [f64; 8]| Attribute {

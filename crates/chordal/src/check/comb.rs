@@ -23,7 +23,7 @@ pub struct Tooth {
 /// ```
 /// use chordal::{Bezier, check};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
-/// let comb = check::curvature_comb(&arch.into(), 2, 0.5);
+/// let comb = check::curves::curvature_comb(&arch.into(), 2, 0.5);
 /// // In the middle the first derivative is (3/2, 0) and the second (0, -6): the path turns right.
 /// let middle = &comb[0][1];
 /// assert_eq!(middle.on_curve, [0.5, 0.75]);

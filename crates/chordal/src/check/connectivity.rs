@@ -14,7 +14,9 @@ use std::borrow::Cow;
 /// Linear time, about 25 ms per million triangles on one core, and 12 bytes a triangle and 4 a row.
 ///
 /// ```
-/// use chordal::{Mesh, check::MeshConnectivity, explicit::Topology};
+/// use chordal::Mesh;
+/// use chordal::check::findings::MeshConnectivity;
+/// use chordal::explicit::Topology;
 /// let mesh = Mesh::new(vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], vec![[0, 1, 2]])?;
 /// let surface = MeshConnectivity::new(&mesh, Topology::Indices);
 /// assert_eq!(surface.validity().components, 1);

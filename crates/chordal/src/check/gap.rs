@@ -34,7 +34,7 @@ const STEPS: u32 = 30;
 /// use chordal::{Bezier, Budget, Job, check, convert};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
 /// let made = convert::curve_to_polyline_evenly(&arch.into(), &Budget::segments(1), &Job::default()).unwrap();
-/// let gap = check::largest_gap(&arch.into(), &made.shape).unwrap();
+/// let gap = check::curves::largest_gap(&arch.into(), &made.shape).unwrap();
 /// assert_eq!(gap.on_curve, [0.5, 0.75]);
 /// assert_eq!((gap.distance, made.bound.at_most().unwrap() > 0.75), (0.75, true));
 /// ```

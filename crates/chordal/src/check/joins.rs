@@ -45,9 +45,9 @@ const SECOND: f64 = 256.0;
 /// ```
 /// use chordal::{check, explicit::{Curve, CurveEnds, CurveSegment, spline}};
 /// let path = spline::natural(&[[0.0, 0.0], [1.0, 2.0], [3.0, 1.0], [4.0, 4.0]])?;
-/// assert!(check::joins(&path).iter().all(|join| join.parametric == Some(2)));
+/// assert!(check::curves::joins(&path).iter().all(|join| join.parametric == Some(2)));
 /// let corner = [CurveSegment::Line([[0.0, 0.0], [1.0, 0.0]]), CurveSegment::Line([[1.0, 0.0], [1.0, 1.0]])];
-/// let join = check::joins(&Curve::new(corner.to_vec(), CurveEnds::Open).unwrap())[0];
+/// let join = check::curves::joins(&Curve::new(corner.to_vec(), CurveEnds::Open).unwrap())[0];
 /// assert_eq!((join.geometric, join.angle_rad), (Some(0), Some(std::f64::consts::FRAC_PI_2)));
 /// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
 /// ```

@@ -21,7 +21,8 @@ const CHUNK: usize = 4096;
 /// Computes area and signed volume of `mesh` in one pass.
 ///
 /// ```
-/// use chordal::{Mesh, check::measure};
+/// use chordal::Mesh;
+/// use chordal::check::findings::measure;
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let tetrahedron = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
 /// assert!((measure(&tetrahedron).signed_volume - 1.0 / 6.0).abs() < 1e-15);

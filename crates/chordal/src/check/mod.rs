@@ -30,11 +30,9 @@ mod triangle_intersection;
 mod validity;
 mod winding;
 
-pub use attributes::{AttributeDeviation, attribute_deviation};
-pub use comb::{Tooth, curvature_comb};
 pub use components::{Component, Facing, components, inside_out, outward};
-pub use connectivity::{ConnectivityPair, MeshConnectivity};
-pub use defect::{Defect, Severity};
+pub(crate) use connectivity::MeshConnectivity;
+pub use defect::Defect;
 pub use degenerate::{has_zero_area, is_collinear};
 pub(crate) use deviation::distance::distance_up;
 pub use deviation::{Deviation, Goal, OneSidedDistance, deviation, vertex_deviation};
@@ -49,12 +47,11 @@ pub use field_deviation::{FieldDeviation, field_deviation};
 pub(crate) use field_deviation::{
     SandwichGoal, SandwichProver, is_hopeless, measured_field_deviation, sandwich_bound,
 };
-pub use finding::{Finding, MAX_WITNESSES, MeshLocation, Witness};
-pub use gap::{Gap, distance_to_polyline, largest_gap};
-pub use joins::{Join, join, joins};
+pub(crate) use finding::{Finding, MeshLocation, Witness};
+pub(crate) use gap::distance_to_polyline;
 pub use limit_deviation::limit_deviation;
-pub use measure::{Measure, measure};
-pub use overshade::{Flicker, MicroTriangles, Overshade, ShadingCounts, flicker, micro_triangles, overshade};
+pub(crate) use measure::measure;
+pub(crate) use overshade::{Overshade, overshade};
 pub(crate) use point_tree::PointTree;
 pub use self_intersections::{intersections_between, self_intersections};
 pub use smooth_deviation::{cage_deviation, patch_deviation};
@@ -63,3 +60,26 @@ pub(crate) use t_junctions::vertices_in_edges;
 pub use thin::{SLIVER_ASPECT, is_sliver};
 pub(crate) use triangle_intersection::triangles_intersect;
 pub use validity::{Validity, validity};
+
+/// Joins, gaps and curvature of paths.
+pub mod curves {
+    pub use super::comb::{Tooth, curvature_comb};
+    pub use super::gap::{Gap, distance_to_polyline, largest_gap};
+    pub use super::joins::{Join, join, joins};
+}
+
+/// Defects with their places, counts and attributes.
+pub mod findings {
+    pub use super::attributes::{AttributeDeviation, attribute_deviation};
+    pub use super::connectivity::{ConnectivityPair, MeshConnectivity};
+    pub use super::defect::Severity;
+    pub use super::finding::{Finding, MAX_WITNESSES, MeshLocation, Witness};
+    pub use super::measure::{Measure, measure};
+}
+
+/// What triangles cost a graphics processor beyond their pixels.
+pub mod shading {
+    pub use super::overshade::{
+        Flicker, MicroTriangles, Overshade, ShadingCounts, flicker, micro_triangles, overshade,
+    };
+}

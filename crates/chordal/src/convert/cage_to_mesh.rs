@@ -73,7 +73,7 @@ pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<M
 /// let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 });
 /// let sides: [&[u32]; 6] = [&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 4, 6, 2], &[1, 3, 7, 5]];
 /// let cube = Cage::new((0..8).map(corner).collect(), sides)?;
-/// let mesher = convert::CageMesher::new(&cube, &Job::default()).unwrap();
+/// let mesher = convert::batch::CageMesher::new(&cube, &Job::default()).unwrap();
 /// for x in [3.0, 4.0, 5.0] {
 ///     let view: View = format!("640x480 fov=45 eye={x},2,1 target=0,0,0").parse()?;
 ///     let budget = Budget::pixels(Pixels::new(1.0)?, view);

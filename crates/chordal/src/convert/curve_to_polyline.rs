@@ -17,7 +17,7 @@ use crate::explicit::{Curve, Polyline};
 /// the polyline is the best of a ladder of lengths.
 ///
 /// **Cost.** 50 to 300 ns a segment, more where they are few; 32 bytes a point.
-/// [`BezierCutter`](super::BezierCutter) takes a quarter to a half of that.
+/// [`BezierCutter`](super::batch::BezierCutter) takes a quarter to a half of that.
 ///
 /// # Errors
 /// [`Failure::Refused`]: a budget that limits no polyline, a number that is not finite or beyond 1e150, more

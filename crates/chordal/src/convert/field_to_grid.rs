@@ -18,7 +18,10 @@ use crate::math::{Box3, Interval};
 /// a number above 0, or the samples are more than the job's memory holds; [`JobError::Cancelled`].
 ///
 /// ```
-/// use chordal::{Job, convert::{Lattice, field_to_grid}, implicit::shapes::sphere};
+/// use chordal::Job;
+/// use chordal::convert::field_to_grid;
+/// use chordal::convert::lattices::Lattice;
+/// use chordal::implicit::shapes::sphere;
 /// let ball = sphere(1.0)?;
 /// let lattice = Lattice::around(&ball.bounds(), 32, 2).unwrap();
 /// let grid = field_to_grid(&ball, &lattice, Some(0.25), &Job::default())?;
@@ -60,7 +63,10 @@ pub fn field_to_grid(
 /// As for [`field_to_grid`].
 ///
 /// ```
-/// use chordal::{Job, convert::{Lattice, field_to_grid, field_to_sparse_grid}, implicit::shapes::sphere};
+/// use chordal::Job;
+/// use chordal::convert::{field_to_grid, field_to_sparse_grid};
+/// use chordal::convert::lattices::Lattice;
+/// use chordal::implicit::shapes::sphere;
 /// let ball = sphere(1.0)?;
 /// let lattice = Lattice::around(&ball.bounds(), 100, 2).unwrap();
 /// let sparse = field_to_sparse_grid(&ball, &lattice, 0.0625, &Job::default())?;

@@ -47,7 +47,7 @@ impl Default for LabelOptions {
 /// transform as for `grid_to_mesh`; more triangles or bytes than the job allows. [`Failure::Cancelled`].
 ///
 /// ```
-/// use chordal::convert::{LabelOptions, labels_to_meshes};
+/// use chordal::convert::lattices::{LabelOptions, labels_to_meshes};
 /// use chordal::implicit::{Affine3, Grid, Samples};
 /// use chordal::Job;
 /// let grid = Grid::new([2, 2, 2], Samples::U16(vec![7, 9, 7, 9, 7, 9, 7, 9]), Affine3::IDENTITY)?;

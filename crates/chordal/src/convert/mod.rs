@@ -24,25 +24,37 @@ mod patches;
 mod patches_to_mesh;
 mod triangles;
 
-pub use cage_to_mesh::{CageMesher, cage_to_mesh};
-pub use cubes::marching_cubes::Coordinate;
+pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
-pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
 pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
 pub use field_to_mesh::{field_to_mesh, with_gradient_normals};
 pub use field_to_polyline::field_to_polyline;
-pub use grid_to_mesh::{
-    TriangleArrays, VertexKey, grid_to_mesh, grid_to_triangles, sparse_grid_to_mesh, vertex_keys,
-};
+pub use grid_to_mesh::{grid_to_mesh, sparse_grid_to_mesh};
 pub use grid_to_polyline::grid_to_polyline;
-pub use labels_to_meshes::{LabelOptions, labels_to_meshes};
-pub use lattice::Lattice;
 pub use mesh_to_field::{MeshField, SolidReport, mesh_to_field};
-pub use mesh_to_gpu_buffers::{GpuBuffers, IndexBuffer, mesh_to_gpu_buffers};
 pub use mesh_to_grid::{DistanceGrid, mesh_to_grid};
 pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;
+
+/// Mesher and cutter that are kept for many budgets, and many curves at once.
+pub mod batch {
+    pub use super::cage_to_mesh::CageMesher;
+    pub use super::curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
+}
+
+/// Buffers for graphics processors.
+pub mod gpu {
+    pub use super::mesh_to_gpu_buffers::{GpuBuffers, IndexBuffer, mesh_to_gpu_buffers};
+}
+
+/// Isosurfaces on a lattice, vertex by vertex.
+pub mod lattices {
+    pub use super::cubes::marching_cubes::Coordinate;
+    pub use super::grid_to_mesh::{TriangleArrays, VertexKey, grid_to_triangles, vertex_keys};
+    pub use super::labels_to_meshes::{LabelOptions, labels_to_meshes};
+    pub use super::lattice::Lattice;
+}

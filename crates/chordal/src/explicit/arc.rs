@@ -15,7 +15,7 @@ use std::fmt;
 /// let quarter = Arc::new([0.0, 0.0], [[2.0, 0.0], [0.0, 2.0]], 0.0, std::f64::consts::FRAC_PI_2)?;
 /// let [x, y] = quarter.at(0.5);
 /// assert!((x - 2.0_f64.sqrt()).abs() < 1e-15 && (y - x).abs() < 1e-15);
-/// # Ok::<(), chordal::explicit::InvalidArc>(())
+/// # Ok::<(), chordal::explicit::parametric::InvalidArc>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc<const D: usize> {
@@ -234,12 +234,13 @@ impl Arc<2> {
     /// As for [`Arc::through`].
     ///
     /// ```
-    /// use chordal::explicit::{Arc, SvgArcShape};
+    /// use chordal::explicit::Arc;
+    /// use chordal::explicit::parametric::SvgArcShape;
     /// let half = SvgArcShape { radii: [1.0, 1.0], rotation_rad: 0.0, large: false, positive: true };
     /// let arc = Arc::through_step([0.3, 0.1], [2.0, 0.0], &half)?;
     /// let [x, y] = arc.centre();
     /// assert!((x - 1.3).abs() < 1e-15 && y == 0.1 && arc.slack() < 1e-13);
-    /// # Ok::<(), chordal::explicit::InvalidArc>(())
+    /// # Ok::<(), chordal::explicit::parametric::InvalidArc>(())
     /// ```
     pub fn through_step(from: [f64; 2], step: [f64; 2], shape: &SvgArcShape) -> Result<Self, InvalidArc> {
         let to = [0, 1].map(|k| from[k] + step[k]);

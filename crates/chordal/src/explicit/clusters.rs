@@ -27,7 +27,8 @@ impl FacingCounts {
 /// Classifies each triangle by the side on which the eye lies, exactly. Time O(n).
 ///
 /// ```
-/// use chordal::{Mesh, explicit::facing};
+/// use chordal::Mesh;
+/// use chordal::explicit::query::facing;
 /// let mesh = Mesh::new(vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], vec![[0, 1, 2], [0, 2, 1]]).unwrap();
 /// let seen = facing(&mesh, [0.0, 0.0, 5.0]);
 /// assert_eq!((seen.front, seen.back, seen.back_share()), (1, 1, 0.5));

@@ -20,7 +20,7 @@ impl<const D: usize> Bezier<D> {
     ///
     /// ```
     /// use chordal::Bezier;
-    /// use chordal::explicit::Continuity;
+    /// use chordal::explicit::parametric::Continuity;
     /// let before = Bezier { control: [[0.0, 0.0], [1.0, 2.0], [2.0, 2.0], [3.0, 1.0]] };
     /// let after = Bezier { control: [[9.0, 9.0]; 4] }.continuing(&before, Continuity::C2);
     /// assert_eq!(after.control, [[3.0, 1.0], [4.0, 0.0], [5.0, -2.0], [9.0, 9.0]]);

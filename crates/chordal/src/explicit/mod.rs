@@ -29,22 +29,18 @@ mod triangle;
 pub mod triangulate;
 mod twins;
 
-pub use arc::{Arc, InvalidArc, SvgArcShape};
-pub use bezier::{Bezier, DeCasteljau, bernstein};
-pub use bvh::{
-    Bvh, Containment, Enclosure, Hit, HitSides, MeshClosestPoint, PointLocation, Ray, WindingNumber,
-};
+pub use arc::Arc;
+pub use bezier::Bezier;
+pub(crate) use bezier::bernstein;
+pub(crate) use bvh::{Bvh, Enclosure, Hit, HitSides, PointLocation, Ray};
 pub(crate) use bvh::{WindingMoments, closest_on_triangle, distance_sq_to_triangle};
-pub use cage::limit::{Jet, LimitSheet, LimitSurface};
-pub use cage::{
-    Boundary, Cage, Chart, CornerTexcoords, CreasingMethod, INFINITELY_SHARP, InvalidCage, LinearTexcoords,
-    Real, Refinement, Scheme,
-};
-pub use closest_point::{SurfaceClosestPoint, SurfaceTree};
-pub use clusters::{Cluster, FacingCounts, clusters, facing};
-pub use continuity::Continuity;
+pub(crate) use cage::limit::{LimitSheet, LimitSurface};
+pub use cage::{Cage, InvalidCage};
+pub(crate) use cage::{Chart, Scheme};
+pub(crate) use closest_point::SurfaceTree;
 pub use curve::{Curve, CurveEnds, InvalidCurve};
-pub use curve_segment::{AffineMap, CurveSegment};
+pub(crate) use curve_segment::AffineMap;
+pub use curve_segment::CurveSegment;
 pub(crate) use disjoint_sets::DisjointSets;
 #[allow(unused_imports, reason = "used by what is not called yet")]
 pub(crate) use half_edges::HalfEdges;
@@ -53,13 +49,51 @@ pub(crate) use normals::with_vertex_normals;
 pub use normals::{NormalWeight, Shading, face_normal, smooth_normals, vertex_normals, with_normals};
 pub use order::{acmr, cache_misses, cache_order, fetch_order};
 pub use outline::{FillRule, Outline};
-pub use patch::{Patch, PatchSide};
-pub use patch_grid::PatchGrid;
-pub use polygon::{fan, is_convex, polygon_contains, winding_number};
+pub use patch::Patch;
+pub(crate) use patch::PatchSide;
 pub use polyline::Polyline;
-pub use polynomial::Polynomial;
-pub use quad::{Diagonal, Quad};
+pub(crate) use quad::{Diagonal, Quad};
 pub use tangents::with_tangents;
 pub use topology::{Topology, position_id_by_bits};
 pub use triangle::{Triangle, corner_rows, interpolate};
-pub use twins::{Twin, Twins, next_in_face, previous_in_face};
+pub(crate) use twins::{Twin, Twins, next_in_face, previous_in_face};
+
+/// The half-edge structure of a mesh.
+pub mod adjacency {
+    pub use super::twins::{Twin, Twins, next_in_face, previous_in_face};
+}
+
+/// The mathematics of curve pieces and patches.
+pub mod parametric {
+    pub use super::arc::{InvalidArc, SvgArcShape};
+    pub use super::bezier::{DeCasteljau, bernstein};
+    pub use super::continuity::Continuity;
+    pub use super::curve_segment::AffineMap;
+    pub use super::patch::PatchSide;
+    pub use super::patch_grid::PatchGrid;
+    pub use super::polynomial::Polynomial;
+}
+
+/// Planar polygons and quads.
+pub mod polygons {
+    pub use super::polygon::{fan, is_convex, polygon_contains, winding_number};
+    pub use super::quad::{Diagonal, Quad};
+}
+
+/// Rays, closest points and winding numbers by trees of boxes.
+pub mod query {
+    pub use super::bvh::{
+        Bvh, Containment, Enclosure, Hit, HitSides, MeshClosestPoint, PointLocation, Ray, WindingNumber,
+    };
+    pub use super::closest_point::{SurfaceClosestPoint, SurfaceTree};
+    pub use super::clusters::{Cluster, FacingCounts, clusters, facing};
+}
+
+/// The rules of subdivision, its stencils, and limit surfaces.
+pub mod subdivision {
+    pub use super::cage::limit::{Jet, LimitSheet, LimitSurface};
+    pub use super::cage::{
+        Boundary, Chart, CornerTexcoords, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Real,
+        Refinement, Scheme,
+    };
+}

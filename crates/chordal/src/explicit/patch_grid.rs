@@ -18,7 +18,8 @@ const BLOCK: usize = 64;
 /// [`Patch::at`] and [`Patch::normal`] on every set.
 ///
 /// ```
-/// use chordal::{Patch, explicit::PatchGrid};
+/// use chordal::Patch;
+/// use chordal::explicit::parametric::PatchGrid;
 /// let patch = Patch::flat([0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
 /// let mut points = [[0.0; 3]; 2];
 /// PatchGrid::new(&patch).points(&[[0.5, 0.5], [1.0, 0.0]], &mut points);

@@ -8,7 +8,7 @@ use crate::math::{Orientation, PointInTriangle, orient2d};
 /// `ring`: finite corners in order; the last is joined to the first. Time O(n).
 ///
 /// ```
-/// use chordal::explicit::winding_number;
+/// use chordal::explicit::polygons::winding_number;
 /// let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
 /// assert_eq!(winding_number(&square, [1.0, 1.0]), Some(1));
 /// assert_eq!(winding_number(&square, [3.0, 1.0]), Some(0));
@@ -50,8 +50,9 @@ fn is_on_level_or_corner(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> bool 
 /// point on any side of any polygon is on the boundary. Time O(n).
 ///
 /// ```
-/// use chordal::explicit::{FillRule, polygon_contains};
-/// use chordal::math::PointInTriangle;
+/// use chordal::explicit::FillRule;
+/// use chordal::explicit::polygons::polygon_contains;
+/// use chordal::math::exact::PointInTriangle;
 /// let square = |x: f64, size: f64| vec![[x, x], [x + size, x], [x + size, x + size], [x, x + size]];
 /// let rings = [square(0.0, 3.0), square(1.0, 1.0)];
 /// assert_eq!(polygon_contains(&rings, FillRule::EvenOdd, [1.5, 1.5]), PointInTriangle::Outside);
@@ -78,7 +79,7 @@ pub fn polygon_contains<R: AsRef<[[f64; 2]]>>(
 /// O(n).
 ///
 /// ```
-/// use chordal::explicit::is_convex;
+/// use chordal::explicit::polygons::is_convex;
 /// assert!(is_convex(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0]]));
 /// assert!(!is_convex(&[[0.0, 0.0], [2.0, 0.0], [0.5, 0.5], [0.0, 2.0]]));
 /// ```
@@ -114,7 +115,7 @@ pub fn is_convex(ring: &[[f64; 2]]) -> bool {
 /// corner gives a triangle without area.
 ///
 /// ```
-/// use chordal::explicit::fan;
+/// use chordal::explicit::polygons::fan;
 /// assert_eq!(fan(4), [[0, 1, 2], [0, 2, 3]]);
 /// ```
 #[must_use]

@@ -8,7 +8,7 @@ use crate::math::{greater, lesser};
 /// (C. Runge, 1901): for 1/(1+25x²) at 11 nodes on [−1, 1] by 1.9 where the function is at most 1.
 ///
 /// ```
-/// use chordal::explicit::Polynomial;
+/// use chordal::explicit::parametric::Polynomial;
 /// let parabola = Polynomial::through(&[0.0, 1.0, 3.0], &[[0.0], [1.0], [9.0]])?;
 /// assert_eq!(parabola.at(2.0), [4.0]);
 /// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())

@@ -5,7 +5,7 @@ use crate::math::{Orientation, difference, length, orient3d};
 /// Four corners in order; the front is counter-clockwise.
 ///
 /// ```
-/// use chordal::explicit::{Diagonal, Quad};
+/// use chordal::explicit::polygons::{Diagonal, Quad};
 /// let tent = Quad { corners: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]] };
 /// assert_eq!(tent.bulge(), Some(0.5));
 /// // The fold along 1–3 is sharper than that along 0–2: 37° and 35°.
@@ -103,7 +103,7 @@ impl Quad {
     /// its rows. The diagonal with the smaller one shows less of a ridge in the attribute.
     ///
     /// ```
-    /// use chordal::explicit::Quad;
+    /// use chordal::explicit::polygons::Quad;
     /// let heights: [&[f64]; 4] = [&[0.0], &[3.0], &[1.0], &[-1.0]];
     /// assert_eq!(Quad::differences(heights), [1.0, 4.0]);
     /// ```

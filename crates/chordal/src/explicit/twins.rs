@@ -29,7 +29,8 @@ pub enum Twin {
 ///
 /// ```
 /// use chordal::Mesh;
-/// use chordal::explicit::{Topology, Twin, Twins};
+/// use chordal::explicit::Topology;
+/// use chordal::explicit::adjacency::{Twin, Twins};
 /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Mesh::new(square, vec![[0, 1, 2], [0, 2, 3]])?;
 /// let twins = Twins::new(&mesh, Topology::Indices);

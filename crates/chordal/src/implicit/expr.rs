@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// let [x, y, z] = Expr::axes();
 /// let sphere = (x.square() + y.square() + z.square()).sqrt() - 1.0;
 /// assert_eq!(sphere.at([3.0, 0.0, 0.0])?, 2.0);
-/// # Ok::<(), chordal::implicit::LeafError>(())
+/// # Ok::<(), chordal::implicit::leaves::LeafError>(())
 /// ```
 #[derive(Clone)]
 pub struct Expr(Arc<ExprNode>);

@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// let mut values = [0.0; 2];
 /// sphere.tape().at(&[[0.0; 3], [0.0, 0.0, 3.0]], &mut values)?;
 /// assert_eq!(values, [-1.0, 2.0]);
-/// # Ok::<(), chordal::implicit::LeafError>(())
+/// # Ok::<(), chordal::implicit::leaves::LeafError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Field {

@@ -2,7 +2,7 @@
 mod affine;
 mod block;
 mod combine;
-mod csg;
+pub mod csg;
 mod distance;
 mod dual;
 mod expr;
@@ -27,17 +27,32 @@ mod trilinear;
 
 pub use affine::{Affine3, InvalidAffine};
 pub use combine::Repeat;
-pub use csg::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive, PrimitiveEvaluator};
+pub(crate) use csg::{
+    Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive, PrimitiveEvaluator,
+};
 pub use distance::{Distance, DistanceQuality};
-pub use dual::Dual;
+pub(crate) use dual::Dual;
 pub use expr::Expr;
 pub use field::Field;
-pub use graph::{ExprGraph, Term};
+pub(crate) use graph::{ExprGraph, Term};
 pub(crate) use grid::with_samples;
 pub use grid::{Grid, InvalidGrid, Samples};
-pub use leaf::{Leaf, LeafAnswer, LeafError, Lipschitz};
-pub use op::{Binary, Unary};
+pub use leaf::Lipschitz;
+pub(crate) use leaf::{Leaf, LeafAnswer, LeafError};
 pub(crate) use sparse::BrickSlab;
 pub use sparse::SparseGrid;
-pub use tape::Tape;
-pub use trilinear::{SampleGrid, Trilinear};
+pub(crate) use tape::Tape;
+
+/// Expressions as graphs and tapes, and what evaluates them.
+pub mod evaluation {
+    pub use super::dual::Dual;
+    pub use super::graph::{ExprGraph, Term};
+    pub use super::op::{Binary, Unary};
+    pub use super::tape::Tape;
+    pub use super::trilinear::{SampleGrid, Trilinear};
+}
+
+/// Functions of the user as leaves of an expression.
+pub mod leaves {
+    pub use super::leaf::{Leaf, LeafAnswer, LeafError};
+}

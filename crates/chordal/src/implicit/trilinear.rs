@@ -20,7 +20,9 @@ use std::sync::Arc;
 /// the samples of blocks of cells.
 ///
 /// ```
-/// use chordal::implicit::{Affine3, Grid, Leaf, Samples, Trilinear};
+/// use chordal::implicit::{Affine3, Grid, Samples};
+/// use chordal::implicit::evaluation::Trilinear;
+/// use chordal::implicit::leaves::Leaf;
 /// let grid = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine3::IDENTITY)?;
 /// let mut values = [0.0; 2];
 /// Trilinear::new(grid).at(&[[0.25, 0.5, 0.5], [9.0, 0.0, 0.0]], &mut values).unwrap();

@@ -44,7 +44,7 @@ pub struct LodSteps {
     pub factor: f64,
     /// A level with at most this many triangles is the last.
     pub enough: usize,
-    /// If the finest level has more triangles than this, it is the only level: [`tree`](super::tree()) is to
+    /// If the finest level has more triangles than this, it is the only level: [`tree`](super::tiling::tree) is to
     /// split it in space and make coarser ones of its own.
     pub whole: usize,
     /// The fraction of the finest error that tessellating a smooth shape may use, between 0 and 1.

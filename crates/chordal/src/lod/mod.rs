@@ -17,6 +17,14 @@ mod wedges;
 
 pub use chain::{LodLevel, LodSource, LodSteps, chain};
 pub use reduction::ReductionStats;
-pub use select::{HYSTERESIS, LevelChoice, SwitchDistances};
 pub use simplify::{SimplifiedMesh, simplify};
-pub use tree::{LodTile, LodTileTree, TilingOptions, tree};
+
+/// Which level is shown from where.
+pub mod selection {
+    pub use super::select::{HYSTERESIS, LevelChoice, SwitchDistances};
+}
+
+/// Levels that are cut in space.
+pub mod tiling {
+    pub use super::tree::{LodTile, LodTileTree, TilingOptions, tree};
+}

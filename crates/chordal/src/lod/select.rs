@@ -37,7 +37,9 @@ impl SwitchDistances {
     /// corners included, by the full form of [`View::pixels_of`], for any direction of view.
     ///
     /// ```
-    /// use chordal::{View, budget::View::MinDistance, lod::SwitchDistances};
+    /// use chordal::View;
+    /// use chordal::budget::View::MinDistance;
+    /// use chordal::lod::selection::SwitchDistances;
     /// let MinDistance(lens) = "1920x1080 fov=45 dist=1".parse::<View>()? else { panic!() };
     /// let switches = SwitchDistances::new(&[0.001, 0.002, 0.004], lens, "1px".parse()?);
     /// let [a, b, c] = [0, 1, 2].map(|level| switches.distance(level).unwrap());
@@ -45,7 +47,7 @@ impl SwitchDistances {
     /// assert_eq!(switches.at(1.01 * b, None).level, 1);
     /// assert_eq!(switches.at(1.01 * b, Some(0)).level, 0); // not yet: it was fine before
     /// assert_eq!(switches.at(1.2 * b, Some(0)).level, 1);
-    /// # Ok::<(), chordal::budget::InvalidView>(())
+    /// # Ok::<(), chordal::budget::camera::InvalidView>(())
     /// ```
     #[must_use]
     pub fn new(errors: &[f64], lens: MinDistanceView, pixels: Pixels) -> Self {

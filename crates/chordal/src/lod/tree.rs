@@ -98,7 +98,10 @@ const MOST_STEPS: u32 = 48;
 /// the refusals of [`check::deviation`](crate::check::deviation).
 ///
 /// ```
-/// use chordal::{Bounded, Bound, Job, Mesh, Tolerance, budget::Reference, explicit::Topology, lod::{TilingOptions, tree}};
+/// use chordal::{Bound, Bounded, Job, Mesh, Tolerance};
+/// use chordal::budget::Reference;
+/// use chordal::explicit::Topology;
+/// use chordal::lod::tiling::{TilingOptions, tree};
 /// // A roof over a square of 32 × 32 cells.
 /// let at = |i: u32, j: u32| [f64::from(i), f64::from(j), 16.0 - (f64::from(i) - 16.0).powi(2) / 16.0];
 /// let positions = (0..33).flat_map(|i| (0..33).map(move |j| at(i, j))).collect();

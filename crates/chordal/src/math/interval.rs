@@ -34,7 +34,7 @@ mod elementary;
 /// assert!(y.lo() <= 1.0 && y.contains(5.0) && y.hi() < 5.0 + 1e-14 && y.is_defined());
 /// let z = y / x; // x holds 0
 /// assert!(z.is_entire() && !z.is_defined());
-/// # Ok::<(), chordal::math::InvalidInterval>(())
+/// # Ok::<(), chordal::math::exact::InvalidInterval>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {

@@ -19,10 +19,10 @@ pub use box3::Box3;
 pub(crate) use branch_and_bound::branch_and_bound;
 pub(crate) use double_double::DoubleDouble;
 pub(crate) use exponent::{exponent, power_of_two};
+pub use interval::Interval;
 pub(crate) use interval::bare::BareInterval;
-pub use interval::{Interval, InvalidInterval};
 pub(crate) use predicates::dot_sign;
-pub use predicates::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
+pub(crate) use predicates::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 pub(crate) use priority_item::PriorityItem;
 pub use probe::flushes_subnormals;
 pub(crate) use rounding::length_up;
@@ -30,3 +30,9 @@ pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
 };
 pub(crate) use vector::{cross, difference, dot, greater, length, lesser, unit, unit_and_length};
+
+/// Predicates without rounding, and what is no interval.
+pub mod exact {
+    pub use super::interval::InvalidInterval;
+    pub use super::predicates::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
+}

@@ -74,7 +74,7 @@ impl Orientation {
 /// exactly.
 ///
 /// ```
-/// use chordal::math::{Orientation, orient2d};
+/// use chordal::math::exact::{Orientation, orient2d};
 /// assert_eq!(orient2d([0.0, 0.0], [1.0, 0.0], [0.5, 1e-300]), Orientation::Front);
 /// assert_eq!(orient2d([0.1, 0.1], [0.2, 0.2], [0.3, 0.3]), Orientation::Flat);
 /// ```
@@ -96,7 +96,7 @@ pub fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Orientation {
 /// `((b − a) × (c − a)) · (d − a)`, exactly. In front of the plane, the three are seen counter-clockwise.
 ///
 /// ```
-/// use chordal::math::{Orientation, orient3d};
+/// use chordal::math::exact::{Orientation, orient3d};
 /// let [a, b, c] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// assert_eq!(orient3d(a, b, c, [0.0, 0.0, 1.0]), Orientation::Front);
 /// assert_eq!(orient3d(a, b, c, [5.0, 7.0, 0.0]), Orientation::Flat);
@@ -120,7 +120,7 @@ pub fn orient3d(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> Orientati
 /// without area is its own boundary.
 ///
 /// ```
-/// use chordal::math::{PointInTriangle, triangle_contains};
+/// use chordal::math::exact::{PointInTriangle, triangle_contains};
 /// let triangle = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]];
 /// assert_eq!(triangle_contains(triangle, [1.0, 1.0]), PointInTriangle::Inside);
 /// assert_eq!(triangle_contains(triangle, [2.0, 2.0]), PointInTriangle::Boundary);

@@ -31,7 +31,7 @@ use crate::explicit::{DisjointSets, Topology, Twin, Twins};
 /// let inside_out = Mesh::new(corners, vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 3, 2]])?;
 /// let mended = mend::orient(&inside_out, Topology::Indices, &Job::default())?;
 /// assert_eq!(mended.count("turned_faces"), 3);
-/// assert!(check::measure(&mended.mesh).signed_volume > 0.0);
+/// assert!(check::findings::measure(&mended.mesh).signed_volume > 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, JobError> {

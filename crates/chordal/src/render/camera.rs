@@ -17,7 +17,9 @@ const FILL: f64 = 0.84;
 /// inside the picture, and a margin.
 ///
 /// ```
-/// use chordal::{Mesh, budget::Screen, render::{UpAxis, frame}};
+/// use chordal::Mesh;
+/// use chordal::budget::camera::Screen;
+/// use chordal::render::{UpAxis, frame};
 /// let mesh = Mesh::new(vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], vec![[0, 1, 2]]).unwrap();
 /// let camera = frame(&mesh, UpAxis::Z, Screen { width_px: 640, height_px: 480 });
 /// assert!(camera.eye[1] < 0.0 && camera.eye[2] > 0.0);

@@ -101,7 +101,10 @@ pub(super) fn refusal(message: String) -> FieldRenderError {
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
-/// use chordal::{Job, math::Box3, render::{Background, RenderOptions, render_field}};
+/// use chordal::Job;
+/// use chordal::math::Box3;
+/// use chordal::render::{Background, RenderOptions};
+/// use chordal::render::fields::render_field;
 /// let [x, y, z] = Expr::axes();
 /// let ball = Field::new((x.square() + y.square() + z.square()).sqrt() - 1.0)
 ///     .with_distance(Distance::EXACT)
@@ -111,7 +114,7 @@ pub(super) fn refusal(message: String) -> FieldRenderError {
 /// assert_eq!(drawn.picture.pixel(20, 15)[3], 255);
 /// // A few rays graze the outline.
 /// assert!(drawn.counts.certified_share() > 0.99);
-/// # Ok::<(), chordal::render::FieldRenderError>(())
+/// # Ok::<(), chordal::render::fields::FieldRenderError>(())
 /// ```
 pub fn render_field(
     field: &Field,

@@ -15,9 +15,13 @@ mod trace;
 mod zebra;
 
 pub use camera::frame;
-pub use field::{FieldPicture, FieldRenderError, frame_field, render_field};
-pub use heat_map::ReferenceSurface;
 pub use options::{Background, CullMode, RenderOptions, RenderStyle, UpAxis, Viewpoint};
 pub use overshade::{DARKEST_LANES, render_overshade};
 pub use picture::Picture;
 pub use trace::{render, render_against};
+
+/// Pictures of fields, and of what they are compared with.
+pub mod fields {
+    pub use super::field::{FieldPicture, FieldRenderError, frame_field, render_field};
+    pub use super::heat_map::ReferenceSurface;
+}

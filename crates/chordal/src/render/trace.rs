@@ -64,7 +64,9 @@ pub fn render(mesh: &Mesh, options: &RenderOptions, job: &Job) -> Result<Picture
 /// As for [`render`].
 ///
 /// ```
-/// use chordal::{Job, Mesh, render::{ReferenceSurface, RenderOptions, render_against}};
+/// use chordal::{Job, Mesh};
+/// use chordal::render::{RenderOptions, render_against};
+/// use chordal::render::fields::ReferenceSurface;
 /// let square = |z: f64| Mesh::new(vec![[0., 0., z], [1., 0., z], [0., 1., z]], vec![[0, 1, 2]]).unwrap();
 /// let against = ReferenceSurface { mesh: &square(0.0), most: 0.5 };
 /// let picture = render_against(&square(0.25), against, &RenderOptions::sized(40, 30), &Job::default())?;

@@ -1,6 +1,7 @@
 //! Cages that once had a limit surface other than the one their rounds converge to.
 use chordal::check;
-use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, InvalidCage};
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, INFINITELY_SHARP};
+use chordal::explicit::{Cage, InvalidCage};
 use chordal::{Budget, Job, Tolerance, convert};
 use chordal_testkit::sampler::distance;
 

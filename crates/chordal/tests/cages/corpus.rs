@@ -1,5 +1,6 @@
 //! Cages of the corpus: `v`, `f` and `t` lines of OBJ.
-use chordal::explicit::{Boundary, Cage, CreasingMethod, InvalidCage, Scheme};
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, Scheme};
+use chordal::explicit::{Cage, InvalidCage};
 use std::path::PathBuf;
 
 /// Positions and faces of a file.

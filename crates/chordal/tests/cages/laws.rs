@@ -1,6 +1,7 @@
 //! Laws of refinement.
 use super::corpus::cages;
-use chordal::explicit::{Cage, InvalidCage, Scheme};
+use chordal::explicit::subdivision::Scheme;
+use chordal::explicit::{Cage, InvalidCage};
 
 /// Coordinates of integers, so that what is exact stays so.
 fn torus() -> Cage {

@@ -1,6 +1,7 @@
 //! The limit surface: what rounds converge to, and the same whether a round was done before or not.
 use super::corpus::cages;
-use chordal::explicit::{Cage, Jet, Scheme};
+use chordal::explicit::Cage;
+use chordal::explicit::subdivision::{Jet, Scheme};
 use chordal_testkit::sampler::distance;
 
 fn size(cage: &Cage) -> f64 {

@@ -3,7 +3,8 @@
 use super::corpus::cages;
 use chordal::budget::RefusalCode;
 use chordal::check::{self, Goal};
-use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, Jet, Scheme, Topology};
+use chordal::explicit::subdivision::{Boundary, CreasingMethod, INFINITELY_SHARP, Jet, Scheme};
+use chordal::explicit::{Cage, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::distance;

@@ -3,7 +3,8 @@
 use super::corpus::cages;
 use chordal::budget::Pixels;
 use chordal::check::{self, Goal};
-use chordal::explicit::{Cage, INFINITELY_SHARP, Scheme, Semantic, Topology};
+use chordal::explicit::subdivision::{INFINITELY_SHARP, Scheme};
+use chordal::explicit::{Cage, Semantic, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, convert};
 use chordal_testkit::Random;
 use chordal_testkit::is_long;
@@ -284,7 +285,7 @@ fn a_mesher_that_is_kept_makes_the_meshes_that_a_new_one_makes() {
         ["catmark_cube_creases1", "catmark_pole64", "bilinear_nonquads1", "loop_cube_creases0"]
             .contains(&name.as_str())
     }) {
-        let mesher = convert::CageMesher::new(&cage, &Job::default()).unwrap();
+        let mesher = convert::batch::CageMesher::new(&cage, &Job::default()).unwrap();
         for step in [0, 7, 3, 7, 1] {
             let eye = [6.0 - 0.3 * f64::from(step), 4.0, 2.0 + 0.2 * f64::from(step)]
                 .map(|x| x * diagonal(&cage) / 4.0);

@@ -1,7 +1,8 @@
 //! `Refinement`: topology once, for positions that move and for whatever else stands at vertices.
 use super::corpus::cages;
 use chordal::budget::Job;
-use chordal::explicit::{Cage, InvalidCage, Refinement, Scheme};
+use chordal::explicit::subdivision::{Refinement, Scheme};
+use chordal::explicit::{Cage, InvalidCage};
 
 fn rounds_of(cage: &Cage) -> u32 {
     if cage.n_faces() > 500 { 3 } else { 5 }

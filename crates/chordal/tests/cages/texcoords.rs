@@ -1,8 +1,7 @@
 //! Texture coordinates of cages: by OpenSubdiv's numbers, and by laws that need none.
 use super::corpus::{cage as corpus_cage, cages};
-use chordal::explicit::{
-    Boundary, Cage, CornerTexcoords, InvalidCage, LinearTexcoords, Scheme, Semantic, Topology,
-};
+use chordal::explicit::subdivision::{Boundary, CornerTexcoords, LinearTexcoords, Scheme};
+use chordal::explicit::{Cage, InvalidCage, Semantic, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, check, convert};
 use chordal_testkit::Random;
 

@@ -1,7 +1,9 @@
 //! Limit surfaces beside their own points, at irregular vertices, creases, corners and borders.
 use super::corpus::cages;
 use super::judge;
-use chordal::explicit::{Cage, LimitSurface, Scheme, SurfaceTree};
+use chordal::explicit::Cage;
+use chordal::explicit::query::SurfaceTree;
+use chordal::explicit::subdivision::{LimitSurface, Scheme};
 use chordal::{Job, Tolerance};
 use chordal_testkit::Random;
 use chordal_testkit::cases;

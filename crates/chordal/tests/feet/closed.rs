@@ -1,5 +1,6 @@
 //! Surfaces whose distance has a closed form.
-use chordal::explicit::{Cage, SurfaceTree};
+use chordal::explicit::Cage;
+use chordal::explicit::query::SurfaceTree;
 use chordal::{Job, Patch};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::{Point, distance};
@@ -75,7 +76,8 @@ fn a_cage_whose_limit_is_a_plane_and_one_that_is_itself() {
     let faces = (0..36)
         .map(|k| (k / 6, k % 6))
         .map(|(i, j)| [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
-    let flat = Cage::new(points, faces).unwrap().with_boundary(chordal::explicit::Boundary::None);
+    let flat =
+        Cage::new(points, faces).unwrap().with_boundary(chordal::explicit::subdivision::Boundary::None);
     let tree = SurfaceTree::from_limit(&flat.limit().unwrap(), &Job::default()).unwrap();
     let mut numbers = Random::new(13);
     for _ in 0..200 {

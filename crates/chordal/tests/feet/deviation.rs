@@ -2,7 +2,8 @@
 use super::corpus::cages;
 use super::patches::samples as patch_samples;
 use chordal::check::{self, Deviation, Goal};
-use chordal::explicit::{Cage, Scheme};
+use chordal::explicit::Cage;
+use chordal::explicit::subdivision::Scheme;
 use chordal::{Budget, Job, Mesh, Patch, Tolerance, convert};
 use chordal_testkit::Random;
 use chordal_testkit::is_long;

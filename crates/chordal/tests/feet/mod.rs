@@ -6,7 +6,7 @@ mod deviation;
 mod patches;
 
 use crate::cages::corpus;
-use chordal::explicit::SurfaceClosestPoint;
+use chordal::explicit::query::SurfaceClosestPoint;
 use chordal_testkit::sampler::{Point, distance};
 
 /// A foot is right where its own place is as near as it says, and no sample is nearer than it says. `rounding` is what the

@@ -1,6 +1,6 @@
 //! Random patches, and those with nothing to hold on to, beside samples by the plain sum of Bernstein's polynomials.
 use super::judge;
-use chordal::explicit::{SurfaceClosestPoint, SurfaceTree};
+use chordal::explicit::query::{SurfaceClosestPoint, SurfaceTree};
 use chordal::{Job, Patch, Tolerance};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::{Point, distance};

@@ -1,5 +1,5 @@
 //! What a field has to obey, judged by values at points alone.
-use chordal::implicit::Dual;
+use chordal::implicit::evaluation::Dual;
 use chordal::implicit::{DistanceQuality, Field};
 use chordal::math::{Box3, Interval};
 use chordal_testkit::Random;

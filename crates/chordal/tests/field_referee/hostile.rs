@@ -4,7 +4,9 @@ use super::shapes::cube;
 use chordal::budget::{Evidence, RequiredEvidence};
 use chordal::check::{Goal, field_deviation};
 use chordal::convert::field_to_mesh;
-use chordal::implicit::{Expr, Field, Leaf, LeafError, Lipschitz, Unary};
+use chordal::implicit::evaluation::Unary;
+use chordal::implicit::leaves::{Leaf, LeafError};
+use chordal::implicit::{Expr, Field, Lipschitz};
 use chordal::math::{Box3, Interval};
 use chordal::{Bounded, Budget, Failure, Job, Mesh};
 use std::sync::Arc;
@@ -121,9 +123,13 @@ impl Leaf for Ball {
         Ok(())
     }
 
-    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<chordal::implicit::LeafAnswer, LeafError> {
+    fn over(
+        &self,
+        boxes: &[Box3],
+        out: &mut [Interval],
+    ) -> Result<chordal::implicit::leaves::LeafAnswer, LeafError> {
         if matches!(self.0, Word::Nothing) {
-            return Ok(chordal::implicit::LeafAnswer::None);
+            return Ok(chordal::implicit::leaves::LeafAnswer::None);
         }
         for (range, b) in out.iter_mut().zip(boxes) {
             let c = b.centre();
@@ -136,7 +142,7 @@ impl Leaf for Ball {
                 Interval::new(d - reach, d + reach).expect("in order")
             };
         }
-        Ok(chordal::implicit::LeafAnswer::Given)
+        Ok(chordal::implicit::leaves::LeafAnswer::Given)
     }
 
     fn lipschitz(&self) -> Option<Lipschitz> {

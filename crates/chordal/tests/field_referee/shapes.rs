@@ -1,5 +1,6 @@
 //! Shapes as expressions of the library and, apart from them, as functions of the referee's own.
-use chordal::implicit::{Expr, Field, Unary};
+use chordal::implicit::evaluation::Unary;
+use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal_testkit::Random;
 

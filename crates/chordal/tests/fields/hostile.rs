@@ -1,5 +1,6 @@
 //! Rows 68 and 69 of the hostile inputs: expressions of any depth and sharing, and operations without a value.
-use chordal::implicit::{Binary, Dual, Expr, ExprGraph, Tape, Unary};
+use chordal::implicit::Expr;
+use chordal::implicit::evaluation::{Binary, Dual, ExprGraph, Tape, Unary};
 use chordal::math::{Box3, Interval};
 
 fn unit() -> Box3 {

@@ -1,6 +1,8 @@
 //! Leaves are asked breadth-first: once for a whole batch, at what was computed for them.
 use chordal::Evidence;
-use chordal::implicit::{Dual, Expr, Leaf, LeafError, Lipschitz, Tape};
+use chordal::implicit::evaluation::{Dual, Tape};
+use chordal::implicit::leaves::{Leaf, LeafError};
+use chordal::implicit::{Expr, Lipschitz};
 use chordal::math::{Box3, Interval};
 use std::sync::{Arc, Mutex};
 

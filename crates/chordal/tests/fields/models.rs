@@ -1,5 +1,6 @@
 //! Random numbers, points, boxes and expressions for the tests of fields.
-use chordal::implicit::{Binary, Expr, Unary};
+use chordal::implicit::Expr;
+use chordal::implicit::evaluation::{Binary, Unary};
 use chordal::math::Box3;
 use chordal_testkit::Random;
 

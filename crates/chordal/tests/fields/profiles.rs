@@ -1,6 +1,7 @@
 //! Solids of revolution: a profile with a side on the axis costs ranges no more than one beside it.
+use chordal::implicit::Field;
+use chordal::implicit::evaluation::Tape;
 use chordal::implicit::shapes::{capped_cone, polygon, rectangle, rounded_rectangle};
-use chordal::implicit::{Field, Tape};
 use chordal::math::{Box3, Interval};
 
 /// Levels of the octree.
@@ -101,8 +102,10 @@ fn tips_of_cones_have_a_direction_for_ranges() {
         let room = 1.0 / 64.0;
         let at = [radius, 0.0, end];
         let tip = Box3 { min: at.map(|x| x - room), max: at.map(|x| x + room) };
-        let mut slope =
-            [chordal::implicit::Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }];
+        let mut slope = [chordal::implicit::evaluation::Dual {
+            value: Interval::UNKNOWN,
+            gradient: [Interval::UNKNOWN; 3],
+        }];
         tape.gradient_over(&[tip], &mut slope).expect("no leaf fails");
         let along = slope[0].gradient[2];
         assert!(along.is_defined(), "{bottom} {top}");

@@ -122,7 +122,7 @@ fn mesh(field: &Field) -> Bounded<Mesh> {
 fn far_dent(depth: f64) -> Expr {
     let [x, y, z] = Expr::axes();
     let off = (x - 1.25).square() + y.square() + z.square();
-    Expr::unary(chordal::implicit::Unary::Exp, &(off * -30.0)) * -depth
+    Expr::unary(chordal::implicit::evaluation::Unary::Exp, &(off * -30.0)) * -depth
 }
 
 #[test]

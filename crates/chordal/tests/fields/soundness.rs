@@ -1,6 +1,7 @@
 //! Ranges hold every value, and ranges of gradients every gradient and every difference quotient.
 use super::models::RandomFields;
-use chordal::implicit::{Binary, Dual, Expr, Tape, Unary};
+use chordal::implicit::Expr;
+use chordal::implicit::evaluation::{Binary, Dual, Tape, Unary};
 use chordal::math::{Box3, Interval};
 use chordal_testkit::Random;
 use dashu_float::FBig;

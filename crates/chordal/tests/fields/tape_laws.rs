@@ -1,7 +1,8 @@
 //! The tape has the plain evaluator's values bit for bit, on whatever instruction set it runs; gradients are those of
 //! differences; a shortened tape has the same values in its region.
 use super::models::RandomFields;
-use chordal::implicit::{Dual, ExprGraph, Tape, reference};
+use chordal::implicit::evaluation::{Dual, ExprGraph, Tape};
+use chordal::implicit::reference;
 use chordal::math::{Box3, Interval};
 use chordal_testkit::Random;
 
@@ -187,7 +188,8 @@ fn a_region_of_one_solid_needs_that_one_alone() {
 
 #[test]
 fn nan_comes_through_to_the_value_and_is_no_range() {
-    use chordal::implicit::{Expr, Unary};
+    use chordal::implicit::Expr;
+    use chordal::implicit::evaluation::Unary;
     let [x, ..] = Expr::axes();
     let expr = Expr::unary(Unary::Ln, &x);
     let tape = Tape::new(&expr);

@@ -14,6 +14,8 @@ mod layers;
 mod names;
 #[path = "../options.rs"]
 mod options;
+#[path = "../public_items.rs"]
+mod public_items;
 #[path = "../test_programs.rs"]
 mod test_programs;
 #[path = "../tidy.rs"]

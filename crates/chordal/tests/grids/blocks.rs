@@ -1,7 +1,8 @@
 //! Blocks of one volume join bit for bit, and threads and instruction sets change nothing.
 use super::shapes::sampled;
 use chordal::Job;
-use chordal::convert::{Border, Polygonize, VertexKey, grid_to_triangles, vertex_keys};
+use chordal::convert::lattices::{VertexKey, grid_to_triangles, vertex_keys};
+use chordal::convert::{Border, Polygonize};
 use chordal::implicit::{Affine3, Grid, Samples};
 use std::collections::BTreeMap;
 

@@ -2,7 +2,8 @@
 use chordal::budget::RefusalCode;
 use chordal::convert::field_to_polyline;
 use chordal::explicit::Polyline;
-use chordal::implicit::{Binary, Expr, Field, Unary};
+use chordal::implicit::evaluation::{Binary, Unary};
+use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::{Budget, Failure, Job, Tolerance};
 

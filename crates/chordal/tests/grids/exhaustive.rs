@@ -1,7 +1,8 @@
 //! Two cells that share a face, with every corner below, at and above the level, along each axis.
 use super::solid::{flat, flaw, volume6};
 use chordal::Job;
-use chordal::convert::{Polygonize, grid_to_triangles};
+use chordal::convert::Polygonize;
+use chordal::convert::lattices::grid_to_triangles;
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal_testkit::is_long;
 

@@ -2,7 +2,8 @@
 use super::shapes::sampled;
 use super::solid::{flat, flaw, volume6};
 use chordal::budget::RefusalCode;
-use chordal::convert::{LabelOptions, Polygonize, grid_to_mesh, grid_to_triangles, labels_to_meshes};
+use chordal::convert::lattices::{LabelOptions, grid_to_triangles, labels_to_meshes};
+use chordal::convert::{Polygonize, grid_to_mesh};
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::{Budget, Evidence, Failure, Job, Tolerance};
 use chordal_testkit::Random;

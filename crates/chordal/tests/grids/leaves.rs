@@ -1,5 +1,7 @@
 //! The interpolant of a grid as a leaf: against its definition, and its ranges against points.
-use chordal::implicit::{Affine3, Grid, Leaf, Samples, Trilinear};
+use chordal::implicit::evaluation::Trilinear;
+use chordal::implicit::leaves::Leaf;
+use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::math::{Box3, Interval};
 use chordal_testkit::Random;
 

@@ -1,7 +1,8 @@
 //! Many small volumes of every type, with ties and without numbers.
 use super::solid::{flat, flaw, volume6};
 use chordal::Job;
-use chordal::convert::{Inside, Polygonize, grid_to_triangles};
+use chordal::convert::lattices::grid_to_triangles;
+use chordal::convert::{Inside, Polygonize};
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal_testkit::Random;
 use chordal_testkit::cases;

@@ -1,10 +1,11 @@
 //! Samples in bricks: the same numbers, leaves and meshes as from one array.
 use super::shapes::sampled;
-use chordal::convert::{
-    Lattice, Polygonize, field_to_grid, field_to_sparse_grid, grid_to_mesh, sparse_grid_to_mesh,
-};
+use chordal::convert::lattices::Lattice;
+use chordal::convert::{Polygonize, field_to_grid, field_to_sparse_grid, grid_to_mesh, sparse_grid_to_mesh};
+use chordal::implicit::evaluation::Trilinear;
+use chordal::implicit::leaves::Leaf;
 use chordal::implicit::shapes::torus;
-use chordal::implicit::{Affine3, Grid, Leaf, Samples, SparseGrid, Trilinear};
+use chordal::implicit::{Affine3, Grid, Samples, SparseGrid};
 use chordal::math::{Box3, Interval};
 use chordal::{Budget, Job, Tolerance};
 use chordal_testkit::Random;

@@ -1,7 +1,8 @@
 //! Pixels at a camera: what is far away may lose more, and on the screen nothing moves farther than promised.
 use super::sampler::{FIXED, triangles};
 use super::{length, made, n_faces, shapes};
-use chordal::budget::{Camera, Projection, RefusalCode, View};
+use chordal::budget::camera::{Camera, Projection};
+use chordal::budget::{RefusalCode, View};
 use chordal::explicit::Topology;
 use chordal::lod::{SimplifiedMesh, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh};

@@ -4,9 +4,11 @@ mod picture;
 
 use crate::lod::data;
 use crate::solids::shapes;
-use chordal::budget::{MinDistanceView, Pixels};
+use chordal::budget::Pixels;
+use chordal::budget::camera::MinDistanceView;
 use chordal::explicit::Topology;
-use chordal::lod::{LodLevel, LodSource, LodSteps, SwitchDistances, chain};
+use chordal::lod::selection::SwitchDistances;
+use chordal::lod::{LodLevel, LodSource, LodSteps, chain};
 use chordal::{Job, Mesh, Tolerance, View};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::dot;

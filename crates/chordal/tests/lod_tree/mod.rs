@@ -4,7 +4,7 @@ use crate::solids::shapes;
 use chordal::budget::{Evidence, JobError, Reference, RefusalCode};
 use chordal::check::{Goal, Validity, deviation, validity};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
-use chordal::lod::{LodTile, LodTileTree, TilingOptions, tree};
+use chordal::lod::tiling::{LodTile, LodTileTree, TilingOptions, tree};
 use chordal::{Bound, Bounded, Job, Mesh, Tolerance};
 use chordal_testkit::Random;
 use std::collections::{BTreeMap, BTreeSet};

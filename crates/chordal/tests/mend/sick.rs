@@ -146,7 +146,7 @@ fn a_flipped_face_is_turned_back() {
         faces[face].swap(1, 2);
         let mended = is_cured_by("orient", "inconsistent_edges", &mesh_of(good.positions(), &faces));
         assert_eq!(mended.count("turned_faces"), 1);
-        assert!(chordal::check::measure(&mended.mesh).signed_volume > 0.99);
+        assert!(chordal::check::findings::measure(&mended.mesh).signed_volume > 0.99);
         assert_eq!(mended.mesh, good);
     }
 }
@@ -178,13 +178,13 @@ fn shells_inside_each_other_face_in_turn_out_and_in() {
         }));
     }
     let mended = cure("orient", &mesh_of(&positions, &faces));
-    let volume: f64 = chordal::check::measure(&mended.mesh).signed_volume;
+    let volume: f64 = chordal::check::findings::measure(&mended.mesh).signed_volume;
     assert!((volume - (512.0 - 64.0 + 8.0 - 1.0)).abs() < 1e-9, "{volume}");
     // Two that stand side by side are both outside.
     let beside: Vec<[f64; 3]> =
         positions.iter().enumerate().map(|(i, p)| [p[0] + 20.0 * (i / 8) as f64, p[1], p[2]]).collect();
     let mended = cure("orient", &mesh_of(&beside, &faces));
-    let volume: f64 = chordal::check::measure(&mended.mesh).signed_volume;
+    let volume: f64 = chordal::check::findings::measure(&mended.mesh).signed_volume;
     assert!((volume - (512.0 + 64.0 + 8.0 + 1.0)).abs() < 1e-9, "{volume}");
 }
 

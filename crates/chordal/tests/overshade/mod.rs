@@ -1,9 +1,10 @@
 //! What a graphics processor would shade: closed forms, a naive rasterizer that shares no code, and hostile input.
 mod naive;
 
-use chordal::budget::{Camera, JobError, Projection, RefusalCode, Screen};
-use chordal::check::{Overshade, flicker, micro_triangles, overshade};
-use chordal::explicit::HitSides;
+use chordal::budget::camera::{Camera, Projection, Screen};
+use chordal::budget::{JobError, RefusalCode};
+use chordal::check::shading::{Overshade, flicker, micro_triangles, overshade};
+use chordal::explicit::query::HitSides;
 use chordal::{Job, Mesh, View};
 use chordal_testkit::Random;
 use naive::{Naive, naive};
@@ -70,7 +71,7 @@ fn soup(n: u32, random: &mut Random) -> Mesh {
 }
 
 fn same(found: &Overshade, expected: &Naive) {
-    let of = |shaded: chordal::check::ShadingCounts| [shaded.fragments, shaded.quads];
+    let of = |shaded: chordal::check::shading::ShadingCounts| [shaded.fragments, shaded.quads];
     let found = Naive {
         in_view: found.in_view,
         missed: found.missed,

@@ -1,6 +1,6 @@
 //! A rasterizer that shares no code with the library: pixel by pixel, in whole numbers of its own.
 use chordal::Mesh;
-use chordal::budget::{Camera, Projection};
+use chordal::budget::camera::{Camera, Projection};
 
 /// What the naive rasterizer finds.
 #[derive(Debug, PartialEq)]

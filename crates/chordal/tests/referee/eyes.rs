@@ -1,6 +1,6 @@
 //! Eyes: where they are, where they look, and where they see a point. No code of the library's views.
 use super::frame::frame;
-use chordal::budget::{Projection, Screen};
+use chordal::budget::camera::{Projection, Screen};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::{
     Bounds, Control, Point, add, around, distance, distance_to_bounds, dot, quarters, scale, sub,

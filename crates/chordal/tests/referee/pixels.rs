@@ -2,7 +2,8 @@
 use super::eyes::{Eye, Lens, box_of, step_out};
 use super::shapes::{Shape, shape};
 use super::{for_all, is_long, library_patches, quantile};
-use chordal::budget::{Camera, Failure, MinDistanceView, Pixels, Projection, RefusalCode};
+use chordal::budget::camera::{Camera, MinDistanceView, Projection};
+use chordal::budget::{Failure, Pixels, RefusalCode};
 use chordal::{Bounded, Budget, Job, Mesh, View, convert};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::{

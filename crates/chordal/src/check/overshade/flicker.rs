@@ -38,12 +38,14 @@ pub struct Flicker {
 /// As for [`super::overshade`].
 ///
 /// ```
-/// use chordal::{Job, Mesh, View, check::flicker, explicit::HitSides};
+/// use chordal::{Job, Mesh, View};
+/// use chordal::check::shading::flicker;
+/// use chordal::explicit::query::HitSides;
 /// let flat = Mesh::new(vec![[-4., -4., 0.], [4., -4., 0.], [-4., 4., 0.]], vec![[0, 1, 2]]).unwrap();
 /// let View::Camera(camera) = "8x8 height=8 eye=0,0,1 target=0,0,0".parse()? else { unreachable!() };
 /// let found = flicker(&flat, &camera, HitSides::Both, &Job::default()).unwrap();
 /// assert_eq!((found.rms, found.n_pixels), (0.0, 28)); // one shade, wherever it is seen
-/// # Ok::<(), chordal::budget::InvalidView>(())
+/// # Ok::<(), chordal::budget::camera::InvalidView>(())
 /// ```
 pub fn flicker(mesh: &Mesh, camera: &Camera, sides: HitSides, job: &Job) -> Result<Flicker, JobError> {
     let banded = BinnedMesh::new(mesh, camera, sides, job)?;

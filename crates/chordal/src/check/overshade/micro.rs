@@ -28,13 +28,14 @@ const CHUNK: usize = 16_384;
 /// As for [`super::overshade`].
 ///
 /// ```
-/// use chordal::{Job, Mesh, check::micro_triangles};
+/// use chordal::{Job, Mesh};
+/// use chordal::check::shading::micro_triangles;
 /// let right = |a: f64| Mesh::new(vec![[0., 0., 0.], [a, 0., 0.], [0., a, 0.]], vec![[0, 1, 2]]).unwrap();
 /// // 50 pixels a unit: half of 1.4² pixels is less than one, half of 1.5² is more.
 /// let view = "1000x1000 fov=90 dist=10".parse()?;
 /// let n_micro = |a: f64| micro_triangles(&right(a), &view, &Job::default()).unwrap().n_micro;
 /// assert_eq!((n_micro(0.028), n_micro(0.03)), (1, 0));
-/// # Ok::<(), chordal::budget::InvalidView>(())
+/// # Ok::<(), chordal::budget::camera::InvalidView>(())
 /// ```
 pub fn micro_triangles(mesh: &Mesh, view: &View, job: &Job) -> Result<MicroTriangles, JobError> {
     match view {

@@ -105,14 +105,16 @@ impl Overshade {
 /// the job allows; [`JobError::Cancelled`] when the job was.
 ///
 /// ```
-/// use chordal::{Job, Mesh, View, check::overshade, explicit::HitSides};
+/// use chordal::{Job, Mesh, View};
+/// use chordal::check::shading::overshade;
+/// use chordal::explicit::query::HitSides;
 /// // The lower left half of a screen of 8 × 8 pixels.
 /// let mesh = Mesh::new(vec![[-4., -4., 0.], [4., -4., 0.], [-4., 4., 0.]], vec![[0, 1, 2]]).unwrap();
 /// let View::Camera(camera) = "8x8 height=8 eye=0,0,1 target=0,0,0".parse()? else { unreachable!() };
 /// let found = overshade(&mesh, &camera, HitSides::Both, &Job::default()).unwrap();
 /// // Four of ten quads lie on the diagonal, which passes through centres: these belong to the other half.
 /// assert_eq!((found.covered_px, found.visible.quads, found.visible.helpers()), (28, 10, 12));
-/// # Ok::<(), chordal::budget::InvalidView>(())
+/// # Ok::<(), chordal::budget::camera::InvalidView>(())
 /// ```
 ///
 /// Source: K. Fatahalian et al., *Reducing shading on GPUs using quad-fragment merging*, 2010, for the cost

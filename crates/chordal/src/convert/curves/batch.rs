@@ -14,7 +14,9 @@ use crate::math::{add_up, flushes_subnormals, greater, sub_down};
 /// successive points may be equal here: a curve that is one point has two.
 ///
 /// ```
-/// use chordal::{Bezier, Tolerance, convert::{BezierCutter, Spacing}};
+/// use chordal::{Bezier, Tolerance};
+/// use chordal::convert::Spacing;
+/// use chordal::convert::batch::BezierCutter;
 /// let mut cutter = BezierCutter::new(Tolerance::new(0.01)?, Spacing::Fewest)?;
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
 /// let mut points = vec![arch.control[0]];
@@ -186,7 +188,7 @@ const CHUNK: usize = 256;
 /// ```
 /// use chordal::{Bezier, Job, Tolerance, convert::{self, Spacing}};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
-/// let made = convert::beziers_to_polylines(&[arch; 3], Tolerance::new(0.01)?, &Job::default(), Spacing::Fewest)?;
+/// let made = convert::batch::beziers_to_polylines(&[arch; 3], Tolerance::new(0.01)?, &Job::default(), Spacing::Fewest)?;
 /// assert_eq!(made.shape.starts, [0, 10, 20, 30]);
 /// assert_eq!(made.shape.polyline(2).last(), Some(&[1.0, 0.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

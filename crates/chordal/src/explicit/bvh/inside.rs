@@ -45,7 +45,8 @@ pub struct Containment {
 /// Cost: 120 bytes for each of four children of each node, about 80 bytes per triangle; O(n) time.
 ///
 /// ```
-/// use chordal::{Job, Mesh, explicit::{Bvh, Enclosure, PointLocation}};
+/// use chordal::{Job, Mesh};
+/// use chordal::explicit::query::{Bvh, Enclosure, PointLocation};
 /// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
 /// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// let mesh = Mesh::new(corners.clone(), faces.clone()).unwrap();

@@ -77,7 +77,8 @@ struct BvhTriangle {
 /// triangle.
 ///
 /// ```
-/// use chordal::{Job, Mesh, explicit::{Bvh, Ray}};
+/// use chordal::{Job, Mesh};
+/// use chordal::explicit::query::{Bvh, Ray};
 /// let mesh = Mesh::new(vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], vec![[0, 1, 2]]).unwrap();
 /// let bvh = Bvh::build(&mesh, &Job::default())?;
 /// let closest = bvh.closest_point([0.25, 0.25, 2.0]).unwrap();

@@ -18,7 +18,8 @@ use crate::math::greater;
 /// connected, others are separated by a seam.
 ///
 /// ```
-/// use chordal::explicit::{Cage, CornerTexcoords, LinearTexcoords};
+/// use chordal::explicit::Cage;
+/// use chordal::explicit::subdivision::{CornerTexcoords, LinearTexcoords};
 /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let values = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 /// let linear = LinearTexcoords::CornersOnly;
@@ -94,7 +95,8 @@ impl LinearTexcoords {
 /// coordinates there.
 ///
 /// ```
-/// use chordal::explicit::{Cage, CornerTexcoords, LinearTexcoords};
+/// use chordal::explicit::Cage;
+/// use chordal::explicit::subdivision::{CornerTexcoords, LinearTexcoords};
 /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 2.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let values = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 /// let linear = LinearTexcoords::Boundaries;

@@ -37,7 +37,8 @@ pub struct SurfaceClosestPoint {
 /// Queries cache the refinement near extraordinary vertices for later ones; answers do not depend on it.
 ///
 /// ```
-/// use chordal::{Job, Patch, explicit::SurfaceTree};
+/// use chordal::{Job, Patch};
+/// use chordal::explicit::query::SurfaceTree;
 /// let mut bump = Patch::flat([0.0; 3], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0]);
 /// for (i, j) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
 ///     bump.control[i][j][2] = 1.0;

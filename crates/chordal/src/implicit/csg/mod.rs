@@ -25,7 +25,8 @@ use std::collections::HashMap;
 /// meet, as two stacked boxes do at their common face, there is no surface.
 ///
 /// ```
-/// use chordal::implicit::{Csg, CsgNode, shapes};
+/// use chordal::implicit::shapes;
+/// use chordal::implicit::csg::{Csg, CsgNode};
 /// let block = shapes::cuboid([2.0, 2.0, 1.0])?.difference(&shapes::cylinder(0.4, 2.0)?);
 /// let csg = Csg::from_expr(block.sign());
 /// // Six planes of the box; the side of the cylinder and its two ends.

@@ -8,11 +8,13 @@ use crate::math::unit;
 /// When a leaf fails.
 ///
 /// ```
-/// use chordal::implicit::{Expr, Tape, query::contains};
+/// use chordal::implicit::Expr;
+/// use chordal::implicit::evaluation::Tape;
+/// use chordal::implicit::query::contains;
 /// let [x, y, _] = Expr::axes();
 /// let disc = Tape::new(&(x.square() + y.square() - 1.0));
 /// assert_eq!(contains(&disc, &[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])?, [true, false, false]);
-/// # Ok::<(), chordal::implicit::LeafError>(())
+/// # Ok::<(), chordal::implicit::leaves::LeafError>(())
 /// ```
 pub fn contains(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<bool>, LeafError> {
     let mut values = vec![0.0; points.len()];
@@ -27,11 +29,13 @@ pub fn contains(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<bool>, LeafError
 /// When a leaf fails.
 ///
 /// ```
-/// use chordal::implicit::{Expr, Tape, query::normals};
+/// use chordal::implicit::Expr;
+/// use chordal::implicit::evaluation::Tape;
+/// use chordal::implicit::query::normals;
 /// let [x, y, z] = Expr::axes();
 /// let ball = Tape::new(&(x.square() + y.square() + z.square() - 1.0));
 /// assert_eq!(normals(&ball, &[[0.0, 0.0, 1.0], [0.0; 3]])?, [Some([0.0, 0.0, 1.0]), None]);
-/// # Ok::<(), chordal::implicit::LeafError>(())
+/// # Ok::<(), chordal::implicit::leaves::LeafError>(())
 /// ```
 pub fn normals(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<Option<[f64; 3]>>, LeafError> {
     let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];

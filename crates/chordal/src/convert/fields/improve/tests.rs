@@ -281,8 +281,10 @@ fn a_cancelled_job_and_an_open_surface_are_told() {
 fn a_field_without_gradients_ends() {
     // Its gradient is 0 everywhere but on a sphere.
     let [x, y, z] = Expr::axes();
-    let steps =
-        Expr::unary(crate::implicit::Unary::Floor, &((x.square() + y.square() + z.square()) * 4.0)) - 3.5;
+    let steps = Expr::unary(
+        crate::implicit::evaluation::Unary::Floor,
+        &((x.square() + y.square() + z.square()) * 4.0),
+    ) - 3.5;
     let csg = Csg::from_expr(&steps);
     let raw = labelled(&csg, octahedron(3, on_sphere(1.0)));
     let job = Job::default().with_threads(1);
