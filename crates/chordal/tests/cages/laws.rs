@@ -1,6 +1,6 @@
 //! Laws of refinement.
 use super::corpus::cages;
-use chordal::explicit::subdivision::Scheme;
+use chordal::explicit::subdivision::{CreasingMethod, INFINITELY_SHARP, Scheme};
 use chordal::explicit::{Cage, InvalidCage};
 
 /// Coordinates of integers, so that what is exact stays so.
@@ -37,6 +37,56 @@ fn a_regular_round_is_that_of_the_tensor_b_spline() {
             }
         }
     }
+}
+
+/// A flat grid of unit squares with these vertices lifted to 1: its creases after a round, and how high the
+/// point above a place is then.
+fn round_of_lifted(
+    n: [u32; 2],
+    lifted: &[u32],
+    creases: &[([u32; 2], f64)],
+    place: [f64; 2],
+) -> (Vec<f64>, f64) {
+    let point = |k: u32| {
+        let height = if lifted.contains(&k) { 1.0 } else { 0.0 };
+        [f64::from(k % n[0]), f64::from(k / n[0]), height]
+    };
+    let corners = (0..n[0] * (n[1] - 1)).filter(|k| (k + 1) % n[0] != 0);
+    let quads = corners.map(|k| [k, k + 1, k + n[0] + 1, k + n[0]]);
+    let cage = Cage::new((0..n[0] * n[1]).map(point).collect(), quads).unwrap();
+    let once = cage.with_creasing(CreasingMethod::Chaikin).with_creases(creases).unwrap().refined().unwrap();
+    let height = once.positions().iter().find(|p| p[..2] == place).unwrap()[2];
+    let mut left: Vec<f64> = once.creases().iter().map(|(_, sharp)| *sharp).collect();
+    left.sort_by(f64::total_cmp);
+    (left, height)
+}
+
+/// In the middle of 2 by 2 squares a crease of 1 goes on as one of 1/4. Both end in a round: 3/4 + 1/16 and
+/// 3/16 + 1/4 are below 1. So the vertex is at 5/8, their mean, of the crease's 3/4, and at 3/8 of the smooth
+/// rule's 1/4 · 1/4 + 1/2 · 1/2 + 1/4 · 1. The reference meshes of OpenSubdiv count only what is below 1, hence
+/// 1/4 and 3/4; its library Far, version 3.5, has this height.
+#[test]
+fn by_chaikin_creases_of_a_whole_round_end_as_well() {
+    let (left, height) = round_of_lifted([3, 3], &[4], &[([3, 4], 1.0), ([4, 5], 0.25)], [1.0, 1.0]);
+    assert_eq!((left, height), (vec![], 0.625 * 0.75 + 0.375 * 0.5625));
+}
+
+/// Halves of an edge end by themselves. The point between them is in the middle of an edge of 1 or more, and
+/// else as far towards it from the smooth place as the edge is sharp: never beyond it, where OpenSubdiv 3.5
+/// puts it for edges above 1.
+#[test]
+fn by_chaikin_no_point_of_an_edge_is_beyond_its_middle() {
+    // 4 by 2 squares. The edge from 6 to 7 is level with both, at 1, and the smooth place is at 1/4 (1 + 1 + 1/2 + 1/2).
+    let round = |creases: &[([u32; 2], f64)]| round_of_lifted([5, 3], &[6, 7], creases, [1.5, 1.0]);
+    // At 6: 3/4 · 19/16 + 1/4 · 3/16 < 1. At 7: 3/4 · 19/16 + 1/4 · 7/2 - 1, and 3/4 · 7/2 + 1/4 · 19/16 - 1.
+    let creases = [([5, 6], 0.1875), ([6, 7], 1.1875), ([7, 8], 3.5)];
+    assert_eq!(round(&creases), (vec![0.765625, 1.921875, 2.5], 1.0));
+    // At 6 it is alone, and ends. At 7: 3/4 · 7/8 + 1/4 · 7/2 - 1, and 3/4 · 7/2 + 1/4 · 7/8 - 1.
+    let creases = [([6, 7], 0.875), ([7, 8], 3.5)];
+    assert_eq!(round(&creases), (vec![0.53125, 1.84375, 2.5], 0.875 + 0.125 * 0.75));
+    // Both halves remain: 3/4 · 7/8 + 1/4 · 3 - 1 at either end.
+    let creases = [([5, 6], 3.0), ([6, 7], 0.875), ([7, 8], 3.0)];
+    assert_eq!(round(&creases).1, 1.0);
 }
 
 #[test]
