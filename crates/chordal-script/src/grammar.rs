@@ -1,6 +1,7 @@
 //! The subset of Starlark that scripts may use: parses a text, checks it, and replaces operators by metered
 //! functions.
 use crate::operators::OPERATORS;
+use crate::parentheses::Parentheses;
 use crate::{Limits, ScriptError, nesting};
 use starlark::codemap::Span;
 use starlark::syntax::ast::{
@@ -9,6 +10,7 @@ use starlark::syntax::ast::{
 };
 use starlark::syntax::{AstModule, Dialect, DialectTypes};
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// A program with its source text.
 pub(crate) struct Program {
@@ -47,9 +49,10 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     if let Some((span, what)) = search.found {
         return Err(plain.error("script-syntax", what, span));
     }
-    let mut changes: Vec<TextChange> = search.calls.into_iter().flat_map(ScriptSource::call).collect();
-    for (target, operator, value) in search.assignments {
-        changes.extend(plain.assignment(&target, &operator, value));
+    let mut changes: Vec<TextChange> =
+        search.calls.into_iter().flat_map(|(span, through)| plain.call(span, through)).collect();
+    for (target, operator, statement) in search.assignments {
+        changes.extend(plain.assignment(&target, &operator, statement));
     }
     let source = plain.with_changes(changes);
     let mut module = if source.edits.is_empty() { module } else { parsed(&source)? };
@@ -64,6 +67,7 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
 #[derive(Debug)]
 pub(crate) struct ScriptSource {
     text: String,
+    parentheses: Parentheses,
     written: String,
     edits: Vec<TextEdit>,
 }
@@ -71,14 +75,14 @@ pub(crate) struct ScriptSource {
 /// Bytes that replace others.
 #[derive(Debug)]
 struct TextEdit {
-    old: std::ops::Range<usize>,
-    new: std::ops::Range<usize>,
+    old: Range<usize>,
+    new: Range<usize>,
 }
 
 /// A replacement of a range of bytes.
 #[derive(Debug)]
 struct TextChange {
-    old: std::ops::Range<usize>,
+    old: Range<usize>,
     new: String,
     /// The order among changes at the same position.
     rank: i64,
@@ -90,13 +94,23 @@ const CALLED: &str = "called__";
 /// The function that every index goes through, for the same reason.
 const INDEX: &str = "index__";
 
-fn range(span: Span) -> std::ops::Range<usize> {
+fn range(span: Span) -> Range<usize> {
     span.begin().get() as usize..span.end().get() as usize
 }
 
 impl ScriptSource {
     fn new(text: &str) -> Self {
-        Self { text: text.to_owned(), written: text.to_owned(), edits: Vec::new() }
+        Self {
+            text: text.to_owned(),
+            parentheses: Parentheses::new(text),
+            written: text.to_owned(),
+            edits: Vec::new(),
+        }
+    }
+
+    /// An expression's range, without brackets around it and with those at its ends.
+    fn extent(&self, span: Span) -> Range<usize> {
+        self.parentheses.whole(range(span))
     }
 
     /// Applies the changes.
@@ -116,25 +130,27 @@ impl ScriptSource {
     }
 
     /// Rewrites `a += b`.
-    fn assignment(&self, target: &AstAssignTarget, operator: &str, value: Span) -> [TextChange; 2] {
+    fn assignment(&self, target: &AstAssignTarget, operator: &str, statement: Span) -> [TextChange; 2] {
         let again = match &target.node {
             AssignTargetP::Index(parts) => {
-                let [list, index] = [&parts.0, &parts.1].map(|part| &self.text[range(part.span)]);
+                let [list, index] = [&parts.0, &parts.1].map(|part| &self.text[self.extent(part.span)]);
                 format!("{list}[{INDEX}({index})]")
             }
             _ => self.text[range(target.span)].to_owned(),
         };
-        let (end, value) = (range(target.span).end, range(value));
+        let written = format!("{operator}=");
+        let (target, end) = (self.extent(target.span).end, range(statement).end);
+        let start = target + self.text[target..end].find(&written).unwrap_or(0);
         [
-            TextChange { old: end..value.start, new: format!(" = {again} {operator} ("), rank: 0 },
-            TextChange { old: value.end..value.end, new: ")".to_owned(), rank: i64::MAX },
+            TextChange { old: start..start + written.len(), new: format!("= {again} {operator} ("), rank: 0 },
+            TextChange { old: end..end, new: ")".to_owned(), rank: i64::MAX },
         ]
     }
 
     /// Rewrites `f(a)`: starlark prints the callee in its errors, which would never end for a list of shared
     /// lists.
-    fn call((function, through): (Span, &str)) -> [TextChange; 2] {
-        let function = range(function);
+    fn call(&self, function: Span, through: &str) -> [TextChange; 2] {
+        let function = self.extent(function);
         [
             // The outer one opens first and closes last.
             TextChange {
@@ -183,7 +199,7 @@ const LONGEST_MESSAGE: usize = 500;
 struct ProgramScan {
     /// The first construct that scripts may not use, with its position.
     found: Option<(Span, String)>,
-    /// Augmented assignments: targets, operators and values.
+    /// Augmented assignments: targets, operators and the whole statements.
     assignments: Vec<(AstAssignTarget, String, Span)>,
     /// Expressions to wrap in a function, and which function.
     calls: Vec<(Span, &'static str)>,
@@ -198,10 +214,10 @@ impl ProgramScan {
 fn statement(stmt: &AstStmt, search: &mut ProgramScan) {
     match &stmt.node {
         StmtP::Load(_) => search.refuse(stmt.span, "a script loads nothing"),
-        StmtP::AssignModify(changed, op, value) => {
+        StmtP::AssignModify(changed, op, _) => {
             let operator = op.to_string().trim().trim_end_matches('=').to_owned();
             target(changed, search);
-            search.assignments.push((changed.clone(), operator, value.span));
+            search.assignments.push((changed.clone(), operator, stmt.span));
         }
         StmtP::Assign(assign) => target(&assign.lhs, search),
         StmtP::For(turn) => target(&turn.var, search),

@@ -22,6 +22,7 @@ mod meter;
 mod nesting;
 mod operators;
 mod parameter;
+mod parentheses;
 mod script;
 mod values;
 

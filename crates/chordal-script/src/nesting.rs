@@ -65,25 +65,33 @@ fn token(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
             scan.forget();
             return indentation(bytes, at + 1, scan);
         }
-        b'\\' => return at + 2,
-        b'#' => return at + bytes[at..].iter().take_while(|b| !matches!(b, b'\n' | b'\r')).count(),
-        b'"' | b'\'' => return string(bytes, at),
         b if b.is_ascii_alphanumeric() || b == b'_' => {
-            let end =
-                at + bytes[at..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
+            let end = token_end(bytes, at);
             match &bytes[at..end] {
                 b"and" | b"or" | b"not" | b"in" | b"if" | b"else" | b"for" | b"lambda" => scan.count(),
                 b"elif" => scan.branches += 1,
                 _ => {}
             }
-            return end;
         }
         b'+' | b'-' | b'*' | b'/' | b'%' | b'|' | b'&' | b'^' | b'~' | b'<' | b'>' | b'=' | b'!' | b'.' => {
             scan.count();
         }
         _ => {}
     }
-    at + 1
+    token_end(bytes, at)
+}
+
+/// The offset after the token, string, comment or character that starts at `at`.
+pub(crate) fn token_end(bytes: &[u8], at: usize) -> usize {
+    match bytes[at] {
+        b'\\' => at + 2,
+        b'#' => at + bytes[at..].iter().take_while(|b| !matches!(b, b'\n' | b'\r')).count(),
+        b'"' | b'\'' => string(bytes, at),
+        b if b.is_ascii_alphanumeric() || b == b'_' => {
+            at + bytes[at..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count()
+        }
+        _ => at + 1,
+    }
 }
 
 /// The end of the string that starts at `at`.

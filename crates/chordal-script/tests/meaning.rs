@@ -298,3 +298,18 @@ fn the_page_has_every_function() {
         assert!(page.contains(function.distance), "{}: {}", function.name, function.distance);
     }
 }
+
+#[test]
+fn parentheses_stay_with_what_is_in_them() {
+    let p = [0.0, 0.0, 0.0];
+    for (text, same) in [
+        ("a = sphere(3)\na -= (box(1, 1, 1) | sphere(1))\na", "sphere(3) - (box(1, 1, 1) | sphere(1))"),
+        ("a = sphere(3)\na &= (sphere(2)) - sphere(1) # )\na", "sphere(3) & (sphere(2) - sphere(1))"),
+        ("a = sphere(3)\n(a) -= (  # -= (\n(sphere(1)))\na", "sphere(3) - sphere(1)"),
+        ("a = [1, 2]\na[(0) + 1] += (1)\n(a)[(0)] *= (a[1]) * (2)\nsphere(a[1] * a[0])", "sphere(18)"),
+        ("([sphere])[0](1)", "sphere(1)"),
+        ("(lambda r: (sphere)(r))((1) + (1))", "sphere(2)"),
+    ] {
+        assert_eq!(at(text, p), at(same, p), "{text}");
+    }
+}

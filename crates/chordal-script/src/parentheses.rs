@@ -1,0 +1,74 @@
+//! `Parentheses`: the pairs of round brackets of a text. The parser's spans leave out the brackets around an
+//! expression, and with them those at the ends of a longer one: that of `(a) - (b)` is `a) - (b`.
+use crate::nesting;
+use std::ops::Range;
+
+/// The pairs of round brackets outside of strings and comments.
+#[derive(Debug)]
+pub(crate) struct Parentheses {
+    /// Offsets of brackets, in order, each with that of its partner.
+    partners: Vec<(usize, usize)>,
+}
+
+impl Parentheses {
+    /// Those of a text that has been parsed, so that every bracket has its partner.
+    pub fn new(text: &str) -> Self {
+        let bytes = text.as_bytes();
+        let (mut partners, mut open, mut at) = (Vec::new(), Vec::new(), 0);
+        while at < bytes.len() {
+            match bytes[at] {
+                b'(' => open.push(at),
+                b')' => {
+                    if let Some(first) = open.pop() {
+                        partners.extend([(first, at), (at, first)]);
+                    }
+                }
+                _ => {}
+            }
+            at = nesting::token_end(bytes, at);
+        }
+        partners.sort_unstable();
+        Self { partners }
+    }
+
+    /// The brackets in a range, with their partners.
+    fn within(&self, range: &Range<usize>) -> &[(usize, usize)] {
+        let first = self.partners.partition_point(|(at, _)| *at < range.start);
+        let end = self.partners.partition_point(|(at, _)| *at < range.end);
+        &self.partners[first..end.max(first)]
+    }
+
+    /// The smallest range around this one that has each bracket with its partner.
+    pub fn whole(&self, span: Range<usize>) -> Range<usize> {
+        self.within(&span)
+            .iter()
+            .fold(span.clone(), |whole, (_, partner)| whole.start.min(*partner)..whole.end.max(*partner + 1))
+    }
+
+    /// Whether a bracket is in the range.
+    pub fn are_in(&self, range: &Range<usize>) -> bool {
+        !self.within(range).is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_span_is_extended_to_the_partners_of_its_brackets() {
+        for (text, part, whole) in [
+            ("(a) - (b)", "a) - (b", "(a) - (b)"),
+            ("(a - b)", "a - b", "a - b"),
+            ("((a) - b) | c", "a) - b", "(a) - b"),
+            ("((a)) - b", "a)) - b", "((a)) - b"),
+            ("f((a), ')') - (b)", "f((a), ')') - (b", "f((a), ')') - (b)"),
+            ("(a # )\n) - b", "a # )\n) - b", "(a # )\n) - b"),
+        ] {
+            let at = text.find(part).unwrap();
+            assert_eq!(&text[Parentheses::new(text).whole(at..at + part.len())], whole, "{text}");
+        }
+        assert!(Parentheses::new("a | (b)").are_in(&(1..5)));
+        assert!(!Parentheses::new("a | '(' b # (").are_in(&(0..13)));
+    }
+}
