@@ -59,6 +59,32 @@ fn what_is_wrong_with_a_script_is_shown() {
 }
 
 #[test]
+fn a_union_of_which_the_last_shape_alone_is_cut_is_warned_about() {
+    let folder = Folder::new("script-cut");
+    let text = "plate = box(4, 4, 1)\nrib = box(1, 4, 2)\nhole = cylinder(0.2, 9)\n";
+    let cut = folder.file("cut.star", format!("{text}plate | rib - hole\n"));
+    let said = run(&["inspect", &cut, "--json"]);
+    said.succeeds();
+    let warnings = &said.report()["certificate"]["input"]["warnings"];
+    assert_eq!(warnings.as_array().unwrap().len(), 1, "{warnings}");
+    let warning = &warnings[0];
+    assert_eq!((&warning["code"], &warning["count"]), (&"last-operand-cut".into(), &1.into()));
+    assert_eq!(warning["place"], "line 4, column 9");
+    assert!(warning["message"].as_str().unwrap().contains("(a | b) - c"), "{warning}");
+    let ply = folder.text("out.ply");
+    let made = run(&["mesh", &cut, "--tol", "0.1", "-o", &ply]);
+    made.succeeds();
+    assert!(made.stderr.contains("cut.star: warning: '-' binds closer than '|'"), "{made:?}");
+    assert!(made.stderr.contains("line 4, column 9"), "{made:?}");
+    for meant in ["plate | (rib - hole)", "(plate | rib) - hole"] {
+        let file = folder.file("meant.star", format!("{text}{meant}\n"));
+        let quiet = run(&["inspect", &file]);
+        quiet.succeeds();
+        assert!(!quiet.stderr.contains("warning"), "{meant}: {quiet:?}");
+    }
+}
+
+#[test]
 fn op_lists_are_looked_at_in_their_box() {
     let folder = Folder::new("script-vm");
     let file = folder

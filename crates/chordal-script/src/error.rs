@@ -22,10 +22,8 @@ impl ScriptError {
 
     /// Adds the position of a byte offset in the text.
     pub(crate) fn at(self, text: &str, offset: usize) -> Self {
-        let before = text.get(..offset).unwrap_or(text);
-        let start = before.rfind('\n').map_or(0, |at| at + 1);
-        let line = before.matches('\n').count();
-        self.in_line(text, line, before[start..].chars().count())
+        let (line, column) = position(text, offset);
+        self.in_line(text, line, column)
     }
 
     /// Adds a position, counted from 0.
@@ -43,6 +41,13 @@ impl ScriptError {
         let space: String = line.chars().take(before).map(|c| if c == '\t' { c } else { ' ' }).collect();
         Some(format!("{line}\n{space}^"))
     }
+}
+
+/// Line and column of a byte offset, counted from 0.
+pub(crate) fn position(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or(text);
+    let start = before.rfind('\n').map_or(0, |at| at + 1);
+    (before.matches('\n').count(), before[start..].chars().count())
 }
 
 /// The most characters of a line that an error carries.

@@ -1,12 +1,13 @@
 //! The subset of Starlark that scripts may use: parses a text, checks it, and replaces operators by metered
 //! functions.
+use crate::error::position;
 use crate::operators::OPERATORS;
 use crate::parentheses::Parentheses;
 use crate::{Limits, ScriptError, nesting};
 use starlark::codemap::Span;
 use starlark::syntax::ast::{
-    ArgumentP, AssignTargetP, AstAssignTarget, AstExpr, AstLiteral, AstParameter, AstStmt, ExprP, ParameterP,
-    StmtP,
+    ArgumentP, AssignTargetP, AstAssignTarget, AstExpr, AstLiteral, AstParameter, AstStmt, BinOp, ExprP,
+    ParameterP, StmtP,
 };
 use starlark::syntax::{AstModule, Dialect, DialectTypes};
 use std::collections::HashMap;
@@ -16,6 +17,8 @@ use std::ops::Range;
 pub(crate) struct Program {
     pub module: AstModule,
     pub source: ScriptSource,
+    /// Where in the text the right operands of `a | b - c` stand, in the order of their numbers.
+    pub cuts: Vec<usize>,
 }
 
 /// Parses a text into a program.
@@ -54,12 +57,19 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     for (target, operator, statement) in search.assignments {
         changes.extend(plain.assignment(&target, &operator, statement));
     }
+    let mut cuts = Vec::new();
+    for operands in search.cuts {
+        if let Some(cut) = plain.bare_right_operand(operands) {
+            changes.extend(ScriptSource::wrap(&cut, LAST_OPERAND, &format!(", {}", cuts.len())));
+            cuts.push(cut.start);
+        }
+    }
     let source = plain.with_changes(changes);
     let mut module = if source.edits.is_empty() { module } else { parsed(&source)? };
     // Only looked up: no order depends on it. No name of a script can be an operator.
     let functions: HashMap<String, String> = OPERATORS.map(|op| (op.to_owned(), op.to_owned())).into();
     module.replace_binary_operators(&functions);
-    Ok(Program { module, source })
+    Ok(Program { module, source, cuts })
 }
 
 /// A script's text and the rewritten text that is parsed instead: `a += b` becomes `a = a + (b)`, so that
@@ -93,6 +103,9 @@ const CALLED: &str = "called__";
 
 /// The function that every index goes through, for the same reason.
 const INDEX: &str = "index__";
+
+/// The function that `b - c` in `a | b - c` goes through, with a number, so that it is known which are shapes.
+const LAST_OPERAND: &str = "last_operand__";
 
 fn range(span: Span) -> Range<usize> {
     span.begin().get() as usize..span.end().get() as usize
@@ -150,20 +163,26 @@ impl ScriptSource {
     /// Rewrites `f(a)`: starlark prints the callee in its errors, which would never end for a list of shared
     /// lists.
     fn call(&self, function: Span, through: &str) -> [TextChange; 2] {
-        let function = self.extent(function);
+        Self::wrap(&self.extent(function), through, "")
+    }
+
+    /// Puts a range into a call, with more arguments after it.
+    fn wrap(part: &Range<usize>, through: &str, more: &str) -> [TextChange; 2] {
         [
             // The outer one opens first and closes last.
             TextChange {
-                old: function.start..function.start,
+                old: part.start..part.start,
                 new: format!("{through}("),
-                rank: i64::MAX / 2 - function.end as i64,
+                rank: i64::MAX / 2 - part.end as i64,
             },
-            TextChange {
-                old: function.end..function.end,
-                new: ")".to_owned(),
-                rank: -(function.start as i64) - 1,
-            },
+            TextChange { old: part.end..part.end, new: format!("{more})"), rank: -(part.start as i64) - 1 },
         ]
+    }
+
+    /// The extent of the right one of two operands, unless it stands in parentheses of its own.
+    fn bare_right_operand(&self, [left, right]: [Span; 2]) -> Option<Range<usize>> {
+        let (left, right) = (self.extent(left), self.extent(right));
+        (!self.parentheses.are_in(&(left.end..right.start))).then_some(right)
     }
 
     /// Maps an offset in the parsed text to one in the script.
@@ -174,6 +193,12 @@ impl ScriptSource {
             Some(edit) => offset - edit.new.end + edit.old.end,
             None => offset,
         }
+    }
+
+    /// Line and column of an offset in the script, counted from 1.
+    pub(crate) fn line_column(&self, offset: usize) -> (u64, u64) {
+        let (line, column) = position(&self.text, offset);
+        (line as u64 + 1, column as u64 + 1)
     }
 
     fn error(&self, code: &'static str, what: impl Into<String>, span: Span) -> ScriptError {
@@ -203,6 +228,8 @@ struct ProgramScan {
     assignments: Vec<(AstAssignTarget, String, Span)>,
     /// Expressions to wrap in a function, and which function.
     calls: Vec<(Span, &'static str)>,
+    /// The operands of each `|` whose right one is a difference.
+    cuts: Vec<[Span; 2]>,
 }
 
 impl ProgramScan {
@@ -271,6 +298,11 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
         }
         if let ExprP::Index(parts) = &expr.node {
             search.calls.push((parts.1.span, INDEX));
+        }
+        if let ExprP::Op(left, BinOp::BitOr, right) = &expr.node
+            && matches!(right.node, ExprP::Op(_, BinOp::Subtract, _))
+        {
+            search.cuts.push([left.span, right.span]);
         }
         expr.visit_expr(|inner| expression(inner, search));
     }

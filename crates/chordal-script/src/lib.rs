@@ -25,8 +25,10 @@ mod parameter;
 mod parentheses;
 mod script;
 mod values;
+mod warning;
 
 pub use error::ScriptError;
 pub use limits::Limits;
 pub use parameter::Parameter;
 pub use script::{RunOptions, Script, run};
+pub use warning::ScriptWarning;

@@ -15,6 +15,8 @@ pub(crate) struct Meter {
     pub set: BTreeMap<String, f64>,
     /// The parameters that the script has read.
     pub parameters: RefCell<Vec<Parameter>>,
+    /// For each difference that is the right operand of a `|`, whether it has been one of shapes.
+    pub cuts: RefCell<Vec<bool>>,
     work: Cell<u64>,
     made: Cell<u64>,
 }
@@ -32,8 +34,15 @@ impl fmt::Display for LimitError {
 impl std::error::Error for LimitError {}
 
 impl Meter {
-    pub fn new(limits: Limits, set: BTreeMap<String, f64>) -> Self {
-        Self { limits, set, parameters: RefCell::default(), work: Cell::new(0), made: Cell::new(0) }
+    pub fn new(limits: Limits, set: BTreeMap<String, f64>, n_cuts: usize) -> Self {
+        Self {
+            limits,
+            set,
+            parameters: RefCell::default(),
+            cuts: RefCell::new(vec![false; n_cuts]),
+            work: Cell::new(0),
+            made: Cell::new(0),
+        }
     }
 
     /// The meter of a run.

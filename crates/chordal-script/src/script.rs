@@ -6,7 +6,7 @@ use crate::language::{Arg, CallError, functions};
 use crate::meter::{LimitError, Meter};
 use crate::operators::{OPERATORS, StarlarkOperator};
 use crate::values::{StarlarkFunction, StarlarkShape};
-use crate::{Limits, ScriptError};
+use crate::{Limits, ScriptError, ScriptWarning};
 use chordal::Job;
 use chordal::implicit::Field;
 use starlark::ErrorKind;
@@ -32,6 +32,8 @@ pub struct Script {
     pub field: Field,
     /// Its parameters, in the order in which it reads them.
     pub parameters: Vec<Parameter>,
+    /// What it says and is likely not to mean, in the order of its text.
+    pub warnings: Vec<ScriptWarning>,
 }
 
 /// Runs a script and returns the field of its last expression, with its parameters.
@@ -42,12 +44,13 @@ pub struct Script {
 /// When the text is not a valid script, exceeds a limit, or ends without a shape; when a parameter is set
 /// that the script does not have; when the job is cancelled.
 pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, ScriptError> {
-    let Program { module, source } = parse(text.strip_prefix('\u{feff}').unwrap_or(text), &options.limits)?;
+    let Program { module, source, cuts } =
+        parse(text.strip_prefix('\u{feff}').unwrap_or(text), &options.limits)?;
     if job.is_cancelled() {
         return Err(cancelled());
     }
     let globals = globals();
-    let meter = Meter::new(options.limits, options.set.clone());
+    let meter = Meter::new(options.limits, options.set.clone(), cuts.len());
     let outcome = Module::with_temp_heap(|environment| {
         let mut eval = Evaluator::new(&environment);
         let limits = &options.limits;
@@ -74,7 +77,15 @@ pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, Script
         let message = format!("the script has no parameter '{name}'; {known}");
         return Err(ScriptError::new("unknown-parameter", message));
     }
-    Ok(Script { field, parameters })
+    let mut cuts: Vec<usize> = cuts
+        .into_iter()
+        .zip(meter.cuts.into_inner())
+        .filter_map(|(at, is_cut)| is_cut.then_some(at))
+        .collect();
+    cuts.sort_unstable();
+    let warnings =
+        cuts.into_iter().map(|at| ScriptWarning::last_operand_cut(source.line_column(at))).collect();
+    Ok(Script { field, parameters, warnings })
 }
 
 /// Checks the limits between statements.

@@ -313,3 +313,44 @@ fn parentheses_stay_with_what_is_in_them() {
         assert_eq!(at(text, p), at(same, p), "{text}");
     }
 }
+
+#[test]
+fn a_union_of_which_the_last_shape_alone_is_cut_is_warned_about() {
+    let before = "a = sphere(2)\nb = box(1, 1, 9)\nc = cylinder(0.2, 9)\n";
+    for (line, columns) in [
+        ("a | b - c", &[5][..]),
+        ("a | a | b - c - c | a", &[9]),
+        ("a | (a & b) - (c)", &[5]),
+        ("(a |  # (\n b - c)", &[2]),
+        ("union([a | b - c for k in range(9)] + [a | a - c])", &[12, 44]),
+        ("a | b - (c | b - c)", &[5, 14]),
+        // What says what it means, or means the same either way.
+        ("a | (b - c)", &[]),
+        ("a | ((b) - (c))", &[]),
+        ("(a | b) - c", &[]),
+        ("a - c | b", &[]),
+        ("a & b - c", &[]),
+        ("a | b & c", &[]),
+        // What is not evaluated makes no shape.
+        ("a if True else a | b - c", &[]),
+    ] {
+        let text = format!("{before}{line}\n");
+        let made = script(&text).unwrap_or_else(|error| panic!("{line}: {error}"));
+        let places: Vec<_> = made.warnings.iter().map(|warning| warning.place).collect();
+        let at_line = if line.contains('\n') { 5 } else { 4 };
+        let expected: Vec<(u64, u64)> = columns.iter().map(|column| (at_line, *column)).collect();
+        assert_eq!(places, expected, "{line}");
+        assert!(made.warnings.iter().all(|warning| warning.code == "last-operand-cut"));
+        // Python's meaning stays: the hole goes through the last shape alone.
+        if line == "a | b - c" {
+            assert_eq!(value(&made, [0.0; 3]), at(&format!("{before}a | (b - c)"), [0.0; 3]));
+            assert!(value(&made, [0.0; 3]) < 0.0);
+        }
+    }
+    let assigned = script("a = sphere(2)\na |= a - sphere(1)\na").unwrap();
+    assert_eq!(assigned.warnings, []);
+    let own = script("last_operand__(sphere(1), 7)").unwrap();
+    assert_eq!(own.warnings, []);
+    let shown = script("sphere(1) | sphere(2) - sphere(3)").unwrap().warnings[0].to_string();
+    assert!(shown.starts_with("line 1, column 13: ") && shown.contains("(a | b) - c"), "{shown}");
+}

@@ -63,7 +63,7 @@ pub fn load(bytes: &[u8], hint: FormatHint, limits: &Limits) -> Result<Input, Re
         check_surface(surface, format)?;
     }
     let (mut shape, warnings) = if format == Format::Star {
-        (script::shape(bytes, hint.set, limits)?, Vec::new())
+        script::shape(bytes, hint.set, limits)?
     } else {
         if let Some((name, _)) = hint.set.first() {
             let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");

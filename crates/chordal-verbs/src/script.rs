@@ -1,10 +1,14 @@
 //! Shape scripts as an input, in builds with the interpreter.
 use crate::Shape;
-use chordal_io::{Limits, ReadError};
+use chordal_io::{Limits, ReadError, Warning};
 
-/// Runs a script to its shape.
+/// Runs a script to its shape, with its warnings, each code once.
 #[cfg(feature = "script")]
-pub(crate) fn shape(bytes: &[u8], set: &[(String, f64)], limits: &Limits) -> Result<Shape, ReadError> {
+pub(crate) fn shape(
+    bytes: &[u8],
+    set: &[(String, f64)],
+    limits: &Limits,
+) -> Result<(Shape, Vec<Warning>), ReadError> {
     use crate::{ImplicitShape, Parameter};
     use chordal_io::{FileLocation, Frame};
     use chordal_script::{RunOptions, run};
@@ -28,11 +32,27 @@ pub(crate) fn shape(bytes: &[u8], set: &[(String, f64)], limits: &Limits) -> Res
     let parameters = script.parameters.into_iter();
     let parameters =
         parameters.map(|p| Parameter { name: p.name, default: p.default, value: p.value }).collect();
-    Ok(Shape::Field(ImplicitShape { field: script.field, region: None, frame: Frame::default(), parameters }))
+    let mut warnings: Vec<Warning> = Vec::new();
+    for warning in script.warnings {
+        if let Some(known) = warnings.iter_mut().find(|known| known.code == warning.code) {
+            known.count += 1;
+            continue;
+        }
+        let (line, column) = warning.place;
+        let place = FileLocation::LineColumn { line, column };
+        warnings.push(Warning { code: warning.code, count: 1, place, message: warning.message.to_owned() });
+    }
+    let frame = Frame::default();
+    Ok((Shape::Field(ImplicitShape { field: script.field, region: None, frame, parameters }), warnings))
 }
 
 /// Refuses every script: this build has no interpreter.
 #[cfg(not(feature = "script"))]
-pub(crate) fn shape(bytes: &[u8], _: &[(String, f64)], limits: &Limits) -> Result<Shape, ReadError> {
-    chordal_io::read(bytes, chordal_io::Format::Star, limits).map(|loaded| loaded.content.into())
+pub(crate) fn shape(
+    bytes: &[u8],
+    _: &[(String, f64)],
+    limits: &Limits,
+) -> Result<(Shape, Vec<Warning>), ReadError> {
+    chordal_io::read(bytes, chordal_io::Format::Star, limits)
+        .map(|loaded| (loaded.content.into(), loaded.warnings))
 }

@@ -1,0 +1,29 @@
+//! `ScriptWarning`: what a script says and is likely not to mean.
+use std::fmt;
+
+/// A stable code, a source position, and one sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScriptWarning {
+    /// Stable, for programs: `last-operand-cut`.
+    pub code: &'static str,
+    /// Line and column, counted from 1.
+    pub place: (u64, u64),
+    /// What it does, and what to write instead.
+    pub message: &'static str,
+}
+
+impl ScriptWarning {
+    /// For `a | b - c` of shapes, at `b - c`.
+    pub(crate) fn last_operand_cut(place: (u64, u64)) -> Self {
+        let message = "'-' binds closer than '|': what follows it is cut from this last shape of the union alone; \
+            write (a | b) - c to cut it from all of them, or a | (b - c) if that is meant";
+        Self { code: "last-operand-cut", place, message }
+    }
+}
+
+impl fmt::Display for ScriptWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (line, column) = self.place;
+        write!(f, "line {line}, column {column}: {}", self.message)
+    }
+}
