@@ -15,8 +15,8 @@ pub struct ScriptWarning {
 impl ScriptWarning {
     /// For `a | b - c` of shapes, at `b - c`.
     pub(crate) fn last_operand_cut(place: (u64, u64)) -> Self {
-        let message = "'-' binds closer than '|': what follows it is cut from this last shape of the union alone; \
-            write (a | b) - c to cut it from all of them, or a | (b - c) if that is meant";
+        let message = "'-' binds closer than '|': what follows it is cut from this last shape of the union \
+            alone; write (a | b) - c to cut it from all of them, or a | (b - c) if that is meant";
         Self { code: "last-operand-cut", place, message }
     }
 }
