@@ -63,8 +63,8 @@ fn round_of_lifted(
 
 /// In the middle of 2 by 2 squares a crease of 1 goes on as one of 1/4. Both end in a round: 3/4 + 1/16 and
 /// 3/16 + 1/4 are below 1. So the vertex is at 5/8, their mean, of the crease's 3/4, and at 3/8 of the smooth
-/// rule's 1/4 · 1/4 + 1/2 · 1/2 + 1/4 · 1. The reference meshes of OpenSubdiv count only what is below 1, hence
-/// 1/4 and 3/4; its library Far, version 3.5, has this height.
+/// rule's 1/4 · 1/4 + 1/2 · 1/2 + 1/4 · 1. OpenSubdiv's reference meshes count only what is below 1,
+/// hence 1/4 and 3/4; its library Far, version 3.5, has this height.
 #[test]
 fn by_chaikin_creases_of_a_whole_round_end_as_well() {
     let (left, height) = round_of_lifted([3, 3], &[4], &[([3, 4], 1.0), ([4, 5], 0.25)], [1.0, 1.0]);
@@ -76,7 +76,7 @@ fn by_chaikin_creases_of_a_whole_round_end_as_well() {
 /// puts it for edges above 1.
 #[test]
 fn by_chaikin_no_point_of_an_edge_is_beyond_its_middle() {
-    // 4 by 2 squares. The edge from 6 to 7 is level with both, at 1, and the smooth place is at 1/4 (1 + 1 + 1/2 + 1/2).
+    // 4 by 2 squares: the middle of the edge from 6 to 7 is at 1, its smooth place (1 + 1 + 1/2 + 1/2) / 4.
     let round = |creases: &[([u32; 2], f64)]| round_of_lifted([5, 3], &[6, 7], creases, [1.5, 1.0]);
     // At 6: 3/4 · 19/16 + 1/4 · 3/16 < 1. At 7: 3/4 · 19/16 + 1/4 · 7/2 - 1, and 3/4 · 7/2 + 1/4 · 19/16 - 1.
     let creases = [([5, 6], 0.1875), ([6, 7], 1.1875), ([7, 8], 3.5)];
