@@ -40,7 +40,7 @@ pub(crate) fn shape(
         }
         let (line, column) = warning.place;
         let place = FileLocation::LineColumn { line, column };
-        warnings.push(Warning { code: warning.code, count: 1, place, message: warning.message.to_owned() });
+        warnings.push(Warning { code: warning.code, count: 1, place, message: warning.message.into() });
     }
     let frame = Frame::default();
     Ok((Shape::Field(ImplicitShape { field: script.field, region: None, frame, parameters }), warnings))

@@ -1,6 +1,6 @@
 //! Laws of refinement.
 use super::corpus::cages;
-use chordal::explicit::subdivision::{CreasingMethod, INFINITELY_SHARP, Scheme};
+use chordal::explicit::subdivision::{CreasingMethod, Scheme};
 use chordal::explicit::{Cage, InvalidCage};
 
 /// Coordinates of integers, so that what is exact stays so.
