@@ -100,6 +100,7 @@ pub(crate) struct TriangleFormat {
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
 }
 
+type FormatReader = fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>;
 type PolylineWriter = fn(&Polylines, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
 type VolumeWriter = fn(&Volume, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
 
@@ -113,7 +114,7 @@ pub(crate) struct FormatRow {
     /// Whether a file's bytes look like it.
     looks_like: fn(&[u8]) -> bool,
     /// The reader; none where a file has a shape only once it has run, which this crate does not do.
-    pub read: Option<fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>>,
+    pub read: Option<FormatReader>,
     pub triangles: Option<TriangleFormat>,
     pub polylines: Option<PolylineWriter>,
     pub volumes: Option<VolumeWriter>,
@@ -124,7 +125,7 @@ const fn only_read(
     format: Format,
     name: &'static str,
     looks_like: fn(&[u8]) -> bool,
-    read: fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>,
+    read: FormatReader,
 ) -> FormatRow {
     let read = Some(read);
     FormatRow {
@@ -261,8 +262,7 @@ impl Format {
     pub fn from_extension(extension: &str) -> Option<Self> {
         let name = extension.strip_prefix('.').unwrap_or(extension);
         let is_name = |known: &&str| known.eq_ignore_ascii_case(name);
-        let has_name =
-            |row: &&FormatRow| is_name(&row.name) || row.extensions.iter().any(|known| is_name(known));
+        let has_name = |row: &&FormatRow| is_name(&row.name) || row.extensions.iter().any(is_name);
         TABLE.iter().find(has_name).map(|row| row.format)
     }
 

@@ -141,6 +141,7 @@ impl<'a> XmlTree<'a> {
     }
 
     /// The location of a byte in an attribute's value; with escapes in it, where the value starts.
+    #[expect(clippy::ptr_arg, reason = "a borrowed value has no escapes")]
     pub fn place_in(&self, value: &Cow<'_, str>, start: usize, at: usize) -> FileLocation {
         let offset = if matches!(value, Cow::Borrowed(_)) { at } else { 0 };
         place(self.text, start + offset)

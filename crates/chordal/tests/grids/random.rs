@@ -14,17 +14,15 @@ fn samples(random: &mut Random, n: usize) -> Samples {
         0 => Samples::U8((0..n).map(|_| few(3) as u8).collect()),
         1 => Samples::I16((0..n).map(|_| few(5) as i16 - 2).collect()),
         2 => Samples::F32((0..n).map(|_| few(1 << 20) as f32 / 524_288.0 - 1.0).collect()),
-        3 => Samples::F64(
-            (0..n).map(|_| [0.0, -0.0, 1.0, -1.0, f64::NAN, 5e-324, -5e-324][few(7) as usize]).collect(),
-        ),
+        3 => {
+            Samples::F64((0..n).map(|_| [0.0, -0.0, 1.0, -1.0, f64::NAN, 5e-324, -5e-324][few(7)]).collect())
+        }
         4 => Samples::F64(
-            (0..n)
-                .map(|_| [f64::MAX, f64::MIN, f64::INFINITY, f64::NEG_INFINITY, 1e-300][few(5) as usize])
-                .collect(),
+            (0..n).map(|_| [f64::MAX, f64::MIN, f64::INFINITY, f64::NEG_INFINITY, 1e-300][few(5)]).collect(),
         ),
-        5 => Samples::F32(
-            (0..n).map(|_| [f32::MIN_POSITIVE, -1e-38, f32::NAN, 1.0, -1e30][few(5) as usize]).collect(),
-        ),
+        5 => {
+            Samples::F32((0..n).map(|_| [f32::MIN_POSITIVE, -1e-38, f32::NAN, 1.0, -1e30][few(5)]).collect())
+        }
         _ => Samples::I32((0..n).map(|_| few(2) as i32 * 2 - 1).collect()),
     }
 }

@@ -148,7 +148,7 @@ pub(crate) fn normal_deviation(
         let Some(own) = own.map(DVec3::from) else { continue };
         let middle = normal((a.u + b.u + c.u) / 3.0, (a.v + b.v + c.v) / 3.0);
         let seen = t.iter().map(|k| at_knots[*k as usize]).chain([middle]).flatten();
-        most = seen.map(|normal| (normal - own).length()).fold(most, |a, b| greater(a, b));
+        most = seen.map(|normal| (normal - own).length()).fold(most, greater);
     }
     most
 }
