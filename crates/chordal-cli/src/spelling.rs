@@ -1,8 +1,8 @@
 //! `CommandLine`: how the command spells settings, as options.
 use chordal::budget::advice::{Setting, Spelling};
 
-/// Settings as options of the command. Certificates are spelled so by every shell, for their bytes are the same wherever
-/// they are made.
+/// Settings as options of the command. Every shell spells certificates so, for their bytes are the same
+/// wherever they are made.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandLine;
 

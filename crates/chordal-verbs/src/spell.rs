@@ -1,4 +1,4 @@
-//! How a shell has the settings spelled in what the verbs return: its messages, and the report with its certificate.
+//! `Spell` for what the verbs return: a shell has the settings in its messages and certificates spelled.
 use crate::report::{Certificate, FindingFacts, Report, WarningFacts};
 use crate::{BakeOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome};
 use chordal::budget::advice::{Spell, Spelling};

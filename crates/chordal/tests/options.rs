@@ -1,4 +1,4 @@
-//! Below the shells nothing is spelled as an option of the command: sentences hold a `Setting`, and a shell spells it.
+//! No option of the command is spelled below the shells: sentences hold a `Setting`, and a shell spells it.
 use crate::gates;
 
 use gates::lines::Lines;
@@ -7,8 +7,8 @@ use gates::{Kind, Source, expect_none, sources};
 /// The crates below the shells.
 const BELOW: [&str; 4] = ["chordal", "chordal-io", "chordal-verbs", "chordal-script"];
 
-/// Whether a text spells an option, or begins one: two hyphens before a letter, a placeholder or the end of a literal.
-/// More hyphens are rules of tables, and those after `<!` open a comment of XML.
+/// Whether a text spells an option, or begins one: two hyphens before a letter, a placeholder or the end of a
+/// literal. More hyphens are rules of tables, and those after `<!` open a comment of XML.
 fn spells_option(text: &str) -> bool {
     text.match_indices("--").any(|(at, hyphens)| {
         let before = text[..at].chars().next_back();

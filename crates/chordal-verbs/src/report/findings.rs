@@ -84,8 +84,10 @@ impl FindingFacts {
 
 /// The meaning of a boundary that can be filled.
 fn may_cross() -> Message {
-    let open = "the surface ends there, so that it has no inside; what fills it may cross the surface, which `inspect ";
-    Message::from(open).setting(Setting::SelfIntersections).words("` tells afterwards")
+    Message::from("the surface ends there, so that it has no inside; ")
+        .words("what fills it may cross the surface, which `inspect ")
+        .setting(Setting::SelfIntersections)
+        .words("` tells afterwards")
 }
 
 /// The repairs of a defect that help.
@@ -140,7 +142,8 @@ fn advice(defect: Defect, valid: &ValidityFacts, cures: &[Cure]) -> Option<Messa
             Some(split.words("` into OBJ or PLY: this format ties equal positions together again"))
         }
         Defect::BoundaryEdges if valid.counts.orientable => Some(
-            "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it".into(),
+            "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it"
+                .into(),
         ),
         _ => Some(defect.advice().into()),
     }

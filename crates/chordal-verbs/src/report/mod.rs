@@ -59,8 +59,8 @@ use serde_json::Value;
 /// The name of this version of the report. Its meaning never changes; additions get a new number.
 pub const SCHEMA: &str = "chordal.report/1";
 
-/// What a verb did and what is known of the result. A shell has the settings in it spelled before it shows them; the
-/// schema of reports has them as options of the command.
+/// What a verb did and what is known of the result. A shell has the settings in it spelled before it shows
+/// them; the schema of reports has them as options of the command.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// [`SCHEMA`].

@@ -5,7 +5,7 @@ use std::ops::{Deref, Range};
 
 /// A sentence, and where it advises settings.
 ///
-/// As it is, it names a setting in quotes. A shell puts its own [`Spelling`] in their place, with [`Spell::spelled`].
+/// As it is, it names a setting in quotes. A shell puts its own [`Spelling`] there, with [`Spell::spelled`].
 ///
 /// ```
 /// use chordal::budget::advice::{Message, Setting, Spell, Spelling};

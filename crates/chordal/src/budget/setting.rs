@@ -1,7 +1,7 @@
-//! `Setting`: what a caller can set, by name; sentences that advise one hold this instead of a shell's spelling of it.
+//! `Setting`: what a caller can set, for sentences that advise it; each shell spells it in its own way.
 use super::Cure;
 
-/// What a caller can set, as far as a sentence of the library advises it. A shell spells it as its users write it.
+/// What a caller can set, as far as sentences of the library advise it. A shell spells it as its users do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Setting {
     /// The unit of the input's lengths.
