@@ -23,7 +23,7 @@ fn cuboid(centre: [f64; 3], half: [f64; 3]) -> Expr {
 }
 
 fn csg6() -> Expr {
-    // Two pieces, one of them with a hollow, as counted on a lattice of points.
+    // Three pieces, one of them with a hollow, as counted on a lattice of 400 points a side.
     let mut random = Random::new(5);
     let mut whole = ball([0.0; 3], 0.6);
     for k in 1..6 {
@@ -152,7 +152,7 @@ fn models_are_closed_embedded_and_labelled() {
         ("torus", torus, 1.25, 1),
         ("block", block, 1.3, 1),
         ("cube − ball", cuboid([0.0; 3], [0.5; 3]).max(&-ball([0.0; 3], 0.64)), 1.25, 1),
-        ("csg6", csg6(), 1.25, 3),
+        ("csg6", csg6(), 1.25, 4),
         ("gyroid in a ball", gyroid_in_ball(), 1.25, 1),
         ("tanglecube", quartic(&x) + quartic(&y) + quartic(&z) + 11.8, 3.0, 1),
         ("wedge", wedge, 1.25, 1),
