@@ -110,7 +110,8 @@ impl<'a, const D: usize> Pair<'a, D> {
         let end = path.parts.len() as f64;
         let mut ranges = Vec::new();
         for i in 0..count.max(1) {
-            let (from, to) = (made.places[i], made.places.get(i + 1).copied().unwrap_or(end));
+            // The last one goes to the end, also where pieces that come back to their start have no vertex of their own.
+            let (from, to) = (made.places[i], if i + 1 < count { made.places[i + 1] } else { end });
             // A range is cut where pieces end: those that are a point have no vertex of their own.
             let mut at = from;
             while at < to {
