@@ -1,5 +1,5 @@
-//! Meshes as the engines hand them over: little-endian, per mesh the numbers of vertices and triangles as u32, then
-//! f64 coordinates and u32 indices.
+//! Meshes as the engines hand them over: little-endian, per mesh the numbers of vertices and triangles as
+//! u32, then f64 coordinates and u32 indices.
 use std::io::{self, Write};
 use std::path::Path;
 

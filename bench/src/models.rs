@@ -150,7 +150,8 @@ pub fn gyroid_in_ball() -> String {
     text.lines
 }
 
-/// A hundred balls along a spiral that melt into each other (the quadratic blend of I. Quilez, "smooth minimum").
+/// A hundred balls along a spiral that melt into each other (the quadratic blend of I. Quilez, "smooth
+/// minimum").
 pub fn blobs() -> String {
     let mut text = Text::default();
     let axes = text.axes();

@@ -1,11 +1,13 @@
-//! Puts the page of `chordal studio` into the command, where `make studio` has built it; without it there is none.
+//! Puts the page of `chordal studio` into the command, where `make studio` has built it; without it there is
+//! none.
 use std::fs;
 use std::path::{Path, PathBuf};
 
 fn main() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studio/dist");
     println!("cargo:rerun-if-changed=build.rs");
-    // A folder that is missing (in a packaged crate) would be looked for, and the command rebuilt, every time.
+    // A folder that is missing (in a packaged crate) would be looked for, and the command rebuilt, every
+    // time.
     if folder.is_dir() {
         println!("cargo:rerun-if-changed={}", folder.display());
     }

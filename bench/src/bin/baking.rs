@@ -1,6 +1,7 @@
-//! The bench of meshes to grids of distances: `baking make MESH` writes the mesh; `baking full|band THREADS MESH GRID` samples the
-//! distance on 128 cells along the longest side, everywhere or three cells around the mesh, writes the grid for the
-//! peers to compare with, and prints a line of JSON with the median of the seconds.
+//! The bench of meshes to grids of distances: `baking make MESH` writes the mesh; `baking full|band THREADS
+//! MESH GRID` samples the distance on 128 cells along the longest side, everywhere or three cells around the
+//! mesh, writes the grid for the peers to compare with, and prints a line of JSON with the median of the
+//! seconds.
 use chordal::convert::mesh_to_grid;
 use chordal::{Job, Mesh};
 use chordal_bench::{read, torus, write};

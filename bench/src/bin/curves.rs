@@ -1,8 +1,8 @@
 //! The flattening bench: `curves CORPUS TOLERANCE...` prints CSV, one row for each side.
 //!
-//! Columns: corpus, tolerance, side, curves, segments, segments over the curves where kurbo keeps the tolerance, curves over the
-//! tolerance, worst and median of distance/tolerance, the asymptotic minimum, and nanoseconds of CPU time a curve, into a
-//! list of points for each curve and into one list for all.
+//! Columns: corpus, tolerance, side, curves, segments, segments over the curves where kurbo keeps the
+//! tolerance, curves over the tolerance, worst and median of distance/tolerance, the asymptotic minimum, and
+//! nanoseconds of CPU time a curve, into a list of points for each curve and into one list for all.
 use chordal_bench::curves::drawings::cubics;
 use chordal_bench::curves::sampler::{bending, farthest};
 use chordal_bench::curves::sides::{Prepared, SIDES, Side};

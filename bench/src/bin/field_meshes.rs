@@ -1,8 +1,8 @@
 //! The bench of fields to triangles: each call prints one line of JSON.
 //!
-//! `ours MODEL THREADS LENGTH OUT` meshes within the length, proved; `fidget MODEL THREADS DEPTH OUT` runs its mesher with machine code;
-//! `text MODEL` gives its op list;
-//! `judge MODEL MESH` measures a mesh that anybody wrote, by samples that share nothing with the proof. A model is a name or a file.
+//! `ours MODEL THREADS LENGTH OUT` meshes within the length, proved; `fidget MODEL THREADS DEPTH OUT` runs
+//! its mesher with machine code; `text MODEL` gives its op list; `judge MODEL MESH` measures a mesh that
+//! anybody wrote, by samples that share nothing with the proof. A model is a name or a file.
 use chordal::budget::{Failure, Tolerance};
 use chordal::explicit::Topology;
 use chordal::explicit::query::Bvh;
@@ -21,15 +21,15 @@ use std::time::Instant;
 
 type Point = [f64; 3];
 
-/// Points of the surface that a mesh is measured from: crossings of a lattice of so many steps along a side; fewer for
-/// long expressions, so that measuring does not take minutes.
+/// Points of the surface that a mesh is measured from: crossings of a lattice of so many steps along a side;
+/// fewer for long expressions, so that measuring does not take minutes.
 const LATTICES: [usize; 2] = [160, 64];
 /// Steps of a tape from which on it is long.
 const LONG_TAPE: usize = 1000;
 /// Halvings of a step that holds a crossing: to the last place of the step.
 const HALVINGS: usize = 50;
-/// Points about which crossings are looked for all around at most, farthest first, along so many ways, and so often closer
-/// about the best one.
+/// Points about which crossings are looked for all around at most, farthest first, along so many ways, and so
+/// often closer about the best one.
 const MOST_LOOKED_AROUND: usize = 20_000;
 const WAYS: usize = 256;
 const CLOSER: usize = 5;
@@ -159,8 +159,9 @@ fn surface_points(tape: &Tape, (middle, half): (Point, f64)) -> Vec<Point> {
     crossings(tape, ends)
 }
 
-/// How far the farthest of some points is from the surface: along the gradient to the next crossing, or to the next of
-/// some points of the surface, whichever is less; where that would be the farthest, along many other ways.
+/// How far the farthest of some points is from the surface: along the gradient to the next crossing, or to
+/// the next of some points of the surface, whichever is less; where that would be the farthest, along many
+/// other ways.
 fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
     // A cloud of points is a mesh of triangles without extent.
     let faces = (0..surface.len() as u32).map(|i| [i; 3]).collect();
@@ -169,7 +170,8 @@ fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
     let near = bvh.closest_points(points, &Job::default());
     let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
     tape.gradient_at(points, &mut slopes).expect("no leaf");
-    // From each point down the slope, as far as the next known point is: then the side has changed or this way is no better.
+    // From each point down the slope, as far as the next known point is: then the side has changed or this
+    // way is no better.
     let mut most: Vec<f64> = points
         .iter()
         .zip(&near)
@@ -224,8 +226,8 @@ fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
     farthest
 }
 
-/// How far a point is from the next crossing along many ways, if that is less than it seems: first all around, then
-/// about the best one.
+/// How far a point is from the next crossing along many ways, if that is less than it seems: first all
+/// around, then about the best one.
 fn looked_around(tape: &Tape, p: Point, seems: f64) -> f64 {
     let (mut best, mut towards): (f64, Option<Point>) = (seems, None);
     let is_inside = values(tape, &[p])[0] < 0.0;

@@ -1,7 +1,9 @@
-//! The bench of fields: `fields FOLDER` prints CSV, a row for each model and kind of evaluation: millions of points or boxes a
-//! second of Chordal, fidget's interpreter and fidget's machine code, one thread each, medians of runs in turn.
+//! The bench of fields: `fields FOLDER` prints CSV, a row for each model and kind of evaluation: millions of
+//! points or boxes a second of Chordal, fidget's interpreter and fidget's machine code, one thread each,
+//! medians of runs in turn.
 //!
-//! FOLDER holds op lists (`prospero.vm`). Models made here are op lists as well, so that all sides read the same text.
+//! FOLDER holds op lists (`prospero.vm`). Models made here are op lists as well, so that all sides read the
+//! same text.
 use chordal::implicit::evaluation::{Dual, Tape};
 use chordal::math::{Box3, Interval};
 use chordal_bench::models::{csg, expression, gyroids};

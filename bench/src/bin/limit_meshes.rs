@@ -1,12 +1,14 @@
-//! The limit surfaces of cages within a budget, beside uniform levels: `limit_meshes CAGE...` prints a line of JSON for each cage and budget.
+//! The limit surfaces of cages within a budget, beside uniform levels: `limit_meshes CAGE...` prints a line
+//! of JSON for each cage and budget.
 //!
-//! **Uniform levels.** Level n has the vertices of n rounds, moved to the limit by masks, and two triangles a quad. All levels of a cage are every
-//! so many-th vertex of one fine level: a vertex stays on its limit point. So levels are on the true limit surface even
-//! where creases have not ended.
+//! **Uniform levels.** Level n has the vertices of n rounds, moved to the limit by masks, and two triangles a
+//! quad. All levels of a cage are every so many-th vertex of one fine level: a vertex stays on its limit
+//! point. So levels are on the true limit surface even where creases have not ended.
 //!
-//! **Measured error.** Nothing of `cage_to_mesh` takes part in it. From the surface: the largest distance to the mesh, of the fine level's vertices, and of
-//! points of `Sheet::at` that come ever closer to corners and sides. To the surface: the largest distance of points spread over the
-//! triangles from the fine level's triangles. Both are distances of samples, and the same samples for both sides.
+//! **Measured error.** Nothing of `cage_to_mesh` takes part in it. From the surface: the largest distance to
+//! the mesh, of the fine level's vertices, and of points of `Sheet::at` that come ever closer to corners and
+//! sides. To the surface: the largest distance of points spread over the triangles from the fine level's
+//! triangles. Both are distances of samples, and the same samples for both sides.
 use chordal::budget::{Budget, Job, Tolerance};
 use chordal::check::{Goal, deviation};
 use chordal::convert::cage_to_mesh;
@@ -23,7 +25,8 @@ const SHARES: [f64; 2] = [1e-2, 1e-3];
 /// The deepest level that is tried, and the most triangles of one; chosen.
 const DEEPEST: u32 = 7;
 const MOST: usize = 4_000_000;
-/// What counts as no error on flat cages, as a share of the diagonal; far above the rounding of masks. Chosen.
+/// What counts as no error on flat cages, as a share of the diagonal; far above the rounding of masks.
+/// Chosen.
 const ROUNDING: f64 = 1e-12;
 /// Quads of a fine level, unless a level comes too close to it; and then. Chosen.
 const QUADS: usize = 450_000;
@@ -181,7 +184,8 @@ fn close_samples(cage: &Cage) -> Vec<Point> {
     for sheet in 0..limit.n_sheets() {
         let sheet = limit.sheet(sheet).expect("a sheet");
         let mut take = |u: f64, v: f64| samples.push(sheet.at(u, v).expect("a point").point);
-        // From a quarter of the sheet to the scale where the surface is its tangents for any budget here; chosen.
+        // From a quarter of the sheet to the scale where the surface is its tangents for any budget here;
+        // chosen.
         for depth in 2..10 {
             let near = 1.0 / f64::from(1 << depth);
             for (a, b) in [(1.0, 1.0), (1.0, 0.6), (0.6, 1.0), (1.0, 0.2), (0.2, 1.0)] {

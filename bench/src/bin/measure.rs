@@ -1,8 +1,8 @@
 //! Measures dumped meshes against the patches they came from: `measure CORPUS TOLERANCE ENGINE...`.
 //!
-//! A dump with one mesh is measured against the whole corpus, one with a mesh for each patch one by one. Prints CSV,
-//! for all shapes and for each family: corpus, tolerance, engine, family, shapes, triangles, shapes over, worst and
-//! median of error/tolerance.
+//! A dump with one mesh is measured against the whole corpus, one with a mesh for each patch one by one.
+//! Prints CSV, for all shapes and for each family: corpus, tolerance, engine, family, shapes, triangles,
+//! shapes over, worst and median of error/tolerance.
 use chordal_bench::sampler::{Surface, Triangles, measure};
 use chordal_bench::{Dumped, labels, out, patches, read};
 use std::collections::BTreeMap;
@@ -40,7 +40,8 @@ fn all(corpus: &str, meshes: &[Dumped]) -> Vec<[f64; 2]> {
     found.into_iter().map(|(_, d)| d).collect()
 }
 
-/// What is said of some shapes: how many, their triangles, how many are over, worst and median of error/tolerance.
+/// What is said of some shapes: how many, their triangles, how many are over, worst and median of
+/// error/tolerance.
 fn summary(shapes: &[(usize, f64)]) -> String {
     let mut ratios: Vec<f64> = shapes.iter().map(|(_, ratio)| *ratio).collect();
     ratios.sort_by(f64::total_cmp);

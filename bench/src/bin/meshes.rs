@@ -1,5 +1,6 @@
-//! One job on meshes, timed: `meshes JOB THREADS MESH [MESH]` prints a line of JSON with the median of the times and what
-//! was found. `meshes make DIR` writes the inputs, in the plain format that `read` reads and numpy too.
+//! One job on meshes, timed: `meshes JOB THREADS MESH [MESH]` prints a line of JSON with the median of the
+//! times and what was found. `meshes make DIR` writes the inputs, in the plain format that `read` reads and
+//! numpy too.
 use chordal::budget::Tolerance;
 use chordal::check::{Goal, deviation, self_intersections, validity};
 use chordal::explicit::{Topology, position_id_by_bits, vertex_normals};

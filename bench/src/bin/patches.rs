@@ -1,7 +1,9 @@
-//! Chordal's side of the patch bench: `patches CORPUS TOLERANCE...` meshes a corpus as the peer's script does.
+//! Chordal's side of the patch bench: `patches CORPUS TOLERANCE...` meshes a corpus as the peer's script
+//! does.
 //!
-//! One thread; a hard corpus patch by patch, the teapot in one call. Prints CSV: corpus, tolerance, engine, triangles,
-//! CPU seconds (medians of repeated runs, added up), shapes that failed, and the largest `at_most / tolerance`.
+//! One thread; a hard corpus patch by patch, the teapot in one call. Prints CSV: corpus, tolerance, engine,
+//! triangles, CPU seconds (medians of repeated runs, added up), shapes that failed, and the largest `at_most
+//! / tolerance`.
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
 use chordal_bench::{out, patches, write};
 use cpu_time::ProcessTime;

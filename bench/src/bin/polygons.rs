@@ -1,7 +1,9 @@
-//! The triangulation bench: `polygons FIXTURES [NAME]` prints CSV, a row for each polygon: corners, holes, and microseconds of CPU
-//! time of Chordal (its check included), mapbox earcut and `i_triangle`, each the median of runs in turn with the others.
+//! The triangulation bench: `polygons FIXTURES [NAME]` prints CSV, a row for each polygon: corners, holes,
+//! and microseconds of CPU time of Chordal (its check included), mapbox earcut and `i_triangle`, each the
+//! median of runs in turn with the others.
 //!
-//! FIXTURES is the folder of earcut's test polygons; polygons made here follow: stars, combs, and squares with holes.
+//! FIXTURES is the folder of earcut's test polygons; polygons made here follow: stars, combs, and squares
+//! with holes.
 use chordal::explicit::triangulate::polygon_with_holes;
 use cpu_time::ProcessTime;
 use i_triangle::float::triangulator::Triangulator;

@@ -1,5 +1,6 @@
-//! The bench of nearness: `rays [QUADS [QUERY]]` prints CSV of queries on a bumpy torus of about 2 · QUADS² triangles, on one thread: rays side
-//! by side as a camera has them and random ones, nearest points, and points inside. Millions a second of CPU time.
+//! The bench of nearness: `rays [QUADS [QUERY]]` prints CSV of queries on a bumpy torus of about 2 · QUADS²
+//! triangles, on one thread: rays side by side as a camera has them and random ones, nearest points, and
+//! points inside. Millions a second of CPU time.
 use chordal::explicit::query::{Bvh, Enclosure, Ray};
 use chordal::{Job, Mesh};
 use cpu_time::ProcessTime;

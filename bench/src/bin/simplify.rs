@@ -1,7 +1,9 @@
-//! Simplifying meshes, timed: `simplify make DIR` writes the inputs. `simplify run SIDE THREADS MESH OUT AIM TIMES` makes one
-//! mesh coarser, so many times, and prints the median of the times; SIDE is `ours`, `meshopt` or `meshopt-update`, AIM
-//! `count=N` or `error=LENGTH`. `simplify chain SIDE THREADS MESH FROM` makes levels of half the triangles each, FROM the
-//! `source` or the `last` one; for `ours` also `errors`: levels by their errors. `simplify judge MESH OTHER [MAX]` proves how far two meshes are apart, and looks at the second.
+//! Simplifying meshes, timed: `simplify make DIR` writes the inputs. `simplify run SIDE THREADS MESH OUT AIM
+//! TIMES` makes one mesh coarser, so many times, and prints the median of the times; SIDE is `ours`,
+//! `meshopt` or `meshopt-update`, AIM `count=N` or `error=LENGTH`. `simplify chain SIDE THREADS MESH FROM`
+//! makes levels of half the triangles each, FROM the `source` or the `last` one; for `ours` also `errors`:
+//! levels by their errors. `simplify judge MESH OTHER [MAX]` proves how far two meshes are apart, and looks
+//! at the second.
 use chordal::budget::{Failure, Tolerance};
 use chordal::check::{Goal, deviation, validity};
 use chordal::explicit::Topology;
@@ -43,8 +45,8 @@ fn ours(mesh: &Mesh, aim: Aim, job: &Job) -> Made {
     Made { mesh: made.shape.mesh, seconds, declared: made.bound.at_most() }
 }
 
-/// Chordal's own levels: from the error of half the triangles on, which is found before the clock starts, each twice as far off,
-/// until [`LEAST`].
+/// Chordal's own levels: from the error of half the triangles on, which is found before the clock starts,
+/// each twice as far off, until [`LEAST`].
 fn our_levels(mesh: &Mesh, job: &Job) -> (f64, Vec<Mesh>) {
     let half = ours(mesh, Aim::Count(mesh.faces().len() / 2), job).declared.expect("proved");
     let steps = LodSteps { enough: LEAST, ..LodSteps::from_finest(Tolerance::new(half).expect("a length")) };
@@ -53,7 +55,8 @@ fn our_levels(mesh: &Mesh, job: &Job) -> (f64, Vec<Mesh>) {
     (start.elapsed().as_secs_f64(), levels.into_iter().map(|level| level.mesh).collect())
 }
 
-/// A chain ends at the first level with so many triangles or fewer; chosen, so that a million makes ten levels.
+/// A chain ends at the first level with so many triangles or fewer; chosen, so that a million makes ten
+/// levels.
 const LEAST: usize = 1000;
 
 fn open(path: &str) -> Mesh {
@@ -182,7 +185,8 @@ fn levels(side: &str, mesh: &Mesh, last: bool, job: &Job) -> (f64, Vec<Mesh>) {
     (seconds, all)
 }
 
-/// Time and memory of a chain. The peak is what the process grew by from where it had read the mesh, and that mesh.
+/// Time and memory of a chain. The peak is what the process grew by from where it had read the mesh, and that
+/// mesh.
 fn chain([side, threads, path, from]: [&str; 4]) -> Value {
     let job = Job::default().with_threads(threads.parse().expect("a number"));
     let mesh = open(path);

@@ -1,8 +1,9 @@
 //! Chordal's side of the subdivision bench.
 //!
 //! - `subdivision make FILE` writes a bumpy torus of 20,000 quads.
-//! - `subdivision run CAGE LEVEL RUNS THREADS THEIRS` prints a line of JSON with medians in seconds, and how far the points are from
-//!   those of the file THEIRS (f64, three by three, in any order), as a share of the diagonal.
+//! - `subdivision run CAGE LEVEL RUNS THREADS THEIRS` prints a line of JSON with medians in seconds, and how
+//!   far the points are from those of the file THEIRS (f64, three by three, in any order), as a share of the
+//!   diagonal.
 use chordal::budget::Job;
 use chordal_bench::cages::read;
 use std::fmt::Write;
@@ -43,8 +44,8 @@ fn median(runs: usize, mut run: impl FnMut()) -> f64 {
     times[runs / 2]
 }
 
-/// The largest distance, along an axis, of a point from the nearest of the others; infinite where that is beyond 1e-6 of the diagonal
-/// or counts differ.
+/// The largest distance, along an axis, of a point from the nearest of the others; infinite where that is
+/// beyond 1e-6 of the diagonal or counts differ.
 fn off(ours: &[[f64; 3]], theirs: &[[f64; 3]]) -> f64 {
     if ours.len() != theirs.len() {
         return f64::INFINITY;

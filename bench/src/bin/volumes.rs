@@ -1,8 +1,9 @@
-//! The bench of volumes: `volumes make PATH N` writes a gyroid of N³ samples of f32; `volumes WHAT THREADS PATH N` prints one line
-//! of JSON: the median seconds of runs, triangles, open edges, and the peak of memory in bytes.
+//! The bench of volumes: `volumes make PATH N` writes a gyroid of N³ samples of f32; `volumes WHAT THREADS
+//! PATH N` prints one line of JSON: the median seconds of runs, triangles, open edges, and the peak of memory
+//! in bytes.
 //!
-//! WHAT is `f64`, `f32` (triangles alone), `bound` (triangles and their bound), `ties` (the samples rounded to tenths, which
-//! puts many on the level) or `nets` (the crate fast-surface-nets, on one thread).
+//! WHAT is `f64`, `f32` (triangles alone), `bound` (triangles and their bound), `ties` (the samples rounded
+//! to tenths, which puts many on the level) or `nets` (the crate fast-surface-nets, on one thread).
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_mesh};
 use chordal::convert::lattices::grid_to_triangles;

@@ -1,4 +1,5 @@
-//! How far a cubic and a polyline are apart, both ways, by dense samples and climbs; it knows control points and vertices only.
+//! How far a cubic and a polyline are apart, both ways, by dense samples and climbs; it knows control points
+//! and vertices only.
 use super::Cubic;
 
 type Point = [f64; 2];
@@ -115,7 +116,8 @@ impl<'a> Looked<'a> {
                         .expect("samples")
                 };
                 sample = nearest(sample.saturating_sub(4)..=(sample + 24).min(n));
-                // The samples' own polyline is some 1/256 of a segment's distance off: what it leaves far below needs no search.
+                // The samples' own polyline is some 1/256 of a segment's distance off: what it leaves far
+                // below needs no search.
                 if self.roughly(q, sample) < 0.98 * most {
                     continue;
                 }
@@ -195,7 +197,8 @@ fn climb(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> (f64, f64) 
     if at_a > at_b { (a, at_a) } else { (b, at_b) }
 }
 
-/// `∫ √(|v|/8) dt`, `v` the part of `P''` across `P'`: by the root of a tolerance, about the fewest segments that keep it.
+/// `∫ √(|v|/8) dt`, `v` the part of `P''` across `P'`: by the root of a tolerance, about the fewest segments
+/// that keep it.
 pub fn bending(cubic: &Cubic) -> f64 {
     let n = 2000;
     let side = |i: usize| [cubic[i + 1][0] - cubic[i][0], cubic[i + 1][1] - cubic[i][1]];
@@ -227,8 +230,8 @@ mod tests {
 
     #[test]
     fn the_bending_of_a_parabola_is_that_of_its_formula() {
-        // P'' = 6·(second difference), along which the curve never runs: (x, y) = (3t, 3t(1−t)) has y'' = −6 across
-        // (3, 3 − 6t), of which 18/√(9 + (3−6t)²) is the part across.
+        // P'' = 6·(second difference), along which the curve never runs: (x, y) = (3t, 3t(1−t)) has y'' = −6
+        // across (3, 3 − 6t), of which 18/√(9 + (3−6t)²) is the part across.
         let cubic = [[0.0, 0.0], [1.0, 1.0], [2.0, 1.0], [3.0, 0.0]];
         let n = 100_000;
         let exact: f64 = (0..n)

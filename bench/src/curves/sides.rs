@@ -9,7 +9,8 @@ use std::ops::Range;
 /// A polyline.
 pub type Points = Vec<[f64; 2]>;
 
-/// Curves at once: with more, a list outgrows what an allocator hands out again, and the system's fresh pages cost more than the points.
+/// Curves at once: with more, a list outgrows what an allocator hands out again, and the system's fresh pages
+/// cost more than the points.
 const TOGETHER: usize = 250;
 
 /// Who flattens.
@@ -19,7 +20,8 @@ pub enum Side {
     Fewest,
     /// Equal steps, proved.
     Even,
-    /// The same points as the first, through the function for paths: with the parameter of each point and a distance from below.
+    /// The same points as the first, through the function for paths: with the parameter of each point and a
+    /// distance from below.
     Path,
     Kurbo,
     Lyon,

@@ -25,8 +25,8 @@ pub struct InputArgs {
     #[arg(long, value_name = "AXIS", value_parser = axis)]
     pub up: Option<Axis>,
 
-    /// The most memory that a job may take, as in 512M or 8G; half of what the machine or its control group has unless
-    /// said. A file may take no more, and 4 GiB at most
+    /// The most memory that a job may take, as in 512M or 8G; half of what the machine or its control group
+    /// has unless said. A file may take no more, and 4 GiB at most
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
@@ -42,7 +42,8 @@ pub struct InputArgs {
     #[arg(long, value_name = "BOX", value_parser = region, allow_hyphen_values = true)]
     pub region: Option<Box3>,
 
-    /// What the polygons of an .obj stand for; unless said, catmull-clark where the file has subdivision tags, else faceted
+    /// What the polygons of an .obj stand for; unless said, catmull-clark where the file has subdivision
+    /// tags, else faceted
     #[arg(long, value_name = "WHICH")]
     pub surface: Option<PolygonSurfaceArg>,
 
@@ -50,7 +51,8 @@ pub struct InputArgs {
     #[arg(long)]
     pub lenient: bool,
 
-    /// Drop vertices that are not finite numbers, with their faces, and count them, instead of refusing the file
+    /// Drop vertices that are not finite numbers, with their faces, and count them, instead of refusing the
+    /// file
     #[arg(long)]
     pub drop_nonfinite: bool,
 }

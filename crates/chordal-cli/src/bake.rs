@@ -58,26 +58,26 @@ fn band(text: &str) -> Result<f64, String> {
 /// Reads, samples, writes, reports.
 pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Console::new(&args.console);
+    let console = Console::new(&args.console);
     let to = format(&args.output.output, args.to)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &talk);
+    let job = common::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let input = common::read(&args.input, &talk)?;
+    let input = common::read(&args.input, &console)?;
     let name = source.name();
     let spec = BakeSpec { cells: args.cells as usize, band: args.band };
     let outcome = bake(input, &spec, to, &job)
         .spelled(&CommandLine)
         .map_err(|failure| common::fault(&name, &failure, ""))?;
     if let Some(facts) = outcome.certificate.baked.as_ref().filter(|facts| !facts.solid.is_solid) {
-        talk.warn(&name, &[&facts.solid.sentence]);
+        console.warn(&name, &[&facts.solid.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
     let run = common::run("bake", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &summary_text(&report), stdout)
+    report.certificate.notes.iter().for_each(|note| console.detail(note));
+    console.result(&report.to_value(), &summary_text(&report), stdout)
 }
 
 /// The format of a lattice, by what is said or by the name.

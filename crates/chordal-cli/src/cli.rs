@@ -13,8 +13,8 @@ use std::path::PathBuf;
 
 /// You bring a budget, you leave with a bound.
 ///
-/// Turns shapes into triangles under one budget, the error that may be seen, in units or in pixels, and says how
-/// large the error is and how that is known.
+/// Turns shapes into triangles under one budget, the error that may be seen, in units or in pixels, and says
+/// how large the error is and how that is known.
 #[derive(Debug, Parser)]
 #[command(name = "chordal", version, max_term_width = 100, after_long_help = EXIT_CODES)]
 pub struct Cli {

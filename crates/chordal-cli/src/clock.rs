@@ -1,4 +1,5 @@
-//! What only this run knows: how long it took and how much memory it held. None of it goes into a certificate.
+//! What only this run knows: how long it took and how much memory it held. None of it goes into a
+//! certificate.
 use chordal::Job;
 use chordal_verbs::report::RunFacts;
 use std::time::Instant;

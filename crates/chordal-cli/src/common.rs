@@ -14,23 +14,24 @@ use chordal_verbs::report::RunFacts;
 use chordal_verbs::{FormatHint, Input, MeshFailure, load};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
-pub fn read(args: &InputArgs, talk: &Console) -> Result<Input, Fault> {
-    RawInput::read(args)?.load(args, talk)
+pub fn read(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
+    RawInput::read(args)?.load(args, console)
 }
 
-/// Reads another shape with the arguments of the first: what is said of fields or polygons holds if it is such.
-pub fn read_other(args: &InputArgs, talk: &Console) -> Result<Input, Fault> {
+/// Reads another shape with the arguments of the first: what is said of fields or polygons holds if it is
+/// such.
+pub fn read_other(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
     let bytes = RawInput::read(args)?;
     let format = bytes.format(args);
-    bytes.load(&applicable_args(args, format), talk)
+    bytes.load(&applicable_args(args, format), console)
 }
 
-/// Reads the two shapes of a verb that compares. What is said of fields or polygons holds for those of the two that are such, and
-/// everything else for both.
+/// Reads the two shapes of a verb that compares. What is said of fields or polygons holds for those of the
+/// two that are such, and everything else for both.
 ///
 /// # Errors
 /// When neither of them is what something is said of.
-pub fn read_both(args: [&InputArgs; 2], talk: &Console) -> Result<[Input; 2], Fault> {
+pub fn read_both(args: [&InputArgs; 2], console: &Console) -> Result<[Input; 2], Fault> {
     let [first, second] = args;
     let bytes = [RawInput::read(first)?, RawInput::read(second)?];
     let formats = [bytes[0].format(first), bytes[1].format(second)];
@@ -48,8 +49,8 @@ pub fn read_both(args: [&InputArgs; 2], talk: &Console) -> Result<[Input; 2], Fa
     }
     let [a, b] = bytes;
     Ok([
-        a.load(&applicable_args(first, formats[0]), talk)?,
-        b.load(&applicable_args(second, formats[1]), talk)?,
+        a.load(&applicable_args(first, formats[0]), console)?,
+        b.load(&applicable_args(second, formats[1]), console)?,
     ])
 }
 
@@ -88,12 +89,12 @@ impl RawInput {
         self.hint(args).format_of(&self.bytes)
     }
 
-    fn load(&self, args: &InputArgs, talk: &Console) -> Result<Input, Fault> {
+    fn load(&self, args: &InputArgs, console: &Console) -> Result<Input, Fault> {
         let name = &self.name;
         let mut input = load(&self.bytes, self.hint(args), &limits(args))
             .spelled(&CommandLine)
             .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
-        talk.warn(name, &input.warnings);
+        console.warn(name, &input.warnings);
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
         frame.up = args.up.or(frame.up);
@@ -117,11 +118,11 @@ fn limits(args: &InputArgs) -> Limits {
 }
 
 /// A job that obeys the command line and signals.
-pub fn job(input: &InputArgs, output: Option<&OutputArgs>, talk: &Console) -> Job {
+pub fn job(input: &InputArgs, output: Option<&OutputArgs>, console: &Console) -> Job {
     let mut job = Job::default().with_threads(output.map_or(0, |args| args.threads));
     job.memory_limit = most_memory(input).unwrap_or(job.memory_limit);
     signal::install(job.cancel_flag());
-    talk.progress(job)
+    console.progress(job)
 }
 
 /// What `--force` says.
@@ -141,8 +142,8 @@ pub fn run(verb: &'static str, input: String, target: &OutputTarget, bytes: u64)
 }
 
 /// Whether a summary can go to stdout.
-pub fn stdout(output: &OutputArgs, talk: &ConsoleArgs) -> Result<StdoutUse, Fault> {
-    match (output.output.as_os_str() == "-", talk.json) {
+pub fn stdout(output: &OutputArgs, console: &ConsoleArgs) -> Result<StdoutUse, Fault> {
+    match (output.output.as_os_str() == "-", console.json) {
         (true, true) => Err(Fault::usage("--json and '-o -' both write to stdout: choose one")),
         (true, false) => Ok(StdoutUse::HoldsData),
         (false, _) => Ok(StdoutUse::Free),

@@ -63,8 +63,8 @@ impl Console {
         }
     }
 
-    /// The result: the report as JSON, or its summary for people, on stdout; the summary goes to stderr where the
-    /// data itself is on stdout.
+    /// The result: the report as JSON, or its summary for people, on stdout; the summary goes to stderr where
+    /// the data itself is on stdout.
     ///
     /// # Errors
     /// When stdout cannot be written.
@@ -133,8 +133,8 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Fails where the process was started with stdout closed. Rust's runtime opens `/dev/null` in its place, to be read and
-/// written, as hardly anybody does; elsewhere than on Linux nothing shows it.
+/// Fails where the process was started with stdout closed. Rust's runtime opens `/dev/null` in its place, to
+/// be read and written, as hardly anybody does; elsewhere than on Linux nothing shows it.
 ///
 /// # Errors
 /// Then.

@@ -28,8 +28,8 @@ pub struct DeviationArgs {
     #[arg(value_name = "AGAINST", index = 2)]
     pub against: PathBuf,
 
-    /// Fail with exit code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the diagonal of
-    /// the box of AGAINST. Stops as soon as that is known
+    /// Fail with exit code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the
+    /// diagonal of the box of AGAINST. Stops as soon as that is known
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub max: Option<Length>,
 
@@ -60,14 +60,14 @@ fn share(text: &str) -> Result<f64, String> {
 /// Reads both, measures, reports, and checks the limit.
 pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Console::new(&args.console);
-    let job = common::job(&args.input, None, &talk).with_threads(args.threads);
+    let console = Console::new(&args.console);
+    let job = common::job(&args.input, None, &console).with_threads(args.threads);
     let (first, second) = (InputSource::from_arg(&args.input.input), InputSource::from_arg(&args.against));
     if matches!((&first, &second), (InputSource::Stdin, InputSource::Stdin)) {
         return Err(Fault::usage("stdin can be only one of the two shapes"));
     }
     let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
-    let [a, b] = common::read_both([&args.input, &against], &talk)?;
+    let [a, b] = common::read_both([&args.input, &against], &console)?;
     let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job)
@@ -75,8 +75,8 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
         .map_err(|failure| common::fault(&names, &failure, ""))?;
     let run = RunFacts { input: Some(first.name()), ..report.run };
     report.run = clock.fill(run, &job);
-    talk.warn(&names, &report.certificate.notes);
-    talk.result(&report.to_value(), &summary_text(&report, &second.name()), StdoutUse::Free)?;
+    console.warn(&names, &report.certificate.notes);
+    console.result(&report.to_value(), &summary_text(&report, &second.name()), StdoutUse::Free)?;
     report.deviation.as_ref().map_or(Ok(()), |facts| check(&names, &report, facts))
 }
 

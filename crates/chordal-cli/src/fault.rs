@@ -1,4 +1,5 @@
-//! `Fault`: why the command ends without doing what was asked, as lines for people and an exit code for programs.
+//! `Fault`: why the command ends without doing what was asked, as lines for people and an exit code for
+//! programs.
 use std::fmt;
 
 /// The exit codes. They are part of the interface: scripts test them.

@@ -47,8 +47,8 @@ impl InputSource {
     }
 }
 
-/// Opens `path` if it is a regular file. The kind is asked of the path first, so that a device or a pipe is not
-/// even opened, and again of what was opened, in case something else stands there by then.
+/// Opens `path` if it is a regular file. The kind is asked of the path first, so that a device or a pipe is
+/// not even opened, and again of what was opened, in case something else stands there by then.
 fn open_regular(path: &Path, name: &str) -> Result<File, Fault> {
     let io = |error: std::io::Error| Fault::input("unreadable", format!("{name}: {}", plainly(&error)));
     refuse_irregular(&std::fs::metadata(path).map_err(io)?, name)?;
@@ -66,8 +66,8 @@ fn open_without_waiting(path: &Path) -> std::io::Result<File> {
     options.open(path)
 }
 
-/// What `read` makes of a file, if that is the same file afterwards: half of one version and half of another would be
-/// a shape that never was.
+/// What `read` makes of a file, if that is the same file afterwards: half of one version and half of another
+/// would be a shape that never was.
 fn read_unchanged<T>(
     file: &mut File,
     name: &str,

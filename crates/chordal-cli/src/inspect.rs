@@ -26,7 +26,8 @@ pub struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
 
-    /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for some million
+    /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for
+    /// some million
     #[arg(long)]
     pub self_intersections: bool,
 
@@ -40,9 +41,9 @@ pub struct InspectArgs {
 /// Reads, inspects, reports, and checks what is required.
 pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Console::new(&args.console);
-    let job = common::job(&args.input, None, &talk);
-    let input = common::read(&args.input, &talk)?;
+    let console = Console::new(&args.console);
+    let job = common::job(&args.input, None, &console);
+    let input = common::read(&args.input, &console)?;
     let source = InputSource::from_arg(&args.input.input);
     let name = source.name();
     let argument = match source {
@@ -57,7 +58,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     };
     let run = RunFacts { input: Some(name.clone()), ..report.run };
     report.run = clock.fill(run, &job);
-    talk.result(&report.to_value(), &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;
+    console.result(&report.to_value(), &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;
     check(&name, report.certificate.valid.as_ref(), &args.require)
 }
 

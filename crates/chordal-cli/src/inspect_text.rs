@@ -1,4 +1,5 @@
-//! The letter of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and what mends it.
+//! The text of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and
+//! what mends it.
 use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, one_way_note, plural};
 use chordal::budget::advice::Cure;

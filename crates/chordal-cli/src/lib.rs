@@ -1,6 +1,7 @@
 //! The `chordal` command: translates arguments into verbs. It holds no geometry.
 //!
-//! It is a library so that the program of this crate and the one that comes with the Python package are the same.
+//! It is a library so that the program of this crate and the one that comes with the Python package are the
+//! same.
 mod args;
 mod bake;
 mod cli;
@@ -37,10 +38,11 @@ use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
 
-/// Runs the command with these arguments, of which the first is the program's own name, and returns the exit code.
+/// Runs the command with these arguments, of which the first is the program's own name, and returns the exit
+/// code.
 ///
-/// It belongs to a process of its own: it writes to stdout and stderr, and from the first verb on SIGINT and SIGTERM
-/// end the process with 130.
+/// It belongs to a process of its own: it writes to stdout and stderr, and from the first verb on SIGINT and
+/// SIGTERM end the process with 130.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
@@ -78,7 +80,8 @@ fn wants_json(verb: &Verb) -> bool {
     }
 }
 
-/// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there already.
+/// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there
+/// already.
 fn fail(fault: &Fault, json: bool) -> u8 {
     let _ = signal::without_interruption(|| write!(std::io::stderr(), "{}", printable(&fault.to_string())));
     if json && !fault.reported {

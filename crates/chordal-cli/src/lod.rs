@@ -31,16 +31,18 @@ pub struct LodArgs {
     #[arg(long, value_name = "PIXELS", default_value = "1", allow_hyphen_values = true)]
     pub px: Pixels,
 
-    /// The screen and the lens that distances are for, as in "1920x1080 fov=60"; dist=LENGTH says the same as --nearest
+    /// The screen and the lens that distances are for, as in "1920x1080 fov=60"; dist=LENGTH says the same as
+    /// --nearest
     #[arg(long, value_name = "VIEW", default_value = "1920x1080 fov=60", value_parser = lens)]
     pub view: LodLens,
 
-    /// The nearest that the eye comes to the shape's box: the finest level is fine enough there. Unless said: where the box fills the height
-    /// of the screen
+    /// The nearest that the eye comes to the shape's box: the finest level is fine enough there. Unless said:
+    /// where the box fills the height of the screen
     #[arg(long, value_name = "LENGTH", value_parser = distance, allow_hyphen_values = true)]
     pub nearest: Option<f64>,
 
-    /// What the finest level may lose, instead of what --nearest says: 0.1, 0.1mm, or 0.05% of the diagonal of the box
+    /// What the finest level may lose, instead of what --nearest says: 0.1, 0.1mm, or 0.05% of the diagonal
+    /// of the box
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "nearest")]
     pub tol: Option<Length>,
 
@@ -48,12 +50,13 @@ pub struct LodArgs {
     #[arg(long, value_name = "LENGTHS", value_delimiter = ',', value_parser = distance)]
     pub distances: Vec<f64>,
 
-    /// What tiles say of their errors: scaled, so that the formula of viewers, which holds in the middle of the screen, keeps the pixels
-    /// everywhere on it; or plain, the proved errors
+    /// What tiles say of their errors: scaled, so that the formula of viewers, which holds in the middle of
+    /// the screen, keeps the pixels everywhere on it; or plain, the proved errors
     #[arg(long, value_name = "WHICH", default_value = "scaled")]
     pub errors: TileErrorsArg,
 
-    /// For tiles: the most triangles of one; a finest level with more is cut in space, with borders that match
+    /// For tiles: the most triangles of one; a finest level with more is cut in space, with borders that
+    /// match
     #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub tile_triangles: u64,
 
@@ -118,7 +121,7 @@ fn distance(text: &str) -> Result<f64, String> {
 /// Reads, makes levels, writes, reports.
 pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Console::new(&args.console);
+    let console = Console::new(&args.console);
     if args.view.has_distance && (args.nearest.is_some() || args.tol.is_some()) {
         let message = "--view says a distance, and so does --nearest, or --tol in its place: say one of them";
         return Err(Fault::usage(message.to_owned()));
@@ -126,14 +129,14 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let as_tiles = as_tiles(&args.output.output)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &talk);
+    let job = common::job(&args.input, Some(&args.output), &console);
     let existing = common::existing(&args.output);
     if as_tiles {
         check_folder(&args.output.output, &source, existing)?;
     }
     let prepare = || OutputTarget::prepare(&args.output.output, existing, &source);
     let one_file = (!as_tiles).then(prepare).transpose()?;
-    let mut input = common::read(&args.input, &talk)?;
+    let mut input = common::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
     // A folder is made when there is an input.
     let target =
@@ -163,8 +166,8 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     };
     let run = common::run("lod", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &summary_text(&report), stdout)
+    report.certificate.notes.iter().for_each(|note| console.detail(note));
+    console.result(&report.to_value(), &summary_text(&report), stdout)
 }
 
 /// The file of a tileset that names all others.
@@ -185,7 +188,8 @@ fn as_tiles(output: &Path) -> Result<bool, Fault> {
     }
 }
 
-/// Writes all tiles, the list of them last. An older list goes first: its tiles would no longer be what it says.
+/// Writes all tiles, the list of them last. An older list goes first: its tiles would no longer be what it
+/// says.
 fn write_tiles(outcome: &LodOutcome, args: &LodArgs, list: &OutputTarget) -> Result<u64, Fault> {
     let name = args.input.input.display().to_string();
     let files = outcome
@@ -205,7 +209,8 @@ fn write_tiles(outcome: &LodOutcome, args: &LodArgs, list: &OutputTarget) -> Res
     Ok(bytes)
 }
 
-/// The folder for tiles: not that of the input, and, unless files may be replaced, without an older tileset or what one left.
+/// The folder for tiles: not that of the input, and, unless files may be replaced, without an older tileset
+/// or what one left.
 fn check_folder(folder: &Path, source: &InputSource, existing: OverwritePolicy) -> Result<(), Fault> {
     let name = folder.display();
     if let InputSource::File(input) = source
@@ -254,7 +259,8 @@ fn summary_text(report: &Report) -> String {
     lines.finish_run(&report.run)
 }
 
-/// A level with more than this share of the triangles of the one above it is not listed. Chosen: a tree of regions has dozens of them.
+/// A level with more than this share of the triangles of the one above it is not listed. Chosen: a tree of
+/// regions has dozens of them.
 const WORTH_A_LINE: f64 = 0.8;
 
 /// Which levels are listed: those that differ, and the last.

@@ -1,11 +1,12 @@
-//! How much memory a job may take where nobody says it: a share of what the machine, or the group of processes, has.
+//! How much memory a job may take where nobody says it: a share of what the machine, or the group of
+//! processes, has.
 use std::fs;
 
 /// The share of the memory: half, chosen so that a job and what reads its result fit side by side.
 const SHARE: u64 = 2;
 
-/// Half of the memory that this process can have: of the machine's, or of the limit of its control group where that is less.
-/// None where the system does not say.
+/// Half of the memory that this process can have: of the machine's, or of the limit of its control group
+/// where that is less. None where the system does not say.
 #[must_use]
 pub fn default_limit() -> Option<u64> {
     default_limit_from(&|path| fs::read_to_string(path).ok())
@@ -25,7 +26,8 @@ fn total(text: &str) -> Option<u64> {
     kilobytes.checked_mul(1024)
 }
 
-/// The limits of the control groups that the process is in, and of those around them: Linux' versions 2 and 1.
+/// The limits of the control groups that the process is in, and of those around them: Linux' versions 2 and
+/// 1.
 fn groups(read: &dyn Fn(&str) -> Option<String>) -> Vec<u64> {
     let text = read("/proc/self/cgroup").unwrap_or_default();
     let mut limits = Vec::new();

@@ -36,11 +36,13 @@ pub struct MendArgs {
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
 
-    /// Make vertices at one place one position: those with the same coordinates, or within a length of each other
+    /// Make vertices at one place one position: those with the same coordinates, or within a length of each
+    /// other
     #[arg(long, value_name = "LENGTH", value_parser = length, num_args = 0..=1, require_equals = true)]
     pub weld: Option<Option<Length>>,
 
-    /// Drop faces that repeat the positions of an earlier one, whichever way they are wound, or only those wound alike
+    /// Drop faces that repeat the positions of an earlier one, whichever way they are wound, or only those
+    /// wound alike
     #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "any")]
     pub drop_duplicates: Option<DuplicatesArg>,
 
@@ -90,13 +92,13 @@ pub enum DuplicatesArg {
 /// Reads, mends, writes, reports.
 pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Console::new(&args.console);
+    let console = Console::new(&args.console);
     let to = output_format(&args.output.output, args.to)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &talk);
+    let job = common::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let input = common::read(&args.input, &talk)?;
+    let input = common::read(&args.input, &console)?;
     let name = source.name();
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
@@ -104,8 +106,8 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let bytes = target.write(&mut |out| outcome.write(out))?;
     let run = common::run("mend", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &summary_text(&report), stdout)
+    report.certificate.notes.iter().for_each(|note| console.detail(note));
+    console.result(&report.to_value(), &summary_text(&report), stdout)
 }
 
 impl MendArgs {

@@ -64,13 +64,14 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "PIXELS", allow_hyphen_values = true)]
     pub px: Option<Pixels>,
 
-    /// From where the shape is seen: "1920x1080 fov=45 dist=4" for every direction at that distance from its box or
-    /// more, "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one eye; height=LENGTH instead of fov for parallel rays
+    /// From where the shape is seen: "1920x1080 fov=45 dist=4" for every direction at that distance from its
+    /// box or more, "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one eye; height=LENGTH instead of fov for
+    /// parallel rays
     #[arg(long, value_name = "VIEW")]
     pub view: Option<View>,
 
-    /// For smooth surfaces, beside one of the others: the largest angle between the normals of the triangles and
-    /// those of the shape, as in 5deg
+    /// For smooth surfaces, beside one of the others: the largest angle between the normals of the triangles
+    /// and those of the shape, as in 5deg
     #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "budget", allow_hyphen_values = true)]
     pub angle: Option<f64>,
 
@@ -82,8 +83,8 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub segments: Option<u64>,
 
-    /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where there
-    /// is anything to prove with. Other shapes are proved either way
+    /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where
+    /// there is anything to prove with. Other shapes are proved either way
     #[arg(long, value_name = "EVIDENCE")]
     pub require: Option<RequiredEvidence>,
 
@@ -104,12 +105,14 @@ pub struct ResultArgs {
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: SpacingArg,
 
-    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto); keep, none
-    /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
+    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto);
+    /// keep, none are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing
+    /// groups of an .obj
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
 
-    /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth surface; 0 keeps them
+    /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth
+    /// surface; 0 keeps them
     #[arg(long, value_name = "N", conflicts_with = "budget")]
     pub level: Option<u32>,
 }
@@ -134,21 +137,21 @@ fn angle(text: &str) -> Result<f64, String> {
 /// Reads, meshes, writes, reports.
 pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Console::new(&args.console);
+    let console = Console::new(&args.console);
     let spec = spec(args)?;
     let to = output_format(&args.output.output, args.result.to)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &talk);
+    let job = common::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let mut input = common::read(&args.input, &talk)?;
+    let mut input = common::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
     if let Some(level) = args.result.level {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
         let bytes = target.write(&mut |out| outcome.write(out))?;
         let run = common::run("mesh", source.name(), &target, bytes);
-        return print_summary(outcome.certificate, clock.fill(run, &job), &talk, stdout);
+        return print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout);
     }
     if !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
@@ -168,7 +171,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
     let run = common::run("mesh", name, &target, bytes);
-    print_summary(outcome.certificate, clock.fill(run, &job), &talk, stdout)?;
+    print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
@@ -190,12 +193,12 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
 fn print_summary(
     certificate: Certificate,
     run: RunFacts,
-    talk: &Console,
+    console: &Console,
     stdout: StdoutUse,
 ) -> Result<(), Fault> {
     let report = Report::new(certificate, RunFacts { verb: "mesh", ..run });
-    report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &summary::mesh(&report), stdout)
+    report.certificate.notes.iter().for_each(|note| console.detail(note));
+    console.result(&report.to_value(), &summary::mesh(&report), stdout)
 }
 
 /// What is said where nothing limits what may be lost. Volumes alone have a resolution of their own.

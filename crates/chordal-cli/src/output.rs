@@ -1,9 +1,9 @@
 //! Writing a file so that its name only ever shows a complete one: written aside, synced, renamed.
 //!
-//! What a kill at any moment can leave behind is a file `.chordal-….tmp` beside the output; never half an output.
-//! Refused, with exit code 4 and before any work: an output that is the input, that exists (unless `--force`), or
-//! that is a folder, a device or a symbolic link. A link is refused even with `--force`: replacing it and writing
-//! through it are both surprising, and naming the file itself costs nothing.
+//! What a kill at any moment can leave behind is a file `.chordal-….tmp` beside the output; never half an
+//! output. Refused, with exit code 4 and before any work: an output that is the input, that exists (unless
+//! `--force`), or that is a folder, a device or a symbolic link. A link is refused even with `--force`:
+//! replacing it and writing through it are both surprising, and naming the file itself costs nothing.
 use crate::console::check_stdout;
 use crate::fault::{Fault, plainly};
 use crate::input::InputSource;
@@ -40,8 +40,8 @@ pub enum OutputTarget {
 pub type OutputWriter<'a> = &'a mut dyn FnMut(&mut dyn Write) -> Result<(), WriteError>;
 
 impl OutputTarget {
-    /// `-` is stdout; anything else is a path, checked now as far as that is possible: the work may take long, and
-    /// a folder that cannot be written should be known before.
+    /// `-` is stdout; anything else is a path, checked now as far as that is possible: the work may take
+    /// long, and a folder that cannot be written should be known before.
     ///
     /// # Errors
     /// When the output cannot, or should not, be written.
@@ -70,7 +70,8 @@ impl OutputTarget {
         Ok(Self::File { path, existing })
     }
 
-    /// Takes away what has the name, where it may be replaced: because others that it speaks of will be, before it is.
+    /// Takes away what has the name, where it may be replaced: because others that it speaks of will be,
+    /// before it is.
     ///
     /// # Errors
     /// When the system fails, or it may not be replaced.
@@ -219,7 +220,8 @@ impl TempOutput {
         let renamed = signal::without_interruption(|| match existing {
             OverwritePolicy::Replace => {
                 if let Ok(old) = fs::metadata(output) {
-                    // Who could read the old file can read the new one. Where that cannot be kept, the data still is.
+                    // Who could read the old file can read the new one. Where that cannot be kept, the data
+                    // still is.
                     let _ = fs::set_permissions(&self.path, old.permissions());
                 }
                 fs::rename(&self.path, output)

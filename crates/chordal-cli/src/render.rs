@@ -76,8 +76,8 @@ pub enum RenderMode {
     Normals,
     /// Stripes as the surface mirrors them: kinks in its curvature show as kinks
     Zebra,
-    /// How many lanes a graphics processor launches for each pixel, from light for one to dark for 16 and more; the report
-    /// counts quads, helper lanes, triangles too small to be seen, and flicker
+    /// How many lanes a graphics processor launches for each pixel, from light for one to dark for 16 and
+    /// more; the report counts quads, helper lanes, triangles too small to be seen, and flicker
     Overshade,
     /// The distance from the shape of --against as a colour, from light through yellow and red to dark
     Deviation,
@@ -104,14 +104,14 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 /// Reads, renders, writes, reports.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Console::new(&args.console);
+    let console = Console::new(&args.console);
     let viewpoint = viewpoint(args)?;
     check_name(&args.output.output)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &talk);
+    let job = common::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let input = common::read(&args.input, &talk)?;
+    let input = common::read(&args.input, &console)?;
 
     let name = source.name();
     let options = RenderOptions {
@@ -120,7 +120,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         viewpoint,
         ..RenderOptions::default()
     };
-    let against = against(args, &talk)?;
+    let against = against(args, &console)?;
     let outcome = match against {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
         None => render(&input, &options, fineness(args), &job),
@@ -130,10 +130,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 
     let run = common::run("render", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| talk.detail(note));
+    report.certificate.notes.iter().for_each(|note| console.detail(note));
     let Screen { width_px, height_px } = outcome.camera.screen;
     let picture = format!("{width_px}x{height_px} from {}", point(outcome.camera.eye));
-    talk.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
+    console.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
     let scale = outcome
         .darkest
         .map(|most| format!("distances, light at 0, darkest at {}", short(most, RoundingDirection::Nearest)));
@@ -141,15 +141,15 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         format!("lanes a pixel, light at 1, yellow 2, orange 4, red 8, darkest at {DARKEST_LANES} and more")
     });
     let picture = scale.or(lanes).map_or(picture.clone(), |scale| format!("{picture}: {scale}"));
-    talk.result(&report.to_value(), &summary::render(&report, &picture, outcome.back_share), stdout)
+    console.result(&report.to_value(), &summary::render(&report, &picture, outcome.back_share), stdout)
 }
 
 /// The shape of `--against`, which `--show deviation` needs and nothing else takes.
-fn against(args: &RenderArgs, talk: &Console) -> Result<Option<Input>, Fault> {
+fn against(args: &RenderArgs, console: &Console) -> Result<Option<Input>, Fault> {
     match (args.show, &args.against) {
         (RenderMode::Deviation, Some(file)) => {
             let args = InputArgs { input: file.clone(), ..args.input.clone() };
-            common::read_other(&args, talk).map(Some)
+            common::read_other(&args, console).map(Some)
         }
         (RenderMode::Deviation, None) => {
             Err(Fault::usage("--show deviation needs --against FILE to measure from"))

@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The unfinished file. Whoever holds the lock may rename or remove it; the handler holds it until the exit, so that
-/// no file is committed after "interrupted" was said, and no failure told.
+/// The unfinished file. Whoever holds the lock may rename or remove it; the handler holds it until the exit,
+/// so that no file is committed after "interrupted" was said, and no failure told.
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 fn unfinished() -> MutexGuard<'static, Option<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Creates the file that a signal removes, such that a signal comes either before there is one or after it is named:
-/// in between it would stay.
+/// Creates the file that a signal removes, such that a signal comes either before there is one or after it is
+/// named: in between it would stay.
 pub fn create_unfinished<T>(path: &Path, create: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     let mut guard = unfinished();
     let made = create()?;
@@ -37,8 +37,8 @@ pub fn without_interruption<T>(commit: impl FnOnce() -> T) -> T {
 
 /// Installs the handler. It does not wait for the job, which could be in a long step or in a blocking read.
 ///
-/// A second handler, or a system without signals, is no reason to fail: then the system's own handling stays, and
-/// what a kill leaves behind is at most the unfinished file under its own name.
+/// A second handler, or a system without signals, is no reason to fail: then the system's own handling stays,
+/// and what a kill leaves behind is at most the unfinished file under its own name.
 pub fn install(cancel: Arc<AtomicBool>) {
     let _ = ctrlc::set_handler(move || {
         cancel.store(true, Ordering::Relaxed);

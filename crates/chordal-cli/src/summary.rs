@@ -193,8 +193,8 @@ fn attribute(facts: &AttributeFacts) -> String {
     format!("{} off {off} (measured)", facts.name)
 }
 
-/// Of which side a bound is, where it is not of both: what was added, as by filling a hole, is not near anything of the
-/// source.
+/// Of which side a bound is, where it is not of both: what was added, as by filling a hole, is not near
+/// anything of the source.
 pub(crate) fn one_way_note(metric: &str) -> &'static str {
     if metric == "one-sided" { ", of the source; what was added is not counted" } else { "" }
 }

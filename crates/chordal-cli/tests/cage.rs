@@ -31,7 +31,8 @@ fn numbers(line: &str) -> Vec<f64> {
     line.split_whitespace().map(|word| word.parse().unwrap()).collect()
 }
 
-/// Faces as points, from the lowest corner of each, in order; so near to the lattice of 2⁻²⁰ that rounding takes none across.
+/// Faces as points, from the lowest corner of each, in order; so near to the lattice of 2⁻²⁰ that rounding
+/// takes none across.
 fn surface(text: &str) -> Vec<Vec<[i64; 3]>> {
     let on_lattice = |x: &f64| (x * f64::from(1 << 20)).round() as i64;
     let points: Vec<[i64; 3]> = lines(text, "v ")

@@ -1,4 +1,5 @@
-//! Volumes, drawings and meshes that took minutes or gigabytes, or missed their length by a rounding: each ends.
+//! Volumes, drawings and meshes that took minutes or gigabytes, or missed their length by a rounding: each
+//! ends.
 use crate::common;
 
 use chordal_testkit::is_long;

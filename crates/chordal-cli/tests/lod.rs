@@ -96,7 +96,8 @@ fn levels_of_a_mesh_grow_in_error_and_fall_in_triangles() {
     // At the nearest distance the finest level is fine enough, everywhere on the screen.
     let distances: Vec<f64> = numbers(levels, "distance").collect();
     assert!(distances[0] <= 3.0 && distances[0] > 2.0, "{distances:?}");
-    // Rows for the shape at 1000, 200, 20 and 2 pixels, and no row that is off by more than a pixel beyond the first distance.
+    // Rows for the shape at 1000, 200, 20 and 2 pixels, and no row that is off by more than a pixel beyond
+    // the first distance.
     let shown = report["certificate"]["levels"]["shown"].as_array().unwrap();
     for covered in [1000.0, 200.0, 20.0, 2.0] {
         assert!(
@@ -214,7 +215,8 @@ fn one_patch_in_one_file_is_within_a_tolerance() {
     assert!(numbers(&levels["shown"], "distance").any(|d| d == 1000.0));
 }
 
-/// Errors far below what the mesh is made of bring nothing for many steps, and then the levels come all the same.
+/// Errors far below what the mesh is made of bring nothing for many steps, and then the levels come all the
+/// same.
 #[test]
 fn a_very_fine_budget_still_ends_in_few_triangles() {
     let folder = Folder::new("lod-fine");
@@ -229,7 +231,8 @@ fn a_very_fine_budget_still_ends_in_few_triangles() {
     assert!(levels.as_array().unwrap().iter().all(|level| level["evidence"] == "proved"));
 }
 
-/// Where several levels are only shown from nearer than the whole fits on the screen, shares of it still fall from one to the next.
+/// Where several levels are only shown from nearer than the whole fits on the screen, shares of it still fall
+/// from one to the next.
 #[test]
 fn shares_of_the_screen_fall_from_level_to_level() {
     let folder = Folder::new("lod-shares");

@@ -116,7 +116,8 @@ fn overshade_counts_lanes_and_shows_them() {
     let schema = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/report.schema.json");
     let schema: serde_json::Value = serde_json::from_str(&fs::read_to_string(schema).unwrap()).unwrap();
     let schema = jsonschema::validator_for(&schema).unwrap();
-    // The lower left half of a screen of 8 × 8 pixels, as in the library's own example, and its back behind it.
+    // The lower left half of a screen of 8 × 8 pixels, as in the library's own example, and its back behind
+    // it.
     let front = "v -4 -4 0\nv 4 -4 0\nv -4 4 0\nv -4 -4 -1\nv 4 -4 -1\nv -4 4 -1\nf 1 2 3\nf 4 6 5\n";
     let input = folder.file("half.obj", front);
     let view = "8x8 height=8 eye=0,0,1 target=0,0,0";

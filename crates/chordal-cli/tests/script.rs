@@ -121,8 +121,8 @@ const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
 /// Examples that are meshed in seconds, in two lists as two tests share them.
 const PLATES: [&str; 3] = ["angle_bracket", "block", "bracket"];
 const HOUSINGS: [&str; 2] = ["enclosure", "gear"];
-/// Those that take up to a minute, and their lengths. A thousandth of the walls of the gyroid, which are many, is not
-/// reached in seconds.
+/// Those that take up to a minute, and their lengths. A thousandth of the walls of the gyroid, which are
+/// many, is not reached in seconds.
 const SLOW: [(&str, &str); 7] = [
     ("blobs", "0.1%"),
     ("creature", "0.1%"),

@@ -19,8 +19,8 @@ fn send(signal: &str, child: &Child) {
     let _ = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status();
 }
 
-/// The bytes that the job writes when nobody disturbs it, and moments spread over the time that it takes here and a
-/// little more. None of them is expected to hit anything: whatever it hits, the output must be whole.
+/// The bytes that the job writes when nobody disturbs it, and moments spread over the time that it takes here
+/// and a little more. None of them is expected to hit anything: whatever it hits, the output must be whole.
 fn undisturbed(folder: &Folder) -> (Vec<u8>, Vec<Duration>) {
     const MOMENTS: u32 = 10;
     let output = folder.text("undisturbed.ply");

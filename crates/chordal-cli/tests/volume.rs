@@ -220,7 +220,8 @@ fn real(name: &str) -> Option<String> {
     corpus::find(&format!("volume/{name}"))?.to_str().map(str::to_owned)
 }
 
-/// Meshes a real volume to GLB and to PLY. The first has to be closed and manifold, the box is that of the second.
+/// Meshes a real volume to GLB and to PLY. The first has to be closed and manifold, the box is that of the
+/// second.
 #[track_caller]
 fn real_surface(folder: &Folder, input: &str, more: &[&str]) -> ([[f64; 3]; 2], Value) {
     let (glb, ply) = (folder.text("a.glb"), folder.text("a.ply"));

@@ -1,8 +1,9 @@
-//! A tileset of GLB files that `chordal mesh` wrote of one shape, coarsest first, and one GLB with all of them:
-//! `tileset_of_levels OUT a.glb b.glb …`.
+//! A tileset of GLB files that `chordal mesh` wrote of one shape, coarsest first, and one GLB with all of
+//! them: `tileset_of_levels OUT a.glb b.glb …`.
 //!
-//! Each file is a level; its error is the bound in its certificate. With `--split` every level is cut in two at the middle of
-//! its box, triangle by triangle: borders match within a level and not between levels, as the judges of viewers need to see.
+//! Each file is a level; its error is the bound in its certificate. With `--split` every level is cut in two
+//! at the middle of its box, triangle by triangle: borders match within a level and not between levels, as
+//! the judges of viewers need to see.
 use chordal::Mesh;
 use chordal::math::Box3;
 use chordal_io::tiles::{Tile, Tileset, aligned_box, content_bounds, write};

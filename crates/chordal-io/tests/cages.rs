@@ -241,7 +241,8 @@ fn a_refined_cage_that_was_written_and_read_is_the_same_cage() {
         let (read, _) = load(&file);
         assert!(read.cage == once, "{name}");
         assert!(read.cage.refined().unwrap() == once.refined().unwrap(), "{name}");
-        // A file that knows nothing of rounds has no corners by nature within surfaces but those that are listed.
+        // A file that knows nothing of rounds has no corners by nature within surfaces but those that are
+        // listed.
         let others = file.replace("t refined 0/0/0\n", "");
         let plain = load(&others).0.cage.refined().unwrap();
         let is_odd = name == "catmark_val2_nonman";
@@ -249,7 +250,8 @@ fn a_refined_cage_that_was_written_and_read_is_the_same_cage() {
     }
 }
 
-/// For each vertex of one cage that of the other at the same place, where there is just one; faces by them, from the lowest.
+/// For each vertex of one cage that of the other at the same place, where there is just one; faces by them,
+/// from the lowest.
 fn mapped(from: &Cage, to: &Cage, room: f64) -> Option<Vec<Vec<u32>>> {
     let mut by_x: Vec<u32> = (0..to.positions().len() as u32).collect();
     let at = |v: u32| to.positions()[v as usize];
@@ -283,7 +285,8 @@ fn one_round_from_a_file_of_one_round_is_two_rounds() {
     let mut n_compared = 0;
     for (name, text) in corpus() {
         let Ok((polygons, _)) = read_as(&text, surface_of(&name)) else { continue };
-        // After a round of it two edges join the same vertices: a file, which names edges by these, cannot tell them apart.
+        // After a round of it two edges join the same vertices: a file, which names edges by these, cannot
+        // tell them apart.
         if name == "loop_val2_interior" {
             continue;
         }
@@ -346,7 +349,8 @@ fn h72_odd_cages_are_refined_to_what_their_rules_say() {
     assert_eq!((refined.n_faces(), refined.positions().len()), (1_000, 2_001));
     // Some thousand roundings of numbers up to 1.
     assert!(refined.positions()[2_000].iter().all(|x| x.abs() < 1e-12));
-    // A vertex of valence 50: (n − 2)/n of itself, 1/n² of each neighbour and of each face's middle, which is at a third.
+    // A vertex of valence 50: (n − 2)/n of itself, 1/n² of each neighbour and of each face's middle, which is
+    // at a third.
     let n = 50.0;
     let expected = (n - 2.0) / n + n * (1.0 / 3.0) / (n * n);
     let top = round(&pole(50)).positions()[50];
@@ -356,7 +360,8 @@ fn h72_odd_cages_are_refined_to_what_their_rules_say() {
     let corner = round(pillow).positions()[0];
     // A quarter of each of two neighbours at (1,0) and (0,1), and a quarter of each of two middles at (½,½).
     assert_eq!(corner, [0.5, 0.5, 0.0]);
-    // A crease of 10 or more never gets smooth: its edges stay the mean of their ends, with what sharpness there was.
+    // A crease of 10 or more never gets smooth: its edges stay the mean of their ends, with what sharpness
+    // there was.
     for sharp in ["10", "11.5", "1e300", "inf"] {
         let folded = load(&format!("{pillow}t crease 2/1/0 0 1 {sharp}\n")).0.cage.refined().unwrap();
         assert_eq!(folded.positions()[4], [0.5, 0.0, 0.0], "{sharp}");

@@ -6,7 +6,8 @@ use chordal::Mesh;
 use chordal_io::{Content, Format, Limits, read};
 use common::count;
 
-/// Positions and triangles by a count that shares nothing with the readers; `None` where it is too simple for a file.
+/// Positions and triangles by a count that shares nothing with the readers; `None` where it is too simple for
+/// a file.
 fn naive_counts(bytes: &[u8], format: Format) -> Option<(usize, usize)> {
     let text = String::from_utf8_lossy(bytes);
     let first = |line: &str| line.split_whitespace().next().unwrap_or("").to_owned();

@@ -1,4 +1,5 @@
-//! What is written reads back: the same positions to the last bit, the same faces, normals at the format's precision.
+//! What is written reads back: the same positions to the last bit, the same faces, normals at the format's
+//! precision.
 use crate::common;
 use chordal_testkit::Random;
 

@@ -26,7 +26,8 @@ fn count(change: isize) {
     });
 }
 
-// SAFETY: every call is passed on to the system's allocator unchanged; counting touches no memory of its blocks.
+// SAFETY: every call is passed on to the system's allocator unchanged; counting touches no memory of its
+// blocks.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);
@@ -532,8 +533,8 @@ fn large_hostile_files_stay_within_the_promised_memory() {
     }
 }
 
-/// Strips and polygons of one-byte indices are packed more tightly than triangles can be: twelve bytes for each byte of
-/// the file. What is promised for them counts the triangles.
+/// Strips and polygons of one-byte indices are packed more tightly than triangles can be: twelve bytes for
+/// each byte of the file. What is promised for them counts the triangles.
 #[test]
 fn packed_faces_stay_within_the_promise_for_what_they_decode_to() {
     let rows = 20_000_u64;
@@ -558,8 +559,8 @@ fn packed_faces_stay_within_the_promise_for_what_they_decode_to() {
     }
 }
 
-/// Gzip packs samples as tightly as it likes. What is promised counts what they unpack to, and what a header declares
-/// beyond that counts nothing.
+/// Gzip packs samples as tightly as it likes. What is promised counts what they unpack to, and what a header
+/// declares beyond that counts nothing.
 #[test]
 fn h62_packed_volumes_stay_within_the_promise_for_what_they_unpack_to() {
     let n = 128_usize;

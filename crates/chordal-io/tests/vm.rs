@@ -1,4 +1,5 @@
-//! Op lists: the models that come with fidget, every operation, and what is refused, with its line and column.
+//! Op lists: the models that come with fidget, every operation, and what is refused, with its line and
+//! column.
 use chordal::budget::Evidence;
 use chordal::implicit::evaluation::{Binary, Unary};
 use chordal::implicit::{Distance, Field};

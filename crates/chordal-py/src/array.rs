@@ -1,8 +1,9 @@
 //! `Array`: numbers that numpy sees in place.
 //!
-//! numpy's array interface (version 3) names an address, and numpy keeps the object that named it. So an array lives
-//! as long as anybody looks at it, nothing is copied, and no line here is unsafe: what is shown never changes, and
-//! numpy is told that it may not write. Nor can a user allow it: numpy asks the owner, and this one offers no buffer.
+//! numpy's array interface (version 3) names an address, and numpy keeps the object that named it. So an
+//! array lives as long as anybody looks at it, nothing is copied, and no line here is unsafe: what is shown
+//! never changes, and numpy is told that it may not write. Nor can a user allow it: numpy asks the owner, and
+//! this one offers no buffer.
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::sync::Arc;
@@ -41,7 +42,8 @@ impl ArrayData {
 pub(crate) struct Array(Box<dyn Fn() -> ArrayData + Send + Sync>);
 
 impl Array {
-    /// Some numbers of an owner that stays as long as the array does. That it is shared keeps it from changing.
+    /// Some numbers of an owner that stays as long as the array does. That it is shared keeps it from
+    /// changing.
     pub(crate) fn new<T: Send + Sync + 'static>(owner: &Arc<T>, rows: fn(&T) -> ArrayData) -> Self {
         let owner = Arc::clone(owner);
         Self(Box::new(move || rows(&owner)))

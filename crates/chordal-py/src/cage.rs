@@ -72,8 +72,8 @@ impl Cage {
 
 #[pymethods]
 impl Cage {
-    /// `numbers` are three coordinates a vertex in double precision, `indices` the vertices of all faces in 32 bits, `ends`
-    /// where those of each face end, in 64, all in the byte order of the machine.
+    /// `numbers` are three coordinates a vertex in double precision, `indices` the vertices of all faces in
+    /// 32 bits, `ends` where those of each face end, in 64, all in the byte order of the machine.
     #[new]
     fn new(
         py: Python<'_>,

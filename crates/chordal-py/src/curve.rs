@@ -4,10 +4,11 @@ use chordal::explicit::{Curve, CurveEnds, CurveSegment};
 use chordal_io::{DrawingElement, Format, Frame, PathSet};
 use chordal_verbs::{Input, Shape, sha256};
 
-/// The shape of `n_points` control points a curve (3n + 1 for n pieces), each of `width` coordinates (2 or 3), all in
-/// a row, in double precision and the byte order of the machine.
+/// The shape of `n_points` control points a curve (3n + 1 for n pieces), each of `width` coordinates (2 or
+/// 3), all in a row, in double precision and the byte order of the machine.
 ///
-/// It is what the same numbers in a JSON file would give. There is no file, so the digest is that of the numbers.
+/// It is what the same numbers in a JSON file would give. There is no file, so the digest is that of the
+/// numbers.
 ///
 /// # Errors
 /// A sentence where the numbers are no such curves.

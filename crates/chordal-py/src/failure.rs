@@ -1,4 +1,5 @@
-//! What fails becomes one of Python's exceptions: those of `chordal._errors`, which carry what a program wants to know.
+//! What fails becomes one of Python's exceptions: those of `chordal._errors`, which carry what a program
+//! wants to know.
 use crate::spelling::Keywords;
 use chordal::budget::Refusal;
 use chordal::budget::advice::Spell;

@@ -132,8 +132,8 @@ impl Outcome {
         Report::new(outcome.certificate.clone(), run).to_value().to_string()
     }
 
-    /// The numbers of that name: "vertices" and "faces" of triangles; "points", "places", "starts", "closed" and
-    /// "sources" of polylines.
+    /// The numbers of that name: "vertices" and "faces" of triangles; "points", "places", "starts", "closed"
+    /// and "sources" of polylines.
     fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
         let array = match &self.filled.rows {
             OutcomeRows::Triangles(rows) => TriangleRows::array(rows, name),

@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The pool with the process that it belongs to.
 ///
-/// A fork takes only the thread that asked for it along. The pool of a child is then a ruin that answers nobody, so
-/// it is left where it is and the child starts another. The lock is taken only by threads that hold Python's own,
-/// and given back before that is: nobody else can have it at the moment of a fork.
+/// A fork takes only the thread that asked for it along. The pool of a child is then a ruin that answers
+/// nobody, so it is left where it is and the child starts another. The lock is taken only by threads that
+/// hold Python's own, and given back before that is: nobody else can have it at the moment of a fork.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// The threads of this process.

@@ -29,7 +29,8 @@ impl CallLog {
     }
 }
 
-/// A function from the bytes of points to the bytes of values. It is called from threads of our own, with Python's lock.
+/// A function from the bytes of points to the bytes of values. It is called from threads of our own, with
+/// Python's lock.
 pub(crate) struct PythonLeaf {
     pub call: Py<PyAny>,
     /// The same for the bytes of gradients.

@@ -154,7 +154,8 @@ impl Rule {
         found.ok_or_else(|| PyValueError::new_err("there are three axes"))
     }
 
-    /// The shape of a function from the bytes of points to the bytes of values, and one to those of gradients.
+    /// The shape of a function from the bytes of points to the bytes of values, and one to those of
+    /// gradients.
     #[staticmethod]
     fn callable(
         call: Py<PyAny>,

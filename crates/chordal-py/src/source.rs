@@ -83,8 +83,9 @@ impl Source {
         Ok(Self { input: Arc::new(input), name, calls: Vec::new() })
     }
 
-    /// Curves by their control points: `numbers` are all coordinates in double precision and the byte order of the
-    /// machine; `shape` is the number of curves, of points of each (3n + 1 for n pieces), and of coordinates.
+    /// Curves by their control points: `numbers` are all coordinates in double precision and the byte order
+    /// of the machine; `shape` is the number of curves, of points of each (3n + 1 for n pieces), and of
+    /// coordinates.
     #[staticmethod]
     fn curves(
         py: Python<'_>,
@@ -99,8 +100,8 @@ impl Source {
         Ok(Self::from_input(input, Vec::new()))
     }
 
-    /// Triangles: `numbers` are three coordinates a vertex in double precision, `indices` three vertices a face in 32
-    /// bits, both in the byte order of the machine.
+    /// Triangles: `numbers` are three coordinates a vertex in double precision, `indices` three vertices a
+    /// face in 32 bits, both in the byte order of the machine.
     #[staticmethod]
     fn triangles(
         py: Python<'_>,

@@ -5,7 +5,8 @@ use chordal_verbs::{BudgetSpec, Normals, Spacing};
 use pyo3::prelude::*;
 use std::str::FromStr;
 
-/// The arguments of a budget as texts and numbers. `python/chordal/_budget.py` has made sure that they belong together.
+/// The arguments of a budget as texts and numbers. `python/chordal/_budget.py` has made sure that they belong
+/// together.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Wanted {

@@ -3,8 +3,8 @@ use chordal::Mesh;
 use chordal_io::{Format, Frame, Scene};
 use chordal_verbs::{Input, Shape, sha256};
 
-/// The mesh of `numbers`, three coordinates a vertex in double precision, and `indices`, three vertices a face in 32
-/// bits, both in the byte order of the machine.
+/// The mesh of `numbers`, three coordinates a vertex in double precision, and `indices`, three vertices a
+/// face in 32 bits, both in the byte order of the machine.
 ///
 /// It is what the same rows in a PLY file would give. There is no file, so the digest is that of the numbers.
 ///

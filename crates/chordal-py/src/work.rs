@@ -9,8 +9,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::time::Duration;
 
-/// How often a waiting thread looks whether somebody wants to stop; a fifth of the tenth of a second in which Ctrl-C
-/// has to be obeyed.
+/// How often a waiting thread looks whether somebody wants to stop; a fifth of the tenth of a second in which
+/// Ctrl-C has to be obeyed.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// What comes from the work.
@@ -22,9 +22,9 @@ enum WorkMessage<T> {
 
 /// Runs `work` on the threads of this process and waits for it without Python's lock.
 ///
-/// Python's signal handlers run meanwhile, every [`LOOK`]. If one raises, or the function for progress does, that
-/// exception comes back at once and unchanged; the work is told to stop and ends by itself, on what it owns.
-/// Progress is told from the thread that called; of steps that follow each other closely, the last.
+/// Python's signal handlers run meanwhile, every [`LOOK`]. If one raises, or the function for progress does,
+/// that exception comes back at once and unchanged; the work is told to stop and ends by itself, on what it
+/// owns. Progress is told from the thread that called; of steps that follow each other closely, the last.
 pub(crate) fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,

@@ -20,7 +20,8 @@ fn count(change: isize) {
     });
 }
 
-// SAFETY: every call is passed on to the system's allocator unchanged; counting touches no memory of its blocks.
+// SAFETY: every call is passed on to the system's allocator unchanged; counting touches no memory of its
+// blocks.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);

@@ -1,12 +1,13 @@
-//! Baking the corpus: no wrong sign on closed meshes by a vote of rays, and distances as a plain loop finds them.
+//! Baking the corpus: no wrong sign on closed meshes by a vote of rays, and distances as a plain loop finds
+//! them.
 use crate::common;
 
 use chordal::convert::{mesh_to_field, mesh_to_grid};
 use chordal::{Job, Mesh};
 use chordal_verbs::{FormatHint, Shape, load};
 
-/// Whether the ray from `p` along `d` leaves more often than it enters; `None` where it comes too close to an edge to
-/// tell.
+/// Whether the ray from `p` along `d` leaves more often than it enters; `None` where it comes too close to an
+/// edge to tell.
 fn is_surrounded(p: [f64; 3], d: [f64; 3], mesh: &Mesh) -> Option<bool> {
     let cross = |a: [f64; 3], b: [f64; 3]| {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -1,4 +1,5 @@
-//! `inspect` on every file of the corpus: the counts by sorting, the report by its schema, every finding with its place.
+//! `inspect` on every file of the corpus: the counts by sorting, the report by its schema, every finding with
+//! its place.
 use crate::common;
 
 use chordal::Mesh;
@@ -21,8 +22,8 @@ fn read(path: &Path) -> Option<Input> {
 /// The lower and the higher position of a triangle's side, and whether it runs up.
 type Side = (u64, u64, bool);
 
-/// Positions, edges, boundary edges, edges with three faces or more, edges wound against each other, collapsed faces:
-/// by sorting, and nothing else.
+/// Positions, edges, boundary edges, edges with three faces or more, edges wound against each other,
+/// collapsed faces: by sorting, and nothing else.
 fn sorted_counts(mesh: &Mesh, format: Format) -> [u64; 6] {
     let by_bits = matches!(format, Format::Stl | Format::Glb);
     let mut places: Vec<([u64; 3], u32)> = (0..)

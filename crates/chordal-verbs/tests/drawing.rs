@@ -175,7 +175,8 @@ fn triangles_can_be_counted_and_what_fills_nothing_is_said() {
         let n = outcome.certificate.output.unwrap().triangles().unwrap().triangles;
         assert!(n <= most && n + 8 + most / 100 >= most, "{n} of {most}");
     }
-    // A ring cannot be had for two triangles: what is left has a bound as large as the ring is broad, or says why.
+    // A ring cannot be had for two triangles: what is left has a bound as large as the ring is broad, or says
+    // why.
     let spec = BudgetSpec { triangles: Some(2), ..BudgetSpec::default() };
     let coarse = made(drawing(RING), &spec, Format::Ply);
     assert!(coarse.bound.at_most().unwrap() >= 2.0, "{}", coarse.bound);

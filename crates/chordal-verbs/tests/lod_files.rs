@@ -1,5 +1,5 @@
-//! Levels as they stand in the files of a tileset, read back and held against the true shape by a sampler that shares no code with the
-//! library: no point of either is farther from the other than the file says.
+//! Levels as they stand in the files of a tileset, read back and held against the true shape by a sampler
+//! that shares no code with the library: no point of either is farther from the other than the file says.
 
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Limits};
@@ -113,7 +113,8 @@ fn levels_of_a_patch_are_as_near_as_they_say() {
     let cells = (0..n).flat_map(|j| (0..n).map(move |i| j * (n + 1) + i));
     let faces = cells.flat_map(|k| [[k, k + 1, k + n + 2], [k, k + n + 2, k + n + 1]]).collect();
     let truth = triangles(&Mesh::new(fine.clone(), faces).unwrap());
-    // A cell of 1/400 is off its patch by an eighth of its sides squared times the second derivatives, which are below 6 · 4 · 3 in all.
+    // A cell of 1/400 is off its patch by an eighth of its sides squared times the second derivatives, which
+    // are below 6 · 4 · 3 in all.
     let sag = 72.0 / (8.0 * f64::from(n).powi(2));
     let mut random = Random::new(2);
     let found = tiles(PATCH.as_bytes(), Format::Bpt, &spec("0.004", 1 << 16));

@@ -91,11 +91,13 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
             let name = format!("{}, {cure}", path.display());
             let was = &outcome.certificate.valid_before.as_ref().unwrap().counts;
             let is = &outcome.certificate.valid.as_ref().unwrap().counts;
-            // A copy of an edge that had three faces may be a boundary, and a hole may be left where there was a face.
+            // A copy of an edge that had three faces may be a boundary, and a hole may be left where there
+            // was a face.
             let may_open = ["split", "degenerate"].contains(&cure);
             assert!(may_open || is.boundary_edges <= was.boundary_edges || cure == "t-junctions", "{name}");
             assert!(is.non_manifold_edges <= was.non_manifold_edges, "{name}");
-            // Two of three faces along an edge that are left there together may have been wound against each other.
+            // Two of three faces along an edge that are left there together may have been wound against each
+            // other.
             let hidden = if cure == "split" { was.non_manifold_edges } else { 0 };
             // Faces that become neighbours by a cut may turn out to be, too.
             let met = cure == "t-junctions";
@@ -108,7 +110,8 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
     }
 }
 
-/// A triangle whose parts are shown twice, once as it is and once so many times as large; as the bytes of a GLB.
+/// A triangle whose parts are shown twice, once as it is and once so many times as large; as the bytes of a
+/// GLB.
 fn shown_large(rows: &[[f64; 3]], faces: &[[u32; 3]], times: f64) -> Input {
     let mesh = Mesh::new(rows.to_vec(), faces.to_vec()).unwrap();
     let mut scene = Scene::from_triangle_soup("part", mesh, Frame::default());
@@ -137,8 +140,9 @@ fn a_length_holds_where_a_part_is_shown_largest() {
         let outcome = done(shown_large(&rows, &faces, 4.0), &within(length), Format::Glb);
         (left(&outcome, "welded_vertices"), outcome.bound.at_most().unwrap())
     };
-    // The stretch of a matrix is bounded by the root of the sum of its squares: here √3 times what it is. So a length that
-    // is too small certainly moves nothing, and one that is twice as large as needed certainly suffices.
+    // The stretch of a matrix is bounded by the root of the sum of its squares: here √3 times what it is. So
+    // a length that is too small certainly moves nothing, and one that is twice as large as needed certainly
+    // suffices.
     let (few, still) = welded(0.06);
     let (more, moved) = welded(0.12);
     assert_eq!((few, still, more), (0, 0.0, 1));

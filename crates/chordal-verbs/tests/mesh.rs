@@ -325,7 +325,8 @@ fn a_part_in_two_places_has_what_the_nearer_one_allows() {
     assert_eq!(near, both);
 }
 
-/// Hills of 30 × 30 cells with the place on them as texture coordinates, whose last row of vertices has them off by `off`.
+/// Hills of 30 × 30 cells with the place on them as texture coordinates, whose last row of vertices has them
+/// off by `off`.
 fn textured(off: f64) -> Mesh {
     let at = |i: u32| f64::from(i) / 30.0;
     let places: Vec<[f64; 2]> = (0..31).flat_map(|i| (0..31).map(move |j| [at(i), at(j)])).collect();

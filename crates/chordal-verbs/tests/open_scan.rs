@@ -25,7 +25,8 @@ fn bowl(n: u32, cut: f64) -> Mesh {
     Mesh::new(positions, faces).unwrap()
 }
 
-/// The policy: a side is only said where the winding number, with its error, is on that side of its threshold.
+/// The policy: a side is only said where the winding number, with its error, is on that side of its
+/// threshold.
 fn is_said_as_it_is(Containment { side, winding }: Containment) -> bool {
     let (least, most) = (winding.value - winding.off_at_most, winding.value + winding.off_at_most);
     match side {
@@ -42,8 +43,8 @@ fn h59_an_open_sphere_says_inside_outside_or_ambiguous_and_never_the_wrong_one()
     let bvh = Bvh::build(&mesh, &Job::default()).unwrap();
     let enclosure = Enclosure::new(&mesh, &bvh);
     assert!(!enclosure.is_closed());
-    // The cap that is missing, seen from the axis at height z, has the solid angle 2π(1 − cos), so that it hides as
-    // much less: near the bottom all is clear, in the plane of the rim it is a half.
+    // The cap that is missing, seen from the axis at height z, has the solid angle 2π(1 − cos), so that it
+    // hides as much less: near the bottom all is clear, in the plane of the rim it is a half.
     for z in [-0.9, -0.5, 0.0, 0.3, 0.5, 0.8, 1.2, 3.0] {
         let found = enclosure.inside([0.01, 0.02, z]);
         let up = 0.5 - z;
@@ -70,7 +71,8 @@ fn h59_an_open_sphere_says_inside_outside_or_ambiguous_and_never_the_wrong_one()
         assert!(is_said_as_it_is(found), "{p:?}: {found:?}");
         match found.side {
             PointLocation::Ambiguous => n_ambiguous += 1,
-            // Between the polygon and the sphere, and above the rim, where the wall is missing, there is no truth.
+            // Between the polygon and the sphere, and above the rim, where the wall is missing, there is no
+            // truth.
             _ if (0.97..1.01).contains(&r) || p[2] > 0.3 => {}
             PointLocation::Inside => assert!(r < 1.0, "{p:?}: {found:?}"),
             _ => assert!(r > 0.97, "{p:?}: {found:?}"),

@@ -54,7 +54,8 @@ fn may_show(of: &str, cures: &[&str]) -> bool {
         "boundary_edges" => cures
             .iter()
             .any(|cure| ["--split-nonmanifold", "--drop-duplicates", "--drop-degenerate"].contains(cure)),
-        // Copies of positions are what splitting is; slivers are remarks on new faces' shapes, and have no cure.
+        // Copies of positions are what splitting is; slivers are remarks on new faces' shapes, and have no
+        // cure.
         "duplicate_vertices" => cures.contains(&"--split-nonmanifold"),
         "slivers" => true,
         _ => false,

@@ -14,11 +14,12 @@
 //! ```
 //!
 //! Options: `{"name": "teapot.bpt", "to": "glb", "tol": "0.1%", "px": "1", "view": "1920x1080 fov=45 dist=4",
-//! "triangles": 5000, "segments": 5000, "from": …, "unit": …, "up": "y", "keep_best": true}`. At least one of tol, px with view,
-//! triangles and, for curves to polylines, segments. Same input, same options, same version: the same bytes as from the command.
+//! "triangles": 5000, "segments": 5000, "from": …, "unit": …, "up": "y", "keep_best": true}`. At least one of
+//! tol, px with view, triangles and, for curves to polylines, segments. Same input, same options, same
+//! version: the same bytes as from the command.
 //!
-//! A page that shows curves asks three more things, each with a JSON object, and finds the answer as JSON where the report
-//! stands:
+//! A page that shows curves asks three more things, each with a JSON object, and finds the answer as JSON
+//! where the report stands:
 //!
 //! ```text
 //! chordal_study(question, n)    {"control": [[x, y] × 4], "segments": 8, "pixels_per_unit": 70, "pixels": 0.5, "t": 0.5, "near": 0.2}
@@ -52,7 +53,8 @@ pub extern "C" fn chordal_alloc(len: usize) -> *mut u8 {
 /// `at` and `len` are from one call of [`chordal_alloc`], and it is the first time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_free(at: *mut u8, len: usize) {
-    // SAFETY: by the contract this is the slice that `chordal_alloc` made and leaked, and nobody else frees it.
+    // SAFETY: by the contract this is the slice that `chordal_alloc` made and leaked, and nobody else frees
+    // it.
     drop(unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(at, len)) });
 }
 
@@ -68,8 +70,8 @@ pub unsafe extern "C" fn chordal_mesh(
     options: *const u8,
     options_len: usize,
 ) -> *mut Outcome {
-    // SAFETY: by the contract both are initialised, live, of that length, and nobody writes during the call, for
-    // WASM modules like this one have one thread.
+    // SAFETY: by the contract both are initialised, live, of that length, and nobody writes during the call,
+    // for WASM modules like this one have one thread.
     let (input, options) = unsafe {
         (std::slice::from_raw_parts(input, input_len), std::slice::from_raw_parts(options, options_len))
     };
@@ -85,8 +87,8 @@ macro_rules! questions {
         /// `question` and `len` are from one call of [`chordal_alloc`] and were not given back.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(question: *const u8, len: usize) -> *mut Outcome {
-            // SAFETY: by the contract it is initialised, live, of that length, and nobody writes during the call, for
-            // WASM modules like this one have one thread.
+            // SAFETY: by the contract it is initialised, live, of that length, and nobody writes during the
+            // call, for WASM modules like this one have one thread.
             let question = unsafe { std::slice::from_raw_parts(question, len) };
             Box::into_raw(Box::new(outcome::answer($answer(question))))
         }
@@ -94,8 +96,8 @@ macro_rules! questions {
 }
 
 questions! {
-    /// One cubic with a number of segments: both chains, their gaps and bounds, how many segments a tolerance takes, and
-    /// de Casteljau's construction.
+    /// One cubic with a number of segments: both chains, their gaps and bounds, how many segments a tolerance
+    /// takes, and de Casteljau's construction.
     chordal_study: study::study;
     /// How the error of one cubic falls with the number of segments.
     chordal_ladder: study::ladder;

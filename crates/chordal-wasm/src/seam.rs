@@ -1,4 +1,5 @@
-//! What a page asks about two cubics: made to meet as smoothly as is wished, how they meet, and the comb of their curvature.
+//! What a page asks about two cubics: made to meet as smoothly as is wished, how they meet, and the comb of
+//! their curvature.
 use crate::question::{AnswerError, Leader, Question};
 use chordal::Bezier;
 use chordal::check::curves::{Join, Tooth, curvature_comb, join};

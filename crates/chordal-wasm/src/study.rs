@@ -1,4 +1,5 @@
-//! What a page asks about one cubic: its polylines at a number of segments, and how the error falls with that number.
+//! What a page asks about one cubic: its polylines at a number of segments, and how the error falls with that
+//! number.
 use crate::question::{AnswerError, Question};
 use chordal::budget::Bounded;
 use chordal::check::curves::{Gap, largest_gap};
@@ -92,8 +93,8 @@ fn construction(cubic: &Bezier<2>, t: f64) -> Value {
     json!({ "t": t, "first": levels.first, "second": levels.second, "point": levels.point })
 }
 
-/// A chain with what was lost, measured and proved, and the curve `near` the gap for a magnifying glass. Where the curve is
-/// a point there is no gap.
+/// A chain with what was lost, measured and proved, and the curve `near` the gap for a magnifying glass.
+/// Where the curve is a point there is no gap.
 fn chain_json(cubic: &Bezier<2>, made: &Bounded<Polyline<2>>, [scale, near]: [f64; 2]) -> Value {
     // Of a curve that is one point, only rounding would be measured.
     let found = if cubic.is_point() { None } else { largest_gap(&Curve::from(*cubic), &made.shape) };

@@ -1,8 +1,9 @@
-//! A teapot on a desk and a mountain 3 km away, each within one pixel of its own and within the length of the nearest.
+//! A teapot on a desk and a mountain 3 km away, each within one pixel of its own and within the length of the
+//! nearest.
 //!
-//! `cargo run --release -p chordal --example desk examples/teapot.bpt given.obj > desk.obj` writes the triangles of all
-//! three as they are to begin with, and those within a pixel; the table of `docs/by_view.md` goes to stderr. Units are
-//! metres.
+//! `cargo run --release -p chordal --example desk examples/teapot.bpt given.obj > desk.obj` writes the
+//! triangles of all three as they are to begin with, and those within a pixel; the table of `docs/by_view.md`
+//! goes to stderr. Units are metres.
 use chordal::budget::View;
 use chordal::budget::camera::{Camera, Projection};
 use chordal::explicit::Topology;
@@ -146,7 +147,8 @@ fn noise(x: f64, y: f64) -> f64 {
     low * (1.0 - v) + high * v
 }
 
-/// The longest edge of a mesh on the screen, in pixels, of those with both ends before the eye, which looks along x.
+/// The longest edge of a mesh on the screen, in pixels, of those with both ends before the eye, which looks
+/// along x.
 fn longest_edge(mesh: &Mesh, camera: &Camera) -> f64 {
     let Projection::Perspective { fov_y_deg } = camera.projection else { return f64::NAN };
     let focal = 0.5 * f64::from(camera.screen.height_px) / (0.5 * fov_y_deg.to_radians()).tan();

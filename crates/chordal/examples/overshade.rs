@@ -1,12 +1,13 @@
-//! What a smooth and a rough ball of 1 to 10,000,000 triangles cost a graphics processor on a screen of 1920 × 1080, as a
-//! table for docs/overshade.md: `cargo run --release -p chordal --example overshade`.
+//! What a smooth and a rough ball of 1 to 10,000,000 triangles cost a graphics processor on a screen of 1920
+//! × 1080, as a table for docs/overshade.md: `cargo run --release -p chordal --example overshade`.
 use chordal::budget::camera::{Camera, Projection, Screen};
 use chordal::check::shading::{flicker, overshade};
 use chordal::explicit::query::HitSides;
 use chordal::{Job, Mesh};
 use std::time::Instant;
 
-/// The sphere of radius 1 from the sides of an octahedron, each cut into n² triangles; `lift` says how far out a point is.
+/// The sphere of radius 1 from the sides of an octahedron, each cut into n² triangles; `lift` says how far
+/// out a point is.
 fn ball(n: u32, lift: impl Fn([f64; 3]) -> f64) -> Mesh {
     let mut positions = Vec::new();
     let mut faces = Vec::new();
@@ -32,7 +33,8 @@ fn ball(n: u32, lift: impl Fn([f64; 3]) -> f64) -> Mesh {
     Mesh::new(positions, faces).expect("finite")
 }
 
-/// Waves of ever less length and as steep as each other, down to a third of a pixel: detail without end, for this screen.
+/// Waves of ever less length and as steep as each other, down to a third of a pixel: detail without end, for
+/// this screen.
 fn rough([x, y, z]: [f64; 3]) -> f64 {
     (0..12).fold(1.0, |sum, octave| {
         let rate = 4.0 * f64::from(1_u32 << octave);

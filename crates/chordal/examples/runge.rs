@@ -1,4 +1,5 @@
-//! Runge's function through 11 equally spaced points: the polynomial swings out of bounds, the spline does not.
+//! Runge's function through 11 equally spaced points: the polynomial swings out of bounds, the spline does
+//! not.
 //!
 //! `cargo run -p chordal --example runge > runge.svg` writes the picture; what it measures goes to stderr.
 use chordal::explicit::parametric::Polynomial;

@@ -1,6 +1,7 @@
 //! The tables of `docs/segments.md`: how many segments a curve needs, and what they lose.
 //!
-//! `cargo run -p chordal --example segments` prints them; with `-- docs/segments.md` it puts them into the page, between the marks.
+//! `cargo run -p chordal --example segments` prints them; with `-- docs/segments.md` it puts them into the
+//! page, between the marks.
 use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment};
 use chordal::{Bezier, Budget, Job, Tolerance, convert};
 

@@ -1,5 +1,5 @@
-//! How long it takes to weld a soup of 1,000,000 triangles, to give it normals and to judge it, in CPU time of one
-//! thread: `RAYON_NUM_THREADS=1 cargo run --release --example weld_times`.
+//! How long it takes to weld a soup of 1,000,000 triangles, to give it normals and to judge it, in CPU time
+//! of one thread: `RAYON_NUM_THREADS=1 cargo run --release --example weld_times`.
 use chordal::explicit::{NormalWeight, Shading, Topology, position_id_by_bits, vertex_normals, with_normals};
 use chordal::mend::{Weld, weld};
 use chordal::{Job, Mesh, Tolerance, check};

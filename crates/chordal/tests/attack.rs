@@ -150,7 +150,8 @@ fn closed_patches_are_closed_at_every_budget() {
 
 #[test]
 fn sides_folded_around_a_corner_are_covered_and_manifold() {
-    // Both sides at a corner are the same curve; `twice`: at the opposite corner as well, which closes the surface.
+    // Both sides at a corner are the same curve; `twice`: at the opposite corner as well, which closes the
+    // surface.
     for twice in [false, true] {
         for bulge in [0.3, -0.7] {
             let mut folded =

@@ -1,4 +1,5 @@
-//! What is measured of attributes, held against values that are known in closed form, seams that moved, and planted errors.
+//! What is measured of attributes, held against values that are known in closed form, seams that moved, and
+//! planted errors.
 use crate::solids::shapes;
 
 use chordal::budget::JobError;
@@ -74,8 +75,8 @@ fn nothing_is_off_between_a_mesh_and_itself_also_at_its_seams() {
 
 #[test]
 fn a_linear_difference_has_the_mean_square_of_its_integral() {
-    // 0.1 · (x, y) over the unit square: the mean square is 0.01 · 2/3, the largest 0.1 · √2 at a corner. Whatever the
-    // triangles of either are.
+    // 0.1 · (x, y) over the unit square: the mean square is 0.01 · 2/3, the largest 0.1 · √2 at a corner.
+    // Whatever the triangles of either are.
     let a = at_vertices(flat([40, 40]), TEXTURE, |p| vec![p[0], p[1]]);
     let b = at_vertices(flat([37, 31]), TEXTURE, |p| vec![1.1 * p[0], 1.1 * p[1]]);
     let (largest, rms) = of_one(&a, &b, None);
@@ -94,11 +95,13 @@ fn a_seam_does_not_smear_and_a_smear_is_found() {
     let made = simplify(&mesh, &Budget::length(length), Topology::Indices, &Job::default()).expect("made");
     let bound = made.bound.at_most().expect("proved");
     let out = made.shape.mesh;
-    // Long triangles are straight where coordinates are round, so that they slide; but not by a chart, which is 1.
+    // Long triangles are straight where coordinates are round, so that they slide; but not by a chart, which
+    // is 1.
     let (largest, rms) = of_one(&mesh, &out, Some(bound));
     println!("slides by {largest}, {rms} on the mean");
     assert!(largest > 1e-3 && largest < 0.1 && rms < 0.02, "{largest} {rms}");
-    // Values of both sides put together at the positions of the seam: triangles across it show the whole texture backwards.
+    // Values of both sides put together at the positions of the seam: triangles across it show the whole
+    // texture backwards.
     let smeared = {
         let bare = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec()).expect("valid");
         let mut values = vec![0.0; 2 * bare.positions().len()];

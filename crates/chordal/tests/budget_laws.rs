@@ -1,5 +1,5 @@
-//! Laws of the nouns of `budget`: a chain of bounds holds for real point sets and claims no more than the triangle
-//! inequality leaves; what is shown reads back; what is no budget is refused.
+//! Laws of the nouns of `budget`: a chain of bounds holds for real point sets and claims no more than the
+//! triangle inequality leaves; what is shown reads back; what is no budget is refused.
 use crate::exact;
 use chordal::budget::camera::{Camera, MinDistanceView, Projection, Screen};
 use chordal::budget::{Bound, Evidence, Length, Metric, Pixels, Reference, Tolerance, Unit, View};
@@ -334,7 +334,8 @@ fn lower_ends_do_not_cross_metrics_that_forbid_it() {
         bound.metric = metric;
         bound
     };
-    // B has a second point far from A's; the way back from B to A is long, the way there is short, and C is B.
+    // B has a second point far from A's; the way back from B to A is long, the way there is short, and C is
+    // B.
     let one_sided = of(Metric::OneSided, 1.0, 1.0).then(&of(Metric::OneSided, 0.0, 0.1));
     assert_eq!((one_sided.at_least(), one_sided.metric), (0.0, Metric::OneSided));
     // Equal parameters may be far apart on shapes that are one.

@@ -1,5 +1,5 @@
-//! Laws of `explicit::query::Bvh`: what it returns is what a plain loop over all triangles finds, its bounds hold in exact
-//! arithmetic, and rays find no gap in a closed mesh.
+//! Laws of `explicit::query::Bvh`: what it returns is what a plain loop over all triangles finds, its bounds
+//! hold in exact arithmetic, and rays find no gap in a closed mesh.
 use chordal::explicit::query::{Bvh, Hit, MeshClosestPoint, Ray};
 use chordal::{Job, Mesh};
 use chordal_testkit::Random;
@@ -123,8 +123,8 @@ fn dot(a: &BigPoint, b: &BigPoint) -> Big {
     (0..3).fold(big(0.0), |sum, k| sum + a[k].clone() * b[k].clone())
 }
 
-/// The squared distance between a point and a triangle by definition: the least over the corners, the edges and,
-/// where the point projects inside, the face.
+/// The squared distance between a point and a triangle by definition: the least over the corners, the edges
+/// and, where the point projects inside, the face.
 fn true_square(p: [f64; 3], triangle: [[f64; 3]; 3]) -> Big {
     let p = p.map(big);
     let corners = triangle.map(|c| c.map(big));

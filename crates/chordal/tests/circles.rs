@@ -5,8 +5,8 @@ use gates::paths::{Leaf, tree};
 use gates::{Kind, Source, expect_none, sources};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The crates that are looked at. In `chordal-py` classes return each other by their nature (a source makes an outcome,
-/// which is a source again), and PyO3 wants all methods of a class in one block.
+/// The crates that are looked at. In `chordal-py` classes return each other by their nature (a source makes
+/// an outcome, which is a source again), and PyO3 wants all methods of a class in one block.
 const CRATES: [&str; 4] = ["chordal-io", "chordal-script", "chordal-verbs", "chordal-cli"];
 
 /// The module that a file below `src` is: `a/b.rs` and `a/b/mod.rs` are `a::b`, `lib.rs` is the root.
@@ -20,7 +20,8 @@ fn module_of(path: &str) -> Vec<String> {
     }
 }
 
-/// All paths of a file that may lead to another one: the leaves of its `use` items, and paths from `crate` or `super`.
+/// All paths of a file that may lead to another one: the leaves of its `use` items, and paths from `crate` or
+/// `super`.
 fn paths_of(source: &Source) -> Vec<Leaf> {
     let tokens = &source.tokens;
     let (mut leaves, mut at) = (Vec::new(), 0);

@@ -38,8 +38,8 @@ fn alone(whole: &Mesh, labels: &[usize], which: usize) -> Mesh {
     Mesh::new(whole.positions().to_vec(), faces).unwrap()
 }
 
-/// The component of every face, by spreading labels over shared edges until nothing changes; none for faces with two
-/// corners at one position.
+/// The component of every face, by spreading labels over shared edges until nothing changes; none for faces
+/// with two corners at one position.
 fn labels(mesh: &Mesh) -> Vec<usize> {
     let n = mesh.faces().len();
     let mut label: Vec<usize> = (0..n).collect();

@@ -1,13 +1,13 @@
-//! What the crates of the workspace depend on: each other only downwards, and others only under a licence that
-//! `deny.toml` allows.
+//! What the crates of the workspace depend on: each other only downwards, and others only under a licence
+//! that `deny.toml` allows.
 use crate::gates;
 
 use gates::expect_none;
 use serde_json::Value;
 use std::process::Command;
 
-/// The crates with their storeys; crates of one storey do not know each other. The Python package carries the command,
-/// so it stands above it.
+/// The crates with their storeys; crates of one storey do not know each other. The Python package carries the
+/// command, so it stands above it.
 const CRATES: [(&str, u8); 8] = [
     (TESTKIT, 0),
     ("chordal", 1),
@@ -78,8 +78,8 @@ fn allowed_licences(deny: &str) -> Vec<&str> {
     list.split('"').skip(1).step_by(2).collect()
 }
 
-/// Whether an SPDX expression (or the older `A/B`) can be met with the allowed licences alone: one side of every
-/// `OR`, both sides of every `AND`.
+/// Whether an SPDX expression (or the older `A/B`) can be met with the allowed licences alone: one side of
+/// every `OR`, both sides of every `AND`.
 fn is_met(expression: &str, allowed: &[&str]) -> bool {
     let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
     let words: Vec<&str> = spaced.split_whitespace().collect();

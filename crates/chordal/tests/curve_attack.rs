@@ -36,7 +36,8 @@ fn circle(radius: f64) -> Curve<2> {
 
 #[test]
 fn squares_that_vanish_hide_no_distance() {
-    // One segment for the arch is off by 0.75 of its scale, for the arc of 3 rad by 1 − cos 1.5 = 0.929 of its radius.
+    // One segment for the arch is off by 0.75 of its scale, for the arc of 3 rad by 1 − cos 1.5 = 0.929 of
+    // its radius.
     for exponent in [-140, -150, -154, -158, -160, -161, -162, -165, -200, -300, -310, -320] {
         let scale: f64 = format!("1e{exponent}").parse().expect("a number");
         for make in [fewest, even] {

@@ -1,4 +1,5 @@
-//! The ways to cut many curves give the same points as the one for a single path, on every set of instructions.
+//! The ways to cut many curves give the same points as the one for a single path, on every set of
+//! instructions.
 use chordal::convert::batch::BezierCutter;
 use chordal::convert::{self, Spacing};
 use chordal::explicit::{Bezier, Curve};

@@ -1,8 +1,8 @@
 //! What would make the same input give other bytes on another machine is not written on a result path.
 //!
 //! The library, the readers and writers and the verbs are searched; test code is free. What std says has
-//! "unspecified precision" differs between targets; fused products round once where others round twice; a hash map
-//! has an order of its own in every process; a parallel sum depends on where the work was cut.
+//! "unspecified precision" differs between targets; fused products round once where others round twice; a
+//! hash map has an order of its own in every process; a parallel sum depends on where the work was cut.
 use crate::gates;
 
 use gates::lines::Lines;
@@ -11,8 +11,8 @@ use gates::{Kind, Source, Token, expect_none};
 /// The crates whose results are promised to the byte.
 const RESULT_PATHS: [&str; 3] = ["crates/chordal/src", "crates/chordal-io/src", "crates/chordal-verbs/src"];
 
-/// Methods of f32 and f64, and of glam's vectors, that std computes with unspecified precision. `sqrt`, rounding,
-/// and the conversions of degrees are exact or one product.
+/// Methods of f32 and f64, and of glam's vectors, that std computes with unspecified precision. `sqrt`,
+/// rounding, and the conversions of degrees are exact or one product.
 const ELEMENTARY: &str = "
     acos acosh asin asinh atan atan2 atanh cbrt cos cosh exp exp2 exp_m1 exp10 gamma hypot ln ln_1p
     ln_gamma log log10 log2 powf powi sin sin_cos sinh tan tanh erf erfc algebraic_add algebraic_sub
@@ -36,8 +36,8 @@ const ORDERLESS: &str = "
     sum product reduce reduce_with try_reduce fold fold_with try_fold find_any find_map_any position_any
 ";
 
-/// Collections, counts of threads and clocks that may stand only beside a comment on why no result and no order
-/// depends on them (it says "result" or "order").
+/// Collections, counts of threads and clocks that may stand only beside a comment on why no result and no
+/// order depends on them (it says "result" or "order").
 const EXCUSED: &str = "
     HashMap HashSet RandomState DefaultHasher par_bridge current_num_threads current_thread_index
     available_parallelism Instant SystemTime ThreadId
@@ -144,8 +144,8 @@ fn is_import(tokens: &[Token], at: usize) -> bool {
         .is_some_and(|token| token.is("use"))
 }
 
-/// The orderless steps of the chain of calls that starts at `tokens[at]`, at its own level only: what a closure
-/// inside the chain does with its own part is in order.
+/// The orderless steps of the chain of calls that starts at `tokens[at]`, at its own level only: what a
+/// closure inside the chain does with its own part is in order.
 fn orderless_steps(tokens: &[Token], at: usize) -> Vec<&str> {
     let mut depth = 0_usize;
     let mut steps = Vec::new();

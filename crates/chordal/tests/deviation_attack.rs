@@ -1,5 +1,6 @@
-//! Attacks on what is called proved: `check::deviation`, the bounds of `mend`, and `check::self_intersections`.
-//! Each test is named after what once went wrong, or after the weak place that it leans on.
+//! Attacks on what is called proved: `check::deviation`, the bounds of `mend`, and
+//! `check::self_intersections`. Each test is named after what once went wrong, or after the weak place that
+//! it leans on.
 use chordal_testkit::Random;
 use chordal_testkit::cases;
 use chordal_testkit::sampler::{Triangles, on};
@@ -97,8 +98,8 @@ fn holds(what: &str, a: &Mesh, b: &Mesh, found: &Deviation, random: &mut Random)
 
 // Sheets full of what a cover must not step over.
 
-/// Takes faces out, turns, doubles, opens and raises some; heights stay multiples of 1/64, so that there are walls and
-/// ties.
+/// Takes faces out, turns, doubles, opens and raises some; heights stay multiples of 1/64, so that there are
+/// walls and ties.
 fn spoiled(sheet: &Mesh, random: &mut Random) -> Mesh {
     let mut positions = sheet.positions().to_vec();
     let mut faces = sheet.faces().to_vec();
@@ -240,7 +241,8 @@ fn pieces_too_small_to_be_halved_end_the_search() {
 
 #[test]
 fn where_no_cover_is_the_upper_end_still_comes_down() {
-    // A sheet wound at random against its own plane: 0 apart, and no face has a neighbour that is wound alike for certain.
+    // A sheet wound at random against its own plane: 0 apart, and no face has a neighbour that is wound alike
+    // for certain.
     let sheet = plate(3, |_, _| 0.0);
     let mut random = Random::new(3);
     let wound = |[a, b, c]: [u32; 3], turned: bool| if turned { [a, c, b] } else { [a, b, c] };

@@ -1,4 +1,5 @@
-//! The laws of being inside: exact where a mesh is closed, bounded winding numbers where it is not, batches as one by one.
+//! The laws of being inside: exact where a mesh is closed, bounded winding numbers where it is not, batches
+//! as one by one.
 use chordal::explicit::query::{Bvh, Enclosure, PointLocation, Ray};
 use chordal::{Job, Mesh};
 use chordal_testkit::Random;

@@ -1,4 +1,5 @@
-//! Rays and fields: hits against closed forms and dense marching, fields that lie, nearest places, and pictures.
+//! Rays and fields: hits against closed forms and dense marching, fields that lie, nearest places, and
+//! pictures.
 use chordal::Job;
 use chordal::implicit::evaluation::{Binary, Tape, Unary};
 use chordal::implicit::query::{

@@ -1,4 +1,5 @@
-//! The evaluator of fields: the tape against the plain one, ranges against points, leaves, and hostile expressions.
+//! The evaluator of fields: the tape against the plain one, ranges against points, leaves, and hostile
+//! expressions.
 mod hostile;
 mod leaves;
 mod models;

@@ -1,9 +1,10 @@
 //! Imports between the rooms of this crate only go down.
 //!
 //! Every token of every file below `src` is read, macro bodies, attributes and test modules included. A path
-//! reaches another room only through the root of the crate (`crate`, `$crate`, enough `super`s, or the crate's own
-//! name), so each path that starts so is resolved to the room it names. What cannot be resolved, such as a name for
-//! the whole root, an unknown name at the root, or `crate::$room`, is refused and not skipped.
+//! reaches another room only through the root of the crate (`crate`, `$crate`, enough `super`s, or the
+//! crate's own name), so each path that starts so is resolved to the room it names. What cannot be resolved,
+//! such as a name for the whole root, an unknown name at the root, or `crate::$room`, is refused and not
+//! skipped.
 use crate::gates;
 
 use gates::paths::{Leaf, tree};
@@ -176,7 +177,8 @@ impl Walk<'_> {
         }
     }
 
-    /// What would bring in another file or name unseen: `#[path]`, `#[macro_use]`, `include!`, a name for the root.
+    /// What would bring in another file or name unseen: `#[path]`, `#[macro_use]`, `include!`, a name for the
+    /// root.
     fn refuse_side_doors(&mut self, tokens: &[Token], at: usize) {
         let is = |at: usize, text: &str| tokens.get(at).is_some_and(|token| token.is(text));
         let line = tokens[at].line;
@@ -215,7 +217,8 @@ impl Walk<'_> {
     }
 }
 
-/// Whether a path through the root or a parent starts here. A `crate` or `super` alone, as in `pub(crate)`, is none.
+/// Whether a path through the root or a parent starts here. A `crate` or `super` alone, as in `pub(crate)`,
+/// is none.
 fn starts_path(tokens: &[Token], at: usize) -> bool {
     let is = |at: usize, text: &str| tokens.get(at).is_some_and(|token| token.is(text));
     let starts = ["crate", "super", "self", OWN_NAME].iter().any(|word| is(at, word));

@@ -1,4 +1,5 @@
-//! Normals: closed forms on the cube and the sphere, an oracle for random meshes, and everything that could be NaN.
+//! Normals: closed forms on the cube and the sphere, an oracle for random meshes, and everything that could
+//! be NaN.
 use chordal::Mesh;
 use chordal::check::validity;
 use chordal::explicit::{
@@ -163,8 +164,8 @@ fn edges_that_are_not_manifold_are_hard() {
     assert_eq!(made.positions().len(), if face_normal(bent.corners(1)).unwrap()[2] < 0.0 { 6 } else { 4 });
 }
 
-/// On an icosphere, the worst and the root mean square angle of normals to the true ones, in degrees, and how flat
-/// normals do.
+/// On an icosphere, the worst and the root mean square angle of normals to the true ones, in degrees, and how
+/// flat normals do.
 fn against_the_sphere(levels: u32) -> [f64; 4] {
     let sphere = icosphere(levels);
     let (mut worst, mut sum) = (0.0_f64, 0.0);

@@ -1,5 +1,5 @@
-//! The arrow `outlines_to_mesh`: closed form, the promise about sides, and odd outlines. The referee samples curves and
-//! counts winding by itself.
+//! The arrow `outlines_to_mesh`: closed form, the promise about sides, and odd outlines. The referee samples
+//! curves and counts winding by itself.
 use chordal::check::findings::measure;
 use chordal::check::t_junctions;
 use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, FillRule, Outline, Topology};
@@ -180,7 +180,8 @@ fn a_point_on_the_wrong_side_is_within_the_bound_of_a_contour() {
                     wrong += 1;
                     let far = |q: &[f64; 2]| ((q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2)).sqrt();
                     let nearest = samples.iter().flatten().map(far).fold(f64::INFINITY, f64::min);
-                    // Samples are up to 0.01 apart on the longest pieces, and half of that from any point between.
+                    // Samples are up to 0.01 apart on the longest pieces, and half of that from any point
+                    // between.
                     assert!(nearest <= at_most + 0.01, "{p:?}: {nearest} > {at_most}");
                 }
             }

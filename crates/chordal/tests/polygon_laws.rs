@@ -1,4 +1,5 @@
-//! The laws of points in polygons and of convex polygons, on lattices where the judge's own arithmetic is exact.
+//! The laws of points in polygons and of convex polygons, on lattices where the judge's own arithmetic is
+//! exact.
 use chordal::explicit::FillRule;
 use chordal::explicit::polygons::{fan, is_convex, polygon_contains, winding_number};
 use chordal::math::exact::PointInTriangle;

@@ -1,5 +1,5 @@
-//! The laws of polygons with holes: everything that the contours enclose is covered once, and what was repaired is said.
-//! The judge has winding numbers, areas and edges of its own.
+//! The laws of polygons with holes: everything that the contours enclose is covered once, and what was
+//! repaired is said. The judge has winding numbers, areas and edges of its own.
 use chordal::explicit::triangulate::{ContourRepair, InvalidPolygon, PolygonTriangles, polygon_with_holes};
 use chordal_testkit::Random;
 use chordal_testkit::corpus;
@@ -369,7 +369,8 @@ fn numbers_of_every_size_are_cut_and_others_refused() {
     }
 }
 
-/// HOSTILE.md, row 76: holes that touch the outer contour or lie outside, points that repeat, spikes, a million points.
+/// HOSTILE.md, row 76: holes that touch the outer contour or lie outside, points that repeat, spikes, a
+/// million points.
 #[test]
 fn h76_a_million_corners_are_cut_cleanly() {
     let seed = 76;
@@ -392,7 +393,8 @@ fn h76_a_million_corners_are_cut_cleanly() {
 
 #[test]
 fn h76_scribbles_end_and_are_flagged() {
-    // Of 300 seeds 12 have crossings so close to a side that a triangle of the second polygon folds, and says so.
+    // Of 300 seeds 12 have crossings so close to a side that a triangle of the second polygon folds, and says
+    // so.
     let seed = 76;
     println!("seed {seed}");
     let mut random = Random::new(seed);

@@ -27,8 +27,8 @@ mod switched_on {
         unsafe { asm!("stmxcsr [{}]", in(reg) &mut saved) };
         let changed = saved | bits;
         let found: u32;
-        // SAFETY: only the two flush bits differ while the probe runs, it calls nothing else, and the register is
-        // restored before the block ends; all registers that the call may change are declared.
+        // SAFETY: only the two flush bits differ while the probe runs, it calls nothing else, and the
+        // register is restored before the block ends; all registers that the call may change are declared.
         unsafe {
             asm!(
                 "ldmxcsr [r12]",

@@ -1,4 +1,5 @@
-//! Laws of directed rounding: the bounds hold against exact arithmetic, and are at most two steps apart from it.
+//! Laws of directed rounding: the bounds hold against exact arithmetic, and are at most two steps apart from
+//! it.
 use crate::exact;
 use chordal::math::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,

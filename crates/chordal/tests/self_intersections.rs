@@ -1,4 +1,5 @@
-//! Self-intersections: every pair against exact fractions, on lattices full of ties; then shapes whose answer is known.
+//! Self-intersections: every pair against exact fractions, on lattices full of ties; then shapes whose answer
+//! is known.
 use chordal::check::findings::MeshLocation;
 use chordal::check::{self_intersections, validity};
 use chordal::explicit::Topology;
@@ -191,8 +192,8 @@ fn coordinates_that_span_many_digits_have_the_same_verdicts() {
         let points: Vec<Lattice> = (0..7).map(|_| [0, 1, 2].map(|_| random.below(side) as i128)).collect();
         let faces: Vec<[u32; 3]> = (0..3).map(|_| [0, 1, 2].map(|_| random.below(7) as u32)).collect();
         let expected = brute_force(&points, &faces).len() as u64;
-        // Stretched along the axes, each by another power of two: no common lattice of 60 bits holds them, and no
-        // incidence changes.
+        // Stretched along the axes, each by another power of two: no common lattice of 60 bits holds them,
+        // and no incidence changes.
         let stretched = |p: &Lattice| {
             let [x, y, z] = p.map(|x| x as f64 + 1.0);
             [x, libm::ldexp(y, 45), libm::ldexp(z, -40)]
@@ -209,8 +210,8 @@ fn a_slanted_lattice_has_the_same_verdicts_though_nothing_is_exact_in_floating_p
         let mut random = Random::new(seed ^ 0x9999);
         let points: Vec<Lattice> = (0..7).map(|_| [4, 4, 2].map(|n| random.below(n) as i128)).collect();
         let faces: Vec<[u32; 3]> = (0..3).map(|_| [0, 1, 2].map(|_| random.below(7) as u32)).collect();
-        // A linear map keeps every incidence; with large entries, sides that are 0 are sums of products far beyond 53
-        // bits, of which floating point keeps the rounding.
+        // A linear map keeps every incidence; with large entries, sides that are 0 are sums of products far
+        // beyond 53 bits, of which floating point keeps the rounding.
         let bits = [6, 16, 26, 36][random.below(4)];
         let axes: [Lattice; 3] =
             [0; 3].map(|_| [0; 3].map(|_| random.below(2 << bits) as i128 - (1 << bits)));
@@ -281,7 +282,8 @@ fn a_witness_lies_on_both_faces() {
     assert!(met > 300, "{met}");
 }
 
-/// `nu` × `nv` squares of a surface over [0, 1)², closed along both sides; along the second half turned if `twisted`.
+/// `nu` × `nv` squares of a surface over [0, 1)², closed along both sides; along the second half turned if
+/// `twisted`.
 fn closed_grid(nu: usize, nv: usize, twisted: bool, point: impl Fn(f64, f64) -> [f64; 3]) -> Mesh {
     let positions =
         (0..nu * nv).map(|v| point((v / nv) as f64 / nu as f64, (v % nv) as f64 / nv as f64)).collect();
@@ -344,7 +346,8 @@ fn h60_overlapping_solids_are_told_by_the_pairs_that_cross() {
         let points = [cube(0), cube(offset)].concat();
         let other = faces.iter().map(|face| face.map(|i| i + 8));
         let all: Vec<[u32; 3]> = faces.iter().copied().chain(other).collect();
-        // At 0 all faces are duplicates, and their neighbours overlap nothing else; at 4 the cubes share one corner.
+        // At 0 all faces are duplicates, and their neighbours overlap nothing else; at 4 the cubes share one
+        // corner.
         assert_eq!(agrees(&points, &all, |x| x, &format!("offset {offset}")) > 0, meets, "offset {offset}");
     }
 }

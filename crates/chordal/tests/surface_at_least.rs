@@ -47,8 +47,8 @@ fn to_segment(p: &Exact, a: &Exact, b: &Exact) -> Square {
     }
 }
 
-/// From a point to a triangle, exactly: the nearest of the three sides and, where the foot on the plane is inside all
-/// three sides, the plane.
+/// From a point to a triangle, exactly: the nearest of the three sides and, where the foot on the plane is
+/// inside all three sides, the plane.
 fn to_triangle(p: [f64; 3], corners: [[f64; 3]; 3]) -> Square {
     let p = p.map(exact);
     let [a, b, c] = corners.map(|v| v.map(exact));

@@ -7,8 +7,8 @@ use chordal::{Mesh, Tolerance};
 use chordal_testkit::Random;
 use std::collections::BTreeSet;
 
-/// A strip left of the line x = 0 with `left` squares, and one right of it with `right`, welded where they agree.
-/// `bulge` moves the vertices of the seam that only the right side has off it.
+/// A strip left of the line x = 0 with `left` squares, and one right of it with `right`, welded where they
+/// agree. `bulge` moves the vertices of the seam that only the right side has off it.
 fn seam(left: usize, right: usize, bulge: f64) -> Mesh {
     let (mut positions, mut faces): (Vec<[f64; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
     let mut strip = |n: usize, side: f64, bulge: f64| {
@@ -83,7 +83,8 @@ fn lattices_agree_with_a_look_at_every_pair() {
         };
         let exact = count(&|(dd, foot, off)| 0 < foot && foot < dd && off == 0);
         assert_eq!(t_junctions(&mesh, Topology::Indices, None).count, exact, "seed {seed}");
-        // A tolerance whose square is no ratio of such integers, so that rounding decides nothing: 0.7 lattice steps.
+        // A tolerance whose square is no ratio of such integers, so that rounding decides nothing: 0.7
+        // lattice steps.
         let tolerance = Tolerance::new(0.125 * 0.7001).unwrap();
         let near = count(&|(dd, foot, off)| {
             let (dd, foot, off) = (dd as f64, foot as f64, off as f64);

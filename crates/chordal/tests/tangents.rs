@@ -1,4 +1,5 @@
-//! Tangents: along u, at right angles to the normal, mirrored where the texture is, and the same from any order.
+//! Tangents: along u, at right angles to the normal, mirrored where the texture is, and the same from any
+//! order.
 use chordal::Mesh;
 use chordal::explicit::{
     Attribute, Domain, NormalWeight, Semantic, Shading, Topology, with_normals, with_tangents,

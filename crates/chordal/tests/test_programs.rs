@@ -1,5 +1,5 @@
-//! Every file in the `tests` folder of a crate is part of a test program. Cargo does not look for them by itself
-//! (`autotests = false`), so a file that no program names would never run.
+//! Every file in the `tests` folder of a crate is part of a test program. Cargo does not look for them by
+//! itself (`autotests = false`), so a file that no program names would never run.
 use crate::gates::{self, Source, expect_none};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -20,8 +20,8 @@ fn declared(source: &Source) -> Vec<(String, Option<String>)> {
     found
 }
 
-/// The folder in which the modules of a file lie: its own for a root, a `mod.rs` and a file that is named by `#[path]`,
-/// else the one of its name.
+/// The folder in which the modules of a file lie: its own for a root, a `mod.rs` and a file that is named by
+/// `#[path]`, else the one of its name.
 fn folder_of(file: &Path, is_root: bool) -> PathBuf {
     if is_root || file.ends_with("mod.rs") { file.with_file_name("") } else { file.with_extension("") }
 }

@@ -94,7 +94,8 @@ fn unfinished(source: &Source, lines: &Lines) -> Vec<String> {
     found
 }
 
-/// Comments that would compile: single lines that end in `;` or `{`, lone brackets, and blocks of several lines.
+/// Comments that would compile: single lines that end in `;` or `{`, lone brackets, and blocks of several
+/// lines.
 fn commented_out(source: &Source, lines: &Lines) -> Vec<String> {
     let plain = |comment: &Comment| !comment.is_doc() && comment.text.starts_with("//");
     let body = |comment: &Comment| comment.text.trim_start_matches('/').trim().to_owned();
@@ -136,8 +137,8 @@ fn is_code(text: &str) -> bool {
     }
 }
 
-/// Small numbers and `EPSILON` without a word on where they come from: a comment right beside them, or one in the
-/// same function that speaks of rounding, measuring or deriving. Tests are free to choose theirs.
+/// Small numbers and `EPSILON` without a word on where they come from: a comment right beside them, or one in
+/// the same function that speaks of rounding, measuring or deriving. Tests are free to choose theirs.
 fn bare_epsilons(source: &Source, lines: &Lines) -> Vec<String> {
     let small = |text: &str| {
         let digits = text.replace('_', "");
@@ -213,8 +214,8 @@ const MACHINE: [&str; 5] = [
 const TILE_KEYS: [&str; 7] =
     ["boundingVolume", "children", "content", "geometricError", "implicitTiling", "refine", "transform"];
 
-/// Lines of a text that name a folder of one machine. `~`, `$HOME` and the system's temporary folder by name are the
-/// ways to say it.
+/// Lines of a text that name a folder of one machine. `~`, `$HOME` and the system's temporary folder by name
+/// are the ways to say it.
 fn machine_paths(path: &str, text: &str) -> Vec<String> {
     let is_pointer = |rest: &str| TILE_KEYS.iter().any(|key| rest.starts_with(key));
     let names = |line: &str, folder: &str| {

@@ -213,7 +213,8 @@ fn a_quad_is_cut_where_no_triangle_folds() {
 
 #[test]
 fn a_bent_quad_is_seen_along_its_normal_where_the_axis_view_folds() {
-    // From a model of a guitar: along its largest axis this quad crosses itself, along its normal it does not.
+    // From a model of a guitar: along its largest axis this quad crosses itself, along its normal it does
+    // not.
     let bent =
         [[-4.787, 47.02, 6.016], [-4.848, 47.089, 5.989], [-4.811, 47.011, 6.023], [-4.801, 46.982, 5.785]];
     assert_eq!(polygon(&bent).folded, 0);
@@ -252,7 +253,8 @@ fn twenty_thousand_corners_are_cut_exactly() {
 
 #[test]
 fn hostile_polygons_end() {
-    // Each of these takes a cubic clipper hours: chords of a circle, a random scribble, few points many times.
+    // Each of these takes a cubic clipper hours: chords of a circle, a random scribble, few points many
+    // times.
     let seed = 6;
     println!("seed {seed}");
     let mut random = Random::new(seed);

@@ -1,4 +1,5 @@
-//! Twins and validity against a naive oracle, written from the definitions, on small random meshes full of faults.
+//! Twins and validity against a naive oracle, written from the definitions, on small random meshes full of
+//! faults.
 use chordal::Mesh;
 use chordal::check::{Validity, validity};
 use chordal::explicit::Topology;
@@ -6,7 +7,8 @@ use chordal::explicit::adjacency::{Twin, Twins};
 use chordal_testkit::Random;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Few positions on a small lattice, rows tied at random, any faces: every kind of fault, also several at once.
+/// Few positions on a small lattice, rows tied at random, any faces: every kind of fault, also several at
+/// once.
 fn random_soup(random: &mut Random) -> Mesh {
     let n_rows = 3 + random.below(8);
     let n_ids = 1 + random.below(n_rows);
@@ -19,8 +21,8 @@ fn random_soup(random: &mut Random) -> Mesh {
     Mesh::new(positions, faces).unwrap().with_position_id(ids).unwrap()
 }
 
-/// A torus or Klein bottle of triangles, or an annulus or Möbius strip, with a few faces removed, turned, repeated or
-/// glued to a wrong vertex.
+/// A torus or Klein bottle of triangles, or an annulus or Möbius strip, with a few faces removed, turned,
+/// repeated or glued to a wrong vertex.
 fn broken_band(random: &mut Random) -> Mesh {
     let (nu, nv) = (3 + random.below(4), 3 + random.below(4));
     let (twisted, open) = (random.below(2) == 0, random.below(2) == 0);

@@ -1,5 +1,5 @@
-//! Laws of `View`, `Lens` and `Sight`, judged by a projection that is written here and shares nothing with them:
-//! no visible point moves on the screen by more than the bound says.
+//! Laws of `View`, `Lens` and `Sight`, judged by a projection that is written here and shares nothing with
+//! them: no visible point moves on the screen by more than the bound says.
 use chordal::View;
 use chordal::budget::Pixels;
 use chordal::budget::camera::{Camera, MinDistanceView, Projection, Screen};
@@ -86,8 +86,8 @@ impl Referee {
             && p.y.abs() <= self.half[1] * reach
     }
 
-    /// How far `moved` takes the point on the screen, less what this function's own rounding may add; `None` when
-    /// neither the point nor the moved one is seen.
+    /// How far `moved` takes the point on the screen, less what this function's own rounding may add; `None`
+    /// when neither the point nor the moved one is seen.
     fn pixels(&self, point: DVec3, moved: DVec3) -> Option<f64> {
         let (p, d) = (self.seen_from(point - self.eye), self.seen_from(moved));
         let q = p + d;
@@ -107,8 +107,8 @@ impl Referee {
         Some(apart * self.focal() * (1.0 - rounding))
     }
 
-    /// The worst of many displacements of length `error`, in pixels: around the plane of the point and the axis,
-    /// where the worst lies, across it, and anywhere.
+    /// The worst of many displacements of length `error`, in pixels: around the plane of the point and the
+    /// axis, where the worst lies, across it, and anywhere.
     fn worst(&self, point: DVec3, error: f64, random: &mut Random) -> f64 {
         let p = self.seen_from(point - self.eye);
         let [right, up, forward] = self.axes;
@@ -241,8 +241,8 @@ fn no_visible_point_of_any_eye_that_keeps_its_distance_moves_further_than_the_bo
     assert!(tested > 5_000 && tight > 0.999, "{tested} {tight}");
 }
 
-/// The ends of two steps are apart by at most what the pixels of both say, wherever the point between them is; and by more than
-/// their sum where that point is off the screen.
+/// The ends of two steps are apart by at most what the pixels of both say, wherever the point between them
+/// is; and by more than their sum where that point is off the screen.
 #[test]
 fn two_steps_are_no_more_than_both_together() {
     let (mut tested, mut beyond_the_sum) = (0_u64, 0_u64);

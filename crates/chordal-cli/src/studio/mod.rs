@@ -27,8 +27,8 @@ pub struct StudioArgs {
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub port: u16,
 
-    /// The address to listen at, instead of 127.0.0.1; other machines can come in where it is none of this machine's
-    /// own, so that needs --token as well
+    /// The address to listen at, instead of 127.0.0.1; other machines can come in where it is none of this
+    /// machine's own, so that needs --token as well
     #[arg(long, value_name = "ADDRESS")]
     pub host: Option<IpAddr>,
 
@@ -91,8 +91,8 @@ fn address(args: &StudioArgs) -> Result<SocketAddr, Fault> {
     Ok(SocketAddr::new(host, args.port))
 }
 
-/// What browsers may call this machine beside the names that it always has: those that are given, and its address,
-/// which unlike a name cannot be bent to point here by somebody else.
+/// What browsers may call this machine beside the names that it always has: those that are given, and its
+/// address, which unlike a name cannot be bent to point here by somebody else.
 fn allowed_names(address: IpAddr, given: &[String]) -> Vec<String> {
     let own = match address {
         address if address.is_unspecified() => None,

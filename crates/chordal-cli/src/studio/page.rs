@@ -1,4 +1,5 @@
-//! `StudioPage`: the files that are served, all of them in memory, each under the one name that it is asked for by.
+//! `StudioPage`: the files that are served, all of them in memory, each under the one name that it is asked
+//! for by.
 use crate::fault::{Fault, plainly};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -24,8 +25,8 @@ pub struct PageFile {
     pub kind: &'static str,
 }
 
-/// The files by the path of their URL. What is not listed here does not exist: no request ever becomes a path of the
-/// file system.
+/// The files by the path of their URL. What is not listed here does not exist: no request ever becomes a path
+/// of the file system.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StudioPage(BTreeMap<String, PageFile>);
 
@@ -98,8 +99,8 @@ impl StudioPage {
     }
 }
 
-/// Where a page lies that was not built in: beside the command, where programs keep their data, or in the checkout
-/// that the command was built in.
+/// Where a page lies that was not built in: beside the command, where programs keep their data, or in the
+/// checkout that the command was built in.
 fn page_folder() -> Option<PathBuf> {
     let command = std::env::current_exe().ok()?.canonicalize().ok()?;
     let folder = command.parent()?;

@@ -1,4 +1,5 @@
-//! Answers requests: what the gate lets in gets a file from the list, and every answer carries the same strict headers.
+//! Answers requests: what the gate lets in gets a file from the list, and every answer carries the same
+//! strict headers.
 use super::gate::{GateDecision, RequestGate};
 use super::page::{PageFile, StudioPage};
 use http_body_util::Full;

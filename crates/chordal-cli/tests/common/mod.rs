@@ -53,7 +53,8 @@ impl Run {
         }
     }
 
-    /// Ended with `code` and one sentence that holds every one of `parts`, and nothing that only programmers know.
+    /// Ended with `code` and one sentence that holds every one of `parts`, and nothing that only programmers
+    /// know.
     pub fn fails_with(&self, code: i32, parts: &[&str]) {
         assert_eq!(self.code, code, "{self:?}");
         assert_eq!(self.stderr.lines().count(), 1, "one sentence: {self:?}");

@@ -149,7 +149,8 @@ fn h34_counts_past_all_memory() {
     let limits = Limits { bytes: 1 << 30, ..Limits::default() };
     let error = glb::read(&glb_of(&json.to_string(), &bin), &limits).map(|_| ()).expect_err("accepted");
     assert_eq!(error.code, "too-many-rows");
-    // A thousand primitives over the same million zeros are one block of vertices, with other attributes many.
+    // A thousand primitives over the same million zeros are one block of vertices, with other attributes
+    // many.
     put(&mut json, "/accessors/0/count", json!(1_000_000));
     put(&mut json, "/accessors/2", json!({ "componentType": 5126, "count": 1_000_000, "type": "SCALAR" }));
     let primitive = |i: usize| json!({ "mode": 5, "attributes": { "POSITION": 0, format!("_{i}"): 2 } });

@@ -88,7 +88,8 @@ fn arcs_are_arcs_of_the_ellipse_that_the_file_names() {
 
 #[test]
 fn arcs_that_are_none() {
-    // To where the pen is: nothing. A radius of 0: a line. Radii that are too short: they grow. Negative: their size.
+    // To where the pen is: nothing. A radius of 0: a line. Radii that are too short: they grow. Negative:
+    // their size.
     assert_eq!(pieces("M0 0A5 5 0 0 1 0 0L1 1"), [line([0.0, 0.0], [1.0, 1.0])]);
     assert_eq!(pieces("M0 0A0 5 0 0 1 4 4"), [line([0.0, 0.0], [4.0, 4.0])]);
     let all = pieces("M0 0A1 1 0 0 1 10 0");

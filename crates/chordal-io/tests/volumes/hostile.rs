@@ -148,7 +148,8 @@ fn h62_packed_bytes_that_are_cut_damaged_or_too_many_are_refused() {
 
 #[test]
 fn h62_a_bomb_unpacks_no_further_than_its_header_and_the_limit() {
-    // 64 MiB of zeros in 300 kB, behind a header that declares 12 samples: over after the first byte too many.
+    // 64 MiB of zeros in 300 kB, behind a header that declares 12 samples: over after the first byte too
+    // many.
     let bomb = pack(&[&Nii::default().bytes()[..], &vec![0; 64 << 20]].concat());
     assert!(bomb.len() < 400_000);
     let error = refuse(&bomb, Format::Nii);

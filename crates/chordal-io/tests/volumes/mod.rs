@@ -1,4 +1,5 @@
-//! Volumes: what the readers make of files that are written here byte by byte, and what the writers make of volumes.
+//! Volumes: what the readers make of files that are written here byte by byte, and what the writers make of
+//! volumes.
 mod build;
 mod corpus;
 mod hostile;

@@ -121,13 +121,13 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
                     }
                 }
             }
-            QuadSubpatchKind::Extraordinary(rough) => {
+            QuadSubpatchKind::Extraordinary(extraordinary) => {
                 let [a, b, c, d] = worst.corners;
                 let middle = 0.25 * ((a + b) + (c + d));
                 let [ab, bc, cd, da] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d), 0.5 * (d + a)];
                 let quarters =
                     [[a, ab, middle, da], [ab, b, bc, middle], [middle, bc, c, cd], [da, middle, cd, d]];
-                for (quarter, corners) in rough.quarters()?.iter().zip(quarters) {
+                for (quarter, corners) in extraordinary.quarters()?.iter().zip(quarters) {
                     push(open, quarter, corners, worst.depth + 1, &mut known);
                 }
             }
@@ -166,23 +166,28 @@ fn push<'a>(
                 open.push(difference(Patch { control }, off, depth, least));
             }
         }
-        QuadPatchTree::Extraordinary(rough) => {
-            let hull = rough.ring().hull();
+        QuadPatchTree::Extraordinary(extraordinary) => {
+            let hull = extraordinary.ring().hull();
             let far = |point: &[f64; 3]| {
                 let point = DVec3::from(*point);
                 corners.iter().fold(0.0_f64, |most, corner| most.max((point - *corner).length()))
             };
-            let largest = rough.ring().size();
-            let off = 2.0 * rough.ring().rounding() + 64.0 * f64::EPSILON * largest;
+            let largest = extraordinary.ring().size();
+            let off = 2.0 * extraordinary.ring().rounding() + 64.0 * f64::EPSILON * largest;
             let bound = hull.iter().fold(0.0_f64, |most, point| most.max(far(point))) + off;
             for (place, corner) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].into_iter().zip(corners) {
-                if let Ok(jet) = rough.at(place.0, place.1) {
+                if let Ok(jet) = extraordinary.at(place.0, place.1) {
                     *least = least.max((DVec3::from(jet.point) - corner).length());
                 }
             }
             open.push(PriorityItem {
                 bound,
-                item: QuadSubpatch { off, depth, piece: QuadSubpatchKind::Extraordinary(rough), corners },
+                item: QuadSubpatch {
+                    off,
+                    depth,
+                    piece: QuadSubpatchKind::Extraordinary(extraordinary),
+                    corners,
+                },
             });
         }
     }

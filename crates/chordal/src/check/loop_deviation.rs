@@ -43,9 +43,9 @@ pub(super) fn parametric_distance(
                     open.push(difference(quarter, worst.off, depth, &mut known));
                 }
             }
-            LoopSubpatchKind::Extraordinary(rough, [a, b, c]) => {
+            LoopSubpatchKind::Extraordinary(extraordinary, [a, b, c]) => {
                 let at = |[u, v]: [f64; 2]| a + u * (b - a) + v * (c - a);
-                for (quarter, places) in rough.quarters()?.iter().zip(QUARTERS) {
+                for (quarter, places) in extraordinary.quarters()?.iter().zip(QUARTERS) {
                     push(open, quarter, places.map(at), depth, &mut known);
                 }
             }
@@ -79,22 +79,26 @@ fn push<'a>(
             }
             open.push(difference(quartic, polynomial.off + rounding, depth, least));
         }
-        TrianglePatchTree::Extraordinary(rough) => {
+        TrianglePatchTree::Extraordinary(extraordinary) => {
             let far = |point: &[f64; 3]| {
                 let point = DVec3::from(*point);
                 corners.iter().fold(0.0_f64, |most, corner| most.max((point - *corner).length()))
             };
-            let ring = rough.ring();
+            let ring = extraordinary.ring();
             let off = 2.0 * ring.rounding() + rounding + 64.0 * f64::EPSILON * ring.size();
             let bound = ring.hull().iter().fold(0.0_f64, |most, point| most.max(far(point))) + off;
             for (place, corner) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].into_iter().zip(corners) {
-                if let Ok(jet) = rough.at(place.0, place.1) {
+                if let Ok(jet) = extraordinary.at(place.0, place.1) {
                     *least = least.max((DVec3::from(jet.point) - corner).length());
                 }
             }
             open.push(PriorityItem {
                 bound,
-                item: LoopSubpatch { off, depth, piece: LoopSubpatchKind::Extraordinary(rough, corners) },
+                item: LoopSubpatch {
+                    off,
+                    depth,
+                    piece: LoopSubpatchKind::Extraordinary(extraordinary, corners),
+                },
             });
         }
     }

@@ -499,9 +499,9 @@ impl SmoothSampler<'_> {
     /// `from`.
     fn forward_at(&self, from: [f64; 3], tolerance: Option<Tolerance>) -> Option<OneSidedDistance> {
         let beside = self.bvh.closest_distance_up(from)?;
-        let foot = self.smooth.tree.closest_point(from, tolerance)?;
-        let at_least = greater(sub_down(foot.at_least, beside), 0.0);
-        Some(OneSidedDistance { at_least, at_most: f64::INFINITY, from, to: foot.point })
+        let closest = self.smooth.tree.closest_point(from, tolerance)?;
+        let at_least = greater(sub_down(closest.at_least, beside), 0.0);
+        Some(OneSidedDistance { at_least, at_most: f64::INFINITY, from, to: closest.point })
     }
 
     /// A lower bound on the distance from the surface to the mesh, at the surface point nearest to `near`.
@@ -522,8 +522,8 @@ impl SmoothSampler<'_> {
         let middles = par_map(job, &faces, |_, face| {
             let [a, b, c] = mesh.corners(*face);
             let middle = [0, 1, 2].map(|k| a[k] / 3.0 + b[k] / 3.0 + c[k] / 3.0);
-            let foot = self.smooth.tree.closest_point(middle, tolerance);
-            (middle, foot.map_or(0.0, |foot| foot.at_most))
+            let closest = self.smooth.tree.closest_point(middle, tolerance);
+            (middle, closest.map_or(0.0, |closest| closest.at_most))
         });
         let far = middles.into_iter().reduce(|far, other| if other.1 > far.1 { other } else { far });
         if let Some(seen) = far.and_then(|(middle, _)| self.forward_at(middle, None)) {

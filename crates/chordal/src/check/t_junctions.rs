@@ -104,7 +104,7 @@ fn is_near_middle(p: [f64; 3], [a, b]: [[f64; 3]; 2], tolerance: f64) -> bool {
     let along = edge / edge.abs().max_element();
     let along = along / along.length();
     // From the nearer end, so that a distant end does not cost digits.
-    let (foot, rest) = (from_a.dot(along), -from_b.dot(along));
-    let off = if foot < rest { from_a - along * foot } else { from_b + along * rest };
-    foot > 1.0 && rest > 1.0 && off.length() <= 1.0
+    let (from_start, from_end) = (from_a.dot(along), -from_b.dot(along));
+    let off = if from_start < from_end { from_a - along * from_start } else { from_b + along * from_end };
+    from_start > 1.0 && from_end > 1.0 && off.length() <= 1.0
 }

@@ -289,11 +289,11 @@ impl PatchSurface for CageSheets<'_> {
         &self,
         sheet: usize,
         allowance: &Allowance,
-        strain: f64,
+        safety_factor: f64,
     ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
-        let mut grounds = Vec::new();
+        let mut subpatches = Vec::new();
         let halved = self.is_halved(sheet);
-        let Some(square) = self.sheets[sheet].square() else { return Ok(grounds) };
+        let Some(square) = self.sheets[sheet].square() else { return Ok(subpatches) };
         let mut open = vec![(square, [0.0, 0.0], 0)];
         while let Some((square, [u, v], depth)) = open.pop() {
             let width = 1.0 / f64::from(1_u32 << depth);
@@ -304,32 +304,34 @@ impl PatchSurface for CageSheets<'_> {
                         let whole = (piece.patch, on(piece.u, u), on(piece.v, v));
                         for (patch, u, v) in cut_in_middle(whole, halved) {
                             let shape = SubpatchShape::Bezier(Box::new(patch));
-                            grounds.push(Subpatch { sheet: sheet as u32, u, v, shape, off: patches.off });
+                            subpatches.push(Subpatch { sheet: sheet as u32, u, v, shape, off: patches.off });
                         }
                     }
                 }
-                QuadPatchTree::Extraordinary(rough) => {
-                    let place = Box3::from_points(rough.ring().hull());
+                QuadPatchTree::Extraordinary(extraordinary) => {
+                    let place = Box3::from_points(extraordinary.ring().hull());
                     let is_split = depth == 0 && (halved[0] || halved[1]);
-                    let tolerance = plan::tolerance(place, allowance, rough.rounding_error());
+                    let tolerance = plan::tolerance(place, allowance, extraordinary.rounding_error());
                     let is_last = depth == DEEPEST;
                     let is_flat = match tolerance {
-                        Ok(tolerance) => !is_split && extraordinary_tile::is_flat(rough, tolerance / strain),
+                        Ok(tolerance) => {
+                            !is_split && extraordinary_tile::is_flat(extraordinary, tolerance / safety_factor)
+                        }
                         Err(obstacle) if is_last => return Err(obstacle),
                         Err(_) => false,
                     };
                     if is_flat || is_last {
                         let (u, v) = ([u, u + width], [v, v + width]);
-                        grounds.push(Subpatch {
+                        subpatches.push(Subpatch {
                             sheet: sheet as u32,
                             u,
                             v,
-                            shape: SubpatchShape::Extraordinary(rough),
+                            shape: SubpatchShape::Extraordinary(extraordinary),
                             off: 0.0,
                         });
                         continue;
                     }
-                    let Ok(quarters) = rough.quarters() else { continue };
+                    let Ok(quarters) = extraordinary.quarters() else { continue };
                     let half = 0.5 * width;
                     let places = [[u, v], [u + half, v], [u + half, v + half], [u, v + half]];
                     open.extend(
@@ -338,7 +340,7 @@ impl PatchSurface for CageSheets<'_> {
                 }
             }
         }
-        Ok(grounds)
+        Ok(subpatches)
     }
 
     fn adjacency(&self) -> PatchAdjacency {
@@ -362,22 +364,22 @@ impl PatchSurface for CageSheets<'_> {
             uses: uses.clone(),
             min_segments: 1,
         };
-        let mut quilt = PatchAdjacency {
+        let mut adjacency = PatchAdjacency {
             edges: self.edges.iter().map(edge).collect(),
             sides: self.seams.clone(),
             corner_kinds: classify_corners(&self.seams),
             corners,
             corner_positions: positions.into_iter().map(Option::unwrap_or_default).collect(),
         };
-        quilt.set_least_segments();
-        quilt
+        adjacency.set_least_segments();
+        adjacency
     }
 
     fn longest_diagonal(&self) -> f64 {
         let own = |sheet: &LimitSheet| {
             let (hull, lost) = match sheet.square() {
-                Some(QuadPatchTree::Extraordinary(rough)) => {
-                    (Box3::from_points(rough.ring().hull()), rough.rounding_error())
+                Some(QuadPatchTree::Extraordinary(extraordinary)) => {
+                    (Box3::from_points(extraordinary.ring().hull()), extraordinary.rounding_error())
                 }
                 None => return 0.0,
                 Some(QuadPatchTree::Regular(patches)) => {

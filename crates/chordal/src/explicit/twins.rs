@@ -50,7 +50,7 @@ pub struct Twins {
 
 const SAME_WAY: u32 = 1 << 31;
 const BOUNDARY: u32 = u32::MAX;
-const CROWDED: u32 = u32::MAX - 1;
+const NON_MANIFOLD: u32 = u32::MAX - 1;
 const COLLAPSED: u32 = u32::MAX - 2;
 
 /// The half-edge after `half_edge` in its face.
@@ -107,7 +107,7 @@ impl Twins {
     pub fn get(&self, half_edge: u32) -> Twin {
         match self.raw[half_edge as usize] {
             BOUNDARY => Twin::Boundary,
-            CROWDED => Twin::NonManifold,
+            NON_MANIFOLD => Twin::NonManifold,
             COLLAPSED => Twin::Collapsed,
             raw if raw & SAME_WAY == 0 => Twin::Pair(raw),
             raw => Twin::Flipped(raw ^ SAME_WAY),
@@ -147,7 +147,7 @@ impl Twins {
                 self.non_manifold[start..].sort_unstable();
                 self.non_manifold_ends.push(self.non_manifold.len() as u32);
                 for &h in &self.non_manifold[start..] {
-                    self.raw[h as usize] = CROWDED;
+                    self.raw[h as usize] = NON_MANIFOLD;
                 }
             }
         }

@@ -105,10 +105,10 @@ fn distance_up(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertio
     let from_a: [f64; 3] = std::array::from_fn(|k| (0.5 * p[k] - 0.5 * a[k]) / size);
     let t = crate::math::dot(from_a, along) / crate::math::dot(along, along);
     let t = lesser(1.0, t);
-    let foot: [f64; 3] = std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k]);
+    let closest: [f64; 3] = std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k]);
     let reach = [a, b].as_flattened().iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
     // For any t in [0, 1] the point is on the edge; each coordinate has four roundings of half a step of
     // `reach`, and the three together are at most √3 of that: below 4 whole steps. The smallest number covers
     // underflow.
-    add_up(super::weld::distance_up(p, foot), add_up(mul_up(4.0 * f64::EPSILON, reach), f64::MIN_POSITIVE))
+    add_up(super::weld::distance_up(p, closest), add_up(mul_up(4.0 * f64::EPSILON, reach), f64::MIN_POSITIVE))
 }

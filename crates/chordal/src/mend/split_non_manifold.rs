@@ -118,8 +118,9 @@ struct CornerFans<'a> {
 impl CornerFans<'_> {
     /// For every corner, by half-edge number, the first corner of its fan.
     fn fans(&self, job: &Job) -> Result<Vec<u32>, JobError> {
-        let crowded: Vec<&[u32]> = self.twins.non_manifold_edges().collect();
-        let mut partners: Vec<Vec<[u32; 2]>> = crowded.iter().map(|edge| self.radial_pairs(edge)).collect();
+        let non_manifold: Vec<&[u32]> = self.twins.non_manifold_edges().collect();
+        let mut partners: Vec<Vec<[u32; 2]>> =
+            non_manifold.iter().map(|edge| self.radial_pairs(edge)).collect();
         loop {
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
@@ -135,7 +136,7 @@ impl CornerFans<'_> {
             // A surface that passes through both ends of an edge twice keeps its faces together there.
             // Separate all of them along that edge: then at most two of them share a fan at each end.
             let mut is_done = true;
-            for (edge, partners) in crowded.iter().zip(&mut partners) {
+            for (edge, partners) in non_manifold.iter().zip(&mut partners) {
                 if !partners.is_empty() && self.is_still_non_manifold(edge, &mut sets) {
                     partners.clear();
                     is_done = false;

@@ -5,7 +5,8 @@ use chordal::explicit::{Cage, InvalidCage};
 use chordal::{Budget, Job, Tolerance, convert};
 use chordal_testkit::sampler::distance;
 
-/// The largest distance between the limit surface of a cage and that after each of so many rounds, at places of all faces.
+/// The largest distance between the limit surface of a cage and that after each of so many rounds, at places
+/// of all faces.
 fn off(cage: &Cage, rounds: u32) -> f64 {
     let mut cage = cage.clone();
     let mut most = 0.0;
@@ -47,8 +48,8 @@ fn sheet() -> Cage {
     Cage::new((0..16).map(point).collect(), quads).unwrap().with_creasing(CreasingMethod::Chaikin)
 }
 
-/// A half of a crease that is 0.9 sharp stays sharp for the sake of the sharper ones at both its ends, of which one is no vertex
-/// of the face in the corner.
+/// A half of a crease that is 0.9 sharp stays sharp for the sake of the sharper ones at both its ends, of
+/// which one is no vertex of the face in the corner.
 #[test]
 fn by_chaikin_the_far_end_of_a_crease_counts() {
     let cage = sheet();
@@ -80,7 +81,8 @@ fn by_chaikin_creases_beyond_a_corner_count() {
     assert!(off(&cage, 3) < 1e-13, "{}", off(&cage, 3));
 }
 
-/// Two quads back to back with one sharp edge: around a vertex of two faces it ends, as both go on along the other one.
+/// Two quads back to back with one sharp edge: around a vertex of two faces it ends, as both go on along the
+/// other one.
 #[test]
 fn a_crease_ends_between_two_faces_with_two_common_sides() {
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [1.2, 1.0, 0.0], [0.0, 1.0, 0.7]];

@@ -23,7 +23,8 @@ pub fn polygons(text: &str) -> (Vec<[f64; 3]>, Vec<Vec<u32>>) {
     (positions, faces)
 }
 
-/// A cage of OpenSubdiv's regression shapes. In those `interpolateboundary` 1 is edges and corners and 2 is edges only.
+/// A cage of OpenSubdiv's regression shapes. In those `interpolateboundary` 1 is edges and corners and 2 is
+/// edges only.
 pub fn cage(name: &str, text: &str) -> Result<Cage, InvalidCage> {
     let (positions, faces) = polygons(text);
     let mut cage = Cage::new(positions, faces)?;

@@ -25,7 +25,8 @@ fn rounds_converge_to_it() {
         for rounds in [3_u32, 6] {
             let fine = cage.refined_times(rounds).unwrap();
             let mut worst = 0.0;
-            // The faces of a sheet's corner: by the first round each corner's part is a face, which then is a grid.
+            // The faces of a sheet's corner: by the first round each corner's part is a face, which then is a
+            // grid.
             let per_corner = 4_usize.pow(rounds - 1);
             let mut first_part = vec![0];
             for face in cage.faces() {
@@ -46,7 +47,8 @@ fn rounds_converge_to_it() {
             }
             worst /= size(&cage);
             eprintln!("{name}: {rounds} rounds, {worst:.2e}");
-            // Four times closer each round, more slowly around vertices of many edges; rounds that keep creases sharp do nothing.
+            // Four times closer each round, more slowly around vertices of many edges; rounds that keep
+            // creases sharp do nothing.
             let ends = cage.creases().iter().any(|crease| crease.1 < 10.0);
             assert!(ends || worst < 1e-13 || worst < 0.3 * before, "{name}: {worst} after {before}");
             assert!(rounds == 3 || worst < 5e-3, "{name}: {worst}");
@@ -91,7 +93,8 @@ fn a_round_leaves_it_where_it_is() {
                     n += 1;
                     if let (Jet { normal: Some(p), .. }, Jet { normal: Some(q), .. }) = (a, b) {
                         let off = distance(p, q);
-                        // Corners of several quads settle slowly; between two quads that lie on each other there is no side.
+                        // Corners of several quads settle slowly; between two quads that lie on each other
+                        // there is no side.
                         let off = if name == "catmark_val2_nonman" { 0.0 } else { off };
                         assert!(
                             off < 1e-3,

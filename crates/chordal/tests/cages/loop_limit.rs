@@ -1,5 +1,6 @@
-//! The limit surface of Loop's scheme: what rounds converge to, and the same whether a round was done before or not; and its meshes, as a
-//! referee sees them that has only plain rounds and the masks of smooth vertices, creases and corners.
+//! The limit surface of Loop's scheme: what rounds converge to, and the same whether a round was done before
+//! or not; and its meshes, as a referee sees them that has only plain rounds and the masks of smooth
+//! vertices, creases and corners.
 use super::corpus::cages;
 use chordal::budget::RefusalCode;
 use chordal::check::{self, Goal};
@@ -85,7 +86,8 @@ fn random(seed: u64) -> Cage {
 const PLACES: [[f64; 2]; 8] =
     [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.3, 0.6], [0.25, 0.125], [0.9, 0.03], [0.0, 0.4], [0.002, 0.001]];
 
-/// Where a place of a part of a triangle is in it: parts begin at their corner, the last one at the middle of the first side.
+/// Where a place of a part of a triangle is in it: parts begin at their corner, the last one at the middle of
+/// the first side.
 fn in_face(part: usize, [s, t]: [f64; 2]) -> [f64; 2] {
     match part {
         0 => [0.5 * s, 0.5 * t],
@@ -128,7 +130,8 @@ fn rounds_converge_to_it() {
     }
 }
 
-/// Whether two faces have the same three vertices: edges of a round may then end alike, which [`Cage::refined`] takes for one.
+/// Whether two faces have the same three vertices: edges of a round may then end alike, which
+/// [`Cage::refined`] takes for one.
 fn is_doubled(cage: &Cage) -> bool {
     let mut faces: Vec<[u32; 3]> = cage.faces().map(|face| [face[0], face[1], face[2]]).collect();
     faces.iter_mut().for_each(|face| face.sort_unstable());

@@ -1,5 +1,5 @@
-//! Meshes of limit surfaces keep their bound, as a referee sees it that has only plain rounds and the masks of smooth vertices,
-//! creases and corners.
+//! Meshes of limit surfaces keep their bound, as a referee sees it that has only plain rounds and the masks
+//! of smooth vertices, creases and corners.
 use super::corpus::cages;
 use chordal::budget::Pixels;
 use chordal::check::{self, Goal};

@@ -1,9 +1,11 @@
-//! The reference: refined control meshes of OpenSubdiv. Its vertices are in another order, so points and faces are compared as sets.
+//! The reference: refined control meshes of OpenSubdiv. Its vertices are in another order, so points and
+//! faces are compared as sets.
 use super::corpus::{cage, cages, polygons};
 use chordal::explicit::Cage;
 use std::collections::BTreeMap;
 
-/// For each point of `from` the first of `to` that is within `near` of it: points on top of each other are one.
+/// For each point of `from` the first of `to` that is within `near` of it: points on top of each other are
+/// one.
 fn matched(from: &[[f64; 3]], to: &[[f64; 3]], near: f64) -> Vec<u32> {
     let mut order: Vec<u32> = (0..to.len() as u32).collect();
     order.sort_by(|a, b| to[*a as usize][0].total_cmp(&to[*b as usize][0]));
@@ -71,7 +73,8 @@ fn every_round_is_that_of_the_reference() {
 fn rounds_by_grids_are_those_one_by_one() {
     for (name, cage) in cages() {
         let rounds = match name.as_str() {
-            // Round by round, edges between the same vertices become one after the first: see the test of its own.
+            // Round by round, edges between the same vertices become one after the first: see the test of its
+            // own.
             "loop_val2_interior" => 1,
             _ if cage.n_faces() > 500 => 2,
             _ => 4,

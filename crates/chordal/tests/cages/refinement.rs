@@ -44,7 +44,8 @@ fn a_moved_cage_is_evaluated_as_it_is_refined_bit_for_bit() {
     }
 }
 
-/// More than a task of each kind, so that threads do share the work: a torus with a seam of sharp edges and a sharp vertex.
+/// More than a task of each kind, so that threads do share the work: a torus with a seam of sharp edges and a
+/// sharp vertex.
 #[test]
 fn a_large_cage_is_the_same_on_any_number_of_threads() {
     let (n, m) = (96_u32, 64_u32);
@@ -79,13 +80,15 @@ fn single_precision_and_other_values_follow_the_same_rules() {
         let size = expected.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let single: Vec<[f32; 3]> = cage.positions().iter().map(|p| p.map(|x| x as f32)).collect();
         for (p, q) in refinement.evaluate(&single, &job).unwrap().iter().zip(&expected) {
-            // Twenty roundings of f32, each of half 1.2e-7, by shares that add up to 1; more around poles of hundreds of faces.
+            // Twenty roundings of f32, each of half 1.2e-7, by shares that add up to 1; more around poles of
+            // hundreds of faces.
             assert!(
                 (0..3).all(|k| (f64::from(p[k]) - q[k]).abs() <= 2e-6 * size),
                 "{name}: {p:?} {q:?} {size}"
             );
         }
-        // Five numbers: the positions among others, and one that is the same everywhere, as shares add up to 1.
+        // Five numbers: the positions among others, and one that is the same everywhere, as shares add up to
+        // 1.
         let five: Vec<[f64; 5]> = cage.positions().iter().map(|p| [p[2], 1.0, p[0], p[1], 0.0]).collect();
         for (p, q) in refinement.evaluate(&five, &job).unwrap().iter().zip(&expected) {
             assert_eq!([p[2], p[3], p[0]].map(f64::to_bits), q.map(f64::to_bits), "{name}");

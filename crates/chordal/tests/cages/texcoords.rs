@@ -7,8 +7,8 @@ use chordal_testkit::Random;
 
 const NONE: u32 = CornerTexcoords::NONE;
 
-/// A sheet of 3 × 3 quads with a seam that ends within (at vertex 5), one that parts a single face (6), three pieces (9), and two of which
-/// one is creased (10).
+/// A sheet of 3 × 3 quads with a seam that ends within (at vertex 5), one that parts a single face (6), three
+/// pieces (9), and two of which one is creased (10).
 const SHEET: &str = "\
 v 0 0 0
 v 1 0 0.75
@@ -196,7 +196,8 @@ fn a_round_of_a_round_is_the_second() {
     }
 }
 
-/// Where textures have no seams and the same rules, an affine map of the positions stays one; so do its limits.
+/// Where textures have no seams and the same rules, an affine map of the positions stays one; so do its
+/// limits.
 #[test]
 fn an_affine_map_of_the_positions_stays_one() {
     let pairs = [
@@ -458,7 +459,8 @@ fn wrong_rows_are_refused_by_name() {
     assert!(matches!(large.refined_times(3), Err(InvalidCage::TexcoordNotFinite { .. })));
 }
 
-/// Any faces over few vertices, with any rows: rounds and meshes of them never panic, and what is the same at all corners stays so.
+/// Any faces over few vertices, with any rows: rounds and meshes of them never panic, and what is the same at
+/// all corners stays so.
 #[test]
 fn any_faces_with_any_rows_are_refined() {
     for seed in 1..=300_u64 {

@@ -10,7 +10,8 @@ use chordal::{Budget, Failure, Tolerance};
 
 const COUNTS: [u64; 12] = [1, 2, 3, 4, 5, 8, 13, 40, 41, 42, 300, 1000];
 
-/// The segments that a path needs at least: one for every piece that is not a point, three for more than half a turn.
+/// The segments that a path needs at least: one for every piece that is not a point, three for more than half
+/// a turn.
 fn needed<const D: usize>(path: &Path<D>) -> u64 {
     let of = |part: &Part<D>| match part {
         Part::Arc(round) if round.sweep.abs() > 3.0 => 3,
@@ -63,7 +64,8 @@ fn a_count_is_kept_and_more_segments_are_hardly_ever_worse() {
             return 1.0;
         }
         if seed % 4 == 0 {
-            // Equal steps of one cubic are what was asked for: one more may be worse, and the bound is checked all the same.
+            // Equal steps of one cubic are what was asked for: one more may be worse, and the bound is
+            // checked all the same.
             ladder(&name, &path, Spacing::Even);
             return ladder(&format!("path (seed {seed})"), &chain::<3>(seed), Spacing::Fewest);
         }
@@ -75,8 +77,8 @@ fn a_count_is_kept_and_more_segments_are_hardly_ever_worse() {
         "of {} ladders {some} have a bound that is worse with more segments, by × {most:.3} at most",
         worse.len()
     );
-    // Where a curve turns back, longest steps are not the best ones, and a rung that is passed over may hold a better polyline of fewer
-    // segments: measured 16 of 400.
+    // Where a curve turns back, longest steps are not the best ones, and a rung that is passed over may hold
+    // a better polyline of fewer segments: measured 16 of 400.
     assert!(20 * some <= worse.len(), "{some} of {} ladders, × {most}", worse.len());
 }
 

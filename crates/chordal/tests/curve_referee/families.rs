@@ -170,8 +170,8 @@ pub fn shape<const D: usize>(seed: usize) -> Shape<D> {
     Shape { kind, control }
 }
 
-/// A cubic whose second derivative is nowhere small against its largest, and which does not turn back: twice as many steps, a
-/// quarter of the error.
+/// A cubic whose second derivative is nowhere small against its largest, and which does not turn back: twice
+/// as many steps, a quarter of the error.
 pub fn regular(seed: usize) -> Control<2> {
     let r = &mut Random::new(seed as u64 + 1_000_000);
     // The legs turn the same way, by up to a right angle in all, at up to twice the speed.

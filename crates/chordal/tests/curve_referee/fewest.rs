@@ -7,7 +7,8 @@ use chordal::convert::Spacing;
 
 /// Places that a vertex of the optimum may have.
 const GRID: usize = 240;
-/// Points of the curve looked at between two vertices; what lies between them is missed, which can only make the optimum smaller.
+/// Points of the curve looked at between two vertices; what lies between them is missed, which can only make
+/// the optimum smaller.
 const LOOKED_AT: usize = 16;
 
 struct Cubic<'a> {
@@ -20,8 +21,8 @@ impl Cubic<'_> {
         self.path.parts[0].at(t)
     }
 
-    /// Whether the curve between two parameters keeps the tolerance from its chord. Then the chord does too: the curve passes over
-    /// all of it.
+    /// Whether the curve between two parameters keeps the tolerance from its chord. Then the chord does too:
+    /// the curve passes over all of it.
     fn keeps(&self, a: f64, b: f64) -> bool {
         let chord = [self.at(a), self.at(b)];
         // The middle first, where it is most often too far.

@@ -26,8 +26,8 @@ pub struct Case {
 }
 
 impl Case {
-    /// Whether the polyline is further away than `part` of what was promised. The last distance has twice the digits, so
-    /// that only arcs and the way back need slack.
+    /// Whether the polyline is further away than `part` of what was promised. The last distance has twice the
+    /// digits, so that only arcs and the way back need slack.
     pub fn is_over(&self, part: f64) -> bool {
         self.measured * (1.0 - 1e-14) > part * self.at_most
     }
@@ -48,7 +48,8 @@ impl fmt::Display for Case {
     }
 }
 
-/// Whether a polyline is one of its path: from end to end, in order, on the path, with a vertex wherever a piece ends.
+/// Whether a polyline is one of its path: from end to end, in order, on the path, with a vertex wherever a
+/// piece ends.
 pub fn check_order<const D: usize>(name: &str, path: &Path<D>, made: &Polyline<D>) {
     let (points, places) = (&made.points, &made.places);
     let n = points.len();
@@ -77,7 +78,8 @@ pub fn check_order<const D: usize>(name: &str, path: &Path<D>, made: &Polyline<D
         } else {
             path.parts[part].at(t)
         };
-        // A place in the path has fewer digits than its parameter: some ulp of the number of pieces, times the speed.
+        // A place in the path has fewer digits than its parameter: some ulp of the number of pieces, times
+        // the speed.
         let blur = 8.0 * path.size() * path.parts.len() as f64 * f64::EPSILON;
         assert!(distance(on, *point) <= path.slack() + blur, "{name}: the point at {place} is on the path");
     }

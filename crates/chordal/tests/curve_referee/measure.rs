@@ -1,9 +1,9 @@
 //! The two-sided distance between a path and a polyline, from below, by samples and climbs of its own.
 //!
-//! 1. Every range of the path between two vertices is sampled against its own segment; around the best places the
-//!    search closes in. What is found there may be nearer to another segment, so the best by that count are held
-//!    against all segments, until none that is left can be better. 2. Points of every segment are held against
-//!    their own range of the path, and those that would count against all of the path.
+//! 1. Every range of the path between two vertices is sampled against its own segment; around the best places
+//!    the search closes in. What is found there may be nearer to another segment, so the best by that count
+//!    are held against all segments, until none that is left can be better. 2. Points of every segment are
+//!    held against their own range of the path, and those that would count against all of the path.
 use super::double::Double;
 use super::truth::{Part, Path};
 use chordal::explicit::Polyline;
@@ -110,7 +110,8 @@ impl<'a, const D: usize> Pair<'a, D> {
         let end = path.parts.len() as f64;
         let mut ranges = Vec::new();
         for i in 0..count.max(1) {
-            // The last one goes to the end, also where pieces that come back to their start have no vertex of their own.
+            // The last one goes to the end, also where pieces that come back to their start have no vertex of
+            // their own.
             let (from, to) = (made.places[i], if i + 1 < count { made.places[i + 1] } else { end });
             // A range is cut where pieces end: those that are a point have no vertex of their own.
             let mut at = from;
@@ -210,7 +211,8 @@ impl<'a, const D: usize> Pair<'a, D> {
         if best > least { best } else { 0.0 }
     }
 
-    /// The distance from a point that should be on the range, by looking closer and closer at every place that is near.
+    /// The distance from a point that should be on the range, by looking closer and closer at every place
+    /// that is near.
     fn zoom(&self, q: [f64; D], range: &Range) -> f64 {
         const N: u32 = 64;
         let part = &self.path.parts[range.part];
@@ -241,7 +243,8 @@ impl<'a, const D: usize> Pair<'a, D> {
         let best = (0..=n).map(|i| (i, far(at(i)))).min_by(|a, b| a.1.total_cmp(&b.1)).expect("samples");
         let (low, high) = (at(best.0.saturating_sub(1)), at((best.0 + 1).min(n)));
         let (t, least) = climb(|t| -far(t), low, high);
-        // The least of a root is flat where it is measured; a place straight across is found to the last digit.
+        // The least of a root is flat where it is measured; a place straight across is found to the last
+        // digit.
         let (a, b) = (part.at(low), part.at(high));
         let ahead = |t: f64| {
             let p = part.at(t);
@@ -293,8 +296,8 @@ pub fn measure<const D: usize>(path: &Path<D>, made: &Polyline<D>, look: Look) -
     Distance { to_polyline, to_path: pair.to_path(look, to_polyline) }
 }
 
-/// How far the two are apart for sure, if `p` is said to be a point of the path: its distance to the polyline, less that to
-/// the path.
+/// How far the two are apart for sure, if `p` is said to be a point of the path: its distance to the
+/// polyline, less that to the path.
 pub fn witnessed<const D: usize>(path: &Path<D>, made: &Polyline<D>, p: [f64; D]) -> f64 {
     let pair = Pair::new(path, made);
     let off = pair.ranges.iter().map(|range| pair.zoom(p, range)).fold(f64::INFINITY, f64::min);

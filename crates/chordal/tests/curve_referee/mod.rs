@@ -1,8 +1,10 @@
-//! The referee of curves: measures polylines against the curves they stand for, and shares no code with the library.
+//! The referee of curves: measures polylines against the curves they stand for, and shares no code with the
+//! library.
 //!
-//! It evaluates cubics by de Casteljau's construction and arcs by the standard sine and cosine, looks for the farthest points of
-//! both sides by itself, and takes the last distance in numbers of twice the digits. `honesty` shows that it sees the
-//! mistakes it is there for. `CHORDAL_LONG=1` makes it measure ten times as many curves.
+//! It evaluates cubics by de Casteljau's construction and arcs by the standard sine and cosine, looks for the
+//! farthest points of both sides by itself, and takes the last distance in numbers of twice the digits.
+//! `honesty` shows that it sees the mistakes it is there for. `CHORDAL_LONG=1` makes it measure ten times as
+//! many curves.
 mod arcs;
 mod chains;
 mod counts;

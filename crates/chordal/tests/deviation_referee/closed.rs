@@ -62,8 +62,8 @@ fn sphere(n: u32, radius: f64) -> Mesh {
 
 #[test]
 fn two_spheres_about_one_centre_are_as_far_as_their_radii() {
-    // A corner of the outer one is nearest to the same corner of the inner one, since that lies deepest inside the
-    // half-space through it, across the ray to it; every other point is nearer, by convexity.
+    // A corner of the outer one is nearest to the same corner of the inner one, since that lies deepest
+    // inside the half-space through it, across the ray to it; every other point is nearer, by convexity.
     for outer in [1.5, 1.015_625] {
         is(&measured(&sphere(3, outer), &sphere(3, 1.0), &Goal::default()), outer - 1.0);
     }

@@ -1,5 +1,5 @@
-//! The referee of deviations: measures distances between meshes by plain loops, and shares no code with the library.
-//! `CHORDAL_LONG=1` makes it measure ten times as many pairs.
+//! The referee of deviations: measures distances between meshes by plain loops, and shares no code with the
+//! library. `CHORDAL_LONG=1` makes it measure ten times as many pairs.
 mod closed;
 mod families;
 mod honesty;

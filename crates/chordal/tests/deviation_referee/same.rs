@@ -1,4 +1,5 @@
-//! Laws: nothing is 0 away from itself, the order does not matter, nor scale, place or threads; and what a limit does.
+//! Laws: nothing is 0 away from itself, the order does not matter, nor scale, place or threads; and what a
+//! limit does.
 use super::families::{KINDS, moved, pair};
 use super::measured;
 use chordal::budget::{JobError, RefusalCode, Tolerance};

@@ -7,8 +7,8 @@ fn shares(w: [f64; 3]) -> [f64; 3] {
     w.map(|x| x / (w[0] + w[1] + w[2]))
 }
 
-/// The farthest distance from any point of `from` to `to` that samples find: corners, a lattice, random points, and a
-/// climb from the best of each triangle that comes near the best of all.
+/// The farthest distance from any point of `from` to `to` that samples find: corners, a lattice, random
+/// points, and a climb from the best of each triangle that comes near the best of all.
 pub fn farthest(from: &Triangles, to: &Triangles, random: &mut Random) -> f64 {
     let mut best = 0.0_f64;
     let mut of_each = Vec::new();

@@ -3,7 +3,8 @@
 use dashu_float::FBig;
 use proptest::prelude::*;
 
-/// So many cases, or ten times as many in the long sweep; a failing one is printed, shrunk, and nothing is written beside the tests.
+/// So many cases, or ten times as many in the long sweep; a failing one is printed, shrunk, and nothing is
+/// written beside the tests.
 pub fn cases(n: u32) -> ProptestConfig {
     let cases = chordal_testkit::cases(n as usize) as u32;
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }

@@ -51,7 +51,8 @@ fn along_the_normals_of_a_saddle() {
 
 #[test]
 fn a_wall_over_a_cubic() {
-    // A parabola y = x² over x from −1 to 1, drawn out along z: from (0, h) with h > 1/2 the distance is √(h − 1/4).
+    // A parabola y = x² over x from −1 to 1, drawn out along z: from (0, h) with h > 1/2 the distance is √(h
+    // − 1/4).
     let line = [[-1.0, 1.0], [-1.0 / 3.0, -1.0 / 3.0], [1.0 / 3.0, -1.0 / 3.0], [1.0, 1.0]];
     let control = std::array::from_fn(|i| line.map(|[x, y]| [x, y, i as f64 - 1.5]));
     let tree = tree(Patch { control });

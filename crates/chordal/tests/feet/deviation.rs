@@ -1,4 +1,5 @@
-//! Meshes against patches and limit surfaces: enclosures beside samples of both, for meshes that are ours and that are not.
+//! Meshes against patches and limit surfaces: enclosures beside samples of both, for meshes that are ours and
+//! that are not.
 use super::corpus::cages;
 use super::patches::samples as patch_samples;
 use chordal::check::{self, Deviation, Goal};
@@ -38,8 +39,8 @@ struct Surface {
     apart: f64,
 }
 
-/// The ends hold for what samples find: no point of the surface is farther than the end from above, no point of the mesh either, but for
-/// what lies between the samples.
+/// The ends hold for what samples find: no point of the surface is farther than the end from above, no point
+/// of the mesh either, but for what lies between the samples.
 fn judge(found: &Deviation, mesh: &Mesh, surface: &Surface, what: &str) {
     let most = found.bound.at_most().unwrap();
     let back = surface.points.iter().map(|p| to_mesh(*p, mesh)).fold(0.0, f64::max);

@@ -1,4 +1,5 @@
-//! Nearest points of patches and limit surfaces: enclosures that hold, as plain samples and closed forms see them.
+//! Nearest points of patches and limit surfaces: enclosures that hold, as plain samples and closed forms see
+//! them.
 
 mod cages;
 mod closed;
@@ -9,8 +10,8 @@ use crate::cages::corpus;
 use chordal::explicit::query::SurfaceClosestPoint;
 use chordal_testkit::sampler::{Point, distance};
 
-/// A foot is right where its own place is as near as it says, and no sample is nearer than it says. `rounding` is what the
-/// referee's own points may be off.
+/// A foot is right where its own place is as near as it says, and no sample is nearer than it says.
+/// `rounding` is what the referee's own points may be off.
 pub(crate) fn judge(foot: &SurfaceClosestPoint, p: Point, at: Point, samples: &[Point], rounding: f64) {
     let said = format!("{foot:?} of {p:?}");
     assert!(0.0 <= foot.at_least && foot.at_least <= foot.at_most, "{said}");

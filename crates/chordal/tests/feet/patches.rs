@@ -1,4 +1,5 @@
-//! Random patches, and those with nothing to hold on to, beside samples by the plain sum of Bernstein's polynomials.
+//! Random patches, and those with nothing to hold on to, beside samples by the plain sum of Bernstein's
+//! polynomials.
 use super::judge;
 use chordal::explicit::query::{SurfaceClosestPoint, SurfaceTree};
 use chordal::{Job, Patch, Tolerance};

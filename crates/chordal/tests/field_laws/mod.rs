@@ -1,5 +1,5 @@
-//! Laws of fields: what a shape says of its value, its sign and its box holds at random points, for every shape and for
-//! random trees of them.
+//! Laws of fields: what a shape says of its value, its sign and its box holds at random points, for every
+//! shape and for random trees of them.
 mod law;
 mod trees;
 
@@ -102,7 +102,8 @@ fn scattered() -> Result<Vec<Field>, InvalidShape> {
     (0..50).map(|_| sphere(0.3)?.moved(random.point_within(2.0))).collect()
 }
 
-/// Laws that fail on what breaks them: a distance twice too long, a box that is too small, a sign of another shape.
+/// Laws that fail on what breaks them: a distance twice too long, a box that is too small, a sign of another
+/// shape.
 #[test]
 fn the_laws_notice_what_is_wrong() {
     let ball = || sphere(1.0).expect("a shape");

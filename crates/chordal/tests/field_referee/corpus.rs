@@ -1,5 +1,5 @@
-//! The corpus of solids: each is meshed within a budget, closed and manifold, and judged by the referee; and the error falls with
-//! the square of the cells where shapes are smooth.
+//! The corpus of solids: each is meshed within a budget, closed and manifold, and judged by the referee; and
+//! the error falls with the square of the cells where shapes are smooth.
 use super::measure::{backward, forward, is_good, surface};
 use super::shapes::{self, Shape};
 use super::{SLACK, budget};
@@ -128,7 +128,8 @@ fn errors_fall_with_the_square_of_the_cells_where_shapes_are_smooth() {
             (far, mesh.faces().len() as f64)
         };
         let ((coarse, few), (fine, many)) = (of(3_000), of(12_000));
-        // Faces grow with the inverse square of the cells' size, so the error falls like one over their number.
+        // Faces grow with the inverse square of the cells' size, so the error falls like one over their
+        // number.
         let power = (coarse / fine).ln() / (many / few).ln();
         println!(
             "{}: {coarse:.3e} with {few} faces, {fine:.3e} with {many}: h^{:.2}",

@@ -39,7 +39,8 @@ fn damaged_meshes_are_as_far_as_proved() {
         let mut cases = damages(&mesh, &mut random);
         cases.push(("as it is", mesh));
         for (what, mesh) in cases {
-            // Without a goal the search may give up where the mesh is far off; with one it says whether that holds.
+            // Without a goal the search may give up where the mesh is far off; with one it says whether that
+            // holds.
             let soup = triangles_of(&mesh);
             let ahead = forward(&soup, &shape, &mut random);
             let back = backward(&surface(&shape, 300, &mut random), &soup);
@@ -78,8 +79,8 @@ fn triangles_in_a_sphere_are_known_to_the_last_digits() {
     for coarse in [0.3, 0.1] {
         let mesh = made(&sphere, &budget(coarse)).shape;
         let found = deviation(&sphere, &mesh, None);
-        // From a point of a triangle to the sphere it is |‖p‖ − 1|: the corners are farthest out, and the foot of the
-        // centre farthest in.
+        // From a point of a triangle to the sphere it is |‖p‖ − 1|: the corners are farthest out, and the
+        // foot of the centre farthest in.
         let soup = triangles_of(&mesh);
         let truth = soup.corners.iter().fold(0.0_f64, |most, t| {
             let out = t.iter().map(|p| (p[0].hypot(p[1]).hypot(p[2]) - 1.0).abs()).fold(0.0, f64::max);
@@ -90,7 +91,8 @@ fn triangles_in_a_sphere_are_known_to_the_last_digits() {
     }
 }
 
-/// What is moved, torn or turned is measured to a share of itself, however far it is; the ends hold, and there are always two.
+/// What is moved, torn or turned is measured to a share of itself, however far it is; the ends hold, and
+/// there are always two.
 #[test]
 fn damaged_meshes_have_two_ends_without_a_limit() {
     let mut random = Random::new(4);
@@ -117,8 +119,8 @@ fn damaged_meshes_have_two_ends_without_a_limit() {
             let seen = judged(&shape, &mesh, &found, &mut random).expect("two ends") * most;
             println!("{} {what}: [{least:.5}, {most:.5}] {:.3}, seen {seen:.5}", shape.name, most / least);
             (reached, n) = (reached + usize::from(found.reached), n + 1);
-            // The own functions of these two are distances: nothing of the mesh is farther than the farthest sample, and the way
-            // to one, which is less than half of an edge.
+            // The own functions of these two are distances: nothing of the mesh is farther than the farthest
+            // sample, and the way to one, which is less than half of an edge.
             if shape.name == "sphere" || shape.name == "torus" {
                 let soup = triangles_of(&mesh);
                 let edge = |t: &[[f64; 3]; 3], k: usize| {

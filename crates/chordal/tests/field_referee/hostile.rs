@@ -1,4 +1,5 @@
-//! Fields without a surface, leaves without ranges, leaves that lie, numbers without end, and tiny and huge worlds.
+//! Fields without a surface, leaves without ranges, leaves that lie, numbers without end, and tiny and huge
+//! worlds.
 use super::budget;
 use super::shapes::cube;
 use chordal::budget::{Evidence, RequiredEvidence};

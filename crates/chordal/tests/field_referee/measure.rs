@@ -1,11 +1,13 @@
-//! Distances that the referee finds itself: points of triangles by the shape's own function, points of the shape by bisection.
+//! Distances that the referee finds itself: points of triangles by the shape's own function, points of the
+//! shape by bisection.
 use super::shapes::{Point, Shape};
 use crate::deviation_referee::triangles_of;
 use chordal::Mesh;
 use chordal_testkit::Random;
 use chordal_testkit::sampler::Triangles;
 
-/// The farthest that a point of the triangles surely is from the surface: |f| over the slope is never more than the distance.
+/// The farthest that a point of the triangles surely is from the surface: |f| over the slope is never more
+/// than the distance.
 pub fn forward(mesh: &Triangles, shape: &Shape, random: &mut Random) -> f64 {
     let mut most = 0.0_f64;
     for t in &mesh.corners {

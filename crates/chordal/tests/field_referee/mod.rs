@@ -1,5 +1,5 @@
-//! The referee of fields and their meshes: measures with functions of its own, and shares no code with the evaluator or
-//! the distances of the library. `CHORDAL_LONG=1` makes it look at ten times as many trees.
+//! The referee of fields and their meshes: measures with functions of its own, and shares no code with the
+//! evaluator or the distances of the library. `CHORDAL_LONG=1` makes it look at ten times as many trees.
 mod corpus;
 mod damaged;
 mod hostile;

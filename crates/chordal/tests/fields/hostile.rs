@@ -1,4 +1,5 @@
-//! Rows 68 and 69 of the hostile inputs: expressions of any depth and sharing, and operations without a value.
+//! Rows 68 and 69 of the hostile inputs: expressions of any depth and sharing, and operations without a
+//! value.
 use chordal::implicit::Expr;
 use chordal::implicit::evaluation::{Binary, Dual, ExprGraph, Tape, Unary};
 use chordal::math::{Box3, Interval};

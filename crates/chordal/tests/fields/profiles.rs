@@ -68,7 +68,8 @@ fn a_profile_on_the_axis_is_as_cheap_as_one_beside_it() {
         let [beside, _] = undecided(&profile.moved([1.0, 0.0, 0.0]).expect("a shape").revolved());
         // Both have about as much surface as their cubes.
         assert!(on < 2 * beside, "{name}: {on} boxes on the axis, {beside} beside it");
-        // The surface goes through the axis in two places, or four, with some three boxes each; the axis has 128 of them.
+        // The surface goes through the axis in two places, or four, with some three boxes each; the axis has
+        // 128 of them.
         assert!(along <= 16, "{name}: {along} boxes along the axis");
     }
 }

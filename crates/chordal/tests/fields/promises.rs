@@ -1,4 +1,5 @@
-//! What a proof about a field rests on: what ranges show is proved, and every other word of its maker is listed.
+//! What a proof about a field rests on: what ranges show is proved, and every other word of its maker is
+//! listed.
 use chordal::budget::{Evidence, Failure};
 use chordal::implicit::shapes::{cuboid, rectangle, sphere};
 use chordal::implicit::{Distance, Expr, Field, Repeat};

@@ -1,5 +1,5 @@
-//! The tape has the plain evaluator's values bit for bit, on whatever instruction set it runs; gradients are those of
-//! differences; a shortened tape has the same values in its region.
+//! The tape has the plain evaluator's values bit for bit, on whatever instruction set it runs; gradients are
+//! those of differences; a shortened tape has the same values in its region.
 use super::models::RandomFields;
 use chordal::implicit::evaluation::{Dual, ExprGraph, Tape};
 use chordal::implicit::reference;
@@ -18,7 +18,8 @@ fn parts(x: Interval) -> (u64, u64, bool) {
 const NOWHERE: Dual<f64> = Dual { value: 0.0, gradient: [0.0; 3] };
 const UNKNOWN: Dual<Interval> = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
 
-/// All five kinds of evaluation of an expression, against the plain ones. `CHORDAL_ISA` asks for an instruction set.
+/// All five kinds of evaluation of an expression, against the plain ones. `CHORDAL_ISA` asks for an
+/// instruction set.
 fn compare(random: &mut Random, size: usize, rows: usize) {
     let expr = random.expression(size);
     let (graph, tape) = (ExprGraph::from_expr(&expr), Tape::new(&expr));

@@ -41,9 +41,9 @@ impl<'a> Lines<'a> {
         self.tests[token]
     }
 
-    /// The comments that speak of a token: behind it on its line, alone on the lines right above it, or in the same
-    /// places of the line on which its statement starts. Those on the file as a whole (`//!`) do not. Empty when
-    /// there is none.
+    /// The comments that speak of a token: behind it on its line, alone on the lines right above it, or in
+    /// the same places of the line on which its statement starts. Those on the file as a whole (`//!`) do
+    /// not. Empty when there is none.
     pub fn comment_on(&self, token: usize) -> String {
         let line = self.source.tokens[token].line;
         let own = |line: &usize| self.comments.get(line).filter(|comment| !comment.text.starts_with("//!"));
@@ -148,7 +148,8 @@ fn test_code(tokens: &[Token]) -> Vec<bool> {
     tests
 }
 
-/// The index behind the item at `at`: behind its first block that stands in no other bracket, or its semicolon.
+/// The index behind the item at `at`: behind its first block that stands in no other bracket, or its
+/// semicolon.
 fn item_end(tokens: &[Token], at: usize) -> usize {
     let mut depth = 0_usize;
     for (n, token) in tokens.iter().enumerate().skip(at) {

@@ -1,5 +1,5 @@
-//! The gates: what a machine can see of ARCHITECTURE.md and STYLE.md in the sources. A program of its own, so that it is
-//! built in seconds.
+//! The gates: what a machine can see of ARCHITECTURE.md and STYLE.md in the sources. A program of its own, so
+//! that it is built in seconds.
 #[path = "../circles.rs"]
 mod circles;
 #[path = "../crates.rs"]

@@ -103,8 +103,8 @@ pub fn root() -> PathBuf {
     Path::new(&here).ancestors().nth(2).expect("the crate lies two folders below the root").to_owned()
 }
 
-/// Every file below `folder` (relative to the root) for whose name `wanted` holds, sorted; folders that git ignores
-/// are left out. A folder that is not there has no files.
+/// Every file below `folder` (relative to the root) for whose name `wanted` holds, sorted; folders that git
+/// ignores are left out. A folder that is not there has no files.
 pub fn files(folder: &str, wanted: fn(&str) -> bool) -> Vec<PathBuf> {
     const IGNORED: [&str; 6] = ["target", "out", "node_modules", ".git", ".venv", "__pycache__"];
     let mut found = Vec::new();
@@ -129,7 +129,8 @@ pub fn files(folder: &str, wanted: fn(&str) -> bool) -> Vec<PathBuf> {
     found
 }
 
-/// Every file that git tracks and that is there; every file where there is no git, as in a downloaded archive.
+/// Every file that git tracks and that is there; every file where there is no git, as in a downloaded
+/// archive.
 pub fn tracked() -> Vec<PathBuf> {
     let git = Command::new("git").args(["ls-files", "-z"]).current_dir(root()).output();
     let Some(listed) = git.ok().filter(|output| output.status.success()) else { return files("", |_| true) };

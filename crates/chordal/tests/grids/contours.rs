@@ -1,4 +1,5 @@
-//! Level curves of fields of the plane: closed, with inside on the left, and within a bound that an independent count agrees with.
+//! Level curves of fields of the plane: closed, with inside on the left, and within a bound that an
+//! independent count agrees with.
 use chordal::budget::RefusalCode;
 use chordal::convert::field_to_polyline;
 use chordal::explicit::Polyline;
@@ -87,7 +88,8 @@ fn parts_that_fall_between_points_are_found_by_the_proof() {
 #[test]
 fn a_slit_that_no_lattice_meets_is_as_far_as_it_is_deep() {
     let [x, y, _] = Expr::axes();
-    // A square of half a unit to each side, cut in two by a slit as thin as a millionth: its middle is 0.5 from its border.
+    // A square of half a unit to each side, cut in two by a slit as thin as a millionth: its middle is 0.5
+    // from its border.
     let slit = Expr::constant(1e-6) - (&y - 0.1234).abs();
     let field = within(x.abs().max(&y.abs()).max(&(slit + 0.5)) - 0.5, 1.0);
     let budget = Budget::length(Tolerance::new(0.01).unwrap());
@@ -113,7 +115,8 @@ fn claimed(field: &Field, length: f64) -> Option<f64> {
 fn a_part_that_is_inside_by_less_than_rounding_is_not_left_out() {
     let [x, y, _] = Expr::axes();
     let (tiny, one) = (Expr::constant(5e-17), Expr::constant(1.0));
-    // Both are constant, by a way that no graph folds: 1 − 5e-17 rounds to 1, and the smooth minimum is below 5e-17 all the same.
+    // Both are constant, by a way that no graph folds: 1 − 5e-17 rounds to 1, and the smooth minimum is below
+    // 5e-17 all the same.
     let a = x.min(&tiny).max(&tiny);
     let b = x.min(&Expr::constant(-50.0)).max(&one);
     let below = a.smooth_min(&b, 1.0) - &tiny;
@@ -131,8 +134,8 @@ fn points_are_looked_for_where_the_tape_of_a_block_is_right() {
     let step = 2.0 / 64.0;
     let corner = |k: f64, n: f64| (-1.0 - step * k) + step * n;
     let (at_x, at_y) = (corner(1.618_034, 32.0), corner(1.381_966, 30.0));
-    // Nowhere inside, but by rounding on a thin cross about a corner of the first lattice, which shortened tapes beyond their block
-    // take for more.
+    // Nowhere inside, but by rounding on a thin cross about a corner of the first lattice, which shortened
+    // tapes beyond their block take for more.
     let two = x.min(&c(-50.0)).max(&c(2.0));
     let zero = c(2.0) - two.sqrt().square();
     let (u, v) = ((&x - at_x).abs(), (&y - at_y).abs());

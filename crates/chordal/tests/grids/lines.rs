@@ -35,7 +35,8 @@ fn random_planes_have_lines_that_are_closed_or_end_at_the_border() {
             area += line.segments().map(|[a, b]| a[0] * b[1] - a[1] * b[0]).sum::<f64>();
         }
         assert_eq!(places.len(), crossed, "case {case}");
-        // Inside is on the left: where all lines are closed and the border is outside, they wind around what is inside.
+        // Inside is on the left: where all lines are closed and the border is outside, they wind around what
+        // is inside.
         if made.shape.iter().all(|line| line.closed) && !side(0, 0) {
             assert!(area > 0.0, "case {case}");
         }

@@ -1,4 +1,5 @@
-//! Spheres, tori and gyroids: the bound holds against an independent sampler, and falls with the square of the step.
+//! Spheres, tori and gyroids: the bound holds against an independent sampler, and falls with the square of
+//! the step.
 use super::solid::{flaw, volume6};
 use chordal::convert::{Border, Normals, Polygonize, grid_to_mesh};
 use chordal::explicit::Semantic;
@@ -52,8 +53,8 @@ fn interpolant(grid: &Grid, at: [f64; 3]) -> f64 {
         .sum()
 }
 
-/// Points of the interpolant's surface: zeros on random lines along the axes of the lattice, by bisection of each cell
-/// into 8 parts.
+/// Points of the interpolant's surface: zeros on random lines along the axes of the lattice, by bisection of
+/// each cell into 8 parts.
 fn surface_points(grid: &Grid, random: &mut Random, lines: usize) -> Vec<[f64; 3]> {
     let mut points = Vec::new();
     let n = grid.size();
@@ -126,8 +127,8 @@ fn indices(grid: &Grid, p: [f64; 3]) -> [f64; 3] {
     [dot(d, cross(s[1], s[2])) / det, dot(d, cross(s[2], s[0])) / det, dot(d, cross(s[0], s[1])) / det]
 }
 
-/// The farthest of points of the mesh from dense points of the surface around them: a bound from above only as far as those
-/// are dense, so it is compared with what the spacing allows.
+/// The farthest of points of the mesh from dense points of the surface around them: a bound from above only
+/// as far as those are dense, so it is compared with what the spacing allows.
 fn mesh_to_surface(grid: &Grid, mesh: &Mesh, random: &mut Random) -> f64 {
     let lattice = |p: [f64; 3]| indices(grid, p);
     let n = grid.size();
@@ -209,8 +210,9 @@ fn the_bound_holds_and_falls_with_the_square_of_the_step() {
                 );
                 continue;
             }
-            // Less than 4 where cells without a steady slope are cut no further than is worth it, more where the coarser lattice
-            // has such a cell: 2.6 at the least, measured on the torus. What is seen falls by 2.9 to 6.
+            // Less than 4 where cells without a steady slope are cut no further than is worth it, more where
+            // the coarser lattice has such a cell: 2.6 at the least, measured on the torus. What is seen
+            // falls by 2.9 to 6.
             assert!(bounds[1].1 / bounds[2].1 > 2.5, "{name}: {bounds:?}");
             assert!(bounds[0].1 / bounds[2].1 > 8.0, "{name}: {bounds:?}");
             assert!(bounds[2].1 < 12.0 * bounds[2].0, "{name}: {bounds:?}");
@@ -259,7 +261,8 @@ fn the_bound_holds_on_noise() {
     }
 }
 
-/// A mask has no slope along any axis over three cells, and its bound is not the diagonal of a cell all the same.
+/// A mask has no slope along any axis over three cells, and its bound is not the diagonal of a cell all the
+/// same.
 #[test]
 fn a_mask_is_within_less_than_a_diagonal() {
     let n = 24;

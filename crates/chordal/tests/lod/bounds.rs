@@ -1,4 +1,5 @@
-//! Bounds: no point of either surface is farther than promised, and the worst pair is as far as it is said to be.
+//! Bounds: no point of either surface is farther than promised, and the worst pair is as far as it is said to
+//! be.
 use super::sampler::{apart, triangles};
 use super::{data, length, made, n_faces, shapes};
 use chordal::budget::Evidence;
@@ -7,7 +8,8 @@ use chordal::{Bounded, Budget, Mesh};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::{norm, sub};
 
-/// What the arithmetic of the sampler may be off by, as a share of the coordinates: a thousand roundings, since needles have no good normal.
+/// What the arithmetic of the sampler may be off by, as a share of the coordinates: a thousand roundings,
+/// since needles have no good normal.
 const SLACK: f64 = 1e-12;
 
 /// Holds what came out against the mesh.

@@ -20,8 +20,8 @@ fn camera(budget: &Budget) -> Camera {
     }
 }
 
-/// Hills along the x axis, from 2 to 3000 before the origin and below it, in cells that grow with the distance, but
-/// not as much as a pixel does.
+/// Hills along the x axis, from 2 to 3000 before the origin and below it, in cells that grow with the
+/// distance, but not as much as a pixel does.
 fn valley([n, m]: [u32; 2]) -> Mesh {
     let at = |i: u32, j: u32| {
         let share = f64::from(i) / f64::from(n);
@@ -60,7 +60,8 @@ impl Screen {
         Self { camera, axes: [right, cross(right, forward), forward], focal }
     }
 
-    /// Right, up and depth: the first two in pixels from the middle. Nothing where the point is not before the eye.
+    /// Right, up and depth: the first two in pixels from the middle. Nothing where the point is not before
+    /// the eye.
     fn at(&self, p: Point) -> Option<Point> {
         let [x, y, z] = self.axes.map(|axis| dot(axis, sub(p, self.camera.eye)));
         let scale = match self.camera.projection {
@@ -85,7 +86,8 @@ impl Screen {
     }
 }
 
-/// The farthest that a point of one surface is on the screen from the nearest point of the other, with how many were seen.
+/// The farthest that a point of one surface is on the screen from the nearest point of the other, with how
+/// many were seen.
 fn one_way(from: &Mesh, to: &Mesh, screen: &Screen, random: &mut Random) -> (f64, usize) {
     let tree = triangles(to);
     let (mut most, mut n_seen) = (0.0_f64, 0);

@@ -7,7 +7,8 @@ use chordal::lod::{LodSource, LodSteps, chain};
 use chordal::{Job, Mesh, Tolerance};
 use chordal_testkit::Random;
 
-/// The bound holds up to this share, and up to roundings of the coordinates: of points, and of their feet on needles.
+/// The bound holds up to this share, and up to roundings of the coordinates: of points, and of their feet on
+/// needles.
 const SLACK: f64 = 1e-9;
 const ROUNDED: f64 = 1e-12;
 /// What the sampler finds at least of a bound: the worst place may be small.

@@ -44,7 +44,8 @@ fn a_mesh_far_from_zero_gives_as_many_triangles() {
         let (n, m) = (n_faces(&a) as f64, n_faces(&b) as f64);
         assert!((n - m).abs() <= 0.01 * n, "{name}: {n} became {m}");
         assert!(b.bound.at_most().expect("proved") <= 0.01);
-        // Held in coordinates around zero, so that the sampler's rounding does not count: 1e6 is taken off without any.
+        // Held in coordinates around zero, so that the sampler's rounding does not count: 1e6 is taken off
+        // without any.
         let back = |mesh: &Mesh| mapped(mesh, |p| [p[0] - 1e6, p[1] + 1e6, p[2] - 1e6]);
         let mut near = b.clone();
         near.shape.mesh = back(&b.shape.mesh);
@@ -75,7 +76,8 @@ fn two_of_a_kind_far_apart_are_simplified_alike() {
             let out = made(&two, &budget).shape.mesh;
             let left = out.faces().iter().filter(|f| out.positions()[f[0] as usize][0] < 32.0).count();
             let right = out.faces().len() - left;
-            // Quadrics about one origin are rounded there, which decides between edges of flat sides that cost the same.
+            // Quadrics about one origin are rounded there, which decides between edges of flat sides that
+            // cost the same.
             let off = left.abs_diff(right) as f64;
             assert!(off <= 0.08 * left as f64 + 2.0, "{name}: {left} and {right}");
         }

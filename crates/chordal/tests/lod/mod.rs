@@ -1,5 +1,5 @@
-//! Simplification held against its promises: bounds by a sampler that shares no code with the library, topology, seams,
-//! frames, pieces, and input that nobody would draw.
+//! Simplification held against its promises: bounds by a sampler that shares no code with the library,
+//! topology, seams, frames, pieces, and input that nobody would draw.
 mod bounds;
 mod by_view;
 mod chains;

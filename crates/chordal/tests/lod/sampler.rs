@@ -8,7 +8,8 @@ pub fn triangles(mesh: &Mesh) -> Triangles {
     Triangles::new(mesh.positions(), mesh.faces())
 }
 
-/// Points of a face that are always looked at, by their weights: corners, the middles of edges, and the middle.
+/// Points of a face that are always looked at, by their weights: corners, the middles of edges, and the
+/// middle.
 pub const FIXED: [Point; 7] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
@@ -19,8 +20,8 @@ pub const FIXED: [Point; 7] = [
     [1.0 / 3.0; 3],
 ];
 
-/// The farthest of many points of one surface from another: corners, middles, and random points by area, `n` of them
-/// about.
+/// The farthest of many points of one surface from another: corners, middles, and random points by area, `n`
+/// of them about.
 pub fn farthest(from: &Mesh, to: &Mesh, (n, random): (usize, &mut Random)) -> f64 {
     let [own, other] = [from, to].map(triangles);
     let whole: f64 = (0..own.corners.len()).map(|i| own.area(i)).sum();

@@ -88,7 +88,8 @@ fn torus() -> Mesh {
 #[test]
 fn a_seam_around_a_torus_does_not_smear() {
     for mesh in [torus(), at_vertices(&torus())] {
-        // A long triangle is straight where coordinates are round: they slide by two cells and more, and not by a chart.
+        // A long triangle is straight where coordinates are round: they slide by two cells and more, and not
+        // by a chart.
         for (asked, most) in [(0.003, 0.05), (0.01, 0.1)] {
             let made = made(&mesh, &length(asked));
             let out = &made.shape.mesh;

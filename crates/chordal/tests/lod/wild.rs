@@ -6,7 +6,8 @@ use chordal::{Budget, Mesh};
 use chordal_testkit::Random;
 use chordal_testkit::cases;
 
-/// Faces between rows by chance: edges with many faces, vertices with many fans, faces twice and without area.
+/// Faces between rows by chance: edges with many faces, vertices with many fans, faces twice and without
+/// area.
 fn soup(random: &mut Random) -> Mesh {
     let n = 4 + random.below(40);
     let m = 1 + random.below(120);

@@ -1,5 +1,5 @@
-//! Levels on the screen: each seen from the distance from which it may be shown, beside its source, by a rasterizer that
-//! shares no code with the library.
+//! Levels on the screen: each seen from the distance from which it may be shown, beside its source, by a
+//! rasterizer that shares no code with the library.
 mod picture;
 
 use crate::lod::data;
@@ -76,8 +76,8 @@ fn to_box(p: [f64; 3], mesh: &Mesh) -> f64 {
     dot(off, off).sqrt()
 }
 
-/// An eye exactly so far from the box, somewhere around it, looking so that some vertex stands at some spot of the screen: in
-/// a third of the cases in a corner of it.
+/// An eye exactly so far from the box, somewhere around it, looking so that some vertex stands at some spot
+/// of the screen: in a third of the cases in a corner of it.
 fn camera(mesh: &Mesh, (size_px, fov_deg): (u32, f64), distance: f64, random: &mut Random) -> Camera {
     let place = mesh.bounds();
     let middle: [f64; 3] = std::array::from_fn(|k| 0.5 * (place.min[k] + place.max[k]));
@@ -165,7 +165,8 @@ fn from_a_third_of_the_distance_coarse_levels_are_seen() {
 
 #[test]
 fn the_pictures_are_right() {
-    // A square of 10 × 10 pixels seen straight on: focal length 128 / tan 45°, depth 128, so that a unit is a pixel.
+    // A square of 10 × 10 pixels seen straight on: focal length 128 / tan 45°, depth 128, so that a unit is a
+    // pixel.
     let square = |low: f64, high: f64| {
         let at = |x, y| [x, y, 0.0];
         let corners = vec![at(low, low), at(high, low), at(high, high), at(low, high)];

@@ -1,5 +1,5 @@
-//! Which samples of a screen a mesh covers, and how far those are from what another covers. Plain arithmetic, nothing of the
-//! library.
+//! Which samples of a screen a mesh covers, and how far those are from what another covers. Plain arithmetic,
+//! nothing of the library.
 use chordal::Mesh;
 use chordal_testkit::sampler::{Point, cross, dot};
 
@@ -26,11 +26,13 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The eye that sees a point of space at a spot of the screen, in pixels; `aside` turns the picture around it.
+    /// The eye that sees a point of space at a spot of the screen, in pixels; `aside` turns the picture
+    /// around it.
     pub fn that_sees(p: Point, spot: Spot, eye: Point, size_px: u32, fov_deg: f64, aside: Point) -> Self {
         let half = 0.5 * f64::from(size_px);
         let focal_px = half / (0.5 * fov_deg.to_radians()).tan();
-        // The direction of the spot in the frame of the camera, and that of the point in space, each with two beside it.
+        // The direction of the spot in the frame of the camera, and that of the point in space, each with two
+        // beside it.
         let seen = unit([spot[0] - half, spot[1] - half, focal_px]);
         let least = if seen[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let inner = frame(seen, least);
@@ -51,7 +53,8 @@ impl Camera {
         [half + self.focal_px * x / z, half + self.focal_px * y / z]
     }
 
-    /// A triangle as it stands on the screen: what is ahead of the eye by more than a hair, in up to two pieces.
+    /// A triangle as it stands on the screen: what is ahead of the eye by more than a hair, in up to two
+    /// pieces.
     fn project(&self, corners: [Point; 3]) -> Vec<[Spot; 3]> {
         let local = corners.map(|p| self.local(p));
         let reach = local.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -74,7 +77,8 @@ impl Camera {
 
 /// Samples along a side of a pixel.
 const SAMPLES: usize = 4;
-/// Pixels along a side of a cell, and how far around a sample cells are looked into: farther is "at least this".
+/// Pixels along a side of a cell, and how far around a sample cells are looked into: farther is "at least
+/// this".
 const CELL_PX: f64 = 2.0;
 const FAR_PX: f64 = 8.0;
 
@@ -143,7 +147,8 @@ impl Picture {
     fn draw(&mut self, k: usize) {
         let t = self.triangles[k];
         let rows = [0, 1].map(|axis| {
-            // From the first sample at or after the lowest to the last; clamped before it becomes a whole number.
+            // From the first sample at or after the lowest to the last; clamped before it becomes a whole
+            // number.
             let [low, high] =
                 extent(&t, axis).map(|x| (x * SAMPLES as f64).clamp(-1.0, self.n_samples as f64 + 1.0));
             ((low - 1.0).max(0.0) as usize)..((high + 1.0).min(self.n_samples as f64).max(0.0) as usize)
@@ -193,8 +198,9 @@ impl Picture {
         least
     }
 
-    /// How far the covered samples are from what the other covers, at most, and how many were not covered there. The other is
-    /// taken as it is and not by its samples, so that a tip between two samples is no excuse and no failure.
+    /// How far the covered samples are from what the other covers, at most, and how many were not covered
+    /// there. The other is taken as it is and not by its samples, so that a tip between two samples is no
+    /// excuse and no failure.
     pub fn farthest_from(&self, other: &Self) -> (f64, usize) {
         let outside = |i: &usize| self.covered[*i] && !other.covered[*i];
         let outside: Vec<usize> = (0..self.covered.len()).filter(outside).collect();

@@ -187,8 +187,8 @@ fn a_moebius_strip_has_one_side_at_every_depth() {
     });
 }
 
-/// A square of n × n cells, in its plane; texture coordinates of corners with a seam in the middle, materials of faces
-/// in three stripes across it, and normals of vertices.
+/// A square of n × n cells, in its plane; texture coordinates of corners with a seam in the middle, materials
+/// of faces in three stripes across it, and normals of vertices.
 fn painted(n: u32) -> Mesh {
     let flat = shapes::heights([n, n], 0.0);
     let level = flat.positions().iter().map(|p| [p[0], p[1], 0.0]).collect();
@@ -248,7 +248,8 @@ fn seams_and_materials_hold_along_the_cuts_too() {
                 assert_eq!(stripes.row(face), [stripe(centre)], "seed {seed}");
                 for (k, p) in c.into_iter().enumerate() {
                     let (found, true_) = (texcoords.row(3 * face + k), texcoord(centre, p));
-                    // Where a border gives way by a length, what is painted there does by three of it, in each step.
+                    // Where a border gives way by a length, what is painted there does by three of it, in
+                    // each step.
                     let off = 10.0 * tile.error() + 1e-9;
                     assert!((0..2).all(|k| (found[k] - true_[k]).abs() <= off), "{found:?} {true_:?}");
                 }

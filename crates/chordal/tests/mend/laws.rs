@@ -3,7 +3,8 @@ use super::sampler::one_sided;
 use super::*;
 use chordal_testkit::Random;
 
-/// Few positions on a small lattice, rows tied at random, any faces: every kind of fault, also several at once.
+/// Few positions on a small lattice, rows tied at random, any faces: every kind of fault, also several at
+/// once.
 fn random_soup(random: &mut Random) -> Mesh {
     let n_rows = 3 + random.below(8);
     let n_ids = 1 + random.below(n_rows);

@@ -1,4 +1,5 @@
-//! Cures against what they promise: the finding goes, nothing else comes, and the surface stays within the bound.
+//! Cures against what they promise: the finding goes, nothing else comes, and the surface stays within the
+//! bound.
 mod attributes;
 mod hostile;
 mod laws;

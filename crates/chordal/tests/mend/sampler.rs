@@ -2,7 +2,8 @@
 use chordal::Mesh;
 use chordal_testkit::sampler::{Triangles, on};
 
-/// The largest distance that is found from a point of one surface to the other; 0 for a surface without faces.
+/// The largest distance that is found from a point of one surface to the other; 0 for a surface without
+/// faces.
 pub fn one_sided(from: &Mesh, to: &Mesh) -> f64 {
     let to = Triangles::new(to.positions(), to.faces());
     let mut most = 0.0_f64;

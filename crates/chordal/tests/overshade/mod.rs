@@ -1,4 +1,5 @@
-//! What a graphics processor would shade: closed forms, a naive rasterizer that shares no code, and hostile input.
+//! What a graphics processor would shade: closed forms, a naive rasterizer that shares no code, and hostile
+//! input.
 mod naive;
 
 use chordal::budget::camera::{Camera, Projection, Screen};
@@ -29,7 +30,8 @@ fn mesh(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
     Mesh::new(positions, faces).expect("valid")
 }
 
-/// `n × m` squares of a side over the screen from its lower left corner on, each cut along the diagonal that rises.
+/// `n × m` squares of a side over the screen from its lower left corner on, each cut along the diagonal that
+/// rises.
 fn grid([n, m]: [u32; 2], side: f64, [x, y]: [f64; 2]) -> Mesh {
     let row = |i: u32, j: u32| i + (n + 1) * j;
     let places = (0..=m).flat_map(|j| (0..=n).map(move |i| [f64::from(i), f64::from(j)]));
@@ -291,12 +293,14 @@ fn ground_from_under_the_eye_to_the_horizon_fills_the_lower_half() {
     let eye = [0.3, 0.1, 1.0];
     let looks = Camera { eye, target: [0.3, 9.0, 1.0], up: [0.0, 0.0, 1.0], ..camera(FOV, [320, 200]) };
     assert_eq!(seen(&ground, &looks).covered_px, 320 * 100);
-    // A row y pixels below the horizon sees the depth F/y, F = 100/tan 25°; those nearer than 4 are not drawn.
+    // A row y pixels below the horizon sees the depth F/y, F = 100/tan 25°; those nearer than 4 are not
+    // drawn.
     let focal = 100.0 / libm::tan(25.0_f64.to_radians());
     let rows = (0..100).filter(|y| focal / (f64::from(*y) + 0.5) >= 4.0).count() as u64;
     assert!((40..60).contains(&rows));
     assert_eq!(seen(&ground, &Camera { near: 4.0, ..looks }).covered_px, 320 * rows);
-    // A grid of many triangles, some cut by the plane of the eye and some behind it, has no cracks and no overlaps.
+    // A grid of many triangles, some cut by the plane of the eye and some behind it, has no cracks and no
+    // overlaps.
     let field = grid([31; 2], 7.3, [-100.0, -100.0]);
     let found = seen(&field, &looks);
     assert_eq!(found.every.fragments, found.covered_px);
@@ -413,7 +417,8 @@ fn many() -> Mesh {
 
 #[test]
 fn the_edge_of_a_roof_flickers_by_half_of_its_contrast_along_its_line() {
-    // The ridge runs up the screen through the centres of one column: eight of sixteen shifts see either side.
+    // The ridge runs up the screen through the centres of one column: eight of sixteen shifts see either
+    // side.
     let slope = 0.5;
     let roof = mesh(
         vec![
@@ -454,8 +459,8 @@ fn detail_below_the_pixel_flickers_as_chance_would_and_a_smooth_surface_hardly()
     let rms = |mesh: &Mesh| flicker(mesh, &by_pixels([60, 60]), HitSides::Both, &Job::default()).unwrap().rms;
     let [coarse, fine, finest] = [8, 64, 512].map(rough);
     assert!(rms(&fine) > 2.0 * rms(&coarse));
-    // In an eighth of a pixel, no two of a pixel's sixteen samples share a corner: their shades are independent, and
-    // the mean square about the mean of sixteen is 15/16 of the variance.
+    // In an eighth of a pixel, no two of a pixel's sixteen samples share a corner: their shades are
+    // independent, and the mean square about the mean of sixteen is 15/16 of the variance.
     let shades: Vec<f64> = (0..finest.faces().len())
         .map(|face| {
             let [x, y, z] = chordal::explicit::face_normal(finest.corners(face)).unwrap();

@@ -14,9 +14,9 @@ pub struct Naive {
     pub launches: Vec<u32>,
 }
 
-/// Pixel by pixel and triangle by triangle. The top-left rule is what a centre decides that is moved right by nearly
-/// nothing and down by nearly nothing of that; here coordinates are magnified so that both are whole numbers. For
-/// cameras of the tests' kind, with all triangles before the near plane.
+/// Pixel by pixel and triangle by triangle. The top-left rule is what a centre decides that is moved right by
+/// nearly nothing and down by nearly nothing of that; here coordinates are magnified so that both are whole
+/// numbers. For cameras of the tests' kind, with all triangles before the near plane.
 pub fn naive(mesh: &Mesh, camera: &Camera) -> Naive {
     const K: i128 = 1 << 40;
     const MOVED: [i128; 2] = [1 << 24, 1];

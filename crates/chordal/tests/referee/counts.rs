@@ -60,7 +60,8 @@ fn a_count_reaches_what_a_length_does() {
             let by_length = mesh_within(&patches, tolerance * size);
             let by_count = mesh_of(&patches, by_length.shape.faces().len() as u64);
             let ratio = at_most(&by_count) / at_most(&by_length);
-            // Lengths are tried in steps of 4.4 %, and the count of a small mesh jumps by more than such a step.
+            // Lengths are tried in steps of 4.4 %, and the count of a small mesh jumps by more than such a
+            // step.
             assert!(ratio <= 1.15 && (name != "teapot" || ratio <= 1.1), "{name} at {tolerance:e}: {ratio}");
             ratios.push(ratio);
         }

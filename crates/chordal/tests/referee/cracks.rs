@@ -5,8 +5,8 @@ use super::topology::Topology;
 use chordal_testkit::Random;
 use chordal_testkit::sampler::{Control, Point};
 
-/// `n × n` patches over one random net of control points, so that neighbours share their sides exactly; each patch
-/// turned and mirrored at random.
+/// `n × n` patches over one random net of control points, so that neighbours share their sides exactly; each
+/// patch turned and mirrored at random.
 pub fn quilt(n: usize, seed: u64) -> Vec<Control> {
     let mut r = Random::new(seed);
     let side = 3 * n + 1;
@@ -47,7 +47,8 @@ fn patches_with_common_sides_share_vertices_by_index() {
 
 #[test]
 fn a_ring_of_patches_closes_on_itself() {
-    // A tube, and one whose ends are poles: the side of each patch is that of the next, the last meets the first.
+    // A tube, and one whose ends are poles: the side of each patch is that of the next, the last meets the
+    // first.
     for poles in [false, true] {
         let arc = [[1.0, 0.0], [1.0, 0.552], [0.552, 1.0], [0.0, 1.0]];
         let ring = |turn: usize| -> Control {

@@ -1,4 +1,5 @@
-//! Whether the referee can be trusted: closed forms, a mesher with a known bound, and meshes that are broken on purpose.
+//! Whether the referee can be trusted: closed forms, a mesher with a known bound, and meshes that are broken
+//! on purpose.
 use super::naive::{naive_bound, naive_mesh};
 use super::shapes::shape;
 use chordal_testkit::Random;
@@ -19,8 +20,8 @@ fn square(lift: f64) -> Triangles {
 fn measures_closed_forms() {
     let flat = measure(&Surface::new(vec![lifted(|_, _| 0.0)]), &square(0.25));
     assert!((flat.to_mesh - 0.25).abs() < 1e-12 && (flat.to_surface - 0.25).abs() < 3e-4, "{flat:?}");
-    // z = 3·u·(1−u)·h with h = 0.1: a parabolic arch, 0.075 over its foot, from above and, by its own shape, from below
-    // no more than that.
+    // z = 3·u·(1−u)·h with h = 0.1: a parabolic arch, 0.075 over its foot, from above and, by its own shape,
+    // from below no more than that.
     let arch = measure(&Surface::new(vec![lifted(|_, j| if j % 3 == 0 { 0.0 } else { 0.1 })]), &square(0.0));
     assert!((arch.to_mesh - 0.075).abs() < 1e-9, "{arch:?}");
     assert!((0.074..=0.075).contains(&arch.to_surface), "{arch:?}");
@@ -48,7 +49,8 @@ fn measures_one_side_where_the_other_is_near() {
 
 #[test]
 fn finds_the_nearest_of_several_valleys() {
-    // A patch folded like a letter: from between the sheets, the way that Newton's method finds first may be wrong.
+    // A patch folded like a letter: from between the sheets, the way that Newton's method finds first may be
+    // wrong.
     for seed in 0..200 {
         let shape = shape(14 * seed + 4);
         let surface = Surface::new(vec![shape.control]);
@@ -79,7 +81,8 @@ fn passes_a_known_bound() {
 
 #[test]
 fn fails_a_tight_bound_that_is_cut_by_30_percent() {
-    // Low hills over an even grid: points of equal (u, v) are above each other, so the bound is nearly the distance.
+    // Low hills over an even grid: points of equal (u, v) are above each other, so the bound is nearly the
+    // distance.
     for seed in 0..50 {
         let mut random = Random::new(seed);
         let heights: [f64; 16] = std::array::from_fn(|_| random.between(-0.1, 0.1));

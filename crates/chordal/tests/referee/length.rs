@@ -63,8 +63,8 @@ pub fn judge(seed: u64, tolerance: f64) -> Case {
     }
 }
 
-/// The sampler's own rounding: some thirty operations on coordinates of this size, and what it leaves unproved is
-/// taken off its claims, not put here.
+/// The sampler's own rounding: some thirty operations on coordinates of this size, and what it leaves
+/// unproved is taken off its claims, not put here.
 pub fn rounding(control: &Control) -> f64 {
     let most = control.iter().flatten().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     64.0 * f64::EPSILON * most
@@ -72,8 +72,8 @@ pub fn rounding(control: &Control) -> f64 {
 
 const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
-/// A quarter of the shapes at the three coarse tolerances; at the fine ones, where a mesh has 1e4 to 1e5 triangles, a
-/// smaller part of them. All in the long sweep.
+/// A quarter of the shapes at the three coarse tolerances; at the fine ones, where a mesh has 1e4 to 1e5
+/// triangles, a smaller part of them. All in the long sweep.
 fn cases() -> Vec<(u64, f64)> {
     const SHAPES: u64 = 504;
     let every = |tolerance: f64| match tolerance {

@@ -1,9 +1,10 @@
 //! The referee: measures what the library made against the truth, and shares no code with it.
 //!
-//! It evaluates patches from their control points itself, finds nearest triangles and nearest surface points itself,
-//! and projects through cameras of its own. Its accusations are proved: a distance is that of a sample, and where
-//! the nearest point of the surface is asked, branch and bound has excluded a nearer one. `naive` and `honesty` show
-//! that it sees the mistakes it is there for. `CHORDAL_LONG=1` makes it measure every patch at every tolerance.
+//! It evaluates patches from their control points itself, finds nearest triangles and nearest surface points
+//! itself, and projects through cameras of its own. Its accusations are proved: a distance is that of a
+//! sample, and where the nearest point of the surface is asked, branch and bound has excluded a nearer one.
+//! `naive` and `honesty` show that it sees the mistakes it is there for. `CHORDAL_LONG=1` makes it measure
+//! every patch at every tolerance.
 mod counts;
 mod cracks;
 mod eyes;

@@ -13,8 +13,9 @@ pub fn naive_mesh(control: &Control, levels: u32) -> (Vec<Point>, Vec<[u32; 3]>)
     (positions.collect(), (0..n * n).flat_map(square).collect())
 }
 
-/// A bound on its distance from the patch: over each square the patch minus each of the two triangles, as maps of
-/// (u, v), stays in the hull of the differences of their control points; cut finer, that comes close to the supremum.
+/// A bound on its distance from the patch: over each square the patch minus each of the two triangles, as
+/// maps of (u, v), stays in the hull of the differences of their control points; cut finer, that comes close
+/// to the supremum.
 pub fn naive_bound(control: &Control, levels: u32) -> f64 {
     if levels > 0 {
         return quarters(control).iter().map(|(part, _)| naive_bound(part, levels - 1)).fold(0.0, f64::max);

@@ -52,7 +52,8 @@ fn mesh_to_pixels(shape: &Shape, pixels: f64, view: View) -> Result<Bounded<Mesh
     convert::patches_to_mesh(&library_patches(&[shape.control]), &budget, &Job::default().with_threads(1))
 }
 
-/// The sampler's own rounding on the picture, in pixels: that of the coordinates, of the frame and of the projection.
+/// The sampler's own rounding on the picture, in pixels: that of the coordinates, of the frame and of the
+/// projection.
 fn rounding(shape: &Shape, eye: &Eye, pixels: f64) -> f64 {
     let coordinates = super::length::rounding(&shape.control) / shape.size;
     let big = f64::from(eye.lens.screen.width_px.max(eye.lens.screen.height_px));
@@ -179,7 +180,8 @@ fn no_camera_sees_more_pixels_than_promised() {
 
 #[test]
 fn pixel_bounds_cut_by_30_percent_are_caught() {
-    // Far off and across the largest distance the pixels are nearly F·ε/z, so what is left is how tight the length is.
+    // Far off and across the largest distance the pixels are nearly F·ε/z, so what is left is how tight the
+    // length is.
     let n = 140;
     let worst = for_all(n, |seed| {
         let shape = shape(seed as u64);

@@ -132,8 +132,8 @@ pub fn diagonal(control: &Control) -> f64 {
     distance(extreme(f64::min, f64::INFINITY), extreme(f64::max, f64::NEG_INFINITY))
 }
 
-/// The shape of a seed: kinds take turns; turned at random, scaled by 1e-6 to 1e6, and in two of five cases moved
-/// away by 10 to 1e5 times its size.
+/// The shape of a seed: kinds take turns; turned at random, scaled by 1e-6 to 1e6, and in two of five cases
+/// moved away by 10 to 1e5 times its size.
 pub fn shape(seed: u64) -> Shape {
     let (kind, make) = KINDS[seed as usize % KINDS.len()];
     let mut r = Random::new(seed);

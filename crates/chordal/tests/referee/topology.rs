@@ -1,4 +1,5 @@
-//! What hangs together: edges, boundary loops, T-junctions and degenerate triangles of a mesh, counted from scratch.
+//! What hangs together: edges, boundary loops, T-junctions and degenerate triangles of a mesh, counted from
+//! scratch.
 use chordal::Mesh;
 use chordal_testkit::sampler::{Point, cross, distance, dot, norm, sub};
 use std::collections::{BTreeMap, BTreeSet};

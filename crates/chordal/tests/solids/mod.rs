@@ -1,4 +1,5 @@
-//! The surfaces that simplification is tried on are what they are said to be: so many triangles, this topology.
+//! The surfaces that simplification is tried on are what they are said to be: so many triangles, this
+//! topology.
 pub mod shapes;
 
 use chordal::Mesh;

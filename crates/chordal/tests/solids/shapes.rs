@@ -1,5 +1,5 @@
-//! Surfaces to simplify, made here in any size; used by tests and by the bench. Every coordinate is one that f32 holds, so
-//! that programs in f32 are given the same surface.
+//! Surfaces to simplify, made here in any size; used by tests and by the bench. Every coordinate is one that
+//! f32 holds, so that programs in f32 are given the same surface.
 #![allow(dead_code, reason = "no test uses all of them")]
 
 use chordal::Mesh;
@@ -72,7 +72,8 @@ pub fn sphere(level: u32) -> Mesh {
     star(level, |_| 1.0)
 }
 
-/// Four balls that melt into none: their union, with creases that run across the triangles; 8 · 4^level of them.
+/// Four balls that melt into none: their union, with creases that run across the triangles; 8 · 4^level of
+/// them.
 pub fn lobes(level: u32) -> Mesh {
     // The centre is in all of them, hence every ray leaves the union once: where it leaves the last ball.
     let centres = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]]
@@ -85,7 +86,8 @@ pub fn lobes(level: u32) -> Mesh {
     star(level, |d| centres.iter().map(|c| leaves(d, *c)).fold(0.0, f64::max))
 }
 
-/// A gear wheel: a profile of 12 teeth in 48 k sides, extruded in `layers`, its creases along edges; caps are fans.
+/// A gear wheel: a profile of 12 teeth in 48 k sides, extruded in `layers`, its creases along edges; caps are
+/// fans.
 pub fn gear(k: u32, layers: u32) -> Mesh {
     let n = 48 * k;
     let profile = |i: u32| -> [f64; 2] {
@@ -131,7 +133,8 @@ pub fn shaft(n: u32) -> Mesh {
     made(positions, quads([n, m], |i, j| (i % n) * m + j % m))
 }
 
-/// A plate of 6 × 4 with 24 round holes of k sides: 96 k + 108 triangles, those of its faces from hole to hole.
+/// A plate of 6 × 4 with 24 round holes of k sides: 96 k + 108 triangles, those of its faces from hole to
+/// hole.
 pub fn plate(k: u32) -> Mesh {
     let outline = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0]];
     let hole = |i: u32, j: u32| -> Vec<[f64; 2]> {

@@ -500,12 +500,12 @@ fn on_line([a, b]: [&HalfSpace; 2], others: &[HalfSpace]) -> Option<[f64; 3]> {
         return None;
     }
     let (x, y) = ((a.least - cosine * b.least) / det, (b.least - cosine * a.least) / det);
-    let foot: [f64; 3] = std::array::from_fn(|k| x * a.direction[k] + y * b.direction[k]);
+    let closest: [f64; 3] = std::array::from_fn(|k| x * a.direction[k] + y * b.direction[k]);
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     for other in others {
-        let (rate, lack) = (dot(other.direction, along), other.least - dot(other.direction, foot));
+        let (rate, lack) = (dot(other.direction, along), other.least - dot(other.direction, closest));
         if rate.abs() < ROUNDING {
-            if other.holds(foot) {
+            if other.holds(closest) {
                 continue;
             }
             return None;
@@ -528,5 +528,5 @@ fn on_line([a, b]: [&HalfSpace; 2], others: &[HalfSpace]) -> Option<[f64; 3]> {
     } else {
         0.0
     };
-    Some(std::array::from_fn(|k| foot[k] + t * along[k]))
+    Some(std::array::from_fn(|k| closest[k] + t * along[k]))
 }

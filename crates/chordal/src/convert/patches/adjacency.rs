@@ -98,9 +98,9 @@ impl PatchAdjacency {
             edge.ends = use_ends(edge.uses[0]).map(|corner| number[corner as usize]);
         }
         let meetings = classify_corners(&seams);
-        let mut quilt = Self { edges, sides: seams, corners, corner_kinds: meetings, corner_positions };
-        quilt.set_least_segments();
-        quilt
+        let mut adjacency = Self { edges, sides: seams, corners, corner_kinds: meetings, corner_positions };
+        adjacency.set_least_segments();
+        adjacency
     }
 
     /// Sets the fewest segments of each edge. A curve that returns to its start needs three segments to be a

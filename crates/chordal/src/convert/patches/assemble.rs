@@ -24,14 +24,14 @@ struct BorderNormal {
 /// Builds the mesh of all tiles. A vertex on shared curves is one vertex, except where the patches' normals
 /// differ: there each smooth group gets its own vertex, tied by `position_id`.
 pub(crate) fn assemble(
-    grounds: &[Subpatch<'_>],
-    quilt: &PatchAdjacency,
+    subpatches: &[Subpatch<'_>],
+    adjacency: &PatchAdjacency,
     seams: &TileSeams,
     tiles: &[(PatchTile, PatchTileMesh)],
 ) -> Mesh {
     let mut positions = seams.positions.clone();
     let mut normals = vec![[0.0; 3]; positions.len()];
-    let seen = border_normals(grounds, quilt, seams, tiles, &mut normals);
+    let seen = border_normals(subpatches, adjacency, seams, tiles, &mut normals);
     let mut splits = NormalSplits::default();
     let mut ids: Vec<u32> = Vec::new();
     splits.group_normals(seen, &mut positions, &mut normals, &mut ids);
@@ -61,15 +61,15 @@ pub(crate) fn assemble(
 /// The vertices on a sheet's border with the normals of that sheet. The normals of other vertices on borders
 /// of tiles are written to `normals`.
 fn border_normals(
-    grounds: &[Subpatch<'_>],
-    quilt: &PatchAdjacency,
+    subpatches: &[Subpatch<'_>],
+    adjacency: &PatchAdjacency,
     seams: &TileSeams,
     tiles: &[(PatchTile, PatchTileMesh)],
     normals: &mut [[f64; 3]],
 ) -> Vec<BorderNormal> {
     let mut seen = Vec::new();
     for (index, (tile, _)) in tiles.iter().enumerate() {
-        let ground = &grounds[tile.subpatch as usize];
+        let subpatch = &subpatches[tile.subpatch as usize];
         let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
         for at in PatchSide::ALL {
             tile::walk_side(index, tile, at, seams, |u, v, vertex| {
@@ -77,13 +77,13 @@ fn border_normals(
                 let Some(side) = vertex.side else {
                     let normal = &mut normals[vertex.id as usize];
                     if *normal == [0.0; 3] {
-                        *normal = ground.normal(u, v).unwrap_or_default();
+                        *normal = subpatch.normal(u, v).unwrap_or_default();
                     }
                     return;
                 };
                 let is_corner = (u == 0.0 || u == 1.0) && (v == 0.0 || v == 1.0);
                 let is_point = |side: PatchSide| {
-                    matches!(quilt.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
+                    matches!(adjacency.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
                 };
                 let before = PatchSide::ALL[(side as usize + 3) % 4];
                 // At a pole all directions meet; the normal at the middle of the collapsed side is used for
@@ -94,7 +94,7 @@ fn border_normals(
                     _ if vertex.pole => return,
                     _ => (u, v),
                 };
-                let normal = ground.normal(u, v).unwrap_or_default();
+                let normal = subpatch.normal(u, v).unwrap_or_default();
                 seen.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal });
             });
         }

@@ -60,7 +60,7 @@ pub(crate) fn count_triangles(counts: [u32; 4]) -> u64 {
 pub(crate) fn build(
     index: usize,
     tile: &PatchTile,
-    rough: &ExtraordinaryQuad,
+    extraordinary: &ExtraordinaryQuad,
     seams: &TileSeams,
 ) -> PatchTileMesh {
     let (mut knots, mut shared): (Vec<FanTileVertex>, Vec<BorderVertex>) = (Vec::new(), Vec::new());
@@ -72,20 +72,20 @@ pub(crate) fn build(
             sides.push(side);
         });
     }
-    let tip = ExtraordinaryProof {
-        region: rough,
+    let proof = ExtraordinaryProof {
+        region: extraordinary,
         sides: &sides,
         tolerance: tile.tolerance,
         pieces: PIECES_FOR_TIGHTNESS,
     };
     let n = knots.len();
     let (triangles, bound) = if n == 4 && tile.n == 1 && tile.m == 1 {
-        tip.two_triangles(&knots)
+        proof.two_triangles(&knots)
     } else {
-        let at = rough.point(0.5, 0.5);
+        let at = extraordinary.point(0.5, 0.5);
         knots.push(FanTileVertex { place: [0.5, 0.5], at });
         let triangles: Vec<[u32; 3]> = (0..n).map(|k| [k as u32, ((k + 1) % n) as u32, n as u32]).collect();
-        let bound = tip.bound(&knots, &triangles);
+        let bound = proof.bound(&knots, &triangles);
         (triangles, bound)
     };
     let within = |[u, v]: [f64; 2]| {
@@ -95,28 +95,30 @@ pub(crate) fn build(
     let id = |k: u32| shared.get(k as usize).map_or(u32::MAX, |vertex| vertex.id);
     let has_twice = |t: &[u32; 3]| id(t[0]) == id(t[1]) || id(t[1]) == id(t[2]) || id(t[2]) == id(t[0]);
     let inner: Vec<[f64; 3]> = knots[n..].iter().map(|knot| knot.at).collect();
-    let inner_normals = knots[n..].iter().map(|k| rough.normal(k.place[0], k.place[1]).unwrap_or_default());
+    let inner_normals =
+        knots[n..].iter().map(|k| extraordinary.normal(k.place[0], k.place[1]).unwrap_or_default());
     PatchTileMesh {
         worst: triangles[0].map(|k| within(knots[k as usize].place)),
         inner_normals: inner_normals.collect(),
         inner,
         too_few: triangles.iter().any(has_twice),
-        bound: (bound + rough.rounding_error()).next_up(),
+        bound: (bound + extraordinary.rounding_error()).next_up(),
         normal_deviation: None,
         triangles,
     }
 }
 
 /// Whether the two triangles between the corners of a quad are within the tolerance.
-pub(crate) fn is_flat(rough: &ExtraordinaryQuad, tolerance: f64) -> bool {
+pub(crate) fn is_flat(extraordinary: &ExtraordinaryQuad, tolerance: f64) -> bool {
     let knots = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-        .map(|place| FanTileVertex { place, at: rough.point(place[0], place[1]) });
-    let tip = ExtraordinaryProof { region: rough, sides: &PatchSide::ALL, tolerance, pieces: 0 };
+        .map(|place| FanTileVertex { place, at: extraordinary.point(place[0], place[1]) });
+    let proof = ExtraordinaryProof { region: extraordinary, sides: &PatchSide::ALL, tolerance, pieces: 0 };
     let [a, b, c, d] = knots.map(|knot| knot.at);
     // Sample points that can show at once that it is not.
     let pairs = [([0.5, 0.0], [a, b]), ([1.0, 0.5], [b, c]), ([0.5, 1.0], [c, d]), ([0.0, 0.5], [d, a])];
-    let is_far =
-        |place: [f64; 2], near: &dyn Fn([f64; 3]) -> f64| near(rough.point(place[0], place[1])) > tolerance;
+    let is_far = |place: [f64; 2], near: &dyn Fn([f64; 3]) -> f64| {
+        near(extraordinary.point(place[0], place[1])) > tolerance
+    };
     let sides_are_far =
         pairs.iter().any(|(place, [p, q])| is_far(*place, &|at| distance_up(at, &[*p, *q, *q])));
     let middle_is_far = is_far([0.5, 0.5], &|at| {
@@ -126,7 +128,7 @@ pub(crate) fn is_flat(rough: &ExtraordinaryQuad, tolerance: f64) -> bool {
             least(distance_up(at, &[a, b, d]), distance_up(at, &[b, c, d])),
         )
     });
-    !sides_are_far && !middle_is_far && tip.two_triangles(&knots).1 <= tolerance
+    !sides_are_far && !middle_is_far && proof.two_triangles(&knots).1 <= tolerance
 }
 
 struct ExtraordinaryProof<'a> {
@@ -199,7 +201,11 @@ const LEAST_SHAPE: f64 = 1e-6;
 const TILT: f64 = 32.0 * f64::EPSILON;
 
 impl<'a> RegionHeightField<'a> {
-    fn new(rough: &'a ExtraordinaryQuad, knots: &[FanTileVertex], triangles: &[[u32; 3]]) -> Option<Self> {
+    fn new(
+        extraordinary: &'a ExtraordinaryQuad,
+        knots: &[FanTileVertex],
+        triangles: &[[u32; 3]],
+    ) -> Option<Self> {
         let origin = DVec3::from(knots[0].at);
         let at: Vec<DVec3> = knots.iter().map(|knot| DVec3::from(knot.at) - origin).collect();
         let areas: Vec<DVec3> = triangles
@@ -234,7 +240,7 @@ impl<'a> RegionHeightField<'a> {
         }
         let n_border = knots.len() - usize::from(triangles.len() > 2);
         let graph = Self {
-            region: rough,
+            region: extraordinary,
             origin,
             frame,
             faces,
@@ -266,7 +272,7 @@ impl<'a> RegionHeightField<'a> {
         DVec2::new(point.dot(self.frame[0]), point.dot(self.frame[1]))
     }
 
-    fn bound(&self, tip: &ExtraordinaryProof<'_>, knots: &[FanTileVertex], wide: f64) -> Option<f64> {
+    fn bound(&self, proof: &ExtraordinaryProof<'_>, knots: &[FanTileVertex], wide: f64) -> Option<f64> {
         let tilt = self.faces.iter().fold(0.0, |most: f64, face| most.max(face.tilt / face.cosine)) * wide;
         let secant = self.faces.iter().fold(1.0, |most: f64, face| most.max(1.0 / face.cosine));
         let (mut beside, mut aside) = (0.0_f64, 0.0_f64);
@@ -275,23 +281,23 @@ impl<'a> RegionHeightField<'a> {
             let next = (k + 1) % n;
             let ends = [k, next].map(|k| self.local(&knots[k].at));
             let (in_space, in_plane) =
-                self.side_deviation(tip, [knots[k].place, knots[next].place], tip.sides[k], ends)?;
+                self.side_deviation(proof, [knots[k].place, knots[next].place], proof.sides[k], ends)?;
             (beside, aside) = (beside.max(in_space), aside.max(in_plane));
         }
         let by_plane = beside + aside * secant;
         let by_slope = beside * (1.0 + (secant * secant - 1.0).sqrt());
         let border = if by_slope < by_plane && self.is_convex() { by_slope } else { by_plane };
-        if border > tip.tolerance {
+        if border > proof.tolerance {
             return Some(border + tilt);
         }
-        let area = self.interior_deviation(tip)?;
+        let area = self.interior_deviation(proof)?;
         Some(greater(area, border) + tilt)
     }
 
     /// The largest distance of the border's curve from its chord: in space and in the plane.
     fn side_deviation(
         &self,
-        tip: &ExtraordinaryProof<'_>,
+        proof: &ExtraordinaryProof<'_>,
         places: [[f64; 2]; 2],
         side: PatchSide,
         ends: [DVec3; 2],
@@ -314,15 +320,15 @@ impl<'a> RegionHeightField<'a> {
         let mut open = vec![(RegionBoundary::Extraordinary(self.region), span, 0)];
         while let Some((curve, span, depth)) = open.pop() {
             let (points, off) = match curve {
-                RegionBoundary::Extraordinary(rough) => {
-                    let off = 2.0 * rough.ring().rounding();
-                    let (space, plane) = far(rough.ring().hull());
+                RegionBoundary::Extraordinary(extraordinary) => {
+                    let off = 2.0 * extraordinary.ring().rounding();
+                    let (space, plane) = far(extraordinary.ring().hull());
                     let (space, plane) = (space + off, plane + off);
-                    if space + plane <= FINE * tip.tolerance || depth > DEEPEST {
+                    if space + plane <= FINE * proof.tolerance || depth > DEEPEST {
                         most = (most.0.max(space), most.1.max(plane));
                         continue;
                     }
-                    let quarters = rough.quarters().ok()?;
+                    let quarters = extraordinary.quarters().ok()?;
                     for (half, quarter) in quarters_on(side).into_iter().enumerate() {
                         let begin = 0.5 * half as f64;
                         let inner = [span[0].max(begin), span[1].min(begin + 0.5)];
@@ -348,12 +354,13 @@ impl<'a> RegionHeightField<'a> {
     }
 
     /// The largest height of the surface over the triangles, or its largest distance from them.
-    fn interior_deviation(&self, tip: &ExtraordinaryProof<'_>) -> Option<f64> {
-        let tolerance = tip.tolerance;
+    fn interior_deviation(&self, proof: &ExtraordinaryProof<'_>) -> Option<f64> {
+        let tolerance = proof.tolerance;
         let open = BinaryHeap::from([self.queue_entry(RegionPiece::Extraordinary(self.region), 0)]);
         let is_settled = |worst: &PriorityItem<RegionQueueEntry<'_>>, n_divided| {
             let fits = worst.bound <= tolerance;
-            fits && (n_divided >= tip.pieces || worst.bound <= 0.5 * tolerance) || worst.item.depth > DEEPEST
+            fits && (n_divided >= proof.pieces || worst.bound <= 0.5 * tolerance)
+                || worst.item.depth > DEEPEST
         };
         let bound = branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
             let depth = worst.depth + 1;
@@ -365,11 +372,11 @@ impl<'a> RegionHeightField<'a> {
                         }
                     }
                 }
-                RegionPiece::Extraordinary(rough) => {
-                    for quarter in rough.quarters()? {
+                RegionPiece::Extraordinary(extraordinary) => {
+                    for quarter in extraordinary.quarters()? {
                         match quarter {
-                            QuadPatchTree::Extraordinary(rough) => {
-                                open.push(self.queue_entry(RegionPiece::Extraordinary(rough), depth))
+                            QuadPatchTree::Extraordinary(extraordinary) => {
+                                open.push(self.queue_entry(RegionPiece::Extraordinary(extraordinary), depth))
                             }
                             QuadPatchTree::Regular(patches) => {
                                 for piece in &patches.patches {
@@ -391,8 +398,8 @@ impl<'a> RegionHeightField<'a> {
     fn queue_entry<'b>(&self, piece: RegionPiece<'b>, depth: usize) -> PriorityItem<RegionQueueEntry<'b>> {
         let bound = match &piece {
             RegionPiece::Patch(patch, off) => self.distance(patch.control.as_flattened()) + off,
-            RegionPiece::Extraordinary(rough) => {
-                self.distance(rough.ring().hull()) + 2.0 * rough.ring().rounding()
+            RegionPiece::Extraordinary(extraordinary) => {
+                self.distance(extraordinary.ring().hull()) + 2.0 * extraordinary.ring().rounding()
             }
         };
         PriorityItem { bound, item: RegionQueueEntry { depth, piece } }
@@ -497,7 +504,7 @@ impl<'a> RegionBoundary<'a> {
     fn from_square(square: &'a QuadPatchTree) -> Self {
         match square {
             QuadPatchTree::Regular(patches) => Self::Patches(patches),
-            QuadPatchTree::Extraordinary(rough) => Self::Extraordinary(rough),
+            QuadPatchTree::Extraordinary(extraordinary) => Self::Extraordinary(extraordinary),
         }
     }
 }

@@ -78,18 +78,18 @@ impl<'a> PatchMesher<'a> {
                 self.sheets
                     .subpatches(sheet, allowance, 1.0)?
                     .iter()
-                    .try_fold(0.0, |sum, ground| Ok(sum + one(ground)?))
+                    .try_fold(0.0, |sum, subpatch| Ok(sum + one(subpatch)?))
             }))
         };
-        let rough = over(&|ground| {
-            let SubpatchShape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
-            let tolerance = plan::tolerance(patch.bounds(), allowance, ground.rounding_error())?;
+        let extraordinary = over(&|subpatch| {
+            let SubpatchShape::Bezier(patch) = &subpatch.shape else { return Ok(2.0) };
+            let tolerance = plan::tolerance(patch.bounds(), allowance, subpatch.rounding_error())?;
             Ok(2.0 * CellEstimator::new(patch).estimate(tolerance).cells)
         })?;
-        if rough < enough {
-            return Ok(rough);
+        if extraordinary < enough {
+            return Ok(extraordinary);
         }
-        over(&|ground| plan::estimate(ground, allowance))
+        over(&|subpatch| plan::estimate(subpatch, allowance))
     }
 
     /// Tiles and rates for an allowance.
@@ -101,42 +101,43 @@ impl<'a> PatchMesher<'a> {
     fn plan_with_safety_factors(
         &self,
         allowance: &Allowance,
-        strains: Vec<f64>,
+        safety_factors: Vec<f64>,
         before: Option<TilePlan<'a>>,
     ) -> Result<TilePlan<'a>, TessellationFailure> {
         type SheetTiles<'a> = (Vec<Subpatch<'a>>, Vec<PatchTile>);
-        let mut cut: Vec<SheetTiles<'a>> = (0..strains.len()).map(|_| Default::default()).collect();
+        let mut cut: Vec<SheetTiles<'a>> = (0..safety_factors.len()).map(|_| Default::default()).collect();
         if let Some(before) = before {
-            let is_kept = |sheet: u32| before.safety_factors[sheet as usize] == strains[sheet as usize];
+            let is_kept =
+                |sheet: u32| before.safety_factors[sheet as usize] == safety_factors[sheet as usize];
             // The subpatches are listed sheet by sheet.
-            let mut begin = vec![0; strains.len()];
-            for (index, ground) in before.subpatches.into_iter().enumerate() {
-                let own = &mut cut[ground.sheet as usize].0;
+            let mut begin = vec![0; safety_factors.len()];
+            for (index, subpatch) in before.subpatches.into_iter().enumerate() {
+                let own = &mut cut[subpatch.sheet as usize].0;
                 if own.is_empty() {
-                    begin[ground.sheet as usize] = index as u32;
+                    begin[subpatch.sheet as usize] = index as u32;
                 }
-                if is_kept(ground.sheet) {
-                    own.push(ground);
+                if is_kept(subpatch.sheet) {
+                    own.push(subpatch);
                 }
             }
             for tile in before.tiles.into_iter().filter(|tile| is_kept(tile.sheet)) {
-                let ground = tile.subpatch - begin[tile.sheet as usize];
-                cut[tile.sheet as usize].1.push(PatchTile { subpatch: ground, ..tile });
+                let subpatch = tile.subpatch - begin[tile.sheet as usize];
+                cut[tile.sheet as usize].1.push(PatchTile { subpatch: subpatch, ..tile });
             }
         }
-        let open: Vec<usize> = (0..strains.len()).filter(|sheet| cut[*sheet].0.is_empty()).collect();
+        let open: Vec<usize> = (0..safety_factors.len()).filter(|sheet| cut[*sheet].0.is_empty()).collect();
         let made = par_map(self.job, &open, |_, &sheet| {
             if self.job.is_cancelled() {
                 return Ok((Vec::new(), Vec::new()));
             }
-            let grounds = self.sheets.subpatches(sheet, allowance, strains[sheet])?;
+            let subpatches = self.sheets.subpatches(sheet, allowance, safety_factors[sheet])?;
             let mut tiles = Vec::new();
-            for (index, ground) in grounds.iter().enumerate() {
+            for (index, subpatch) in subpatches.iter().enumerate() {
                 let begin = tiles.len();
-                tiles.extend(plan::split_into_tiles(ground, allowance)?);
+                tiles.extend(plan::split_into_tiles(subpatch, allowance)?);
                 tiles[begin..].iter_mut().for_each(|tile| tile.subpatch = index as u32);
             }
-            Ok((grounds, tiles))
+            Ok((subpatches, tiles))
         });
         if self.job.is_cancelled() {
             return Err(Failure::Cancelled);
@@ -144,21 +145,21 @@ impl<'a> PatchMesher<'a> {
         for (sheet, made) in open.into_iter().zip(made) {
             cut[sheet] = made.map_err(refuse_tolerance)?;
         }
-        let (mut grounds, mut tiles) = (Vec::new(), Vec::new());
+        let (mut subpatches, mut tiles) = (Vec::new(), Vec::new());
         for (own, cut) in cut {
-            let begin = grounds.len() as u32;
-            grounds.extend(own);
+            let begin = subpatches.len() as u32;
+            subpatches.extend(own);
             tiles.extend(cut.into_iter().map(|tile| PatchTile { subpatch: begin + tile.subpatch, ..tile }));
         }
-        Ok(self.lay_seams(grounds, tiles, strains))
+        Ok(self.lay_seams(subpatches, tiles, safety_factors))
     }
 
     /// Builds the seams between the tiles.
     fn lay_seams(
         &self,
-        grounds: Vec<Subpatch<'a>>,
+        subpatches: Vec<Subpatch<'a>>,
         mut tiles: Vec<PatchTile>,
-        strains: Vec<f64>,
+        safety_factors: Vec<f64>,
     ) -> TilePlan<'a> {
         for tile in &mut tiles {
             let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
@@ -173,9 +174,9 @@ impl<'a> PatchMesher<'a> {
             });
         }
         let mut seams = TileSeams::new(&self.adjacency, &tiles);
-        seams.set_rates(&tiles, &grounds, &self.adjacency);
+        seams.set_rates(&tiles, &subpatches, &self.adjacency);
         let least = vec![1; self.sheets.count()];
-        TilePlan { subpatches: grounds, tiles, seams, min_cells: least, safety_factors: strains }
+        TilePlan { subpatches, tiles, seams, min_cells: least, safety_factors }
     }
 
     /// The tiles, with those halved whose normals still miss the limit although they have many cells: their
@@ -213,8 +214,8 @@ impl<'a> PatchMesher<'a> {
             // Extraordinary subpatches first: while one of them has to be divided, the others would be built
             // in vain.
             self.build_pending(&planned, &mut done, allowance, SubpatchKind::Extraordinary)?;
-            if let Some(strains) = raised_safety_factors(&planned, &done, allowance) {
-                planned = self.plan_with_safety_factors(allowance, strains, Some(planned))?;
+            if let Some(safety_factors) = raised_safety_factors(&planned, &done, allowance) {
+                planned = self.plan_with_safety_factors(allowance, safety_factors, Some(planned))?;
                 done = vec![None; planned.tiles.len()];
                 continue;
             }
@@ -228,9 +229,9 @@ impl<'a> PatchMesher<'a> {
             let most =
                 if allowance.normal_deviation.is_some() { MOST_STRAIN * MOST_STRAIN } else { MOST_STRAIN };
             if let Some(tile) = planned.tiles.iter().find(|tile| tile.safety_factor > most) {
-                let ground = &planned.subpatches[tile.subpatch as usize];
+                let subpatch = &planned.subpatches[tile.subpatch as usize];
                 if allowance.normal_deviation.is_some() {
-                    return Err(refuse_tolerance(InfeasibleTolerance::NoConvergence(ground.hull(tile))));
+                    return Err(refuse_tolerance(InfeasibleTolerance::NoConvergence(subpatch.hull(tile))));
                 }
                 break;
             }
@@ -281,17 +282,18 @@ impl<'a> PatchMesher<'a> {
         allowance: &Allowance,
         kind: SubpatchKind,
     ) -> Result<(), TessellationFailure> {
-        let TilePlan { subpatches: grounds, tiles, seams, .. } = planned;
-        let is_open =
-            |i: &usize| done[*i].is_none() && SubpatchKind::of(&grounds[tiles[*i].subpatch as usize]) == kind;
+        let TilePlan { subpatches, tiles, seams, .. } = planned;
+        let is_open = |i: &usize| {
+            done[*i].is_none() && SubpatchKind::of(&subpatches[tiles[*i].subpatch as usize]) == kind
+        };
         let open: Vec<usize> = (0..tiles.len()).filter(is_open).collect();
         let built = par_map(self.job, &open, |_, &i| {
-            let ground = &grounds[tiles[i].subpatch as usize];
+            let subpatch = &subpatches[tiles[i].subpatch as usize];
             (!self.job.is_cancelled()).then(|| {
-                let done = tile::build(i, &tiles[i], ground, seams);
+                let done = tile::build(i, &tiles[i], subpatch, seams);
                 let turn = allowance
                     .normal_deviation
-                    .map(|_| tile::normal_deviation((i, &tiles[i]), ground, seams, &done));
+                    .map(|_| tile::normal_deviation((i, &tiles[i]), subpatch, seams, &done));
                 PatchTileMesh { normal_deviation: turn, ..done }
             })
         });
@@ -354,26 +356,26 @@ impl<'a> PatchMesher<'a> {
 
     /// The mesh with its bound; pixels at the view of the allowance.
     pub(crate) fn finish(&self, proved: &CertifiedTiles<'_>, allowance: &Allowance) -> Bounded<Mesh> {
-        let CertifiedTiles { subpatches: grounds, tiles, seams } = proved;
+        let CertifiedTiles { subpatches, tiles, seams } = proved;
         let most = tiles.iter().fold(0.0, |most, (_, done)| greater(done.bound, most));
-        let mesh = assemble::assemble(grounds, &self.adjacency, seams, tiles);
-        let mesh = texcoords::with_texcoords(mesh, self.sheets, grounds, seams, tiles, self.job);
-        let (least, at) = measure_lower_bound(grounds, tiles, &mesh);
+        let mesh = assemble::assemble(subpatches, &self.adjacency, seams, tiles);
+        let mesh = texcoords::with_texcoords(mesh, self.sheets, subpatches, seams, tiles, self.job);
+        let (least, at) = measure_lower_bound(subpatches, tiles, &mesh);
         let least = lesser(least, most);
         let mut bound = Bound::proved(least, most, self.sheets.reference());
         bound.at = at;
         bound.angle_deg = allowance.normal_deviation.map(|_| {
             let turns = tiles.iter().enumerate().map(|(i, (tile, done))| {
-                let ground = &grounds[tile.subpatch as usize];
+                let subpatch = &subpatches[tile.subpatch as usize];
                 done.normal_deviation
-                    .unwrap_or_else(|| tile::normal_deviation((i, tile), ground, seams, done))
+                    .unwrap_or_else(|| tile::normal_deviation((i, tile), subpatch, seams, done))
             });
             let most = turns.fold(0.0, |most, turn| greater(turn, most));
             2.0 * libm::asin(if most < 2.0 { 0.5 * most } else { 1.0 }).to_degrees()
         });
         bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             tiles.iter().try_fold(0.0, |worst, (tile, done)| {
-                let place = grounds[tile.subpatch as usize].hull(tile);
+                let place = subpatches[tile.subpatch as usize].hull(tile);
                 let pixels = lens.scale_at(&place).pixels_of(done.bound)?;
                 Some(greater(pixels, worst))
             })
@@ -415,7 +417,7 @@ impl CertifiedTiles<'_> {
 /// The measured lower bound of the distance and its location: at the middles of the worst triangles and of
 /// their sides.
 fn measure_lower_bound(
-    grounds: &[Subpatch<'_>],
+    subpatches: &[Subpatch<'_>],
     tiles: &[(PatchTile, PatchTileMesh)],
     mesh: &Mesh,
 ) -> (f64, Option<[f64; 3]>) {
@@ -425,8 +427,8 @@ fn measure_lower_bound(
     let mut off = 0.0;
     for &i in order.iter().take(SAMPLED_TILES) {
         let (tile, done) = &tiles[i];
-        let ground = &grounds[tile.subpatch as usize];
-        let slack = ground.rounding_error();
+        let subpatch = &subpatches[tile.subpatch as usize];
+        let slack = subpatch.rounding_error();
         off = greater(slack, off);
         let [a, b, c] = done.worst;
         // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
@@ -436,8 +438,8 @@ fn measure_lower_bound(
         let longest =
             sides.into_iter().reduce(|s, t| if length_sq(s.0, s.1) < length_sq(t.0, t.1) { t } else { s });
         let (p, q) = longest.unwrap_or((a, b));
-        samples.push(ground.at(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])));
-        samples.push(ground.at((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0));
+        samples.push(subpatch.at(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])));
+        samples.push(subpatch.at((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0));
     }
     match check::surface_at_least(&samples, mesh) {
         Some((least, at)) => {

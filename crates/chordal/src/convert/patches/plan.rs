@@ -73,10 +73,21 @@ pub(crate) struct PatchTile {
 
 impl PatchTile {
     /// A whole subpatch as one cell.
-    fn single_cell(ground: &Subpatch<'_>, tolerance: f64) -> Self {
-        let (u, v, corners) = (ground.u, ground.v, [PatchCorner::Plain; 4]);
+    fn single_cell(subpatch: &Subpatch<'_>, tolerance: f64) -> Self {
+        let (u, v, corners) = (subpatch.u, subpatch.v, [PatchCorner::Plain; 4]);
         let (n, m, rising) = (1, 1, true);
-        Self { sheet: ground.sheet, subpatch: 0, u, v, n, m, rising, corners, tolerance, safety_factor: 1.0 }
+        Self {
+            sheet: subpatch.sheet,
+            subpatch: 0,
+            u,
+            v,
+            n,
+            m,
+            rising,
+            corners,
+            tolerance,
+            safety_factor: 1.0,
+        }
     }
 }
 
@@ -153,19 +164,19 @@ pub(crate) fn tolerance(
 
 /// The tiles of one subpatch, in the order of a depth-first walk.
 pub(crate) fn split_into_tiles(
-    ground: &Subpatch<'_>,
+    subpatch: &Subpatch<'_>,
     allowance: &Allowance,
 ) -> Result<Vec<PatchTile>, InfeasibleTolerance> {
     let mut tiles = Vec::new();
-    let rounding = ground.rounding_error();
-    let patch = match &ground.shape {
+    let rounding = subpatch.rounding_error();
+    let patch = match &subpatch.shape {
         SubpatchShape::Bezier(patch) => **patch,
-        SubpatchShape::Extraordinary(rough) => {
-            let tolerance = tolerance(Box3::from_points(rough.ring().hull()), allowance, rounding)?;
-            return Ok(vec![PatchTile::single_cell(ground, tolerance)]);
+        SubpatchShape::Extraordinary(extraordinary) => {
+            let tolerance = tolerance(Box3::from_points(extraordinary.ring().hull()), allowance, rounding)?;
+            return Ok(vec![PatchTile::single_cell(subpatch, tolerance)]);
         }
     };
-    let mut open = vec![TileCandidate::new(patch, ground.u, ground.v, allowance, rounding)?];
+    let mut open = vec![TileCandidate::new(patch, subpatch.u, subpatch.v, allowance, rounding)?];
     while let Some(rectangle) = open.pop() {
         if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
             let halves = rectangle.halve(half, allowance, rounding)?;
@@ -176,17 +187,17 @@ pub(crate) fn split_into_tiles(
                 continue;
             }
         }
-        tiles.push(rectangle.tile(ground));
+        tiles.push(rectangle.tile(subpatch));
     }
     Ok(tiles)
 }
 
 /// About how many triangles a subpatch needs, without building tiles: rectangles are halved only while that
 /// pays.
-pub(crate) fn estimate(ground: &Subpatch<'_>, allowance: &Allowance) -> Result<f64, InfeasibleTolerance> {
-    let rounding = ground.rounding_error();
-    let SubpatchShape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
-    let mut open = vec![TileCandidate::new(**patch, ground.u, ground.v, allowance, rounding)?];
+pub(crate) fn estimate(subpatch: &Subpatch<'_>, allowance: &Allowance) -> Result<f64, InfeasibleTolerance> {
+    let rounding = subpatch.rounding_error();
+    let SubpatchShape::Bezier(patch) = &subpatch.shape else { return Ok(2.0) };
+    let mut open = vec![TileCandidate::new(**patch, subpatch.u, subpatch.v, allowance, rounding)?];
     let (mut cells, mut looked_at) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
         looked_at += 1;
@@ -278,8 +289,8 @@ impl TileCandidate {
         }
     }
 
-    fn tile(&self, ground: &Subpatch<'_>) -> PatchTile {
+    fn tile(&self, subpatch: &Subpatch<'_>) -> PatchTile {
         let TessellationRates { n, m, rising } = self.estimator.rates(&self.estimate, self.tolerance);
-        PatchTile { u: self.u, v: self.v, n, m, rising, ..PatchTile::single_cell(ground, self.tolerance) }
+        PatchTile { u: self.u, v: self.v, n, m, rising, ..PatchTile::single_cell(subpatch, self.tolerance) }
     }
 }

@@ -16,12 +16,12 @@ pub(crate) fn refine_missed(
     round: usize,
     allowance: &Allowance,
 ) -> bool {
-    let TilePlan { subpatches: grounds, tiles, .. } = planned;
+    let TilePlan { subpatches, tiles, .. } = planned;
     let mut missed = false;
     for (tile, slot) in tiles.iter_mut().zip(done) {
-        let ground = &grounds[tile.subpatch as usize];
-        let SubpatchShape::Bezier(patch) = &ground.shape else { continue };
-        let rounding = ground.rounding_error();
+        let subpatch = &subpatches[tile.subpatch as usize];
+        let SubpatchShape::Bezier(patch) = &subpatch.shape else { continue };
+        let rounding = subpatch.rounding_error();
         let Some(done) = slot else { continue };
         let by_bound = match done.bound > tile.tolerance + rounding {
             true => (done.bound - rounding) / tile.tolerance,
@@ -34,7 +34,7 @@ pub(crate) fn refine_missed(
         }
         missed = true;
         *slot = None;
-        let part = ground.tile_patch(patch, tile);
+        let part = subpatch.tile_patch(patch, tile);
         if by_turn > 0.0 && tile.safety_factor > LARGEST_STRAIN_BY_TURN {
             let [long, tall] = cell(&part, tile);
             // Doubles the cells along their longer side, or along both.
@@ -88,8 +88,8 @@ pub(crate) enum SubpatchKind {
 }
 
 impl SubpatchKind {
-    pub(crate) fn of(ground: &Subpatch<'_>) -> Self {
-        match ground.shape {
+    pub(crate) fn of(subpatch: &Subpatch<'_>) -> Self {
+        match subpatch.shape {
             SubpatchShape::Bezier(_) => Self::Bezier,
             SubpatchShape::Extraordinary(_) => Self::Extraordinary,
         }
@@ -103,15 +103,15 @@ pub(crate) fn raised_safety_factors(
     done: &[Option<PatchTileMesh>],
     allowance: &Allowance,
 ) -> Option<Vec<f64>> {
-    let TilePlan { subpatches: grounds, tiles, safety_factors: strains, .. } = planned;
-    let (mut strains, mut missed) = (strains.clone(), false);
+    let TilePlan { subpatches, tiles, safety_factors, .. } = planned;
+    let (mut safety_factors, mut missed) = (safety_factors.clone(), false);
     for (tile, done) in tiles.iter().zip(done) {
-        let ground = &grounds[tile.subpatch as usize];
-        let Some(done) = done.as_ref().filter(|_| SubpatchKind::of(ground) == SubpatchKind::Extraordinary)
+        let subpatch = &subpatches[tile.subpatch as usize];
+        let Some(done) = done.as_ref().filter(|_| SubpatchKind::of(subpatch) == SubpatchKind::Extraordinary)
         else {
             continue;
         };
-        let (rounding, bound) = (ground.rounding_error(), done.bound);
+        let (rounding, bound) = (subpatch.rounding_error(), done.bound);
         let by_turn = normal_deviation_ratio(done, allowance);
         if bound > tile.tolerance + rounding || by_turn > 0.0 {
             missed = true;
@@ -119,11 +119,11 @@ pub(crate) fn raised_safety_factors(
             let ratio = greater(by_bound, by_turn);
             // Only a small factor at once: a corner that is cut off deviates by far more than the next
             // smaller one.
-            strains[tile.sheet as usize] *=
+            safety_factors[tile.sheet as usize] *=
                 if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
         }
     }
-    missed.then_some(strains)
+    missed.then_some(safety_factors)
 }
 
 /// The factor for a sheet whose extraordinary subpatch missed by little, and otherwise; chosen: a halving

@@ -63,10 +63,10 @@ struct TileSide {
 impl TileSeams {
     /// Builds the pieces for `tiles`, which are listed patch by patch; [`TileSeams::set_rates`] sets rates
     /// and positions.
-    pub(crate) fn new(quilt: &PatchAdjacency, tiles: &[PatchTile]) -> Self {
+    pub(crate) fn new(adjacency: &PatchAdjacency, tiles: &[PatchTile]) -> Self {
         let mut entries: Vec<TileSide> = Vec::with_capacity(4 * tiles.len());
         for (index, tile) in tiles.iter().enumerate() {
-            entries.extend(PatchSide::ALL.map(|side| TileSide::new(quilt, tile, index as u32, side)));
+            entries.extend(PatchSide::ALL.map(|side| TileSide::new(adjacency, tile, index as u32, side)));
         }
         entries.sort_by(|a, b| a.line.cmp(&b.line).then(a.span[0].total_cmp(&b.span[0])));
         let mut seams = Self {
@@ -78,7 +78,7 @@ impl TileSeams {
             demands: Vec::with_capacity(2 * entries.len()),
             min_segments: Vec::new(),
         };
-        let mut nodes = SeamNodes::new(quilt, &entries, tiles);
+        let mut nodes = SeamNodes::new(adjacency, &entries, tiles);
         for run in entries.chunk_by(|a, b| a.line == b.line) {
             seams.split_line(run, &mut nodes);
         }
@@ -132,8 +132,8 @@ impl TileSeams {
     pub(crate) fn set_rates(
         &mut self,
         tiles: &[PatchTile],
-        grounds: &[Subpatch<'_>],
-        quilt: &PatchAdjacency,
+        subpatches: &[Subpatch<'_>],
+        adjacency: &PatchAdjacency,
     ) -> Vec<bool> {
         let before: Vec<u32> =
             self.pieces.iter_mut().map(|piece| std::mem::replace(&mut piece.n, 1)).collect();
@@ -157,7 +157,7 @@ impl TileSeams {
         }
         self.positions.clear();
         self.positions.resize(next as usize, [0.0; 3]);
-        self.set_positions(tiles, grounds, quilt);
+        self.set_positions(tiles, subpatches, adjacency);
         let mut changed = vec![false; tiles.len()];
         for &(piece, demand, _) in &self.demands {
             changed[(demand / 2) as usize] |= self.pieces[piece as usize].n != before[piece as usize];
@@ -165,9 +165,14 @@ impl TileSeams {
         changed
     }
 
-    fn set_positions(&mut self, tiles: &[PatchTile], grounds: &[Subpatch<'_>], quilt: &PatchAdjacency) {
-        self.positions[..quilt.corner_positions.len()].copy_from_slice(&quilt.corner_positions);
-        let n_corners = quilt.corner_positions.len() as u32;
+    fn set_positions(
+        &mut self,
+        tiles: &[PatchTile],
+        subpatches: &[Subpatch<'_>],
+        adjacency: &PatchAdjacency,
+    ) {
+        self.positions[..adjacency.corner_positions.len()].copy_from_slice(&adjacency.corner_positions);
+        let n_corners = adjacency.corner_positions.len() as u32;
         // Any tile on a piece can compute its points.
         let mut beside = vec![None; self.pieces.len()];
         for &(piece, demand, _) in self.demands.iter().rev() {
@@ -175,11 +180,11 @@ impl TileSeams {
         }
         for (piece, tile) in self.pieces.iter().zip(beside) {
             let Some(tile) = tile else { continue };
-            let ground = &grounds[tile.subpatch as usize];
+            let subpatch = &subpatches[tile.subpatch as usize];
             let places: Box<dyn Fn(f64) -> [f64; 3]> = match piece.line {
-                SeamLine::Edge(edge) => along_edge(quilt, tile, ground, edge),
-                SeamLine::AlongU(_, v) => Box::new(move |at| ground.at(at, f64::from_bits(v))),
-                SeamLine::AlongV(_, u) => Box::new(move |at| ground.at(f64::from_bits(u), at)),
+                SeamLine::Edge(edge) => along_edge(adjacency, tile, subpatch, edge),
+                SeamLine::AlongU(_, v) => Box::new(move |at| subpatch.at(at, f64::from_bits(v))),
+                SeamLine::AlongV(_, u) => Box::new(move |at| subpatch.at(f64::from_bits(u), at)),
                 SeamLine::Point(..) => continue,
             };
             for (node, k) in [(piece.nodes[0], 0), (piece.nodes[1], piece.n)] {
@@ -227,15 +232,15 @@ impl SeamSpan {
 
 /// The points of an edge by its parameter, evaluated on a tile next to it.
 fn along_edge<'a>(
-    quilt: &PatchAdjacency,
+    adjacency: &PatchAdjacency,
     tile: &PatchTile,
-    ground: &'a Subpatch<'_>,
+    subpatch: &'a Subpatch<'_>,
     edge: u32,
 ) -> Box<dyn Fn(f64) -> [f64; 3] + 'a> {
     let found = PatchSide::ALL.into_iter().find_map(|side| {
         let (is_border, against) =
             (tile.is_on_border(side), matches!(side, PatchSide::Top | PatchSide::Left));
-        match quilt.sides[tile.sheet as usize][side as usize] {
+        match adjacency.sides[tile.sheet as usize][side as usize] {
             SideBoundary::Edge { edge: own, reversed } if own == edge && is_border => {
                 Some((side, against != reversed, [0.0, 1.0], reversed))
             }
@@ -251,8 +256,8 @@ fn along_edge<'a>(
     let Some((side, is_flipped, [from, to], reversed)) = found else {
         return Box::new(|_| [0.0; 3]);
     };
-    if let SubpatchShape::Bezier(patch) = &ground.shape
-        && (ground.u, ground.v) == ([0.0, 1.0], [0.0, 1.0])
+    if let SubpatchShape::Bezier(patch) = &subpatch.shape
+        && (subpatch.u, subpatch.v) == ([0.0, 1.0], [0.0, 1.0])
         && from == 0.0
         && to == 1.0
     {
@@ -268,7 +273,7 @@ fn along_edge<'a>(
             PatchSide::Top => (along, 1.0),
             PatchSide::Left => (0.0, along),
         };
-        ground.at(u, v)
+        subpatch.at(u, v)
     })
 }
 
@@ -284,7 +289,7 @@ fn breakpoints(run: &[TileSide]) -> Vec<f64> {
 }
 
 impl TileSide {
-    fn new(quilt: &PatchAdjacency, tile: &PatchTile, index: u32, side: PatchSide) -> Self {
+    fn new(adjacency: &PatchAdjacency, tile: &PatchTile, index: u32, side: PatchSide) -> Self {
         let (at, span) = match side {
             PatchSide::Bottom => (tile.v[0], tile.u),
             PatchSide::Top => (tile.v[1], tile.u),
@@ -297,13 +302,13 @@ impl TileSide {
             true => [1.0 - span[1], 1.0 - span[0]],
             false => span,
         };
-        let (line, span, backwards) = match quilt.sides[tile.sheet as usize][side as usize] {
+        let (line, span, backwards) = match adjacency.sides[tile.sheet as usize][side as usize] {
             _ if !tile.is_on_border(side) && is_along_v(side) => {
                 (SeamLine::AlongV(tile.sheet, at.to_bits()), span, against)
             }
             _ if !tile.is_on_border(side) => (SeamLine::AlongU(tile.sheet, at.to_bits()), span, against),
             SideBoundary::Point => (
-                SeamLine::Point(tile.sheet, side, quilt.corners[tile.sheet as usize][side as usize]),
+                SeamLine::Point(tile.sheet, side, adjacency.corners[tile.sheet as usize][side as usize]),
                 span,
                 against,
             ),
@@ -332,9 +337,9 @@ struct SeamNodes<'a> {
 }
 
 impl<'a> SeamNodes<'a> {
-    fn new(quilt: &'a PatchAdjacency, entries: &[TileSide], tiles: &[PatchTile]) -> Self {
-        let mut count = quilt.corner_positions.len() as u32;
-        let mut on_edges = vec![Vec::new(); quilt.edges.len()];
+    fn new(adjacency: &'a PatchAdjacency, entries: &[TileSide], tiles: &[PatchTile]) -> Self {
+        let mut count = adjacency.corner_positions.len() as u32;
+        let mut on_edges = vec![Vec::new(); adjacency.edges.len()];
         for run in entries.chunk_by(|a, b| a.line == b.line) {
             let SeamLine::Edge(edge) = run[0].line else { continue };
             for at in breakpoints(run).into_iter().filter(|at| *at > 0.0 && *at < 1.0) {
@@ -355,7 +360,7 @@ impl<'a> SeamNodes<'a> {
         keys.dedup();
         let inside: Vec<_> = keys.into_iter().zip(count..).collect();
         count += inside.len() as u32;
-        Self { adjacency: quilt, on_edges, inside, count }
+        Self { adjacency: adjacency, on_edges, inside, count }
     }
 
     /// The vertex at a breakpoint of a line.

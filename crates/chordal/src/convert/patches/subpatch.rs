@@ -12,13 +12,13 @@ pub(crate) trait PatchSurface: Sync {
     /// The number of sheets.
     fn count(&self) -> usize;
 
-    /// The subpatches of a sheet: no larger than an allowance can use, divided by `strain` where they are
+    /// The subpatches of a sheet: no larger than an allowance can use, divided by `safety_factor` where they are
     /// extraordinary.
     fn subpatches(
         &self,
         sheet: usize,
         allowance: &Allowance,
-        strain: f64,
+        safety_factor: f64,
     ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance>;
 
     /// Which sides are the same curve.
@@ -68,7 +68,7 @@ impl Subpatch<'_> {
         let (u, v) = self.local(u, v);
         match &self.shape {
             SubpatchShape::Bezier(patch) => patch.at(u, v),
-            SubpatchShape::Extraordinary(rough) => rough.point(u, v),
+            SubpatchShape::Extraordinary(extraordinary) => extraordinary.point(u, v),
         }
     }
 
@@ -76,7 +76,7 @@ impl Subpatch<'_> {
         let (u, v) = self.local(u, v);
         match &self.shape {
             SubpatchShape::Bezier(patch) => patch.normal(u, v),
-            SubpatchShape::Extraordinary(rough) => rough.normal(u, v),
+            SubpatchShape::Extraordinary(extraordinary) => extraordinary.normal(u, v),
         }
     }
 
@@ -90,7 +90,7 @@ impl Subpatch<'_> {
     pub(crate) fn hull(&self, tile: &PatchTile) -> Box3 {
         match &self.shape {
             SubpatchShape::Bezier(patch) => self.tile_patch(patch, tile).bounds(),
-            SubpatchShape::Extraordinary(rough) => Box3::from_points(rough.ring().hull()),
+            SubpatchShape::Extraordinary(extraordinary) => Box3::from_points(extraordinary.ring().hull()),
         }
     }
 
@@ -98,7 +98,7 @@ impl Subpatch<'_> {
     pub(crate) fn rounding_error(&self) -> f64 {
         match &self.shape {
             SubpatchShape::Bezier(patch) => rounding(patch) + self.off,
-            SubpatchShape::Extraordinary(rough) => rough.rounding_error(),
+            SubpatchShape::Extraordinary(extraordinary) => extraordinary.rounding_error(),
         }
     }
 }
@@ -115,7 +115,7 @@ impl PatchSurface for BezierPatches<'_> {
         &self,
         sheet: usize,
         _allowance: &Allowance,
-        _strain: f64,
+        _safety_factor: f64,
     ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
         let (u, v) = ([0.0, 1.0], [0.0, 1.0]);
         Ok(vec![Subpatch {

@@ -41,7 +41,7 @@ pub(crate) fn at(sheet: Option<&LimitSheet>, [u, v]: [f64; 2]) -> [f64; 2] {
 pub(crate) fn with_texcoords(
     mesh: Mesh,
     sheets: &dyn PatchSurface,
-    grounds: &[Subpatch<'_>],
+    subpatches: &[Subpatch<'_>],
     seams: &TileSeams,
     tiles: &[(PatchTile, PatchTileMesh)],
     job: &Job,
@@ -68,7 +68,7 @@ pub(crate) fn with_texcoords(
             for side in PatchSide::ALL {
                 tile::walk_side(first + k, tile, side, seams, |u, v, _| local.push(point([u, v])));
             }
-            match grounds[tile.subpatch as usize].shape {
+            match subpatches[tile.subpatch as usize].shape {
                 SubpatchShape::Bezier(_) => {
                     let counts = PatchSide::ALL.map(|side| seams.count(first + k, side));
                     local.extend(tile::inner_places(tile, counts).map(point));

@@ -72,12 +72,14 @@ struct TileTriangulator<'a> {
 pub(crate) fn build(
     index: usize,
     tile: &PatchTile,
-    ground: &Subpatch<'_>,
+    subpatch: &Subpatch<'_>,
     seams: &TileSeams,
 ) -> PatchTileMesh {
-    let part = match &ground.shape {
-        SubpatchShape::Bezier(patch) => ground.tile_patch(patch, tile),
-        SubpatchShape::Extraordinary(rough) => return extraordinary_tile::build(index, tile, rough, seams),
+    let part = match &subpatch.shape {
+        SubpatchShape::Bezier(patch) => subpatch.tile_patch(patch, tile),
+        SubpatchShape::Extraordinary(extraordinary) => {
+            return extraordinary_tile::build(index, tile, extraordinary, seams);
+        }
     };
     let mut work = TileTriangulator {
         derivatives: PatchDerivatives::new(&part),
@@ -104,7 +106,7 @@ pub(crate) fn build(
         triangles: work.triangles,
         inner: work.inner.iter().map(|knot| knot.at.into()).collect(),
         inner_normals: work.normals,
-        bound: (work.bound + ground.rounding_error()).next_up(),
+        bound: (work.bound + subpatch.rounding_error()).next_up(),
         worst: work.worst,
         normal_deviation: None,
         too_few,
@@ -116,7 +118,7 @@ pub(crate) fn build(
 /// not visible, and where a surface folds or comes to a point normals never converge.
 pub(crate) fn normal_deviation(
     (index, tile): (usize, &PatchTile),
-    ground: &Subpatch<'_>,
+    subpatch: &Subpatch<'_>,
     seams: &TileSeams,
     done: &PatchTileMesh,
 ) -> f64 {
@@ -126,7 +128,7 @@ pub(crate) fn normal_deviation(
             knots.push(TileVertex { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
         });
     }
-    let [n, m] = match &ground.shape {
+    let [n, m] = match &subpatch.shape {
         SubpatchShape::Extraordinary(_) => [2, 2],
         SubpatchShape::Bezier(_) => cell_counts(tile, PatchSide::ALL.map(|side| seams.count(index, side))),
     };
@@ -137,7 +139,7 @@ pub(crate) fn normal_deviation(
         at: DVec3::from(*at),
     }));
     let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
-    let normal = |u: f64, v: f64| ground.normal(within(u, tile.u), within(v, tile.v)).map(DVec3::from);
+    let normal = |u: f64, v: f64| subpatch.normal(within(u, tile.u), within(v, tile.v)).map(DVec3::from);
     let at_knots: Vec<Option<DVec3>> = knots.iter().map(|knot| normal(knot.u, knot.v)).collect();
     let mut most = 0.0;
     for t in &done.triangles {

@@ -31,7 +31,7 @@ impl<'a> LoopCellShape<'a> {
     pub(crate) fn from_triangle(triangle: &'a TrianglePatchTree) -> Self {
         match triangle {
             TrianglePatchTree::Regular(polynomial) => Self::Polynomial(polynomial),
-            TrianglePatchTree::Extraordinary(rough) => Self::Extraordinary(rough),
+            TrianglePatchTree::Extraordinary(extraordinary) => Self::Extraordinary(extraordinary),
         }
     }
 
@@ -39,7 +39,7 @@ impl<'a> LoopCellShape<'a> {
     pub(crate) fn hull(&self) -> &'a [[f64; 3]] {
         match self {
             Self::Polynomial(polynomial) => &polynomial.quartic.control,
-            Self::Extraordinary(rough) => rough.ring().hull(),
+            Self::Extraordinary(extraordinary) => extraordinary.ring().hull(),
         }
     }
 
@@ -50,9 +50,9 @@ impl<'a> LoopCellShape<'a> {
         let size = points.as_flattened().iter().fold(0.0, larger);
         match self {
             Self::Polynomial(polynomial) => ROUNDING * size + UNDERFLOW + polynomial.off,
-            Self::Extraordinary(rough) => {
+            Self::Extraordinary(extraordinary) => {
                 let share = ROUNDING + ROUNDING_BY_POINT * points.len() as f64;
-                share * size + UNDERFLOW + 36.0 * rough.ring().rounding()
+                share * size + UNDERFLOW + 36.0 * extraordinary.ring().rounding()
             }
         }
     }
@@ -61,14 +61,16 @@ impl<'a> LoopCellShape<'a> {
     pub(crate) fn point(&self, [u, v]: [f64; 2]) -> [f64; 3] {
         match self {
             Self::Polynomial(polynomial) => polynomial.quartic.point([u, v]),
-            Self::Extraordinary(rough) => rough.at(u, v).map(|jet| jet.point).unwrap_or_default(),
+            Self::Extraordinary(extraordinary) => {
+                extraordinary.at(u, v).map(|jet| jet.point).unwrap_or_default()
+            }
         }
     }
 
     pub(crate) fn normal(&self, [u, v]: [f64; 2]) -> Option<[f64; 3]> {
         match self {
             Self::Polynomial(polynomial) => polynomial.at([u, v], 1.0).normal,
-            Self::Extraordinary(rough) => rough.at(u, v).ok()?.normal,
+            Self::Extraordinary(extraordinary) => extraordinary.at(u, v).ok()?.normal,
         }
     }
 }
@@ -80,8 +82,8 @@ impl<'a> LoopCell<'a> {
 
     /// The quarters of an extraordinary cell; empty where coordinates overflow.
     pub(crate) fn quarters(&self) -> Vec<Self> {
-        let LoopCellShape::Extraordinary(rough) = self.shape else { return Vec::new() };
-        let Ok(quarters) = rough.quarters() else { return Vec::new() };
+        let LoopCellShape::Extraordinary(extraordinary) = self.shape else { return Vec::new() };
+        let Ok(quarters) = extraordinary.quarters() else { return Vec::new() };
         let half = 0.5 * self.scale;
         let begins = [([0.0, 0.0], half), ([half, 0.0], half), ([0.0, half], half), ([half, half], -half)];
         let part = |(quarter, (begin, scale)): (&'a TrianglePatchTree, ([f64; 2], f64))| {

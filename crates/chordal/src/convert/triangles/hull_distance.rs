@@ -118,8 +118,8 @@ impl FlatTriangle {
                         open.push(self.queue_piece(LoopPiece::Quartic(Box::new(quarter), off), depth));
                     }
                 }
-                LoopPiece::Extraordinary(LoopCellShape::Extraordinary(rough)) => {
-                    for quarter in rough.quarters()? {
+                LoopPiece::Extraordinary(LoopCellShape::Extraordinary(extraordinary)) => {
+                    for quarter in extraordinary.quarters()? {
                         open.push(self.queue_piece(
                             LoopPiece::Extraordinary(LoopCellShape::from_triangle(quarter)),
                             depth,
@@ -191,8 +191,8 @@ impl FlatTriangle {
                         open.push(self.queue_curve(side, LoopSideCurve::Quartic(half, off), depth));
                     }
                 }
-                LoopSideCurve::Extraordinary(LoopCellShape::Extraordinary(rough)) => {
-                    let Ok(quarters) = rough.quarters() else { return f64::INFINITY };
+                LoopSideCurve::Extraordinary(LoopCellShape::Extraordinary(extraordinary)) => {
+                    let Ok(quarters) = extraordinary.quarters() else { return f64::INFINITY };
                     for k in [side, (side + 1) % 3] {
                         open.push(self.queue_curve(
                             side,
@@ -265,7 +265,7 @@ const HALVINGS: usize = 3;
 fn piece_error(shape: LoopCellShape<'_>) -> f64 {
     match shape {
         LoopCellShape::Polynomial(polynomial) => polynomial.off,
-        LoopCellShape::Extraordinary(rough) => 2.0 * rough.ring().rounding(),
+        LoopCellShape::Extraordinary(extraordinary) => 2.0 * extraordinary.ring().rounding(),
     }
 }
 

@@ -215,10 +215,10 @@ impl<'a> LoopRefinement<'a> {
         let mut marked = SideSplits::new();
         let is_rough =
             |leaf: &LoopLeaf| matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Extraordinary(_));
-        let rough: Vec<&LoopLeaf> =
+        let extraordinary: Vec<&LoopLeaf> =
             self.leaves.iter().map(|(leaf, _)| leaf).filter(|leaf| is_rough(leaf)).collect();
         let rough_sides: BTreeSet<[u32; 3]> =
-            rough.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
+            extraordinary.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
         // The factor, the leaf, and the side.
         let mut wanted: Vec<(f64, usize, [u32; 3])> = Vec::new();
         for (index, (leaf, found)) in self.leaves.iter().enumerate() {
@@ -239,7 +239,7 @@ impl<'a> LoopRefinement<'a> {
         }
         loop {
             let before = marked.len();
-            for leaf in &rough {
+            for leaf in &extraordinary {
                 let sides = [0, 1, 2].map(|side| leaf.side(side));
                 if sides.iter().any(|side| marked.contains_key(side)) {
                     sides.iter().for_each(|side| _ = marked.entry(*side).or_insert(u32::MAX));

@@ -141,10 +141,10 @@ fn is_corner(cage: &Cage, edges: &CageEdges, around: &VertexIncidence, vertex: u
     if of_faces.len() == 1 && of_edges.len() == 2 {
         return cage.boundary == Boundary::EdgeAndCorner;
     }
-    let crowded = of_edges.iter().filter(|e| edges.non_manifold[**e as usize]).count();
+    let non_manifold = of_edges.iter().filter(|e| edges.non_manifold[**e as usize]).count();
     let border = of_edges.iter().filter(|e| edges.faces(**e as usize).len() == 1).count();
-    let is_seam = crowded == 2 && border == 0 && of_faces.len() > of_edges.len();
-    let is_many = crowded > 0 || n_fans(edges, around, vertex) > 1;
+    let is_seam = non_manifold == 2 && border == 0 && of_faces.len() > of_edges.len();
+    let is_many = non_manifold > 0 || n_fans(edges, around, vertex) > 1;
     is_many && !is_seam
 }
 

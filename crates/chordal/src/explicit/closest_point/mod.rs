@@ -15,7 +15,7 @@ use glam::DVec3;
 use offset_patch::SheetRectangle;
 use search::SurfaceSearch;
 
-/// The closest point of a smooth surface to a query: the foot of a perpendicular, or a point on a boundary.
+/// The closest point of a smooth surface to a query: the closest of a perpendicular, or a point on a boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceClosestPoint {
     /// The closest point that was found, rounded.
@@ -45,9 +45,9 @@ pub struct SurfaceClosestPoint {
 /// }
 /// let tree = SurfaceTree::from_patches(&[bump], &Job::default())?;
 /// // Above the middle, where the height is (3/4)².
-/// let foot = tree.closest_point([1.5, 1.5, 2.0], None).unwrap();
-/// assert!(foot.at_least <= 2.0 - 0.5625 && 2.0 - 0.5625 <= foot.at_most);
-/// assert!(foot.at_most - foot.at_least < 1e-12 && (foot.u - 0.5).abs() < 1e-6);
+/// let closest = tree.closest_point([1.5, 1.5, 2.0], None).unwrap();
+/// assert!(closest.at_least <= 2.0 - 0.5625 && 2.0 - 0.5625 <= closest.at_most);
+/// assert!(closest.at_most - closest.at_least < 1e-12 && (closest.u - 0.5).abs() < 1e-6);
 /// # Ok::<(), chordal::budget::JobError>(())
 /// ```
 ///
@@ -181,10 +181,10 @@ impl SurfaceTree {
                         off: patches.off,
                     }))
                 }
-                Some(QuadPatchTree::Extraordinary(rough)) => parts.push(SurfaceLeaf {
-                    hull: rough.ring().hull().to_vec(),
+                Some(QuadPatchTree::Extraordinary(extraordinary)) => parts.push(SurfaceLeaf {
+                    hull: extraordinary.ring().hull().to_vec(),
                     item: SurfaceItem::Sheet(number as u32),
-                    off: 2.0 * rough.ring().rounding(),
+                    off: 2.0 * extraordinary.ring().rounding(),
                 }),
                 None => {}
             }

@@ -91,7 +91,9 @@ impl<'t> SurfaceSearch<'t> {
                     self.bound_patch(piece, down);
                     1
                 }
-                SurfaceCandidate::Extraordinary(rough, place) => self.divide(rough, place, down),
+                SurfaceCandidate::Extraordinary(extraordinary, place) => {
+                    self.divide(extraordinary, place, down)
+                }
             };
         }
         // Everything else is farther.
@@ -156,8 +158,8 @@ impl<'t> SurfaceSearch<'t> {
     }
 
     /// Pushes the quarters of a square. Returns the number of pieces that this counts as.
-    fn divide(&mut self, rough: &'t ExtraordinaryQuad, place: SheetRectangle, down: f64) -> usize {
-        let Ok(quarters) = rough.quarters() else {
+    fn divide(&mut self, extraordinary: &'t ExtraordinaryQuad, place: SheetRectangle, down: f64) -> usize {
+        let Ok(quarters) = extraordinary.quarters() else {
             self.push(down, SurfaceCandidate::Settled);
             return 1;
         };
@@ -167,7 +169,7 @@ impl<'t> SurfaceSearch<'t> {
         for (quarter, place) in quarters.iter().zip([a, b, c, d]) {
             self.add_square(quarter, place, down);
         }
-        1 + rough.ring().hull().len() / RING
+        1 + extraordinary.ring().hull().len() / RING
     }
 
     fn add_square(&mut self, square: &'t QuadPatchTree, place: SheetRectangle, down: f64) {
@@ -185,12 +187,13 @@ impl<'t> SurfaceSearch<'t> {
                     self.push(known, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
                 }
             }
-            QuadPatchTree::Extraordinary(rough) => {
-                let hull = rough.ring().hull().iter();
+            QuadPatchTree::Extraordinary(extraordinary) => {
+                let hull = extraordinary.ring().hull().iter();
                 let hull: Vec<DVec3> = hull.map(|p| DVec3::from(self.tree.local(*p)) - self.about).collect();
                 let size = hull.iter().fold(0.0, |most, p| greater(most, p.abs().max_element()));
                 // The differences are rounded once.
-                let off = self.tree.local_off(2.0 * rough.ring().rounding()) + 2.0 * f64::EPSILON * size;
+                let off =
+                    self.tree.local_off(2.0 * extraordinary.ring().rounding()) + 2.0 * f64::EPSILON * size;
                 let middle = hull.iter().fold(DVec3::ZERO, |sum, p| sum + *p) / hull.len() as f64;
                 let by_plane = greater(
                     hull_plane_bound(&hull, middle, size),
@@ -210,7 +213,7 @@ impl<'t> SurfaceSearch<'t> {
                     if is_point {
                         SurfaceCandidate::Settled
                     } else {
-                        SurfaceCandidate::Extraordinary(rough, place)
+                        SurfaceCandidate::Extraordinary(extraordinary, place)
                     },
                 );
             }

@@ -173,11 +173,11 @@ impl FieldClosestSearch<'_> {
             if !down.is_finite() {
                 break;
             }
-            let foot: [f64; 3] = std::array::from_fn(|k| x[k] - n[k] * down);
+            let closest: [f64; 3] = std::array::from_fn(|k| x[k] - n[k] * down);
             // Along the tangent plane.
-            let off: [f64; 3] = std::array::from_fn(|k| self.point[k] - foot[k]);
+            let off: [f64; 3] = std::array::from_fn(|k| self.point[k] - closest[k]);
             let up = dot(off, n);
-            let next: [f64; 3] = std::array::from_fn(|k| foot[k] + share * (off[k] - n[k] * up));
+            let next: [f64; 3] = std::array::from_fn(|k| closest[k] + share * (off[k] - n[k] * up));
             let moved: [f64; 3] = std::array::from_fn(|k| next[k] - x[k]);
             x = next;
             // A few roundings of a coordinate: it moves no farther.

@@ -53,8 +53,8 @@ impl Contours {
         let along = [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]];
         let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
         let from = [middle[0] - edge.a[0], middle[1] - edge.a[1]];
-        let foot = (from[0] * along[0] + from[1] * along[1]) / length;
-        // Rounding of the foot is 8 units of `|p − a|`; many times as much is allowed for.
+        let closest = (from[0] * along[0] + from[1] * along[1]) / length;
+        // Rounding of the closest is 8 units of `|p − a|`; many times as much is allowed for.
         let play = radius * (1.0 + 1e-9) + 64.0 * f64::EPSILON * (from[0].abs() + from[1].abs() + length);
         let normal = normal(edge);
         let mut parts = Vec::new();
@@ -62,13 +62,13 @@ impl Contours {
             parts.push([range(UNIT), range(UNIT)]);
             return parts;
         }
-        if foot + play > 0.0 && foot - play < length {
+        if closest + play > 0.0 && closest - play < length {
             parts.push(normal.map(near));
         }
-        if foot - play <= 0.0 {
+        if closest - play <= 0.0 {
             parts.extend(about_corner([&self.edges[edge.before as usize], edge], flat));
         }
-        if foot + play >= length {
+        if closest + play >= length {
             parts.extend(about_corner([edge, &self.edges[edge.after as usize]], flat));
         }
         parts

@@ -53,20 +53,22 @@ impl QuadPatchTree {
     pub(crate) fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         match self {
             Self::Regular(patches) => Ok(patches.at([u, v], 1.0)),
-            Self::Extraordinary(rough) => rough.at(u, v),
+            Self::Extraordinary(extraordinary) => extraordinary.at(u, v),
         }
     }
 
     /// The point alone.
     pub(super) fn point(&self, u: f64, v: f64) -> Result<CagePoint, InvalidCage> {
-        let rough = match self {
+        let extraordinary = match self {
             Self::Regular(patches) => return Ok(patches.point([u, v])),
-            Self::Extraordinary(rough) => rough,
+            Self::Extraordinary(extraordinary) => extraordinary,
         };
-        match rough.leaf_at([u, v])? {
+        match extraordinary.leaf_at([u, v])? {
             PatchTreeLeaf::Patches(patches, place, _) => Ok(patches.point(place)),
-            PatchTreeLeaf::Vertex(rough, corner) => with_one_ring(&rough.ring, corner, OneRing::limit)
-                .map(|found| found.unwrap_or_else(|point| point)),
+            PatchTreeLeaf::Vertex(extraordinary, corner) => {
+                with_one_ring(&extraordinary.ring, corner, OneRing::limit)
+                    .map(|found| found.unwrap_or_else(|point| point))
+            }
         }
     }
 }
@@ -119,7 +121,7 @@ impl ExtraordinaryQuad {
     pub(crate) fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         match self.leaf_at([u, v])? {
             PatchTreeLeaf::Patches(patches, place, scale) => Ok(patches.at(place, scale)),
-            PatchTreeLeaf::Vertex(rough, corner) => rough.corner_jet(corner),
+            PatchTreeLeaf::Vertex(extraordinary, corner) => extraordinary.corner_jet(corner),
         }
     }
 
@@ -129,20 +131,20 @@ impl ExtraordinaryQuad {
     }
 
     fn leaf_at(&self, [mut u, mut v]: [f64; 2]) -> Result<PatchTreeLeaf<'_>, InvalidCage> {
-        let (mut rough, mut scale) = (self, 1.0);
+        let (mut extraordinary, mut scale) = (self, 1.0);
         for _ in 0..MOST_ROUNDS {
             if let Some(corner) = corner_at(u, v) {
-                return Ok(PatchTreeLeaf::Vertex(rough, corner));
+                return Ok(PatchTreeLeaf::Vertex(extraordinary, corner));
             }
             let quarter = nearest_corner(u, v);
             let shift = |x: f64| if x >= 0.5 { 2.0 * x - 1.0 } else { 2.0 * x };
             (u, v, scale) = (shift(u), shift(v), 2.0 * scale);
-            match &rough.quarters()?[quarter] {
+            match &extraordinary.quarters()?[quarter] {
                 QuadPatchTree::Regular(patches) => return Ok(PatchTreeLeaf::Patches(patches, [u, v], scale)),
-                QuadPatchTree::Extraordinary(quarter) => rough = quarter,
+                QuadPatchTree::Extraordinary(quarter) => extraordinary = quarter,
             }
         }
-        Ok(PatchTreeLeaf::Vertex(rough, nearest_corner(u, v)))
+        Ok(PatchTreeLeaf::Vertex(extraordinary, nearest_corner(u, v)))
     }
 }
 

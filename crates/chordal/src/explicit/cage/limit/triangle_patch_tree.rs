@@ -45,7 +45,7 @@ impl TrianglePatchTree {
     pub(crate) fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         match self {
             Self::Regular(polynomial) => Ok(polynomial.at([u, v], 1.0)),
-            Self::Extraordinary(rough) => rough.at(u, v),
+            Self::Extraordinary(extraordinary) => extraordinary.at(u, v),
         }
     }
 }
@@ -83,10 +83,10 @@ impl ExtraordinaryTriangle {
 
     /// The jet at the given parameters.
     pub(crate) fn at(&self, mut u: f64, mut v: f64) -> Result<Jet, InvalidCage> {
-        let (mut rough, mut scale) = (self, 1.0);
+        let (mut extraordinary, mut scale) = (self, 1.0);
         for _ in 0..MOST_ROUNDS {
             if let Some(corner) = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].iter().position(|at| *at == (u, v)) {
-                return vertex_jet(&rough.ring, corner);
+                return vertex_jet(&extraordinary.ring, corner);
             }
             let quarter = quarter_at(u, v);
             match quarter {
@@ -96,13 +96,13 @@ impl ExtraordinaryTriangle {
                 _ => (u, v) = (1.0 - 2.0 * u, 1.0 - 2.0 * v),
             }
             scale *= if quarter == 3 { -2.0 } else { 2.0 };
-            match &rough.quarters()?[quarter] {
+            match &extraordinary.quarters()?[quarter] {
                 TrianglePatchTree::Regular(polynomial) => return Ok(polynomial.at([u, v], scale)),
-                TrianglePatchTree::Extraordinary(quarter) => rough = quarter,
+                TrianglePatchTree::Extraordinary(quarter) => extraordinary = quarter,
             }
         }
         // The part that contains the point is no larger than rounding by now.
-        vertex_jet(&rough.ring, quarter_at(u, v) % 3)
+        vertex_jet(&extraordinary.ring, quarter_at(u, v) % 3)
     }
 }
 
