@@ -7,14 +7,14 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::numbers::{RoundingDirection, grouped, point, short};
 use crate::output::OutputTarget;
+use crate::output_format::volume_format;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::report::{DistanceGridFacts, Report};
-use chordal_verbs::{BakeSpec, bake, extension};
+use chordal_verbs::{BakeSpec, bake};
 use clap::Args;
-use std::path::Path;
 
 /// `chordal bake`
 #[derive(Args, Debug)]
@@ -59,7 +59,7 @@ fn band(text: &str) -> Result<f64, String> {
 pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    let to = format(&args.output.output, args.to)?;
+    let to = volume_format(&args.output.output, args.to)?;
     let stdout = common::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &console);
@@ -78,19 +78,6 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)
-}
-
-/// The format of a lattice, by what is said or by the name.
-fn format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
-    let name = path.display().to_string();
-    let format = to.or_else(|| extension(&name).and_then(Format::from_extension));
-    match format {
-        Some(format) if format.holds_volumes() => Ok(format),
-        Some(other) => Err(Fault::usage(format!("{other} holds no lattice; npy and nrrd do"))),
-        None => Err(Fault::usage(format!(
-            "{name}: the name does not say the format; --to does, with npy or nrrd"
-        ))),
-    }
 }
 
 fn summary_text(report: &Report) -> String {

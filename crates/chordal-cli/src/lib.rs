@@ -20,6 +20,7 @@ mod mend;
 mod mesh;
 mod numbers;
 mod output;
+mod output_format;
 mod render;
 mod require;
 mod signal;

@@ -6,6 +6,7 @@ use crate::console::{Console, StdoutUse};
 use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::output::OutputTarget;
+use crate::output_format::output_format;
 use crate::spelling::CommandLine;
 use crate::summary;
 use crate::volume::VolumeArgs;
@@ -13,11 +14,8 @@ use chordal::budget::advice::Spell;
 use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
-use chordal_verbs::{
-    BudgetSpec, MeshFailure, Normals, Shape, Spacing, extension, formats, mesh, needs_budget, refine,
-};
+use chordal_verbs::{BudgetSpec, MeshFailure, Normals, Shape, Spacing, mesh, needs_budget, refine};
 use clap::{ArgGroup, Args, ValueEnum};
-use std::path::Path;
 
 /// `chordal mesh`
 #[derive(Args, Debug)]
@@ -235,18 +233,4 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         normals: args.result.normals,
         require: args.budget.require,
     })
-}
-
-/// The format to write: `--to`, else what the name says.
-pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
-    let name = path.display().to_string();
-    let by_name = || extension(&name).and_then(Format::from_extension);
-    let known = formats::output_names;
-    let format = to.or_else(by_name).ok_or_else(|| {
-        Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
-    })?;
-    if format.holds_triangles() || format.holds_polylines() {
-        return Ok(format);
-    }
-    Err(Fault::usage(format!("{format} is only read; what can be written is {}", known())))
 }

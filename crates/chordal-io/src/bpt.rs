@@ -65,7 +65,10 @@ pub(crate) fn looks_like(text: &[u8]) -> bool {
     let mut lines = TextLines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
     let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
     let degrees: Vec<_> = LineTokens::new(second).take(3).collect();
-    integer(first).is_ok() && degrees.len() == 2 && degrees.iter().all(|token| number(token).is_some())
+    integer(first).is_ok()
+        && !second.contains(&b',')
+        && degrees.len() == 2
+        && degrees.iter().all(|token| number(token).is_some())
 }
 
 fn count(words: &mut WordReader, what: impl Fn() -> String) -> Result<u64, ReadError> {

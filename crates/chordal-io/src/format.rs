@@ -208,7 +208,12 @@ static TABLE: [FormatRow; 13] = [
         polylines: Some(svg::write),
         ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
     },
-    only_read(Format::Vm, "vm", |bytes| vm::looks_like(text_start(bytes)), vm::read),
+    only_read(
+        Format::Vm,
+        "vm",
+        |bytes| !bytes.starts_with(b"{") && vm::looks_like(text_start(bytes)),
+        vm::read,
+    ),
     FormatRow {
         volumes: Some(|volume, _, out| npy::write(volume, out)),
         ..only_read(Format::Npy, "npy", |bytes| bytes.starts_with(npy::MAGIC), npy::read)

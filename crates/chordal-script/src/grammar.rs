@@ -27,6 +27,12 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
         let message = format!("{} bytes are over the limit of {} for a script", text.len(), limits.bytes);
         return Err(ScriptError::new("script-limit", message));
     }
+    // With one kind of line end, strings and comments are the same here and for the parser.
+    let text = text.replace("\r\n", "\n");
+    if let Some(at) = text.find('\r') {
+        return Err(ScriptError::new("script-syntax", "a carriage return ends no line here").at(&text, at));
+    }
+    let text = text.as_str();
     nesting::check(text, limits.nesting)?;
     let dialect = Dialect {
         enable_def: true,
@@ -52,10 +58,17 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     if let Some((span, what)) = search.found {
         return Err(plain.error("script-syntax", what, span));
     }
+    let mut calls: Vec<MeteredPart> =
+        search.calls.into_iter().map(|(span, through)| (plain.extent(span), through)).collect();
+    calls.sort_by_key(|(part, _)| part.start);
+    // Starlark prints the callee in its errors, which would never end for a list of shared lists.
     let mut changes: Vec<TextChange> =
-        search.calls.into_iter().flat_map(|(span, through)| plain.call(span, through)).collect();
+        calls.iter().flat_map(|(part, through)| ScriptSource::wrap(part, through, "")).collect();
     for (target, operator, statement) in search.assignments {
-        changes.extend(plain.assignment(&target, &operator, statement));
+        let change = plain.assignment(&target, &operator, statement, &calls);
+        let unread =
+            || plain.error("script-syntax", "this assignment cannot be read: write it out", statement);
+        changes.extend(change.ok_or_else(unread)?);
     }
     let mut cuts = Vec::new();
     for operands in search.cuts {
@@ -66,10 +79,28 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     }
     let source = plain.with_changes(changes);
     let mut module = if source.edits.is_empty() { module } else { parsed(&source)? };
+    if !source.edits.is_empty() {
+        check_rewritten(&module, &source)?;
+    }
     // Only looked up: no order depends on it. No name of a script can be an operator.
     let functions: HashMap<String, String> = OPERATORS.map(|op| (op.to_owned(), op.to_owned())).into();
     module.replace_binary_operators(&functions);
     Ok(Program { module, source, cuts })
+}
+
+/// Refuses a program that does what no meter sees, whatever rewriting its text has made of it.
+fn check_rewritten(module: &AstModule, source: &ScriptSource) -> Result<(), ScriptError> {
+    let mut scan = ProgramScan::default();
+    statement(module.statement(), &mut scan);
+    module.statement().visit_expr(|expr| expression(expr, &mut scan));
+    let assignment = scan.assignments.first().map(|(_, _, span)| (*span, "an assignment".to_owned()));
+    let unmetered = scan.unmetered.map(|span| (span, "a call or an index".to_owned()));
+    match scan.found.or(assignment).or(unmetered) {
+        Some((span, what)) => {
+            Err(source.error("script-syntax", format!("{what} cannot be read here: write it out"), span))
+        }
+        None => Ok(()),
+    }
 }
 
 /// A script's text and the rewritten text that is parsed instead: `a += b` becomes `a = a + (b)`, so that
@@ -81,6 +112,9 @@ pub(crate) struct ScriptSource {
     written: String,
     edits: Vec<TextEdit>,
 }
+
+/// The range of an expression that goes through a function, and which.
+type MeteredPart = (Range<usize>, &'static str);
 
 /// Bytes that replace others.
 #[derive(Debug)]
@@ -104,7 +138,7 @@ const CALLED: &str = "called__";
 /// The function that every index goes through, for the same reason.
 const INDEX: &str = "index__";
 
-/// The function that `b - c` in `a | b - c` goes through, with a number, so that it is known which are shapes.
+/// The function that `b - c` in `a | b - c` goes through, with a number: it tells which are shapes.
 const LAST_OPERAND: &str = "last_operand__";
 
 fn range(span: Span) -> Range<usize> {
@@ -127,10 +161,16 @@ impl ScriptSource {
     }
 
     /// Applies the changes.
-    fn with_changes(self, mut changes: Vec<TextChange>) -> Self {
+    fn with_changes(self, changes: Vec<TextChange>) -> Self {
+        let (written, edits) = self.changed(&(0..self.text.len()), changes);
+        Self { written, edits, ..self }
+    }
+
+    /// A part of the text with changes, and where they stand in it.
+    fn changed(&self, part: &Range<usize>, mut changes: Vec<TextChange>) -> (String, Vec<TextEdit>) {
         // Of two that end at one position the inner one, which starts later, comes first.
         changes.sort_by_key(|change| (change.old.start, change.rank));
-        let (mut written, mut edits, mut done) = (String::new(), Vec::new(), 0);
+        let (mut written, mut edits, mut done) = (String::new(), Vec::new(), part.start);
         for TextChange { old, new, .. } in changes {
             written.push_str(&self.text[done..old.start]);
             let start = written.len();
@@ -138,32 +178,39 @@ impl ScriptSource {
             done = old.end;
             edits.push(TextEdit { old, new: start..written.len() });
         }
-        written.push_str(&self.text[done..]);
-        Self { written, edits, ..self }
+        written.push_str(&self.text[done..part.end]);
+        (written, edits)
     }
 
     /// Rewrites `a += b`.
-    fn assignment(&self, target: &AstAssignTarget, operator: &str, statement: Span) -> [TextChange; 2] {
-        let again = match &target.node {
-            AssignTargetP::Index(parts) => {
-                let [list, index] = [&parts.0, &parts.1].map(|part| &self.text[self.extent(part.span)]);
-                format!("{list}[{INDEX}({index})]")
-            }
-            _ => self.text[range(target.span)].to_owned(),
-        };
+    fn assignment(
+        &self,
+        target: &AstAssignTarget,
+        operator: &str,
+        statement: Span,
+        calls: &[MeteredPart],
+    ) -> Option<[TextChange; 2]> {
+        let target = self.extent(target.span);
+        let first = calls.partition_point(|(part, _)| part.start < target.start);
+        let inside = calls[first..].iter().take_while(|(part, _)| part.start <= target.end);
+        let inside = inside.filter(|(part, _)| part.end <= target.end);
+        let changes = inside.flat_map(|(part, through)| Self::wrap(part, through, "")).collect();
+        let again = self.changed(&target, changes).0;
         let written = format!("{operator}=");
-        let (target, end) = (self.extent(target.span).end, range(statement).end);
-        let start = target + self.text[target..end].find(&written).unwrap_or(0);
-        [
-            TextChange { old: start..start + written.len(), new: format!("= {again} {operator} ("), rank: 0 },
+        let (mut start, end) = (target.end, range(statement).end);
+        // Only spaces and line ends in brackets stand before the operator; comments are stepped over.
+        while start < end && !self.text.get(start..end)?.starts_with(&written) {
+            start = nesting::token_end(self.text.as_bytes(), start);
+        }
+        if start >= end {
+            return None;
+        }
+        // In brackets, so that line ends and comments of the target stay within the statement.
+        let new = format!("= ({again}) {operator} (");
+        Some([
+            TextChange { old: start..start + written.len(), new, rank: 0 },
             TextChange { old: end..end, new: ")".to_owned(), rank: i64::MAX },
-        ]
-    }
-
-    /// Rewrites `f(a)`: starlark prints the callee in its errors, which would never end for a list of shared
-    /// lists.
-    fn call(&self, function: Span, through: &str) -> [TextChange; 2] {
-        Self::wrap(&self.extent(function), through, "")
+        ])
     }
 
     /// Puts a range into a call, with more arguments after it.
@@ -182,7 +229,7 @@ impl ScriptSource {
     /// The extent of the right one of two operands, unless it stands in parentheses of its own.
     fn bare_right_operand(&self, [left, right]: [Span; 2]) -> Option<Range<usize>> {
         let (left, right) = (self.extent(left), self.extent(right));
-        (!self.parentheses.are_in(&(left.end..right.start))).then_some(right)
+        (!self.parentheses.opens_in(&(left.end..right.start))).then_some(right)
     }
 
     /// Maps an offset in the parsed text to one in the script.
@@ -195,10 +242,17 @@ impl ScriptSource {
         }
     }
 
-    /// Line and column of an offset in the script, counted from 1.
-    pub(crate) fn line_column(&self, offset: usize) -> (u64, u64) {
-        let (line, column) = position(&self.text, offset);
-        (line as u64 + 1, column as u64 + 1)
+    /// Lines and columns of offsets in the script, counted from 1; the offsets are in order.
+    pub(crate) fn lines_and_columns(&self, offsets: &[usize]) -> Vec<(u64, u64)> {
+        let (mut from, mut at) = (0, (0, 0));
+        let mut found = Vec::with_capacity(offsets.len());
+        for offset in offsets {
+            let (lines, column) = position(&self.text[from..], offset - from);
+            at = (at.0 + lines, if lines == 0 { at.1 + column } else { column });
+            from = *offset;
+            found.push((at.0 as u64 + 1, at.1 as u64 + 1));
+        }
+        found
     }
 
     fn error(&self, code: &'static str, what: impl Into<String>, span: Span) -> ScriptError {
@@ -230,12 +284,29 @@ struct ProgramScan {
     calls: Vec<(Span, &'static str)>,
     /// The operands of each `|` whose right one is a difference.
     cuts: Vec<[Span; 2]>,
+    /// A call or an index that does not go through its function; every one does once the text is rewritten.
+    unmetered: Option<Span>,
 }
 
 impl ProgramScan {
     fn refuse(&mut self, span: Span, what: &str) {
         self.found.get_or_insert_with(|| (span, what.to_owned()));
     }
+
+    fn index(&mut self, index: &AstExpr) {
+        self.calls.push((index.span, INDEX));
+        if !is_call_of(index, INDEX) {
+            self.unmetered.get_or_insert(index.span);
+        }
+    }
+}
+
+fn is_named(expr: &AstExpr, name: &str) -> bool {
+    matches!(&expr.node, ExprP::Identifier(known) if known.node.ident == name)
+}
+
+fn is_call_of(expr: &AstExpr, name: &str) -> bool {
+    matches!(&expr.node, ExprP::Call(function, _) if is_named(function, name))
 }
 
 fn statement(stmt: &AstStmt, search: &mut ProgramScan) {
@@ -295,9 +366,13 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
             && !matches!(function.node, ExprP::Dot(..))
         {
             search.calls.push((function.span, CALLED));
+            let names = [CALLED, INDEX, LAST_OPERAND];
+            if !names.iter().any(|name| is_named(function, name)) && !is_call_of(function, CALLED) {
+                search.unmetered.get_or_insert(function.span);
+            }
         }
         if let ExprP::Index(parts) = &expr.node {
-            search.calls.push((parts.1.span, INDEX));
+            search.index(&parts.1);
         }
         if let ExprP::Op(left, BinOp::BitOr, right) = &expr.node
             && matches!(right.node, ExprP::Op(_, BinOp::Subtract, _))
@@ -311,7 +386,7 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
 /// Finds indexed elements among assignment targets, also in tuples.
 fn target(target: &AstAssignTarget, search: &mut ProgramScan) {
     match &target.node {
-        AssignTargetP::Index(parts) => search.calls.push((parts.1.span, INDEX)),
+        AssignTargetP::Index(parts) => search.index(&parts.1),
         AssignTargetP::Tuple(targets) => targets.iter().for_each(|one| self::target(one, search)),
         AssignTargetP::Dot(..) => search.refuse(target.span, "nothing here has attributes"),
         AssignTargetP::Identifier(_) => {}

@@ -102,7 +102,7 @@ fn string(bytes: &[u8], at: usize) -> usize {
     while end < bytes.len() {
         match bytes[end] {
             b'\\' => end += 1,
-            b'\n' | b'\r' if !long => return end,
+            b'\n' if !long => return end,
             b if b == quote && !long => return end + 1,
             b if b == quote && bytes[end..].starts_with(&[quote; 3]) => return end + 3,
             _ => {}

@@ -45,9 +45,9 @@ impl Parentheses {
             .fold(span.clone(), |whole, (_, partner)| whole.start.min(*partner)..whole.end.max(*partner + 1))
     }
 
-    /// Whether a bracket is in the range.
-    pub fn are_in(&self, range: &Range<usize>) -> bool {
-        !self.within(range).is_empty()
+    /// Whether a bracket opens in the range.
+    pub fn opens_in(&self, range: &Range<usize>) -> bool {
+        self.within(range).iter().any(|(at, partner)| at < partner)
     }
 }
 
@@ -68,7 +68,8 @@ mod tests {
             let at = text.find(part).unwrap();
             assert_eq!(&text[Parentheses::new(text).whole(at..at + part.len())], whole, "{text}");
         }
-        assert!(Parentheses::new("a | (b)").are_in(&(1..5)));
-        assert!(!Parentheses::new("a | '(' b # (").are_in(&(0..13)));
+        assert!(Parentheses::new("a | (b)").opens_in(&(1..5)));
+        assert!(!Parentheses::new("(a) | b").opens_in(&(2..6)));
+        assert!(!Parentheses::new("a | '(' b # (").opens_in(&(0..13)));
     }
 }

@@ -83,8 +83,8 @@ pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, Script
         .filter_map(|(at, is_cut)| is_cut.then_some(at))
         .collect();
     cuts.sort_unstable();
-    let warnings =
-        cuts.into_iter().map(|at| ScriptWarning::last_operand_cut(source.line_column(at))).collect();
+    let places = source.lines_and_columns(&cuts);
+    let warnings = places.into_iter().map(ScriptWarning::last_operand_cut).collect();
     Ok(Script { field, parameters, warnings })
 }
 

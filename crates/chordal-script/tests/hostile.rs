@@ -199,6 +199,52 @@ fn a_cancelled_job_ends_a_script() {
     assert_eq!(error.code, "cancelled");
 }
 
+/// Texts in which the operator of an assignment stands in a comment too, before the operator itself: what follows
+/// the comment must not become statements that no meter sees.
+#[test]
+fn no_comment_hides_what_is_run() {
+    let hidden =
+        "a = [0]\n([\"\"\"\n)\nx = [0]\nx *= 2000000000\n(\n\"\"\"][0] # +=\n) += 1 # \"\"\" )\nsphere(1)\n";
+    let spread = "a = [[0, 5]]\n(a\n[0][1]) += 2\nsphere(a[0][1])\n";
+    assert!(run(hidden, &RunOptions::default(), &Job::default()).is_err());
+    let made = run(spread, &RunOptions::default(), &Job::default()).unwrap();
+    assert_eq!(made.field.bounds().max, [7.0; 3]);
+}
+
+/// A carriage return alone is part of a string for the parser, and its end for others.
+#[test]
+fn a_carriage_return_alone_is_refused_and_before_a_line_feed_it_is_none() {
+    for text in
+        ["a = [1]\na[\"\r(\"] += 1\nx = \"\r)\"\n", &format!("x = \"\r'''\"\n{}1", "-".repeat(200_000))]
+    {
+        let error = run(text, &RunOptions::default(), &Job::default()).unwrap_err();
+        assert_eq!(error.code, "script-syntax");
+    }
+    let made =
+        run("a = 1\r\na += \\\r\n 2\r\nsphere(a)\r\n", &RunOptions::default(), &Job::default()).unwrap();
+    assert_eq!(made.field.bounds().max, [3.0; 3]);
+}
+
+/// An assignment to an element that is found by calls and indices.
+#[test]
+fn targets_with_calls_and_indices_are_metered_too() {
+    let text =
+        "def first():\n    return 0\na = [[1, 2], 3]\nb = [0]\na[b[0]][first()] += 4\nsphere(a[0][0])\n";
+    let made = run(text, &RunOptions::default(), &Job::default()).unwrap();
+    assert_eq!(made.field.bounds().max, [5.0; 3]);
+}
+
+/// Many warnings: their places are found in one pass over the text.
+#[test]
+fn each_of_many_cuts_has_its_place() {
+    let text = format!("s = sphere(1)\n[{}]\ns\n", "s|s-s,\n".repeat(30_000));
+    let made = run(&text, &RunOptions::default(), &Job::default()).unwrap();
+    assert_eq!(made.warnings.len(), 30_000);
+    for (k, warning) in made.warnings.iter().enumerate() {
+        assert_eq!(warning.place, (k as u64 + 2, if k == 0 { 4 } else { 3 }));
+    }
+}
+
 #[test]
 fn broken_texts_end_well() {
     let seed = 5;

@@ -321,6 +321,8 @@ fn a_union_of_which_the_last_shape_alone_is_cut_is_warned_about() {
         ("a | b - c", &[5][..]),
         ("a | a | b - c - c | a", &[9]),
         ("a | (a & b) - (c)", &[5]),
+        ("(a & b) | b - c", &[11]),
+        ("(a) | b - c", &[7]),
         ("(a |  # (\n b - c)", &[2]),
         ("union([a | b - c for k in range(9)] + [a | a - c])", &[12, 44]),
         ("a | b - (c | b - c)", &[5, 14]),

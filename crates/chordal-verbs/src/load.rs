@@ -85,8 +85,7 @@ pub fn load(bytes: &[u8], hint: FormatHint, limits: &Limits) -> Result<Input, Re
 
 /// Only OBJ keeps polygons; triangles of other files are faceted as they are.
 fn check_surface(surface: PolygonSurface, format: Format) -> Result<(), ReadError> {
-    let is_triangles = matches!(format, Format::Ply | Format::Stl | Format::Glb);
-    if format == Format::Obj || surface == PolygonSurface::Faceted && is_triangles {
+    if format == Format::Obj || surface == PolygonSurface::Faceted && format.holds_triangles() {
         return Ok(());
     }
     let message = Message::from("only the polygons of an .obj can be a cage: ")

@@ -111,46 +111,96 @@ fn named(row: &str) -> impl Iterator<Item = &str> {
     cell.split('`').skip(1).step_by(2)
 }
 
-/// Names of the glossary that nothing in the sources has.
-fn unknown(glossary: &str, words: &BTreeSet<String>, paths: &[String]) -> Vec<String> {
-    let rows = glossary.lines().filter(|line| line.starts_with("| **"));
-    let is_there = |name: &str| {
-        let is_path = name.contains('/') || name.ends_with(".rs");
-        let in_paths = || paths.iter().any(|path| path.contains(name.trim_end_matches('/')));
-        if is_path {
-            in_paths()
+/// What the sources hold: their files, and every word in them.
+struct SourceNames {
+    paths: Vec<String>,
+    words: BTreeSet<String>,
+}
+
+impl SourceNames {
+    fn read() -> Self {
+        let paths: Vec<String> = files("crates", |name| name.ends_with(".rs"))
+            .iter()
+            .map(|path| path.strip_prefix(root()).unwrap_or(path).to_string_lossy().replace('\\', "/"))
+            .collect();
+        let all = sources("crates");
+        let words = all.iter().flat_map(|source| &source.tokens).filter(|token| token.kind == Kind::Word);
+        let mut words: BTreeSet<String> = words.map(|token| token.text.clone()).collect();
+        // Modules are words too where they are used; a file that is not is known by its path.
+        words.extend(
+            paths.iter().filter_map(|path| Some(path.rsplit('/').next()?.strip_suffix(".rs")?.to_owned())),
+        );
+        Self { paths, words }
+    }
+
+    fn has(&self, name: &str) -> bool {
+        if name.contains('/') || name.ends_with(".rs") {
+            // A list in braces stands for several files.
+            let (before, rest) = name.split_once('{').unwrap_or((name, "}"));
+            let (list, after) = rest.split_once('}').unwrap_or((rest, ""));
+            let is_file = |part: &str| {
+                let file = format!("{before}{}{after}", part.trim());
+                self.paths.iter().any(|path| path.contains(file.trim_end_matches('/')))
+            };
+            list.split(',').all(is_file)
         } else {
-            name.split("::").all(|word| words.contains(word) || word == "crate")
+            name.split("::").all(|word| self.words.contains(word) || word == "crate")
         }
-    };
+    }
+}
+
+/// Names of the glossary that nothing in the sources has.
+fn unknown(glossary: &str, known: &SourceNames) -> Vec<String> {
+    let rows = glossary.lines().filter(|line| line.starts_with("| **"));
     rows.flat_map(named)
-        .filter(|name| !is_there(name))
+        .filter(|name| !known.has(name))
         .map(|name| format!("GLOSSARY.md: there is no `{name}`"))
         .collect()
 }
 
+/// Names of types and source files in the sentences of a page that nothing in the sources has.
+fn unknown_in_page(name: &str, page: &str, known: &SourceNames) -> Vec<String> {
+    let is_word = |text: &str| text.chars().all(|c| c.is_alphanumeric() || c == '_' || c == ':');
+    let is_type = |word: &str| {
+        word.starts_with(|c: char| c.is_ascii_uppercase()) && word.contains(|c: char| c.is_ascii_lowercase())
+    };
+    let is_checked = |text: &&str| text.ends_with(".rs") || is_word(text) && text.split("::").any(is_type);
+    let mut in_code = false;
+    let mut found = Vec::new();
+    for (number, line) in page.lines().enumerate() {
+        in_code ^= line.starts_with("```");
+        if !in_code {
+            let names = line.split('`').skip(1).step_by(2).filter(is_checked);
+            let gone = names.filter(|text| !known.has(text));
+            found.extend(gone.map(|text| format!("{name}:{}: there is no `{text}`", number + 1)));
+        }
+    }
+    found
+}
+
 #[test]
-fn the_glossary_names_what_is_there() {
-    let paths: Vec<String> = files("crates", |name| name.ends_with(".rs"))
-        .iter()
-        .map(|path| path.strip_prefix(root()).unwrap_or(path).to_string_lossy().replace('\\', "/"))
-        .collect();
-    let all = sources("crates");
-    let words = all.iter().flat_map(|source| &source.tokens).filter(|token| token.kind == Kind::Word);
-    let mut words: BTreeSet<String> = words.map(|token| token.text.clone()).collect();
-    // Modules are words too where they are used; a file that is not is known by its path.
-    words.extend(
-        paths.iter().filter_map(|path| Some(path.rsplit('/').next()?.strip_suffix(".rs")?.to_owned())),
-    );
+fn the_glossary_and_the_pages_name_what_is_there() {
+    let known = SourceNames::read();
     let glossary = std::fs::read_to_string(root().join("GLOSSARY.md")).expect("there is a glossary");
     assert!(glossary.lines().filter(|line| line.starts_with("| **")).count() > 50, "the rows are found");
-    expect_none(&unknown(&glossary, &words, &paths));
+    let mut complaints = unknown(&glossary, &known);
+    let mut pages = files("docs", |name| name.ends_with(".md"));
+    pages.extend(["README.md", "ARCHITECTURE.md", "STYLE.md"].map(|name| root().join(name)));
+    assert!(pages.len() > 20, "the pages are found");
+    for page in pages {
+        let name = page.strip_prefix(root()).unwrap_or(&page).display().to_string();
+        complaints.extend(unknown_in_page(&name, &std::fs::read_to_string(&page).unwrap(), &known));
+    }
+    expect_none(&complaints);
 }
 
 #[test]
 fn unknown_names_of_the_glossary_are_found() {
     let words: BTreeSet<String> = ["Bvh", "check"].map(str::to_owned).into();
-    let paths = ["crates/chordal/src/explicit/bvh/mod.rs".to_owned()];
+    let paths = ["crates/chordal/src/explicit/bvh/mod.rs", "crates/chordal/src/explicit/bvh/ray.rs"];
+    let known = SourceNames { paths: paths.map(str::to_owned).into(), words };
     let row = "| **tree** | boxes | `Bvh`, `explicit/bvh`, `check::Nothing`, `bvh/gone.rs` | a book |";
-    assert_eq!(unknown(row, &words, &paths).len(), 2);
+    assert_eq!(unknown(row, &known).len(), 2);
+    let page = "A `Bvh` in `bvh/{mod,ray}.rs` is no `Tree` of `bvh/{mod,gone}.rs`: `tol`.\n```\n`Tree`\n```";
+    assert_eq!(unknown_in_page("a page", page, &known).len(), 2);
 }

@@ -1,5 +1,5 @@
 //! Exact triangle–triangle intersection, disregarding common corners and edges.
-use super::lattice::{self, on_lattice};
+use super::exact_point::{self, on_lattice};
 use crate::math::{Orientation, orient2d, orient3d};
 use Orientation::{Back, Flat, Front};
 use glam::DVec3;
@@ -26,13 +26,13 @@ impl ExactPoint for [f64; 3] {
     }
 }
 
-impl ExactPoint for lattice::LatticePoint {
+impl ExactPoint for exact_point::LatticePoint {
     fn orient3d(plane: [Self; 3], p: Self) -> Orientation {
-        lattice::lattice_orient3d(plane, p)
+        exact_point::lattice_orient3d(plane, p)
     }
 
     fn orient2d(points: [Self; 3], axes: (usize, usize)) -> Orientation {
-        lattice::lattice_orient2d(points, axes)
+        exact_point::lattice_orient2d(points, axes)
     }
 }
 

@@ -5,7 +5,7 @@ use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
 use super::cubes::source::{BrickSamples, DenseSamples, SampleSource};
 use super::cubes::upsample::UpsampledSource;
-use super::field_to_mesh::length_from_pixels;
+use super::length_from_pixels::length_from_pixels;
 use crate::budget::{
     Bound, Bounded, Budget, Evidence, Failure, Job, JobError, Reference, RefusalCode, Tolerance,
 };

@@ -1,0 +1,32 @@
+//! The format of an output, by what is said or by its name.
+use crate::fault::Fault;
+use chordal_io::Format;
+use chordal_verbs::{extension, formats};
+use std::path::Path;
+
+/// The format to write: `--to`, else what the name says.
+pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
+    let name = path.display().to_string();
+    let by_name = || extension(&name).and_then(Format::from_extension);
+    let known = formats::output_names;
+    let format = to.or_else(by_name).ok_or_else(|| {
+        Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
+    })?;
+    if format.holds_triangles() || format.holds_polylines() {
+        return Ok(format);
+    }
+    Err(Fault::usage(format!("{format} is only read; what can be written is {}", known())))
+}
+
+/// The format of a lattice, by what is said or by the name.
+pub fn volume_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
+    let name = path.display().to_string();
+    let format = to.or_else(|| extension(&name).and_then(Format::from_extension));
+    match format {
+        Some(format) if format.holds_volumes() => Ok(format),
+        Some(other) => Err(Fault::usage(format!("{other} holds no lattice; npy and nrrd do"))),
+        None => Err(Fault::usage(format!(
+            "{name}: the name does not say the format; --to does, with npy or nrrd"
+        ))),
+    }
+}
