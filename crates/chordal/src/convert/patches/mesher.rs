@@ -122,7 +122,7 @@ impl<'a> PatchMesher<'a> {
             }
             for tile in before.tiles.into_iter().filter(|tile| is_kept(tile.sheet)) {
                 let subpatch = tile.subpatch - begin[tile.sheet as usize];
-                cut[tile.sheet as usize].1.push(PatchTile { subpatch: subpatch, ..tile });
+                cut[tile.sheet as usize].1.push(PatchTile { subpatch, ..tile });
             }
         }
         let open: Vec<usize> = (0..safety_factors.len()).filter(|sheet| cut[*sheet].0.is_empty()).collect();

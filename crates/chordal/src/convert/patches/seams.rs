@@ -360,7 +360,7 @@ impl<'a> SeamNodes<'a> {
         keys.dedup();
         let inside: Vec<_> = keys.into_iter().zip(count..).collect();
         count += inside.len() as u32;
-        Self { adjacency: adjacency, on_edges, inside, count }
+        Self { adjacency, on_edges, inside, count }
     }
 
     /// The vertex at a breakpoint of a line.

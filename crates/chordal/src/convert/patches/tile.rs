@@ -260,7 +260,8 @@ impl TileTriangulator<'_> {
             n > 2 && m > 2 && self.tile.corners[(side as usize + 1) % 4] == PatchCorner::Folded
         };
         let open = |side: PatchSide| {
-            folded(side) || counts[side as usize] as usize != if is_row(side) { n } else { m }
+            let is_row = matches!(side, PatchSide::Bottom | PatchSide::Top);
+            folded(side) || counts[side as usize] as usize != if is_row { n } else { m }
         };
         if m == 1 && open(PatchSide::Bottom) && open(PatchSide::Top) {
             self.strip(&self.side(PatchSide::Bottom), &reversed(self.side(PatchSide::Top)));
@@ -592,11 +593,6 @@ enum VertexCoincidence {
     Collision,
 }
 
-fn reversed(mut chain: Vec<u32>) -> Vec<u32> {
-    chain.reverse();
-    chain
-}
-
-fn is_row(side: PatchSide) -> bool {
-    matches!(side, PatchSide::Bottom | PatchSide::Top)
+fn reversed(chain: Vec<u32>) -> Vec<u32> {
+    chain.into_iter().rev().collect()
 }
