@@ -4,7 +4,7 @@ use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
-use chordal::math::Box3;
+use chordal::math::{Box3, greater};
 use chordal::{Mesh, Patch};
 
 /// The lists that a reader filled, before they are validated as a mesh.
@@ -116,7 +116,7 @@ pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
     }
     let (mut scaled, mut missing) = (0, 0);
     for normal in attribute.values.chunks_exact_mut(3) {
-        let largest = normal.iter().fold(0.0_f64, |m, x| if x.abs() > m { x.abs() } else { m });
+        let largest = normal.iter().fold(0.0_f64, |m, x| greater(x.abs(), m));
         if largest == 0.0 {
             missing += 1;
             continue;

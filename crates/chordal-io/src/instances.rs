@@ -3,6 +3,7 @@ use crate::scene::IDENTITY;
 use crate::{Part, Scene, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal::math::unit;
 use std::borrow::Cow;
 
 /// A part as a node shows it.
@@ -126,18 +127,6 @@ impl InstanceTransform {
     }
 }
 
-/// The vector normalized, or zero where it has no direction.
-fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let largest = vector.iter().fold(0.0_f64, |m, x| if x.abs() > m { x.abs() } else { m });
-    if !(largest > 0.0 && largest.is_finite()) {
-        return [0.0; 3];
-    }
-    // Scaling first keeps the squares from overflowing or vanishing.
-    let scaled = vector.map(|x| x / largest);
-    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-    scaled.map(|x| x / length)
-}
-
 fn combine(columns: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (columns[0][k] * v[0] + columns[1][k] * v[1]) + columns[2][k] * v[2])
 }
@@ -176,7 +165,7 @@ impl<'a> PartInstance<'a> {
                 (Semantic::Normal, [_, _, _, rest @ ..]) => [&self.normal(row)[..], rest].concat(),
                 (Semantic::Tangent, [x, y, z, sign, rest @ ..]) => {
                     let sign = if transform.is_mirror { -sign } else { *sign };
-                    let tangent = unit(combine(&transform.columns, [*x, *y, *z]));
+                    let tangent = unit(combine(&transform.columns, [*x, *y, *z])).unwrap_or_default();
                     [&tangent[..], &[sign], rest].concat()
                 }
                 _ => row.to_vec(),
@@ -207,7 +196,8 @@ impl<'a> PartInstance<'a> {
     pub(crate) fn normal(&self, row: &[f64]) -> [f64; 3] {
         let normal = [row[0], row[1], row[2]];
         let Some(transform) = &self.transform else { return normal };
-        unit(combine(&transform.normals, normal))
+        // Zero where there is no direction.
+        unit(combine(&transform.normals, normal)).unwrap_or_default()
     }
 
     /// The corners of a face, numbered 0 to 2, ordered so that its front is counter-clockwise.

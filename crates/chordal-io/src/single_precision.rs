@@ -1,5 +1,6 @@
 //! Coordinates in single precision about an origin.
 use chordal::Mesh;
+use chordal::math::greater;
 
 /// One step of single precision relative to a power of two, 2⁻²³.
 pub(crate) const F32_STEP: f64 = f32::EPSILON as f64;
@@ -49,7 +50,7 @@ fn candidates(low: f64, high: f64) -> (f64, Vec<f64>) {
     // it.
     let coarse = power_of_two_below(half / 8.0);
     let finest = power_of_two_below(centre.abs()) * F32_STEP;
-    let step = if coarse > finest { coarse } else { finest };
+    let step = greater(coarse, finest);
     let on_grid = |rounded: f64, step: f64| f64::from((rounded * step) as f32);
     let reach = low.abs().max(high.abs());
     if step == 0.0 {

@@ -24,10 +24,8 @@ pub fn write(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    match &format.row().triangles {
-        Some(held) => (held.write)(scene, certificate, out),
-        None => Err(WriteError::Unsupported(format!("{format} holds no triangles"))),
-    }
+    let held = format.row().triangles.as_ref().ok_or_else(|| holds_no(format, "triangles"))?;
+    (held.write)(scene, certificate, out)
 }
 
 /// Writes polygons of any number of corners.
@@ -40,10 +38,10 @@ pub fn write_polygons(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    match format.row().triangles.as_ref().and_then(|held| held.polygons.as_ref()) {
-        Some(held) => (held.write)(polygons, certificate, out),
-        None => Err(WriteError::Unsupported(format!("{format} holds no polygons"))),
-    }
+    let triangles = format.row().triangles.as_ref();
+    let held =
+        triangles.and_then(|held| held.polygons.as_ref()).ok_or_else(|| holds_no(format, "polygons"))?;
+    (held.write)(polygons, certificate, out)
 }
 
 /// Writes polylines.
@@ -56,10 +54,8 @@ pub fn write_polylines(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    match format.row().polylines {
-        Some(write) => write(polylines, certificate, out),
-        None => Err(WriteError::Unsupported(format!("{format} holds no polylines"))),
-    }
+    let write = format.row().polylines.ok_or_else(|| holds_no(format, "polylines"))?;
+    write(polylines, certificate, out)
 }
 
 /// Writes samples on a lattice.
@@ -72,8 +68,10 @@ pub fn write_volume(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    match format.row().volumes {
-        Some(write) => write(volume, certificate, out),
-        None => Err(WriteError::Unsupported(format!("{format} holds no volume"))),
-    }
+    let write = format.row().volumes.ok_or_else(|| holds_no(format, "volume"))?;
+    write(volume, certificate, out)
+}
+
+fn holds_no(format: Format, what: &str) -> WriteError {
+    WriteError::Unsupported(format!("{format} holds no {what}"))
 }

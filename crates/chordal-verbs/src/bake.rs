@@ -5,7 +5,7 @@ use chordal::Mesh;
 use chordal::budget::{Job, RefusalCode, par_map};
 use chordal::convert::{DistanceGrid, mesh_to_grid};
 use chordal::explicit::query::Bvh;
-use chordal::math::{add_up, sub_up};
+use chordal::math::{add_up, greater, sub_up};
 use chordal_io::{Format, Volume, WriteError, write_volume};
 use std::io::Write;
 
@@ -94,7 +94,6 @@ fn off_at_most(mesh: &Mesh, baked: &DistanceGrid, job: &Job) -> Result<f64, Mesh
     let grid = &baked.grid;
     let [nx, ny, nz] = grid.size();
     let layers: Vec<usize> = (0..nz).collect();
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
     let of_layer = |k: usize| {
         let mut most: f64 = 0.0;
         for row in 0..nx * ny {
@@ -107,10 +106,10 @@ fn off_at_most(mesh: &Mesh, baked: &DistanceGrid, job: &Job) -> Result<f64, Mesh
             // Nothing known on one side is no bound at all.
             let down = bvh.closest_distance_down(p).unwrap_or(f64::NEG_INFINITY);
             let up = bvh.closest_distance_up(p).unwrap_or(f64::INFINITY);
-            most = larger(most, larger(sub_up(value, down), sub_up(up, value)));
+            most = greater(most, greater(sub_up(value, down), sub_up(up, value)));
         }
         most
     };
-    let most = par_map(job, &layers, |_, k| of_layer(*k)).into_iter().fold(0.0, larger);
+    let most = par_map(job, &layers, |_, k| of_layer(*k)).into_iter().fold(0.0, greater);
     if job.is_cancelled() { Err(MeshFailure::Cancelled) } else { Ok(most) }
 }

@@ -5,7 +5,7 @@ use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Length, Reference, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
-use chordal::math::{add_up, sub_down};
+use chordal::math::{add_up, greater, sub_down};
 use chordal::{Budget, Job, Mesh, convert};
 use std::borrow::Cow;
 
@@ -242,9 +242,8 @@ impl ComparedPair {
             let inner = if exact { *goal } else { tighten_goal(goal, off) };
             let found = check::deviation(&a, &b, &inner, job)?;
             let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
-            let least =
-                if forward.at_least > backward.at_least { forward.at_least } else { backward.at_least };
-            let most = if forward.at_most > backward.at_most { forward.at_most } else { backward.at_most };
+            let least = greater(forward.at_least, backward.at_least);
+            let most = greater(forward.at_most, backward.at_most);
             let near = most <= (1.0 + goal.relative) * least
                 || goal.absolute.is_some_and(|length| most <= least + length.get());
             let decided = goal.max.is_some_and(|max| least > max.get() || most <= max.get());
@@ -257,7 +256,7 @@ impl ComparedPair {
             // A fraction that should do, if the distance stays at its current estimate.
             let aim = OF_GAP * goal.relative * least / off * share;
             let next = if aim > FINEST && aim < 0.25 * share { aim } else { 0.1 * share };
-            share = if next > FINEST { next } else { FINEST };
+            share = greater(next, FINEST);
         }
     }
 }
@@ -274,9 +273,5 @@ fn widen(side: OneSidedDistance, off: f64) -> OneSidedDistance {
         return side;
     }
     let least = sub_down(side.at_least, off);
-    OneSidedDistance {
-        at_least: if least > 0.0 { least } else { 0.0 },
-        at_most: add_up(side.at_most, off),
-        ..side
-    }
+    OneSidedDistance { at_least: greater(least, 0.0), at_most: add_up(side.at_most, off), ..side }
 }

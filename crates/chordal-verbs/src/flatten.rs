@@ -2,7 +2,7 @@
 use crate::file_rows::unsupported;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
-use chordal::math::{Box3, add_up, mul_up, sqrt_up, sub_down};
+use chordal::math::{Box3, add_up, greater, mul_up, sqrt_up, sub_down};
 use chordal_io::{Node, Part, Scene, WriteError};
 use std::borrow::Cow;
 
@@ -42,7 +42,7 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
     }
     let moved_at_most = places.iter().filter(|place| !place.is_identity).fold(0.0, |most, place| {
         let moved = place.rounding(&scene.parts[place.part]);
-        if moved > most { moved } else { most }
+        greater(moved, most)
     });
     let indexed = scene.parts.iter().all(|part| part.indexed);
     let mut flat = Scene { frame: scene.frame, groups: scene.groups.clone(), ..Scene::default() };
@@ -175,7 +175,7 @@ pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
     let mut stretch = vec![0.0; scene.parts.len()];
     for place in part_placements(scene) {
         let most: &mut f64 = &mut stretch[place.part];
-        *most = if place.stretch > *most { place.stretch } else { *most };
+        *most = greater(place.stretch, *most);
     }
     stretch
 }
@@ -260,7 +260,7 @@ impl PartPlacement {
         }
         let reach: [f64; 3] = std::array::from_fn(|k| {
             let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
-            if low > high { low } else { high }
+            greater(low, high)
         });
         let m = &self.magnitude;
         let steps = 8.0 * f64::from(self.depth) * f64::EPSILON;

@@ -7,6 +7,7 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, RefusalCode};
 use chordal::convert::{self, Border, Inside, Polygonize};
 use chordal::implicit::{Grid, Samples};
+use chordal::math::lesser;
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Node, Scene};
 
@@ -80,8 +81,7 @@ fn margin(grid: &Grid, lost: f64) -> f64 {
         return Polygonize::MARGIN;
     }
     let squares = grid.affine().steps().map(|[x, y, z]| x * x + y * y + z * z);
-    let shortest =
-        squares.into_iter().fold(f64::INFINITY, |least, s| if s < least { s } else { least }).sqrt();
+    let shortest = squares.into_iter().fold(f64::INFINITY, |least, s| lesser(s, least)).sqrt();
     let mut margin = Polygonize::MARGIN_F32;
     // Two vertices at a sample are a margin from it each, so that half of it for each is left for rounding;
     // beyond an eighth of an edge the surface would be another one.

@@ -9,7 +9,7 @@ use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};
 use chordal::budget::advice::Cure;
 use chordal::budget::{Bound, Budget, Length, Metric, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
-use chordal::math::div_down;
+use chordal::math::{div_down, greater};
 use chordal::mend::{
     Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
     orient, resolve_t_junctions, split_non_manifold, weld,
@@ -265,7 +265,7 @@ fn max_bound(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailur
     let one_sided = [&all, part].iter().any(|bound| bound.metric == Metric::OneSided);
     let at_most = all.at_most().zip(part.at_most()).map(|(all, part)| {
         let part = scaled_up(part, stretch);
-        if all > part { all } else { part }
+        greater(all, part)
     });
     if at_most.is_some_and(|most| !most.is_finite()) {
         return Err(MeshFailure::refused(

@@ -3,7 +3,7 @@ use crate::MeshFailure;
 use crate::flatten::{self, TransformedScene};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
-use chordal::math::add_up;
+use chordal::math::{add_up, greater};
 use chordal_io::{Format, Scene, snap};
 
 /// Rounds the parts of a scene to the format, and applies the transforms where the format has no nodes.
@@ -25,7 +25,7 @@ pub(crate) fn pass_through(
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
         let snapped = snap(&part.mesh, to)?;
         let part_moved = flatten::scaled_up(snapped.moved_at_most, stretch);
-        moved = if part_moved > moved { part_moved } else { moved };
+        moved = greater(part_moved, moved);
         part.mesh = snapped.mesh;
     }
     let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };

@@ -14,7 +14,7 @@ use chordal::check::{self, Goal};
 use chordal::explicit::Topology;
 use chordal::explicit::query::{HitSides, facing};
 use chordal::implicit::query::BeamCounts;
-use chordal::math::Box3;
+use chordal::math::{Box3, greater};
 use chordal::render::fields::{FieldRenderError, ReferenceSurface, render_field};
 use chordal::render::{
     CullMode, Picture, RenderOptions, RenderStyle, UpAxis, Viewpoint, frame, render as trace,
@@ -241,7 +241,7 @@ fn camera_above(place: &Box3, screen: Screen) -> Camera {
     let size = |k: usize| place.max[k] - place.min[k];
     let aspect = f64::from(screen.height_px) / f64::from(screen.width_px.max(1));
     let by_width = size(0) * aspect;
-    let height = if by_width > size(1) { by_width } else { size(1) };
+    let height = greater(by_width, size(1));
     let height = if height > 0.0 { height / FRAMED } else { 1.0 };
     Camera {
         eye: [middle(0), middle(1), height],

@@ -5,7 +5,7 @@ use chordal::budget::{
 };
 use chordal::convert::Spacing;
 use chordal::explicit::Topology;
-use chordal::math::{Box3, sub_down, sub_up};
+use chordal::math::{Box3, greater, lesser, sub_down, sub_up};
 use chordal::{Job, Mesh, mend};
 use chordal_io::{Format, snap, worst_snap};
 
@@ -129,7 +129,7 @@ impl MeshRequest {
         let view = self.budget.pixels?.view;
         let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &self.place));
         match (bound.pixels, of_length) {
-            (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+            (Some(a), Some(b)) => Some(lesser(a, b)),
             (a, b) => a.or(b),
         }
     }
@@ -155,8 +155,7 @@ impl MeshRequest {
 /// The box grown by the rounding of evaluated points, which may leave the hull of their control points: an
 /// evaluation has less than 32 roundings of half a step each.
 fn widen_box(place: &Box3) -> Box3 {
-    let reach =
-        place.min.iter().chain(&place.max).fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let reach = place.min.iter().chain(&place.max).fold(0.0, |most, x| greater(x.abs(), most));
     let room = 16.0 * f64::EPSILON * reach;
     Box3 { min: place.min.map(|x| x - room), max: place.max.map(|x| x + room) }
 }

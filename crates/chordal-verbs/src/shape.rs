@@ -3,7 +3,7 @@ use crate::implicit::ImplicitShape;
 use crate::{SurfaceSpec, VolumeShape, cage_size};
 use chordal::Patch;
 use chordal::explicit::{Curve, CurveSegment};
-use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
+use chordal::math::{Box3, add_up, greater, mul_down, mul_up, sqrt_down, sub_down};
 use chordal_io::{Content, Curves, Drawing, Frame, Polygons, Scene, WriteError};
 
 /// Any shape that a file can hold.
@@ -123,7 +123,7 @@ impl Shape {
     pub fn diagonal(&self) -> Result<f64, WriteError> {
         match self {
             Self::Patches { patches, .. } => {
-                let reach = patches.iter().fold(0.0, |most, p| if p.size() > most { p.size() } else { most });
+                let reach = patches.iter().fold(0.0, |most, p| greater(p.size(), most));
                 // An evaluated coordinate is a sum of 16 terms with four roundings each and four sums on the
                 // way: it is off by less than 12 half steps of the largest control coordinate. 16 whole ones
                 // cover it.
@@ -138,7 +138,7 @@ impl Shape {
             Self::Volume(sampled) => {
                 let place = sampled.place();
                 let reach = place.min.iter().chain(&place.max);
-                let reach = reach.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+                let reach = reach.fold(0.0, |most: f64, x| greater(x.abs(), most));
                 // A corner is a sum of three products with less than 8 roundings of half a step each.
                 Ok(diagonal_below(&place, mul_up(8.0 * f64::EPSILON, reach)))
             }
@@ -191,15 +191,11 @@ fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
         (1..4 * SAMPLES).fold(known, |known, i| known.with(in_space(piece.at(at(i)))))
     });
     let hull = hull_of(curves);
-    let reach = hull
-        .min
-        .iter()
-        .chain(&hull.max)
-        .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    let reach = hull.min.iter().chain(&hull.max).fold(0.0, |most: f64, x| greater(x.abs(), most));
     // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc's takes
     // sine and cosine, and is off by less than its own slack and 16 steps of its reach.
     let slack = |piece: &CurveSegment<D>| if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
-    let more = |most: f64, x: f64| if x > most { x } else { most };
+    let more = |most: f64, x: f64| greater(x, most);
     let of_arcs = pieces().map(slack).fold(0.0, more);
     let of_curves = curves.iter().map(Curve::slack).fold(0.0, more);
     diagonal_below(&sampled, add_up(add_up(of_arcs, of_curves), mul_up(32.0 * f64::EPSILON, reach)))
@@ -213,9 +209,9 @@ fn diagonal_below(bounds: &Box3, off: f64) -> f64 {
     let slack = add_up(off, off);
     let side: [f64; 3] = std::array::from_fn(|k| {
         let side = sub_down(sub_down(bounds.max[k], bounds.min[k]), slack);
-        if side > 0.0 { side } else { 0.0 }
+        greater(side, 0.0)
     });
-    let longest = side.into_iter().fold(0.0, |a, b| if b > a { b } else { a });
+    let longest = side.into_iter().fold(0.0, |a, b| greater(b, a));
     if longest <= 0.0 || longest == f64::INFINITY {
         return 0.0;
     }
@@ -224,7 +220,7 @@ fn diagonal_below(bounds: &Box3, off: f64) -> f64 {
     let sum = squares.into_iter().fold(0.0, |sum, s| if s > 0.0 { (sum + s).next_down() } else { sum });
     let diagonal = mul_down(longest, sqrt_down(sum));
     // A single side is its own diagonal, which the scaled form only approaches from below.
-    if diagonal > longest { diagonal } else { longest }
+    greater(diagonal, longest)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, 
 use chordal::check::findings::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
-use chordal::math::{Box3, add_up, div_down};
+use chordal::math::{Box3, add_up, div_down, greater, lesser};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{CoordinateOverflow, Part, Scene, snap, worst_snap};
 
@@ -71,13 +71,12 @@ pub(crate) fn simplify_scene(
             return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
         }
         let seen = seen.or_else(|| eye.and_then(|eye| pixels_at(&share.boxes, most, &eye.view)));
-        pixels = pixels.zip(seen).map(|(most, seen)| if seen > most { seen } else { most });
+        pixels = pixels.zip(seen).map(|(most, seen)| greater(seen, most));
         if worst.as_ref().is_none_or(|worst| worst.at_most() < Some(most)) {
             // Another part may compensate for the error of one, so that only a single part has a lower bound.
             let alone = is_alone && *stretch == 1.0 && placed == 0.0;
             let least = if alone { bound.at_least() } else { 0.0 };
-            let mut of_all =
-                Bound::proved(if least < most { least } else { most }, most, Reference::InputTriangles);
+            let mut of_all = Bound::proved(lesser(least, most), most, Reference::InputTriangles);
             of_all.at = bound.at.filter(|_| alone);
             worst = Some(of_all);
         }
@@ -123,7 +122,7 @@ fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
     let mut most = 0.0;
     for place in places {
         let seen = view.pixels_of(length, place)?;
-        most = if seen > most { seen } else { most };
+        most = greater(seen, most);
     }
     Some(most)
 }
@@ -140,7 +139,7 @@ fn uniform_budgets(
     let length = length_for_all(budget, place)?;
     let lost = scene.parts.iter().zip(stretch).fold(0.0, |most, (part, stretch)| {
         let lost = flatten::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
-        if lost > most { lost } else { most }
+        greater(lost, most)
     });
     let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
     let left = match length {
@@ -186,7 +185,7 @@ fn view_budgets(
             // A part that comes too close in one of its placements stays as it is.
             let length = here.length_in(place).unwrap_or(0.0);
             let least = left.length.map_or(f64::INFINITY, Tolerance::get);
-            left = part_budget(Some(if length < least { length } else { least }), 1.0);
+            left = part_budget(Some(lesser(length, least)), 1.0);
             if left.length.is_none() {
                 break;
             }

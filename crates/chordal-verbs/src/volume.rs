@@ -1,7 +1,7 @@
 //! `VolumeShape`: a volume with the choice of its surface, and the level that its samples suggest.
 use chordal::convert::{Border, Inside};
 use chordal::implicit::Samples;
-use chordal::math::Box3;
+use chordal::math::{Box3, greater, lesser};
 use chordal_io::Volume;
 use std::collections::BTreeMap;
 
@@ -121,7 +121,7 @@ impl ValueRange {
                 continue;
             }
             let [low, high] = range.ends.unwrap_or([x, x]);
-            range.ends = Some([if x < low { x } else { low }, if x > high { x } else { high }]);
+            range.ends = Some([lesser(x, low), greater(x, high)]);
             if range.labels.is_some() {
                 if x as i64 != last {
                     range.count(last, times);

@@ -1,4 +1,5 @@
 //! Formats of accessors: how a row of numbers is laid out in bytes.
+use chordal::math::greater;
 use std::fmt;
 
 /// The type of one component.
@@ -67,7 +68,7 @@ impl ComponentType {
             // Two integers stand for −1.
             _ => {
                 let share = x / self.range().1;
-                if share < -1.0 { -1.0 } else { share }
+                greater(-1.0, share)
             }
         }
     }

@@ -4,6 +4,7 @@ use crate::single_precision::store;
 use chordal::Mesh;
 use chordal::convert::gpu::IndexBuffer;
 use chordal::explicit::{Attribute, Semantic};
+use chordal::math::{greater, lesser, unit};
 use std::io::Write;
 
 /// Bytes that are collected before they go to the sink.
@@ -144,7 +145,9 @@ impl<'a> AccessorStream<'a> {
             }
             AccessorSource::Unit(attribute, axis) => {
                 for row in attribute.values.chunks_exact(attribute.width) {
-                    unit(row, *axis).into_iter().try_for_each(|x| sink.put((x as f32).to_le_bytes()))?;
+                    unit_or_axis(row, *axis)
+                        .into_iter()
+                        .try_for_each(|x| sink.put((x as f32).to_le_bytes()))?;
                     row.get(3).map_or(Ok(()), |w| {
                         sink.put((if *w < 0.0 { -1.0_f32 } else { 1.0 }).to_le_bytes())
                     })?;
@@ -172,23 +175,18 @@ pub(super) fn stored_bounds(mesh: &Mesh, origin: [f64; 3]) -> [[f64; 3]; 2] {
         let stored = stored(*position, origin);
         for k in 0..3 {
             let x = f64::from(stored[k]) + 0.0;
-            bounds[0][k] = if x < bounds[0][k] { x } else { bounds[0][k] };
-            bounds[1][k] = if x > bounds[1][k] { x } else { bounds[1][k] };
+            bounds[0][k] = lesser(x, bounds[0][k]);
+            bounds[1][k] = greater(x, bounds[1][k]);
         }
     }
     bounds
 }
 
-/// The first three numbers normalized, or an axis where they have no direction.
-fn unit(row: &[f64], axis: usize) -> [f64; 3] {
-    let longest = row[..3].iter().fold(0.0_f64, |m, x| if x.abs() > m { x.abs() } else { m });
-    let scaled: [f64; 3] = std::array::from_fn(|k| row[k] / longest);
-    let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
-    if longest.is_finite() && length >= 1.0 {
-        return scaled.map(|x| x / length);
-    }
-    // Zero, infinite or NaN: the vertex has no direction, but the format requires a unit vector.
-    std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 })
+/// The first three numbers normalized, or an axis where they have no direction: the format requires a unit
+/// vector.
+fn unit_or_axis(row: &[f64], axis: usize) -> [f64; 3] {
+    let along_axis = || std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 });
+    unit([row[0], row[1], row[2]]).unwrap_or_else(along_axis)
 }
 
 /// Checks that single precision can hold the values, and that they fit the semantic.

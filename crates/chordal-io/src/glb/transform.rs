@@ -1,5 +1,6 @@
 //! Transforms of nodes: column-major matrices, and their glTF node properties.
 use crate::scene::IDENTITY;
+use chordal::math::greater;
 use serde_json::{Map, Value, json};
 
 /// (x, y, z) → (x, z, −y): maps z-up to y-up, without rounding.
@@ -30,7 +31,7 @@ pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Valu
     if is_trs(&m) {
         return Some(vec![object("matrix", json!(m))]);
     }
-    let largest = linear.concat().into_iter().fold(0.0, |a, x| if x.abs() > a { x.abs() } else { a });
+    let largest = linear.concat().into_iter().fold(0.0, |a, x| greater(x.abs(), a));
     // Masks out the fraction: a power of two, so scaling is exact.
     let power = f64::from_bits(largest.to_bits() & 0x7FF0_0000_0000_0000);
     if power == 0.0 {
@@ -89,7 +90,7 @@ pub(super) fn is_trs(matrix: &[f64; 16]) -> bool {
     }
     let largest_sum = |columns: &[f64], width: usize, last: f64| {
         let sums = columns.chunks_exact(width).map(|c| c.iter().map(|x| x.abs()).sum::<f64>());
-        sums.fold(last, |a, sum| if sum > a { sum } else { a })
+        sums.fold(last, |a, sum| greater(sum, a))
     };
     let last = m[12].abs() + m[13].abs() + m[14].abs() + 1.0;
     (largest_sum(&again, 3, last) - largest_sum(&m[..12], 4, last)).abs() < SHEAR_LIMIT

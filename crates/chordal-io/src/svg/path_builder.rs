@@ -4,7 +4,7 @@ use crate::ReadError;
 use crate::grow::{push, push_large};
 use chordal::explicit::parametric::{InvalidArc, SvgArcShape};
 use chordal::explicit::{Arc, Bezier, Curve, CurveSegment};
-use chordal::math::{add_up, mul_up};
+use chordal::math::{add_up, greater, mul_up};
 use std::f64::consts::PI;
 
 /// Why drawing stops.
@@ -84,7 +84,7 @@ impl PathBuilder {
     /// point.
     pub fn mirrored(&mut self, point: [f64; 2]) -> [f64; 2] {
         if self.drift > 0.0 {
-            let point_off = if self.mirror > self.drift { self.mirror } else { self.drift };
+            let point_off = greater(self.mirror, self.drift);
             self.mirror = add_up(add_up(self.drift, self.drift), point_off);
             self.at_worst(self.mirror);
         }
@@ -143,8 +143,7 @@ impl PathBuilder {
     /// Appends a quadratic Bézier curve.
     pub fn quadratic_to(&mut self, [b, c]: [[f64; 2]; 2]) -> Result<(), ReadError> {
         let all = [self.current, b, c];
-        let reach =
-            all.iter().flatten().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let reach = all.iter().flatten().fold(0.0, |most: f64, x| greater(x.abs(), most));
         // Two units in the last place, as the constructor says.
         self.at_worst(2.0 * f64::EPSILON * reach);
         self.piece(CurveSegment::quadratic(all))
@@ -211,7 +210,7 @@ impl PathBuilder {
     }
 
     fn at_worst(&mut self, lost: f64) {
-        self.worst = if lost > self.worst { lost } else { self.worst };
+        self.worst = greater(lost, self.worst);
     }
 
     fn piece(&mut self, piece: CurveSegment<2>) -> Result<(), ReadError> {

@@ -8,6 +8,7 @@ use crate::text::show;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::Arc;
+use chordal::math::lesser;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Why an element draws nothing.
@@ -205,7 +206,7 @@ impl LengthReader<'_, '_> {
         ];
         let [w, h] = [self.size(Key::Width, PercentBasis::X)?, self.size(Key::Height, PercentBasis::Y)?];
         let [rx, ry] = [self.radius(Key::Rx, PercentBasis::X)?, self.radius(Key::Ry, PercentBasis::Y)?];
-        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let less = |a: f64, b: f64| lesser(a, b);
         let rx_used = less(rx.or(ry).unwrap_or(0.0), w / 2.0);
         let ry_used = less(ry.or(rx).unwrap_or(0.0), h / 2.0);
         let (right, bottom) = (pen.sum(x, w), pen.sum(y, h));

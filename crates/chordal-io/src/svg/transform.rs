@@ -2,7 +2,7 @@
 use super::cursor::{CursorResult, SvgSyntaxError, TextCursor};
 use chordal::explicit::parametric::AffineMap;
 use chordal::explicit::{Curve, InvalidCurve};
-use chordal::math::{add_up, mul_up};
+use chordal::math::{add_up, greater, lesser, mul_up};
 use std::f64::consts::PI;
 
 /// An affine map of the plane, and bounds on the error of each of its numbers.
@@ -100,11 +100,7 @@ impl SvgTransform {
     /// Applies the map to a curve; the slack of the result bounds all rounding.
     pub fn apply(&self, curve: &Curve<2>) -> Result<Curve<2>, InvalidCurve> {
         let moved = curve.transformed(&self.affine)?;
-        let reach = curve
-            .bounds()
-            .iter()
-            .flatten()
-            .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let reach = curve.bounds().iter().flatten().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let [a, b] = self.off.vector([add_up(reach, curve.slack()); 2]);
         let off = add_up(add_up(a, b), add_up(self.off.offset[0], self.off.offset[1]));
         let slack = mul_up(add_up(moved.slack(), off), 1.0 + 8.0 * f64::EPSILON);
@@ -123,7 +119,7 @@ impl SvgTransform {
     pub fn is_singular(&self) -> bool {
         // Scaling keeps products from vanishing or overflowing.
         let scaled = |[x, y]: [f64; 2]| {
-            let most = if x.abs() > y.abs() { x.abs() } else { y.abs() };
+            let most = greater(x.abs(), y.abs());
             if most > 0.0 { [x / most, y / most] } else { [0.0; 2] }
         };
         let [[a, b], [c, d]] = self.affine.columns.map(scaled);
@@ -135,7 +131,7 @@ impl SvgTransform {
     pub fn with_error(mut self, lost: f64, view: Option<[f64; 4]>) -> Self {
         if lost > 0.0 {
             let [x, y, w, h] = view.unwrap_or([0.0, 0.0, 1.0, 1.0]);
-            let least = if w < h { w } else { h };
+            let least = lesser(w, h);
             // A scale is the quotient of a size by the view's. An offset is the position minus that of the
             // view's corner, plus half of the unused length.
             let of_scale = if view.is_some() { mul_up(2.0, lost / least) } else { 0.0 };
@@ -164,8 +160,8 @@ impl SvgTransform {
     pub fn fit(view: [f64; 4], port: [f64; 4], aspect: PreserveAspectRatio) -> Self {
         let mut scale = [port[2] / view[2], port[3] / view[3]];
         if let Some(slice) = aspect.uniform {
-            let least = if scale[0] < scale[1] { scale[0] } else { scale[1] };
-            let most = if scale[0] < scale[1] { scale[1] } else { scale[0] };
+            let least = lesser(scale[0], scale[1]);
+            let most = greater(scale[1], scale[0]);
             scale = [if slice { most } else { least }; 2];
         }
         let columns = [[scale[0], 0.0], [0.0, scale[1]]];

@@ -4,6 +4,7 @@ use crate::WriteError;
 use crate::drawing::{DrawingElement, Polylines};
 use crate::number::ShortestDecimal;
 use chordal::explicit::{FillRule, Polyline};
+use chordal::math::{greater, lesser};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -91,8 +92,8 @@ fn bounds(lines: &[Polyline<2>]) -> [f64; 4] {
     let (mut low, mut high) = (*first, *first);
     for p in points {
         for k in 0..2 {
-            low[k] = if p[k] < low[k] { p[k] } else { low[k] };
-            high[k] = if p[k] > high[k] { p[k] } else { high[k] };
+            low[k] = lesser(p[k], low[k]);
+            high[k] = greater(p[k], high[k]);
         }
     }
     let [w, h] = [0, 1].map(|k| {

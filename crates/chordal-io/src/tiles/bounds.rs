@@ -2,7 +2,7 @@
 use crate::scene::IDENTITY;
 use crate::single_precision::{origin_of, store};
 use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
-use chordal::math::{Box3, Interval, mul_down, mul_up};
+use chordal::math::{Box3, Interval, greater, mul_down, mul_up};
 
 /// The box, in tile coordinates, of what [`crate::glb::write`] writes for a scene.
 ///
@@ -67,7 +67,7 @@ pub fn aligned_box(bounds: &Box3) -> [f64; 12] {
     volume[..3].copy_from_slice(&centre);
     for k in 0..3 {
         let (below, above) = (centre[k] - bounds.min[k], bounds.max[k] - centre[k]);
-        let half = if above > below { above } else { below };
+        let half = greater(above, below);
         // The rounded difference may be half a step short, unless adding it back exactly shows that it was
         // not rounded.
         let exact = centre[k] - half <= bounds.min[k]
@@ -172,8 +172,7 @@ impl IntervalAffine {
             });
             let point: [Interval; 3] = if self.is_identity { point } else { self.map(point) };
             if point.iter().any(|x| !(x.lo().is_finite() && x.hi().is_finite())) {
-                let value =
-                    position.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+                let value = position.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
                 return Err(CoordinateOverflow { value }.into());
             }
             let ends = Box3 { min: point.map(Interval::lo), max: point.map(Interval::hi) };

@@ -3,6 +3,7 @@ use super::bind::{BoundArgs, Function, optional, required};
 use super::{Arg, CallError, Solid};
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{Field, Repeat};
+use chordal::math::greater;
 
 const KEPT: &str = "as it was";
 const BOUND: &str = "a lower bound";
@@ -171,7 +172,7 @@ fn repeat(given: &BoundArgs) -> Result<Arg, CallError> {
         along[k] = if count == 0 { Repeat::Every(periods[k]) } else { Repeat::Times(count, periods[k]) };
         // As many periods as the box spans on either side, and the next ones.
         let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
-        let reach = if low > high { low } else { high };
+        let reach = greater(low, high);
         copies *= 3.0 + 2.0 * reach / periods[k].abs();
     }
     // Saturates; the shape itself refuses NaN and infinity.

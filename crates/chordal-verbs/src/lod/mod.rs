@@ -19,7 +19,7 @@ use chordal::budget::{
 use chordal::explicit::Topology;
 use chordal::lod::selection::{HYSTERESIS, SwitchDistances};
 use chordal::lod::{self, LodSource, LodSteps};
-use chordal::math::Box3;
+use chordal::math::{Box3, lesser};
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Format, Frame, Scene, WriteError, glb};
 use serde_json::{Value, json};
@@ -456,7 +456,7 @@ impl LodOutcome {
                 let share = 0.25 * std::f64::consts::PI * across * across / pixels;
                 // Fractions decrease from level to level, also where the shape is larger than the screen.
                 let most = if before <= 1.0 { 0.99 * before } else { 1.0 };
-                before = if share < most { share } else { most };
+                before = lesser(share, most);
                 before
             })
             .collect()

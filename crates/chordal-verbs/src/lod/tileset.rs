@@ -11,7 +11,7 @@ use chordal::explicit::Topology;
 use chordal::lod::selection::SwitchDistances;
 use chordal::lod::tiling::TilingOptions;
 use chordal::lod::{self, ReductionStats};
-use chordal::math::{Box3, add_up, mul_up};
+use chordal::math::{Box3, add_up, greater, mul_up};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::tiles::{self, Tile, Tileset};
 use chordal_io::{Axis, Format, Frame, Scene, WriteError, glb, snap};
@@ -111,7 +111,7 @@ impl TileHierarchy {
         for error in errors {
             let shown = self.visible_tiles(error);
             let sum = |of: fn(&LevelMesh) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
-            let at_most = shown.iter().fold(0.0, |most, tile| larger(most, self.tiles[*tile].error()));
+            let at_most = shown.iter().fold(0.0, |most, tile| greater(most, self.tiles[*tile].error()));
             // One tile may compensate for the error of another.
             let at_least = if let [one] = shown[..] { self.tiles[one].bound.at_least() } else { 0.0 };
             let tiles = shown.len() as u64;
@@ -133,16 +133,12 @@ impl TileHierarchy {
     }
 }
 
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
-}
-
 fn up(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) }
 }
 
 fn reach(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |most, x| larger(most, x.abs()))
+    numbers.iter().fold(0.0, |most, x| greater(most, x.abs()))
 }
 
 impl LodOutcome {
@@ -270,12 +266,12 @@ impl LodOutcome {
             (TileErrors::Scaled, Some((distance, focal))) => {
                 // Four roundings here and two in the viewer, up.
                 let scaled = self.spec.pixels.get() * distance * metres / focal * (1.0 + 8.0 * f64::EPSILON); // as said
-                if scaled > error { scaled } else { error }
+                greater(scaled, error)
             }
             _ => error,
         };
         let least = finer.next_up();
-        if said > least { said } else { least }
+        greater(said, least)
     }
 }
 
@@ -284,7 +280,7 @@ type OutputFiles = Vec<(String, Vec<u8>)>;
 
 /// The largest geometric error of several tiles.
 fn largest_error(tiles: &[Tile]) -> f64 {
-    tiles.iter().fold(0.0, |most, tile| larger(most, tile.geometric_error))
+    tiles.iter().fold(0.0, |most, tile| greater(most, tile.geometric_error))
 }
 
 /// The extras of a tile.

@@ -1,6 +1,7 @@
 //! Attribute deviation in the report.
 use chordal::check::findings::AttributeDeviation;
 use chordal::explicit::Semantic;
+use chordal::math::greater;
 use serde::Serialize;
 
 /// How far the values of one attribute are from those of the input at the nearest points, both ways, over the
@@ -55,7 +56,7 @@ impl AttributeFacts {
         // NaN is worse than any number.
         let worse = |a: Option<f64>, b: Option<f64>| {
             let (a, b) = (a?, b?);
-            Some(if a > b { a } else { b })
+            Some(greater(a, b))
         };
         known.largest = worse(known.largest, new.largest);
         known.rms = worse(known.rms, new.rms);

@@ -1,6 +1,7 @@
 //! Cages and refined polygons in the report.
 use chordal::explicit::Cage;
 use chordal::explicit::subdivision::{Boundary, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme};
+use chordal::math::{greater, lesser};
 use chordal_io::Polygons;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -99,8 +100,7 @@ impl SharpnessFacts {
                 continue;
             }
             let [low, high] = facts.range.unwrap_or([sharp; 2]);
-            facts.range =
-                Some([if sharp < low { sharp } else { low }, if sharp > high { sharp } else { high }]);
+            facts.range = Some([lesser(sharp, low), greater(sharp, high)]);
         }
         facts
     }

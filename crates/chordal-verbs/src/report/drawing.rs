@@ -2,6 +2,7 @@
 use crate::shape::in_space;
 use chordal::check::curves::{Join, joins};
 use chordal::explicit::{Curve, CurveSegment};
+use chordal::math::greater;
 use chordal_io::{DrawingElement, PathSet};
 use serde::Serialize;
 
@@ -98,7 +99,7 @@ impl DrawingFacts {
 
     fn add<const D: usize>(&mut self, curve: &Curve<D>) {
         *(if curve.is_closed() { &mut self.closed } else { &mut self.open }) += 1;
-        self.slack = if curve.slack() > self.slack { curve.slack() } else { self.slack };
+        self.slack = greater(curve.slack(), self.slack);
         for piece in curve.segments() {
             let count = match piece {
                 CurveSegment::Line(_) => &mut self.pieces.lines,

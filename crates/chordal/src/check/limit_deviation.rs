@@ -95,13 +95,19 @@ enum QuadSubpatchKind<'a> {
 }
 
 /// A bound within this factor of the distance at some parameter is close enough; chosen.
-pub(super) const NEAR: f64 = 1.1;
+const NEAR: f64 = 1.1;
 /// Bounds within this many times their rounding are not subdivided either; chosen.
-pub(super) const ROUNDINGS: f64 = 4.0;
+const ROUNDINGS: f64 = 4.0;
 /// Subdivision stops after this many pieces; chosen.
 pub(super) const MOST_PIECES: usize = 400;
 /// Subdivisions after which hulls are below rounding.
-pub(super) const DEEPEST: usize = 45;
+const DEEPEST: usize = 45;
+
+/// Whether dividing a piece with this bound, rounding error and depth again would gain little over the least
+/// distance that is known.
+pub(super) fn is_close_enough(bound: f64, least: f64, off: f64, depth: usize) -> bool {
+    bound <= NEAR * least + ROUNDINGS * off || depth > DEEPEST
+}
 
 fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
     let mut open = BinaryHeap::new();
@@ -109,7 +115,7 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
     push(&mut open, square, corners, 0, &mut least);
     let least = Cell::new(least);
     let is_settled = |worst: &PriorityItem<QuadSubpatch<'_>>, _| {
-        worst.bound <= NEAR * least.get() + ROUNDINGS * worst.item.off || worst.item.depth > DEEPEST
+        is_close_enough(worst.bound, least.get(), worst.item.off, worst.item.depth)
     };
     branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
         let mut known = least.get();

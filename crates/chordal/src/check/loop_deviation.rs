@@ -1,5 +1,5 @@
 //! The deviation of a triangle of a Loop cage from its limit surface.
-use super::limit_deviation::{DEEPEST, MOST_PIECES, NEAR, ROUNDINGS};
+use super::limit_deviation::{MOST_PIECES, is_close_enough};
 use crate::explicit::InvalidCage;
 use crate::explicit::cage::limit::{ExtraordinaryTriangle, QUARTERS, Quartic, TrianglePatchTree};
 use crate::math::{PriorityItem, branch_and_bound};
@@ -32,7 +32,7 @@ pub(super) fn parametric_distance(
     push(&mut open, triangle, corners, 0, &mut least);
     let least = Cell::new(least);
     let is_settled = |worst: &PriorityItem<LoopSubpatch<'_>>, _| {
-        worst.bound <= NEAR * least.get() + ROUNDINGS * worst.item.off || worst.item.depth > DEEPEST
+        is_close_enough(worst.bound, least.get(), worst.item.off, worst.item.depth)
     };
     branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
         let mut known = least.get();

@@ -18,8 +18,8 @@ use crate::math::{flushes_subnormals, lesser};
 /// them are missed. Without [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
 ///
 /// The mesh is closed, manifold and oriented, and its triangles do not cross. Flat faces take as few
-/// triangles as their outlines need. [`with_gradient_normals`](super::with_gradient_normals) adds the normals of the surface. The budget is
-/// a length, pixels at a view, a number of triangles, or several of them.
+/// triangles as their outlines need. [`with_gradient_normals`](super::with_gradient_normals) adds the normals
+/// of the surface. The budget is a length, pixels at a view, a number of triangles, or several of them.
 ///
 /// *Cost.* The number of cells depends on the details of the shape, not on the length. Triangles grow like 1
 /// over the length where the surface is doubly curved, like its root where it is singly curved. The proof

@@ -17,8 +17,8 @@ const INTO: f64 = 1.0 / 32.0;
 /// normal is that of the triangles around where the gradient has no direction (no value, or zero) or differs
 /// from it by more than 30°.
 ///
-/// On a mesh by [`field_to_mesh`](super::field_to_mesh()) these are the normals of the true surface, as the vertices lie on it. No
-/// bound covers normals. Cost: one gradient a vertex.
+/// On a mesh by [`field_to_mesh`](super::field_to_mesh()) these are the normals of the true surface, as the
+/// vertices lie on it. No bound covers normals. Cost: one gradient a vertex.
 ///
 /// # Errors
 /// [`JobError::Refused`] with [`RefusalCode::LeafFailed`] when a leaf does; [`JobError::Cancelled`].

@@ -212,7 +212,8 @@ fn sample_precision(samples: &Samples) -> (f64, Option<u32>) {
         whole => Some(8 * whole.width() as u32),
     };
     let largest = with_samples!(samples, values => {
-        values.iter().map(|v| f64::from(*v).abs()).map(|v| if v == f64::INFINITY { f64::MAX } else { v }).fold(0.0, |most, v| greater(v, most))
+        let finite = |v: f64| if v == f64::INFINITY { f64::MAX } else { v };
+        values.iter().fold(0.0, |most, v| greater(finite(f64::from(*v).abs()), most))
     });
     (largest, bits)
 }

@@ -29,7 +29,8 @@ pub(crate) use rounding::length_up;
 pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
 };
-pub(crate) use vector::{cross, difference, dot, greater, length, lesser, unit, unit_and_length};
+pub(crate) use vector::{cross, difference, dot, length, unit_and_length};
+pub use vector::{greater, lesser, unit};
 
 /// Predicates without rounding, and what is no interval.
 pub mod exact {

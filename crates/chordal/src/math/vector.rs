@@ -25,8 +25,13 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// `v` scaled to length 1, or `None` where it has no direction: zero, infinite or NaN.
+///
+/// ```
+/// use chordal::math::unit;
+/// assert_eq!((unit([0.0, 3e300, 4e300]), unit([0.0; 3])), (Some([0.0, 0.6, 0.8]), None));
+/// ```
 #[inline]
-pub(crate) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+pub fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let largest = v.iter().fold(0.0, |most, x| greater(x.abs(), most));
     if !(largest > 0.0 && v.iter().all(|x| x.is_finite())) {
         return None;
@@ -37,22 +42,28 @@ pub(crate) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     Some(scaled.map(|x| x / length))
 }
 
-/// `v` divided by its length, and the length, for vectors whose squares neither overflow nor vanish; NaN for zero.
+/// `v` divided by its length, and the length, for vectors whose squares neither overflow nor vanish; NaN for
+/// zero.
 #[inline(always)]
 pub(crate) fn unit_and_length(v: [f64; 3]) -> ([f64; 3], f64) {
     let length = length(v);
     (v.map(|x| x / length), length)
 }
 
-/// The lesser of two numbers: `b` where they are equal or one is NaN, so that signs of zero are the same on every
-/// platform, as those of `f64::min` need not be.
+/// The lesser of two numbers: `b` where they are equal or one is NaN, so that signs of zero are the same on
+/// every platform, as those of `f64::min` need not be.
+///
+/// ```
+/// use chordal::math::lesser;
+/// assert_eq!((lesser(1.0, 2.0), lesser(1.0, f64::NAN).is_nan(), lesser(f64::NAN, 1.0)), (1.0, true, 1.0));
+/// ```
 #[inline(always)]
-pub(crate) fn lesser<T: PartialOrd>(a: T, b: T) -> T {
+pub fn lesser<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
 /// The greater of two numbers: `b` where they are equal or one is NaN.
 #[inline(always)]
-pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
+pub fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }

@@ -5,6 +5,7 @@ use super::nodes::{is_unit, to_single};
 use crate::glb::accessor_rows::AccessorRows;
 use crate::glb::format::ComponentType;
 use crate::glb::model::{GltfAccessor, GltfModel, GltfPrimitive, item};
+use chordal::math::{greater, lesser};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How far the length of a vector may be from one: the validator's constant, for vectors of bytes.
@@ -69,8 +70,8 @@ impl<'a> GltfLint<'a> {
         let mut not_finite = None;
         rows.each(|i, row| {
             for (k, x) in row.iter().enumerate() {
-                least[k] = if *x < least[k] { *x } else { least[k] };
-                greatest[k] = if *x > greatest[k] { *x } else { greatest[k] };
+                least[k] = lesser(*x, least[k]);
+                greatest[k] = greater(*x, greatest[k]);
                 if !x.is_finite() && not_finite.is_none() {
                     not_finite = Some((i, *x));
                 }
