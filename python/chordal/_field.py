@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
@@ -245,7 +246,8 @@ def _of_bytes(
 def script(source: str, **parameters: SupportsFloat) -> Field:
     """The shape of a shape script: a few lines of Starlark, run within limits and without any files.
 
-    Keyword arguments set the script's parameters. Raises `ReadError` with line and column.
+    Keyword arguments set the script's parameters. Raises `ReadError` with line and column; gives a
+    `UserWarning` for a line that is likely to mean something else, as in `a | b - c`.
 
     >>> import chordal
     >>> chordal.script("box(2, 2, 1) - cylinder(param('r', 0.4), 2)", r=0.5)([[0, 0, 0]])
@@ -254,7 +256,9 @@ def script(source: str, **parameters: SupportsFloat) -> Field:
     found = _text("source", source)
     if found is None:
         raise TypeError("source: a text, not None")
-    rule, _ = _chordal.script(found, [(name, float(value)) for name, value in parameters.items()])
+    rule, _, oddities = _chordal.script(found, [(name, float(value)) for name, value in parameters.items()])
+    for line, message in oddities:
+        warnings.warn(f"line {line}: {message}", stacklevel=2)
     return Field(rule)
 
 

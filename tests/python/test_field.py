@@ -138,3 +138,9 @@ def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match="rows of 3"):
         chordal.sphere(1)([[1, 2]])
     assert chordal.script("sphere(param('r', 1))", r=2)([[0, 0, 0]]).tolist() == [-2]
+
+
+def test_a_script_whose_last_shape_alone_is_cut_warns_with_its_line() -> None:
+    with pytest.warns(UserWarning, match=r"^line 2: '-' binds closer than '\|'"):
+        shape = chordal.script("a, b, c = sphere(1), box(1, 1, 1), sphere(0.5)\na | b - c")
+    assert shape([[0, 0, 0]]).tolist() == [-1]

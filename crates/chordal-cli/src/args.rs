@@ -1,4 +1,5 @@
 //! Arguments that several verbs share: input, output, report; and how their values are read.
+use crate::memory;
 use chordal::budget::{InvalidLength, Length, Unit};
 use chordal::math::Box3;
 use chordal_io::{Axis, Format, PolygonSurface};
@@ -55,6 +56,13 @@ pub struct InputArgs {
     /// file
     #[arg(long)]
     pub drop_nonfinite: bool,
+}
+
+impl InputArgs {
+    /// The most memory: what was said, else a share of what there is.
+    pub fn memory_limit(&self) -> Option<u64> {
+        self.max_memory.or_else(memory::default_limit)
+    }
 }
 
 /// Which surface polygons stand for.

@@ -1,10 +1,11 @@
 //! `chordal bake`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::clock::Clock;
-use crate::common;
 use crate::console::Console;
+use crate::execution;
 use crate::fault::Fault;
 use crate::input::InputSource;
+use crate::load;
 use crate::numbers::{RoundingDirection, grouped, point, short};
 use crate::output::OutputTarget;
 use crate::output_format::volume_format;
@@ -60,21 +61,21 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
     let to = volume_format(&args.output.output, args.to)?;
-    let stdout = common::stdout(&args.output, &args.console)?;
+    let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let input = common::read(&args.input, &console)?;
+    let job = execution::job(&args.input, Some(&args.output), &console);
+    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    let input = load::read(&args.input, &console)?;
     let name = source.name();
     let spec = BakeSpec { cells: args.cells as usize, band: args.band };
     let outcome = bake(input, &spec, to, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| common::fault(&name, &failure, ""))?;
+        .map_err(|failure| execution::fault(&name, &failure, ""))?;
     if let Some(facts) = outcome.certificate.baked.as_ref().filter(|facts| !facts.solid.is_solid) {
         console.warn(&name, &[&facts.solid.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = common::run("bake", name, &target, bytes);
+    let run = execution::facts("bake", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -1,10 +1,11 @@
 //! `chordal deviation`
 use crate::args::{ConsoleArgs, InputArgs, length};
 use crate::clock::Clock;
-use crate::common;
 use crate::console::{Console, StdoutUse};
+use crate::execution;
 use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
+use crate::load;
 use crate::numbers::{RoundingDirection, point, short};
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
@@ -61,18 +62,18 @@ fn share(text: &str) -> Result<f64, String> {
 pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    let job = common::job(&args.input, None, &console).with_threads(args.threads);
+    let job = execution::job(&args.input, None, &console).with_threads(args.threads);
     let (first, second) = (InputSource::from_arg(&args.input.input), InputSource::from_arg(&args.against));
     if matches!((&first, &second), (InputSource::Stdin, InputSource::Stdin)) {
         return Err(Fault::usage("stdin can be only one of the two shapes"));
     }
     let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
-    let [a, b] = common::read_both([&args.input, &against], &console)?;
+    let [a, b] = load::read_both([&args.input, &against], &console)?;
     let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| common::fault(&names, &failure, ""))?;
+        .map_err(|failure| execution::fault(&names, &failure, ""))?;
     let run = RunFacts { input: Some(first.name()), ..report.run };
     report.run = clock.fill(run, &job);
     console.warn(&names, &report.certificate.notes);

@@ -1,11 +1,12 @@
 //! `chordal inspect`
 use crate::args::{ConsoleArgs, InputArgs};
 use crate::clock::Clock;
-use crate::common;
 use crate::console::{Console, StdoutUse};
+use crate::execution;
 use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::inspect_text;
+use crate::load;
 use crate::require::{Requirement, failures};
 use crate::spelling::CommandLine;
 use chordal::budget::JobError;
@@ -42,8 +43,8 @@ pub struct InspectArgs {
 pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    let job = common::job(&args.input, None, &console);
-    let input = common::read(&args.input, &console)?;
+    let job = execution::job(&args.input, None, &console);
+    let input = load::read(&args.input, &console)?;
     let source = InputSource::from_arg(&args.input.input);
     let name = source.name();
     let argument = match source {

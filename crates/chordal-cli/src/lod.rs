@@ -1,10 +1,11 @@
 //! `chordal lod`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
-use crate::common;
 use crate::console::Console;
+use crate::execution;
 use crate::fault::Fault;
 use crate::input::InputSource;
+use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
 use crate::output::{OutputTarget, OverwritePolicy};
 use crate::spelling::CommandLine;
@@ -127,16 +128,16 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         return Err(Fault::usage(message.to_owned()));
     }
     let as_tiles = as_tiles(&args.output.output)?;
-    let stdout = common::stdout(&args.output, &args.console)?;
+    let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &console);
-    let existing = common::existing(&args.output);
+    let job = execution::job(&args.input, Some(&args.output), &console);
+    let existing = execution::existing(&args.output);
     if as_tiles {
         check_folder(&args.output.output, &source, existing)?;
     }
     let prepare = || OutputTarget::prepare(&args.output.output, existing, &source);
     let one_file = (!as_tiles).then(prepare).transpose()?;
-    let mut input = common::read(&args.input, &console)?;
+    let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
     // A folder is made when there is an input.
     let target =
@@ -158,13 +159,13 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let name = source.name();
     let outcome = lod(input, &spec, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| common::fault(&name, &failure, ""))?;
+        .map_err(|failure| execution::fault(&name, &failure, ""))?;
     let bytes = if as_tiles {
         write_tiles(&outcome, args, &target)?
     } else {
         target.write(&mut |out| outcome.write(out))?
     };
-    let run = common::run("lod", name, &target, bytes);
+    let run = execution::facts("lod", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)
@@ -195,14 +196,14 @@ fn write_tiles(outcome: &LodOutcome, args: &LodArgs, list: &OutputTarget) -> Res
     let files = outcome
         .tileset()
         .map_err(|failure| failure.spelled(&CommandLine))
-        .map_err(|failure| common::fault(&name, &failure, ""))?;
+        .map_err(|failure| execution::fault(&name, &failure, ""))?;
     list.clear()?;
     let mut bytes = 0;
     for (name, content) in files {
         let target = if name == LIST {
             list.clone()
         } else {
-            OutputTarget::prepare_in(&args.output.output, &name, common::existing(&args.output))?
+            OutputTarget::prepare_in(&args.output.output, &name, execution::existing(&args.output))?
         };
         bytes += target.write(&mut |out| Ok(out.write_all(&content)?))?;
     }

@@ -1,10 +1,11 @@
 //! `chordal mend`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
-use crate::common;
 use crate::console::Console;
+use crate::execution;
 use crate::fault::Fault;
 use crate::input::InputSource;
+use crate::load;
 use crate::numbers::grouped;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
@@ -94,17 +95,17 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
     let to = output_format(&args.output.output, args.to)?;
-    let stdout = common::stdout(&args.output, &args.console)?;
+    let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let input = common::read(&args.input, &console)?;
+    let job = execution::job(&args.input, Some(&args.output), &console);
+    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    let input = load::read(&args.input, &console)?;
     let name = source.name();
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| common::fault(&name, &failure, ""))?;
+        .map_err(|failure| execution::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = common::run("mend", name, &target, bytes);
+    let run = execution::facts("mend", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -1,10 +1,11 @@
 //! `chordal mesh`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
-use crate::common;
 use crate::console::{Console, StdoutUse};
+use crate::execution;
 use crate::fault::Fault;
 use crate::input::InputSource;
+use crate::load;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
 use crate::spelling::CommandLine;
@@ -138,17 +139,17 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let console = Console::new(&args.console);
     let spec = spec(args)?;
     let to = output_format(&args.output.output, args.result.to)?;
-    let stdout = common::stdout(&args.output, &args.console)?;
+    let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let mut input = common::read(&args.input, &console)?;
+    let job = execution::job(&args.input, Some(&args.output), &console);
+    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
     if let Some(level) = args.result.level {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
-        let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
+        let outcome = made.map_err(|failure| execution::fault(&source.name(), &failure, ""))?;
         let bytes = target.write(&mut |out| outcome.write(out))?;
-        let run = common::run("mesh", source.name(), &target, bytes);
+        let run = execution::facts("mesh", source.name(), &target, bytes);
         return print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout);
     }
     if !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
@@ -159,7 +160,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let (outcome, unmet) = match mesh(input, &spec, to, &job).spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
-            let fault = common::fault(&name, &failure, &hint(args, &failure));
+            let fault = execution::fault(&name, &failure, &hint(args, &failure));
             match failure {
                 MeshFailure::Unmet(best) if args.budget.keep_best => (*best, Some(fault)),
                 _ => return Err(fault),
@@ -168,7 +169,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     };
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = common::run("mesh", name, &target, bytes);
+    let run = execution::facts("mesh", name, &target, bytes);
     print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }

@@ -1,10 +1,11 @@
 //! `chordal render`
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
-use crate::common;
 use crate::console::Console;
+use crate::execution;
 use crate::fault::Fault;
 use crate::input::InputSource;
+use crate::load;
 use crate::numbers::{RoundingDirection, point, short};
 use crate::output::OutputTarget;
 use crate::spelling::CommandLine;
@@ -107,11 +108,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let console = Console::new(&args.console);
     let viewpoint = viewpoint(args)?;
     check_name(&args.output.output)?;
-    let stdout = common::stdout(&args.output, &args.console)?;
+    let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = common::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let input = common::read(&args.input, &console)?;
+    let job = execution::job(&args.input, Some(&args.output), &console);
+    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    let input = load::read(&args.input, &console)?;
 
     let name = source.name();
     let options = RenderOptions {
@@ -125,10 +126,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
         None => render(&input, &options, fineness(args), &job),
     };
-    let outcome = outcome.spelled(&CommandLine).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let outcome = outcome.spelled(&CommandLine).map_err(|failure| execution::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = common::run("render", name, &target, bytes);
+    let run = execution::facts("render", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     let Screen { width_px, height_px } = outcome.camera.screen;
@@ -149,7 +150,7 @@ fn against(args: &RenderArgs, console: &Console) -> Result<Option<Input>, Fault>
     match (args.show, &args.against) {
         (RenderMode::Deviation, Some(file)) => {
             let args = InputArgs { input: file.clone(), ..args.input.clone() };
-            common::read_other(&args, console).map(Some)
+            load::read_other(&args, console).map(Some)
         }
         (RenderMode::Deviation, None) => {
             Err(Fault::usage("--show deviation needs --against FILE to measure from"))

@@ -262,13 +262,16 @@ pub(crate) fn language() -> Vec<(&'static str, String, &'static str, &'static st
 /// The name of a parameter, its default, and what it is.
 type ParameterSetting = (String, f64, f64);
 
-/// What a shape script makes, with its parameters.
+/// The line of a script that a warning is of, and what it says.
+type LineWarning = (u64, &'static str);
+
+/// What a shape script makes, with its parameters and warnings.
 #[pyfunction]
 pub(crate) fn script(
     py: Python<'_>,
     text: String,
     set: Vec<(String, f64)>,
-) -> PyResult<(Rule, Vec<ParameterSetting>)> {
+) -> PyResult<(Rule, Vec<ParameterSetting>, Vec<LineWarning>)> {
     let options = chordal_script::RunOptions { set: set.into_iter().collect(), ..Default::default() };
     let made = work::run(py, None, move |job| chordal_script::run(&text, &options, job))?;
     let made = made.map_err(|error| {
@@ -278,5 +281,6 @@ pub(crate) fn script(
         failure::read(py, chordal_io::ReadError::new(error.code, place, error.message), None)
     })?;
     let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
-    Ok((Rule { arg: Arg::shape(made.field), calls: Vec::new() }, parameters))
+    let warnings = made.warnings.iter().map(|warning| (warning.place.0, warning.message)).collect();
+    Ok((Rule { arg: Arg::shape(made.field), calls: Vec::new() }, parameters, warnings))
 }

@@ -66,11 +66,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
         return Err(MeshFailure::Usage(formats::only_triangles("baked", kind)));
     };
     let placed = flatten::flatten(scene)?;
-    if placed.left_out > 0 {
-        certificate
-            .notes
-            .push(format!("parts that stand nowhere were left out ({}x)", placed.left_out).into());
-    }
+    certificate.notes.extend(placed.note());
     let mesh = flatten::one_mesh(&placed.scene)?;
     if mesh.faces().is_empty() {
         return Err(MeshFailure::refused(RefusalCode::Empty, "there are no triangles to be away from"));

@@ -146,10 +146,7 @@ impl ComparedSurface {
         match shape {
             Shape::Scene(scene) => {
                 let placed = flatten::flatten(scene)?;
-                if placed.left_out > 0 {
-                    let note = format!("parts that stand nowhere were left out ({}x)", placed.left_out);
-                    certificate.notes.push(note.into());
-                }
+                certificate.notes.extend(placed.note());
                 let mesh = flatten::one_mesh(&placed.scene)?.into_owned();
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
             }

@@ -1,6 +1,7 @@
 //! Applies the transforms of a scene, and bounds how far they stretch lengths and what their rounding costs.
 use crate::file_rows::unsupported;
 use chordal::Mesh;
+use chordal::budget::advice::Message;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
 use chordal::math::{Box3, add_up, greater, mul_up, sqrt_up, sub_down};
 use chordal_io::{Node, Part, Scene, WriteError};
@@ -24,6 +25,13 @@ impl TransformedScene {
     /// A scene whose transforms are not applied.
     pub fn unchanged(scene: Scene) -> Self {
         Self { scene, moved_at_most: 0.0, left_out: 0 }
+    }
+
+    /// What is said of the parts that were left out.
+    pub fn note(&self) -> Option<Message> {
+        (self.left_out > 0).then(|| {
+            format!("parts that stand nowhere in the scene were left out ({}x)", self.left_out).into()
+        })
     }
 }
 

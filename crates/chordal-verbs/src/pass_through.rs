@@ -15,11 +15,9 @@ pub(crate) fn pass_through(
     to: Format,
     notes: &mut Vec<Message>,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let TransformedScene { mut scene, moved_at_most: placed, left_out } =
-        if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
-    if left_out > 0 {
-        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)").into());
-    }
+    let placed = if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    notes.extend(placed.note());
+    let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
     let stretch = flatten::part_scales(&scene);
     let mut moved = 0.0;
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {

@@ -23,11 +23,9 @@ pub(crate) fn simplify_scene(
 ) -> Result<(Scene, Bound), MeshFailure> {
     let Certificate { notes, attributes, .. } = certificate;
     let MeshRequest { budget, to, .. } = request;
-    let TransformedScene { mut scene, moved_at_most: placed, left_out } =
-        if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
-    if left_out > 0 {
-        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)").into());
-    }
+    let placed = if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    notes.extend(placed.note());
+    let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
     if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
         return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to simplify"));
     }

@@ -295,13 +295,11 @@ impl LevelMesher<'_> {
     /// The triangles of a triangle shape as one mesh, how far its transforms moved it, and how rows are tied.
     fn triangles(&mut self, notes: &mut Vec<Message>) -> Result<Option<(Mesh, f64, Topology)>, MeshFailure> {
         let Shape::Scene(scene) = &mut self.shape else { return Ok(None) };
-        let TransformedScene { mut scene, moved_at_most, left_out } =
-            flatten::flatten(std::mem::take(scene))?;
+        let placed = flatten::flatten(std::mem::take(scene))?;
+        notes.extend(placed.note());
+        let TransformedScene { mut scene, moved_at_most, .. } = placed;
         if self.has_new_normals {
             without_normals(&mut scene)?;
-        }
-        if left_out > 0 {
-            notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)").into());
         }
         let shown = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count();
         if shown == 0 {

@@ -2,10 +2,10 @@
 use super::patches::adjacency::{
     PatchAdjacency, PatchEdge, PatchEdgeUse, SideBoundary, classify_corners, side_corners,
 };
+use super::patches::allowance::{Allowance, InfeasibleTolerance, TessellationFailure};
 use super::patches::budget::{check_angle, mesh_within};
 use super::patches::extraordinary_tile;
-use super::patches::mesher::TessellationFailure;
-use super::patches::plan::{self, Allowance, InfeasibleTolerance};
+use super::patches::plan;
 use super::patches::subpatch::{PatchSurface, Subpatch, SubpatchShape};
 use super::patches::texcoords::SheetTexcoords;
 use super::triangles::{self, mesher::LoopMesher};

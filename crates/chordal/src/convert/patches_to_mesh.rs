@@ -1,6 +1,6 @@
 //! The arrow from bicubic Bézier patches to triangles: adaptive, crack-free by shared indices, proved.
+use super::patches::allowance::TessellationFailure;
 use super::patches::budget::{check_angle, mesh_within};
-use super::patches::mesher::TessellationFailure;
 use super::patches::subpatch::BezierPatches;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
 use crate::explicit::{Mesh, Patch};

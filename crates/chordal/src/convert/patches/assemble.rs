@@ -4,7 +4,8 @@ use super::adjacency::{PatchAdjacency, SideBoundary};
 use super::plan::PatchTile;
 use super::seams::TileSeams;
 use super::subpatch::Subpatch;
-use super::tile::{self, PatchTileMesh};
+use super::tile::PatchTileMesh;
+use super::tile_border;
 use crate::explicit::{Attribute, Mesh, PatchSide, face_normal};
 use glam::DVec3;
 
@@ -41,7 +42,7 @@ pub(crate) fn assemble(
     normals.reserve(n_inner);
     let mut faces = Vec::with_capacity(tiles.iter().map(|t| t.1.triangles.len()).sum());
     for (index, (place, tile)) in tiles.iter().enumerate() {
-        let border = tile::border(index, place, seams);
+        let border = tile_border::border(index, place, seams);
         let border: Vec<u32> = border.iter().map(|b| splits.vertex(b.id, place.sheet, b.side)).collect();
         let first = positions.len() as u32;
         let n = border.len() as u32;
@@ -72,7 +73,7 @@ fn border_normals(
         let subpatch = &subpatches[tile.subpatch as usize];
         let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
         for at in PatchSide::ALL {
-            tile::walk_side(index, tile, at, seams, |u, v, vertex| {
+            tile_border::walk_side(index, tile, at, seams, |u, v, vertex| {
                 let (u, v) = (within(u, tile.u), within(v, tile.v));
                 let Some(side) = vertex.side else {
                     let normal = &mut normals[vertex.id as usize];

@@ -1,6 +1,6 @@
 //! Meshes a surface within a budget: a length, pixels, or the best mesh with a given number of triangles.
-use super::mesher::{CertifiedTiles, PatchMesher, TessellationFailure};
-use super::plan::Allowance;
+use super::allowance::{Allowance, TessellationFailure};
+use super::mesher::{CertifiedTiles, PatchMesher};
 use super::subpatch::PatchSurface;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
 use crate::convert::ladder::LengthLadder;

@@ -35,7 +35,8 @@
 use super::extraordinary::ExtraordinaryQuad;
 use super::plan::PatchTile;
 use super::seams::TileSeams;
-use super::tile::{BorderVertex, PatchTileMesh, walk_side};
+use super::tile::PatchTileMesh;
+use super::tile_border::{BorderVertex, walk_side};
 use crate::check::distance_up;
 use crate::explicit::cage::limit::{LimitPatches, QuadPatchTree};
 use crate::explicit::{Bezier, InvalidCage, Patch, PatchSide};

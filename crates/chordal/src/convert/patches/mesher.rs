@@ -1,20 +1,20 @@
 //! `PatchMesher`: plans tiles for an allowance, proves them, and adds cells until all meet it.
 use super::adjacency::{PatchAdjacency, PatchCorner, SideBoundary};
+use super::allowance::{Allowance, InfeasibleTolerance, TessellationFailure, refuse_tolerance};
 use super::assemble;
 use super::cell_estimate::CellEstimator;
 use super::extraordinary_tile;
-use super::plan::{self, Allowance, InfeasibleTolerance, PatchTile};
+use super::plan::{self, PatchTile};
 use super::refine::{SubpatchKind, normal_deviation_ratio, raised_safety_factors, refine_missed};
 use super::seams::{SeamLine, SeamSpan, TileSeams};
 use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
 use super::texcoords;
 use super::tile::{self, PatchTileMesh};
+use super::tile_border;
 use crate::budget::{Bound, Bounded, Failure, Job, Progress, RefusalCode, par_map};
 use crate::check;
 use crate::explicit::{Mesh, PatchSide};
-use crate::math::{Box3, greater, lesser, sub_down};
-
-pub(crate) type TessellationFailure = Failure<Mesh>;
+use crate::math::{greater, lesser, sub_down};
 
 /// A surface with everything that is needed to mesh it within any allowance.
 pub(crate) struct PatchMesher<'a> {
@@ -463,7 +463,7 @@ fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(
     for (index, (tile, done)) in planned.tiles.iter().zip(done).enumerate() {
         let Some(done) = done.as_ref().filter(|_| is_coarse(tile)) else { continue };
         let border: Vec<u32> =
-            tile::border(index, tile, &planned.seams).iter().map(|vertex| vertex.id).collect();
+            tile_border::border(index, tile, &planned.seams).iter().map(|vertex| vertex.id).collect();
         // Inner vertices belong to this tile alone: their edges coincide only where its border meets itself.
         let inner = if has_duplicate(border.clone()) { done.inner.len() } else { 0 };
         let ids: Vec<u32> = border.into_iter().chain((first_inner..).take(inner)).collect();
@@ -504,31 +504,4 @@ fn segments(piece: &SeamSpan) -> impl Iterator<Item = (u32, u32)> {
 
 fn total(parts: Vec<Result<f64, InfeasibleTolerance>>) -> Result<f64, TessellationFailure> {
     parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse_tolerance)?))
-}
-
-pub(crate) fn refuse_tolerance(obstacle: InfeasibleTolerance) -> TessellationFailure {
-    let centre = |place: Box3| place.centre().map(|x| format!("{x:.4}")).join(", ");
-    match obstacle {
-        InfeasibleTolerance::TooClose(place) => {
-            let place = centre(place);
-            let message = format!(
-                "the eye is too close to the shape near ({place}) for any bound in pixels; a camera can be given near=LENGTH"
-            );
-            Failure::refused(RefusalCode::TooClose, message)
-        }
-        InfeasibleTolerance::NoConvergence(place) => {
-            let place = centre(place);
-            let message = format!(
-                "near ({place}) no number of triangles seems to do: the angle is too small for how the surface turns there"
-            );
-            Failure::refused(RefusalCode::BelowPrecision, message)
-        }
-        InfeasibleTolerance::BelowRounding(place, rounding) => {
-            let place = centre(place);
-            let message = format!(
-                "rounding near ({place}) alone can lose {rounding:.1e}, so no mesh in double precision can be proved to meet the budget"
-            );
-            Failure::refused(RefusalCode::BelowPrecision, message)
-        }
-    }
 }

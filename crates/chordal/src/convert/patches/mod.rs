@@ -3,6 +3,7 @@
 //! gives the sides of all tiles their shared points, [`tile`] triangulates and proves one tile, [`refine`]
 //! adds cells where a tile misses its tolerance, [`assemble`] numbers the vertices and computes normals.
 pub(super) mod adjacency;
+pub(super) mod allowance;
 pub(super) mod assemble;
 pub(super) mod budget;
 pub(super) mod cell_estimate;
@@ -16,3 +17,4 @@ pub(super) mod seams;
 pub(super) mod subpatch;
 pub(super) mod texcoords;
 pub(super) mod tile;
+pub(super) mod tile_border;

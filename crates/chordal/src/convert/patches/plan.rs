@@ -5,48 +5,11 @@
 //! None of this has to be exact: [`super::tile`] proves each tile afterwards and adds cells where they are
 //! missing.
 use super::adjacency::PatchCorner;
+use super::allowance::{Allowance, InfeasibleTolerance};
 use super::cell_estimate::{CellEstimate, CellEstimator, TessellationRates};
 use super::subpatch::{Subpatch, SubpatchShape};
-use crate::budget::{Lens, Pixels};
 use crate::explicit::{Patch, PatchSide};
-use crate::math::{Box3, lesser, sub_down};
-
-/// The error that is allowed at each place of the shape.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Allowance {
-    pub(crate) length: Option<f64>,
-    pub(crate) pixels: Option<(Pixels, Lens)>,
-    /// The largest distance between the unit normals of the triangles and those of the shape.
-    pub(crate) normal_deviation: Option<f64>,
-}
-
-impl Allowance {
-    /// A length everywhere.
-    pub(crate) fn from_length(length: f64) -> Self {
-        Self { length: Some(length), pixels: None, normal_deviation: None }
-    }
-
-    /// The length that is allowed in `place`; `None` where the eye is too close for any.
-    pub(crate) fn at(&self, place: &Box3) -> Option<f64> {
-        let by_view = match &self.pixels {
-            Some((pixels, lens)) => lens.scale_at(place).length_of(*pixels)?,
-            None => f64::MAX,
-        };
-        let by_length = self.length.unwrap_or(f64::MAX);
-        Some(lesser(by_length, by_view))
-    }
-}
-
-/// Why no mesh can meet an allowance, and near where.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum InfeasibleTolerance {
-    /// The eye is so near that no length is small enough.
-    TooClose(Box3),
-    /// Adding cells does not converge.
-    NoConvergence(Box3),
-    /// Rounding alone exceeds the tolerance; with the rounding error.
-    BelowRounding(Box3, f64),
-}
+use crate::math::{Box3, sub_down};
 
 /// A rectangle of one subpatch with its cells, in the parameters of the sheet.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,8 @@
 //! Refines tiles that miss their tolerance: more cells, or a finer subdivision of their sheet.
+use super::allowance::Allowance;
 use super::cell_estimate::CellEstimator;
 use super::mesher::TilePlan;
-use super::plan::{Allowance, PatchTile};
+use super::plan::PatchTile;
 use super::subpatch::{Subpatch, SubpatchShape};
 use super::tile::PatchTileMesh;
 use crate::explicit::Patch;

@@ -1,8 +1,9 @@
 //! `Subpatch`: the surface over a rectangle of one of its sheets.
 use super::adjacency::PatchAdjacency;
+use super::allowance::{Allowance, InfeasibleTolerance};
 use super::derivative_bound::rounding;
 use super::extraordinary::ExtraordinaryQuad;
-use super::plan::{Allowance, InfeasibleTolerance, PatchTile};
+use super::plan::PatchTile;
 use crate::budget::Reference;
 use crate::explicit::{LimitSheet, Patch};
 use crate::math::{Box3, greater};

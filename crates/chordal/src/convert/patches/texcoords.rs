@@ -4,6 +4,7 @@ use super::plan::PatchTile;
 use super::seams::TileSeams;
 use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
 use super::tile::{self, PatchTileMesh};
+use super::tile_border;
 use crate::budget::{Job, par_map};
 use crate::explicit::{Attribute, Chart, Domain, LimitSheet, LimitSurface, Mesh, PatchSide, Semantic};
 use crate::math::greater;
@@ -66,7 +67,7 @@ pub(crate) fn with_texcoords(
             };
             let mut local = Vec::new();
             for side in PatchSide::ALL {
-                tile::walk_side(first + k, tile, side, seams, |u, v, _| local.push(point([u, v])));
+                tile_border::walk_side(first + k, tile, side, seams, |u, v, _| local.push(point([u, v])));
             }
             match subpatches[tile.subpatch as usize].shape {
                 SubpatchShape::Bezier(_) => {

@@ -5,9 +5,8 @@ use super::mesher::{CertifiedLeaves, LoopMesher};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::check;
 use crate::convert::ladder::LengthLadder;
+use crate::convert::patches::allowance::{Allowance, TessellationFailure};
 use crate::convert::patches::budget::meets;
-use crate::convert::patches::mesher::TessellationFailure;
-use crate::convert::patches::plan::Allowance;
 use crate::explicit::Mesh;
 use crate::math::{greater, lesser, sub_down};
 

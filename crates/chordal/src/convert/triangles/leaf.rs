@@ -3,7 +3,8 @@
 use super::cell::{LoopCell, LoopCellShape};
 use super::derivative_bound::SecondDerivativeBound;
 use super::hull_distance::{FlatTriangle, LoopPiece};
-use crate::convert::patches::plan::{Allowance, InfeasibleTolerance, tolerance};
+use crate::convert::patches::allowance::{Allowance, InfeasibleTolerance};
+use crate::convert::patches::plan::tolerance;
 use crate::math::Box3;
 
 /// A vertex of the mesh.

@@ -2,8 +2,9 @@
 use super::cell::{LoopCell, LoopCellShape};
 use super::leaf::{LeafBound, LoopLeaf, LoopVertex};
 use crate::budget::{Failure, Job, Progress, RefusalCode, par_map};
-use crate::convert::patches::mesher::{TessellationFailure, refuse_tolerance};
-use crate::convert::patches::plan::{Allowance, InfeasibleTolerance};
+use crate::convert::patches::allowance::{
+    Allowance, InfeasibleTolerance, TessellationFailure, refuse_tolerance,
+};
 use crate::convert::patches::texcoords::SheetTexcoords;
 use crate::explicit::{LimitSheet, LimitSurface};
 use crate::math::{Orientation, greater, orient2d};

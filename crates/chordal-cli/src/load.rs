@@ -1,17 +1,12 @@
-//! The steps that verbs share: read the input, make the job, say what went wrong.
-use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
-use crate::console::{Console, StdoutUse};
-use crate::fault::{Exit, Fault};
+//! Reads the shapes that arguments name.
+use crate::args::InputArgs;
+use crate::console::Console;
+use crate::fault::Fault;
 use crate::input::InputSource;
-use crate::memory;
-use crate::output::{OutputTarget, OverwritePolicy};
-use crate::signal;
 use crate::spelling::CommandLine;
-use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_io::{Format, Limits};
-use chordal_verbs::report::RunFacts;
-use chordal_verbs::{FormatHint, Input, MeshFailure, load};
+use chordal_verbs::{FormatHint, Input, load};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
@@ -102,63 +97,12 @@ impl RawInput {
     }
 }
 
-/// The most memory: what was said, else a share of what there is.
-fn most_memory(args: &InputArgs) -> Option<u64> {
-    args.max_memory.or_else(memory::default_limit)
-}
-
 fn limits(args: &InputArgs) -> Limits {
     let mut limits = Limits::default();
-    limits.bytes = most_memory(args).map_or(limits.bytes, |most| most.min(limits.bytes));
+    limits.bytes = args.memory_limit().map_or(limits.bytes, |most| most.min(limits.bytes));
     limits.lenient = args.lenient;
     limits.drop_nonfinite = args.drop_nonfinite;
     limits.index = args.index;
     limits.surface = args.surface.map(Into::into);
     limits
-}
-
-/// A job that obeys the command line and signals.
-pub fn job(input: &InputArgs, output: Option<&OutputArgs>, console: &Console) -> Job {
-    let mut job = Job::default().with_threads(output.map_or(0, |args| args.threads));
-    job.memory_limit = most_memory(input).unwrap_or(job.memory_limit);
-    signal::install(job.cancel_flag());
-    console.progress(job)
-}
-
-/// What `--force` says.
-pub fn existing(args: &OutputArgs) -> OverwritePolicy {
-    if args.force { OverwritePolicy::Replace } else { OverwritePolicy::Keep }
-}
-
-/// A run of a verb that made one thing of another and wrote it.
-pub fn run(verb: &'static str, input: String, target: &OutputTarget, bytes: u64) -> RunFacts {
-    RunFacts {
-        verb,
-        input: Some(input),
-        output: Some(target.name()),
-        bytes: Some(bytes),
-        ..RunFacts::default()
-    }
-}
-
-/// Whether a summary can go to stdout.
-pub fn stdout(output: &OutputArgs, console: &ConsoleArgs) -> Result<StdoutUse, Fault> {
-    match (output.output.as_os_str() == "-", console.json) {
-        (true, true) => Err(Fault::usage("--json and '-o -' both write to stdout: choose one")),
-        (true, false) => Ok(StdoutUse::HoldsData),
-        (false, _) => Ok(StdoutUse::Free),
-    }
-}
-
-/// The fault of a verb that failed on the input of that name. `best` is said where a best result is at hand.
-pub fn fault(name: &str, failure: &MeshFailure, best: &str) -> Fault {
-    let exit = match failure.exit_code() {
-        2 => Exit::Usage,
-        3 => Exit::Input,
-        4 => Exit::Output,
-        130 => return Fault::interrupted(),
-        _ => Exit::Budget,
-    };
-    let hint = if matches!(failure, MeshFailure::Unmet(_)) { best } else { "" };
-    Fault::new(exit, failure.code(), format!("{name}: {failure}{hint}"))
 }

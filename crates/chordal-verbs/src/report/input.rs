@@ -1,0 +1,74 @@
+//! What the report says of the input: its kind and format, the oddities of its file, its frame.
+use super::message_text::message_text;
+use crate::Input;
+use chordal::budget::advice::Message;
+use chordal_io::{Axis, Frame, Warning};
+use serde::Serialize;
+
+/// The input.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct InputFacts {
+    /// The kind of shape, as in "patches".
+    pub kind: &'static str,
+    /// The format of the bytes.
+    pub format: String,
+    /// The SHA-256 of the bytes, in hexadecimal.
+    pub sha256: String,
+    /// Irregularities in the bytes.
+    pub warnings: Vec<WarningFacts>,
+}
+
+impl InputFacts {
+    pub(crate) fn from_input(input: &Input) -> Self {
+        Self {
+            kind: input.shape.kind(),
+            format: input.format.to_string(),
+            sha256: input.sha256.clone(),
+            warnings: input.warnings.iter().map(WarningFacts::new).collect(),
+        }
+    }
+}
+
+/// An irregularity of a file, counted.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct WarningFacts {
+    /// A stable code, for programs.
+    pub code: &'static str,
+    /// How often it occurs.
+    pub count: u64,
+    /// Its first position.
+    pub place: String,
+    /// One sentence.
+    #[serde(serialize_with = "message_text")]
+    pub message: Message,
+}
+
+impl WarningFacts {
+    fn new(warning: &Warning) -> Self {
+        Self {
+            code: warning.code,
+            count: warning.count,
+            place: warning.place.to_string(),
+            message: warning.message.clone(),
+        }
+    }
+}
+
+/// The frame of lengths and points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameFacts {
+    /// The up axis, "y" or "z", where it is known.
+    pub up: Option<&'static str>,
+    /// The length of one unit in metres, where it is known.
+    pub metres_per_unit: Option<f64>,
+}
+
+impl FrameFacts {
+    pub(crate) fn new(frame: &Frame) -> Self {
+        let up = frame.up.map(|axis| match axis {
+            Axis::Y => "y",
+            Axis::Z => "z",
+        });
+        Self { up, metres_per_unit: frame.metres_per_unit }
+    }
+}

@@ -1,0 +1,71 @@
+//! `Allowance`: the error that tiles may have, and why none can keep to it.
+use crate::budget::{Failure, Lens, Pixels, RefusalCode};
+use crate::explicit::Mesh;
+use crate::math::{Box3, lesser};
+
+pub(crate) type TessellationFailure = Failure<Mesh>;
+
+/// The error that is allowed at each place of the shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Allowance {
+    pub(crate) length: Option<f64>,
+    pub(crate) pixels: Option<(Pixels, Lens)>,
+    /// The largest distance between the unit normals of the triangles and those of the shape.
+    pub(crate) normal_deviation: Option<f64>,
+}
+
+impl Allowance {
+    /// A length everywhere.
+    pub(crate) fn from_length(length: f64) -> Self {
+        Self { length: Some(length), pixels: None, normal_deviation: None }
+    }
+
+    /// The length that is allowed in `place`; `None` where the eye is too close for any.
+    pub(crate) fn at(&self, place: &Box3) -> Option<f64> {
+        let by_view = match &self.pixels {
+            Some((pixels, lens)) => lens.scale_at(place).length_of(*pixels)?,
+            None => f64::MAX,
+        };
+        let by_length = self.length.unwrap_or(f64::MAX);
+        Some(lesser(by_length, by_view))
+    }
+}
+
+/// Why no mesh can meet an allowance, and near where.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum InfeasibleTolerance {
+    /// The eye is so near that no length is small enough.
+    TooClose(Box3),
+    /// Adding cells does not converge.
+    NoConvergence(Box3),
+    /// Rounding alone exceeds the tolerance; with the rounding error.
+    BelowRounding(Box3, f64),
+}
+
+/// The refusal of an allowance that nothing meets.
+pub(crate) fn refuse_tolerance(obstacle: InfeasibleTolerance) -> TessellationFailure {
+    let centre = |place: Box3| place.centre().map(|x| format!("{x:.4}")).join(", ");
+    match obstacle {
+        InfeasibleTolerance::TooClose(place) => {
+            let place = centre(place);
+            let message = format!(
+                "the eye is too close to the shape near ({place}) for any bound in pixels; a camera can be given near=LENGTH"
+            );
+            Failure::refused(RefusalCode::TooClose, message)
+        }
+        InfeasibleTolerance::NoConvergence(place) => {
+            let place = centre(place);
+            let message = format!(
+                "near ({place}) no number of triangles seems to do: the angle is too small for how the surface turns there"
+            );
+            Failure::refused(RefusalCode::BelowPrecision, message)
+        }
+        InfeasibleTolerance::BelowRounding(place, rounding) => {
+            let place = centre(place);
+            let message = format!(
+                "rounding near ({place}) alone can lose {rounding:.1e}, so no mesh in double precision can be proved to meet the budget"
+            );
+            Failure::refused(RefusalCode::BelowPrecision, message)
+        }
+    }
+}
