@@ -11,7 +11,7 @@ mod folder;
 mod random;
 pub mod sampler;
 
-pub use effort::{cases, is_long};
+pub use effort::{cases, is_long, some};
 pub use fingerprint::Fingerprint;
 pub use folder::{Folder, names};
 pub use random::Random;

@@ -7,7 +7,7 @@ use chordal::explicit::subdivision::{INFINITELY_SHARP, Scheme};
 use chordal::explicit::{Cage, Semantic, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, convert};
 use chordal_testkit::Random;
-use chordal_testkit::is_long;
+use chordal_testkit::{is_long, some};
 use std::collections::BTreeMap;
 
 fn diagonal(cage: &Cage) -> f64 {
@@ -103,7 +103,7 @@ impl Referee {
 
 #[test]
 fn no_cage_of_the_corpus_is_further_than_its_bound() {
-    for (name, cage) in cages().into_iter().filter(|(_, cage)| cage.scheme() != Scheme::Loop) {
+    for (name, cage) in some(cages().into_iter().filter(|(_, cage)| cage.scheme() != Scheme::Loop), 10) {
         let many = cage.n_faces() > 100;
         let shares: &[f64] = if many { &[1e-2] } else { &[5e-2, 1e-2, 2e-3] };
         let referee = Referee::new(&cage, if many { 2 } else { 5 });

@@ -3,7 +3,7 @@ use super::corpus::{cage as corpus_cage, cages};
 use chordal::explicit::subdivision::{Boundary, CornerTexcoords, LinearTexcoords, Scheme};
 use chordal::explicit::{Cage, InvalidCage, Semantic, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, check, convert};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, cases};
 
 const NONE: u32 = CornerTexcoords::NONE;
 
@@ -463,7 +463,7 @@ fn wrong_rows_are_refused_by_name() {
 /// all corners stays so.
 #[test]
 fn any_faces_with_any_rows_are_refined() {
-    for seed in 1..=300_u64 {
+    for seed in 1..=cases(60) as u64 {
         let mut random = Random::new(seed);
         let mut below = |n: u32| random.below(n as usize) as u32;
         let n = 4 + below(6);

@@ -56,7 +56,7 @@ fn ladder<const D: usize>(name: &str, path: &Path<D>, spacing: Spacing) -> f64 {
 
 #[test]
 fn a_count_is_kept_and_more_segments_are_hardly_ever_worse() {
-    let worse = for_all(cases(100), |seed| {
+    let worse = for_all(cases(40), |seed| {
         let shape = shape::<2>(seed);
         let path = Path::cubic(shape.control);
         let name = format!("{} (seed {seed})", shape.kind);

@@ -10,8 +10,8 @@ use chordal::explicit::Topology;
 use chordal::lod::selection::SwitchDistances;
 use chordal::lod::{LodLevel, LodSource, LodSteps, chain};
 use chordal::{Job, Mesh, Tolerance, View};
-use chordal_testkit::Random;
 use chordal_testkit::sampler::dot;
+use chordal_testkit::{Random, some};
 use picture::{Camera, Picture};
 use std::sync::OnceLock;
 
@@ -54,7 +54,8 @@ fn made() -> Vec<Shape> {
         Shape::new("hills", shapes::heights([50, 50], 0.001)),
         Shape::new("plate", shapes::plate(24)),
     ];
-    for name in ["common/data/spot.obj", "odedstein/objects/goathead/goathead.obj"] {
+    all = some(all, 3);
+    for name in some(["common/data/spot.obj", "odedstein/objects/goathead/goathead.obj"], 1) {
         all.extend(data::obj(name).map(|mesh| Shape::new(name, mesh)));
     }
     all
@@ -160,7 +161,7 @@ fn from_a_third_of_the_distance_coarse_levels_are_seen() {
         println!("{}: {most:.2} pixels from a third of the distance", shape.name);
         n_seen += usize::from(most > 1.0 + SLACK);
     }
-    assert!(n_seen >= 3, "only {n_seen} of the shapes");
+    assert!(2 * n_seen >= all().len(), "only {n_seen} of the shapes");
 }
 
 #[test]

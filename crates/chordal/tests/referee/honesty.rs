@@ -2,8 +2,8 @@
 //! on purpose.
 use super::naive::{naive_bound, naive_mesh};
 use super::shapes::shape;
-use chordal_testkit::Random;
 use chordal_testkit::sampler::{Control, Point, Surface, Triangles, distance, measure};
+use chordal_testkit::{Random, some};
 
 /// The flat unit square, with `z` a function of the row and column.
 fn lifted(z: impl Fn(usize, usize) -> f64) -> Control {
@@ -71,7 +71,7 @@ fn finds_the_nearest_of_several_valleys() {
 
 #[test]
 fn passes_a_known_bound() {
-    for seed in 0..140 {
+    for seed in some(0..140, 28) {
         let shape = shape(seed);
         let measured = naive(&shape.control, 3);
         let bound = naive_bound(&shape.control, 3) + super::length::rounding(&shape.control);
