@@ -4,6 +4,7 @@
 //! same.
 mod args;
 mod bake;
+mod beside;
 mod cli;
 mod clock;
 mod console;
@@ -31,6 +32,7 @@ mod summary;
 mod volume;
 mod volume_text;
 
+pub use beside::read_beside;
 use clap::Parser;
 use clap::error::ErrorKind;
 use cli::{Cli, Verb};

@@ -1,12 +1,13 @@
 //! Reads the shapes that arguments name.
 use crate::args::InputArgs;
+use crate::beside::read_beside;
 use crate::console::Console;
 use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::spelling::CommandLine;
 use chordal::budget::advice::Spell;
 use chordal_io::{Format, Limits};
-use chordal_verbs::{FormatHint, Input, load};
+use chordal_verbs::{FormatHint, Input, load_with};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
@@ -62,9 +63,8 @@ fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
 
 /// An input before anybody knows what it is.
 struct RawInput {
+    source: InputSource,
     name: String,
-    /// Whether the name is one of a file.
-    is_named: bool,
     bytes: Vec<u8>,
 }
 
@@ -72,11 +72,11 @@ impl RawInput {
     fn read(args: &InputArgs) -> Result<Self, Fault> {
         let source = InputSource::from_arg(&args.input);
         let bytes = source.read(limits(args).bytes)?;
-        Ok(Self { name: source.name(), is_named: matches!(source, InputSource::File(_)), bytes })
+        Ok(Self { name: source.name(), source, bytes })
     }
 
     fn hint<'a>(&'a self, args: &'a InputArgs) -> FormatHint<'a> {
-        let name = self.is_named.then_some(self.name.as_str());
+        let name = matches!(self.source, InputSource::File(_)).then_some(self.name.as_str());
         FormatHint { name, format: args.from, set: &args.set, region: args.region }
     }
 
@@ -86,7 +86,12 @@ impl RawInput {
 
     fn load(&self, args: &InputArgs, console: &Console) -> Result<Input, Fault> {
         let name = &self.name;
-        let mut input = load(&self.bytes, self.hint(args), &limits(args))
+        let limits = limits(args);
+        let mut open = |path: &str| match &self.source {
+            InputSource::File(first) => read_beside(first, path, limits.bytes),
+            InputSource::Stdin => Err("stdin is in no folder".to_owned()),
+        };
+        let mut input = load_with(&self.bytes, self.hint(args), &mut open, &limits)
             .spelled(&CommandLine)
             .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
         console.warn(name, &input.warnings);

@@ -1,6 +1,7 @@
 //! `Format`: the formats of files, in one table of what they are, what reads and writes them and what they hold.
 use crate::drawing::Polylines;
 use crate::error::{ReadError, WriteError};
+use crate::files::FileOpener;
 use crate::scene::{ReadOutcome, Scene};
 use crate::text::is_space;
 use crate::{Limits, Polygons, Volume};
@@ -36,6 +37,8 @@ pub enum Format {
     Stl,
     /// Binary glTF 2.0.
     Glb,
+    /// glTF 2.0 as JSON, with buffers and pictures in it or beside it.
+    Gltf,
     /// Scalable Vector Graphics.
     Svg,
     /// An expression graph as an op list, in fidget's text format.
@@ -100,7 +103,16 @@ pub(crate) struct TriangleFormat {
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
 }
 
-type FormatReader = fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>;
+/// How a format is read.
+#[derive(Clone, Copy)]
+pub(crate) enum FormatReader {
+    /// From one file.
+    OneFile(fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>),
+    /// From a file and those that it names, where they can be opened.
+    WithOthers(FileSetReader),
+}
+
+type FileSetReader = fn(&[u8], Option<&mut FileOpener<'_>>, &Limits) -> Result<ReadOutcome, ReadError>;
 type PolylineWriter = fn(&Polylines, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
 type VolumeWriter = fn(&Volume, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
 
@@ -125,9 +137,9 @@ const fn only_read(
     format: Format,
     name: &'static str,
     looks_like: fn(&[u8]) -> bool,
-    read: FormatReader,
+    read: fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>,
 ) -> FormatRow {
-    let read = Some(read);
+    let read = Some(FormatReader::OneFile(read));
     FormatRow {
         format,
         name,
@@ -140,8 +152,21 @@ const fn only_read(
     }
 }
 
+/// How glTF holds triangles, whatever its container.
+const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
+    write: glb::write,
+    rows: VertexRows::Split,
+    precision: PositionPrecision::SingleAboutOrigin,
+    polygons: None,
+    has_parts: true,
+    has_nodes: true,
+    wants_normals: true,
+    has_certificate: true,
+    keeps: None,
+};
+
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 13] = [
+static TABLE: [FormatRow; 14] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -191,18 +216,14 @@ static TABLE: [FormatRow; 13] = [
         ..only_read(Format::Stl, "stl", stl::looks_like, stl::read)
     },
     FormatRow {
-        triangles: Some(TriangleFormat {
-            write: glb::write,
-            rows: VertexRows::Split,
-            precision: PositionPrecision::SingleAboutOrigin,
-            polygons: None,
-            has_parts: true,
-            has_nodes: true,
-            wants_normals: true,
-            has_certificate: true,
-            keeps: None,
-        }),
+        read: Some(FormatReader::WithOthers(glb::read_with)),
+        triangles: Some(TriangleFormat { write: glb::write, ..GLTF_TRIANGLES }),
         ..only_read(Format::Glb, "glb", |bytes| bytes.starts_with(b"glTF"), glb::read)
+    },
+    FormatRow {
+        read: Some(FormatReader::WithOthers(glb::read_with)),
+        triangles: Some(TriangleFormat { write: glb::write_embedded, ..GLTF_TRIANGLES }),
+        ..only_read(Format::Gltf, "gltf", |bytes| glb::looks_like_json(text_start(bytes)), glb::read)
     },
     FormatRow {
         polylines: Some(svg::write),
@@ -237,13 +258,14 @@ static TABLE: [FormatRow; 13] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 12] = [
+const BY_CONTENT: [Format; 13] = [
     Format::Glb,
     Format::Npy,
     Format::Nrrd,
     Format::Nii,
     Format::Ply,
     Format::Stl,
+    Format::Gltf,
     Format::Json,
     Format::Svg,
     Format::Vm,
@@ -405,7 +427,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm, npy, nrrd, nii and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, svg, vm, npy, nrrd, nii and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

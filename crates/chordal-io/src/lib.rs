@@ -1,11 +1,13 @@
 //! Readers and writers of shape files. Every reader takes [`Limits`] and returns a shape, a shape with listed
 //! warnings, or one [`ReadError`] with its location. No paths, no network, no panics.
 mod assemble;
+mod assets;
 pub mod bpt;
 mod certificate;
 mod drawing;
 mod error;
 mod faces;
+mod files;
 mod format;
 mod frame;
 pub mod glb;
@@ -39,14 +41,16 @@ mod warnings;
 mod word_reader;
 mod write;
 
+pub use assets::{ImageContent, MATERIAL, PackedAccessor, SceneAssets, SceneImage};
 pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
+pub use files::FileOpener;
 pub use format::{Format, PositionPrecision, UnknownFormat, VertexRows};
 pub use frame::{Axis, Frame};
 pub use limits::Limits;
 pub use losses::{losses, losses_of_polygons};
 pub use polygons::{PolygonSurface, Polygons};
-pub use read::read;
+pub use read::{read, read_with};
 pub use scene::{Content, Node, Part, ReadOutcome, Scene};
 pub use snap::{CoordinateOverflow, SnappedMesh, snap, worst_snap};
 pub use volume::Volume;

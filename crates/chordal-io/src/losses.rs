@@ -1,7 +1,7 @@
 //! `losses`: what of a scene a format cannot hold.
 use crate::format::TriangleFormat;
 use crate::instances::part_instances;
-use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
+use crate::{FileLocation, Format, MATERIAL, Polygons, Scene, Warning, WriteError};
 use chordal::explicit::subdivision::{Boundary, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 
@@ -40,6 +40,13 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
     }
+    for (list, what) in [
+        (&scene.assets.materials, "materials"),
+        (&scene.assets.cameras, "cameras"),
+        (&scene.assets.animations, "animations"),
+    ] {
+        list.iter().for_each(|_| count(format!("{title} holds no {what}")));
+    }
     let parts = part_instances(scene)?;
     for part in &parts {
         if parts.len() > 1 && !has_parts {
@@ -47,7 +54,8 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         }
         let first_rows = part.first_rows();
         for attribute in part.part.mesh.attributes() {
-            if !keeps(attribute, &first_rows) {
+            let is_counted = attribute.semantic == Semantic::Group(MATERIAL.to_owned());
+            if !is_counted && !keeps(attribute, &first_rows) {
                 count(format!("{title} holds no {}", describe(attribute)));
             }
         }

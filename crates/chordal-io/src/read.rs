@@ -1,6 +1,7 @@
 //! `read`: decodes bytes of a known format into a shape.
+use crate::format::FormatReader;
 use crate::text::grouped;
-use crate::{FileLocation, Format, Limits, ReadError, ReadOutcome};
+use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome};
 
 /// Reads a file of `format` into its shape, and counts its oddities.
 ///
@@ -25,12 +26,55 @@ use crate::{FileLocation, Format, Limits, ReadError, ReadOutcome};
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
 pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    read_from(bytes, format, None, limits)
+}
+
+/// As [`read`], for a file that may name others beside it: the buffers and pictures of a `.gltf`. `open`
+/// returns them by their paths below the folder of the file. Whatever lies outside that folder or
+/// on the network is refused without asking.
+///
+/// Together the files are subject to [`Limits::bytes`].
+///
+/// # Errors
+/// As for [`read`]; also where a file that the triangles need cannot be had.
+///
+/// ```
+/// use chordal_io::{Format, Limits, read_with};
+/// let json = br#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin", "byteLength": 4}]}"#;
+/// let mut asked = Vec::new();
+/// let mut open = |path: &str| {
+///     asked.push(path.to_owned());
+///     Ok(vec![0; 4])
+/// };
+/// read_with(json, Format::Gltf, &mut open, &Limits::default())?;
+/// assert_eq!(asked, ["a.bin"]);
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read_with(
+    bytes: &[u8],
+    format: Format,
+    open: &mut FileOpener<'_>,
+    limits: &Limits,
+) -> Result<ReadOutcome, ReadError> {
+    read_from(bytes, format, Some(open), limits)
+}
+
+fn read_from(
+    bytes: &[u8],
+    format: Format,
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<ReadOutcome, ReadError> {
     check_size(bytes, limits)?;
-    let Some(read) = format.row().read else {
-        let message = "a shape script is run, and nothing here runs it";
-        return Err(ReadError::new("script", FileLocation::File, message));
+    let read = match format.row().read {
+        Some(FormatReader::OneFile(read)) => read(bytes, limits),
+        Some(FormatReader::WithOthers(read)) => read(bytes, open, limits),
+        None => {
+            let message = "a shape script is run, and nothing here runs it";
+            return Err(ReadError::new("script", FileLocation::File, message));
+        }
     };
-    read(bytes, limits).map_err(|mut error| {
+    read.map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {
             error.message = error.message.words(format_args!("; the content looks like {other}"));
         }

@@ -1,9 +1,9 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
-use crate::{Curves, Drawing, Frame, Polygons, Volume, Warning};
+use crate::{Curves, Drawing, Frame, Polygons, SceneAssets, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// One mesh with its name, in its own coordinates; nodes place it.
@@ -29,6 +29,21 @@ pub struct Node {
     pub children: Vec<usize>,
     /// Index of the part that it shows.
     pub part: Option<usize>,
+    /// What glTF says of it beside: camera, light, extras, and translation, rotation and scale where these
+    /// make its matrix.
+    pub properties: Map<String, Value>,
+}
+
+impl Default for Node {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            matrix: IDENTITY,
+            children: Vec::new(),
+            part: None,
+            properties: Map::new(),
+        }
+    }
 }
 
 /// The content of a mesh file. A format without nodes gets one identity node for each part.
@@ -48,6 +63,8 @@ pub struct Scene {
     /// kinds that have names ("usemtl", "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a
     /// group.
     pub groups: BTreeMap<String, Vec<String>>,
+    /// Materials with their textures, cameras, lights, animations.
+    pub assets: SceneAssets,
 }
 
 /// The shape that a reader found.
@@ -106,7 +123,7 @@ impl Scene {
     #[must_use]
     pub fn from_part(part: Part, frame: Frame) -> Self {
         let name = part.name.clone();
-        let node = Node { name, matrix: IDENTITY, children: Vec::new(), part: Some(0) };
+        let node = Node { name, part: Some(0), ..Node::default() };
         Self { parts: vec![part], nodes: vec![node], roots: vec![0], frame, ..Self::default() }
     }
 }

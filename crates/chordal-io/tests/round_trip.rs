@@ -265,7 +265,7 @@ fn groups_of_obj_come_back_with_their_names() {
 }
 
 fn node(matrix: [f64; 16], children: Vec<usize>, part: Option<usize>) -> Node {
-    Node { name: String::new(), matrix, children, part }
+    Node { matrix, children, part, ..Node::default() }
 }
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];

@@ -13,9 +13,10 @@ use chordal::budget::advice::Spell;
 use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::{Axis, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
-use chordal_verbs::{BakeSpec, FormatHint, Input, Shape, inspect, load};
+use chordal_verbs::{BakeSpec, FormatHint, Input, Shape, inspect, load_with};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A shape as it was read.
@@ -50,8 +51,12 @@ impl Reading {
     ) -> Result<(Input, Option<String>), ReadFailure> {
         let (lenient, drop_nonfinite) = (self.lenient, self.drop_nonfinite);
         let limits = Limits { lenient, drop_nonfinite, surface, ..Limits::default() };
-        let loaded =
-            load(bytes, FormatHint { name: self.name.as_deref(), format, ..FormatHint::default() }, &limits);
+        let hint = FormatHint { name: self.name.as_deref(), format, ..FormatHint::default() };
+        let mut open = |path: &str| match &self.name {
+            Some(first) => chordal_cli::read_beside(Path::new(first), path, limits.bytes),
+            None => Err("bytes are in no folder".to_owned()),
+        };
+        let loaded = load_with(bytes, hint, &mut open, &limits);
         match loaded {
             Ok(input) => Ok((input.spelled(&CommandLine), self.name)),
             Err(error) => Err(ReadFailure { error, name: self.name }),

@@ -53,7 +53,12 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         greater(moved, most)
     });
     let indexed = scene.parts.iter().all(|part| part.indexed);
-    let mut flat = Scene { frame: scene.frame, groups: scene.groups.clone(), ..Scene::default() };
+    let mut flat = Scene {
+        frame: scene.frame,
+        groups: scene.groups.clone(),
+        assets: scene.assets.materials_only(),
+        ..Scene::default()
+    };
     for (name, mesh) in scene.world_meshes()? {
         let one =
             Scene::from_part(Part { name: name.to_owned(), mesh: mesh.into_owned(), indexed }, scene.frame);
@@ -164,7 +169,7 @@ fn corner_normals(mesh: &Mesh) -> Option<Vec<f64>> {
 }
 
 /// Concatenates the positions and faces of all meshes; positions stay tied as in each.
-fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
+pub(crate) fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
     let (mut positions, mut faces, mut ids) = (Vec::new(), Vec::new(), Vec::new());
     for mesh in meshes {
         // Saturated numbers belong to more positions than a mesh may have, which it then refuses.

@@ -3,7 +3,7 @@ use crate::digest::sha256;
 use crate::{Shape, script};
 use chordal::budget::advice::{Message, Setting};
 use chordal::math::Box3;
-use chordal_io::{FileLocation, Format, Limits, PolygonSurface, ReadError, Warning};
+use chordal_io::{FileLocation, FileOpener, Format, Limits, PolygonSurface, ReadError, Warning};
 
 /// How to determine the format of some bytes, and options for reading them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,6 +58,29 @@ pub struct Input {
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
 pub fn load(bytes: &[u8], hint: FormatHint, limits: &Limits) -> Result<Input, ReadError> {
+    load_from(bytes, hint, None, limits)
+}
+
+/// As [`load`], for a file that may name others beside it, which `open` returns: see
+/// [`chordal_io::read_with`].
+///
+/// # Errors
+/// As for [`load`]; also where a file that is needed cannot be had.
+pub fn load_with(
+    bytes: &[u8],
+    hint: FormatHint,
+    open: &mut FileOpener<'_>,
+    limits: &Limits,
+) -> Result<Input, ReadError> {
+    load_from(bytes, hint, Some(open), limits)
+}
+
+fn load_from(
+    bytes: &[u8],
+    hint: FormatHint,
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<Input, ReadError> {
     let format = format_of(bytes, hint)?;
     if let Some(surface) = limits.surface {
         check_surface(surface, format)?;
@@ -69,7 +92,10 @@ pub fn load(bytes: &[u8], hint: FormatHint, limits: &Limits) -> Result<Input, Re
             let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");
             return Err(ReadError::new("unknown-parameter", FileLocation::File, message));
         }
-        let loaded = chordal_io::read(bytes, format, limits)?;
+        let loaded = match open {
+            Some(open) => chordal_io::read_with(bytes, format, open, limits)?,
+            None => chordal_io::read(bytes, format, limits)?,
+        };
         (loaded.content.into(), loaded.warnings)
     };
     match (&mut shape, hint.region) {

@@ -1,11 +1,13 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
+use super::assets::plain_material;
 use super::node_list;
-use super::split::split;
+use super::split::{material_groups, split};
 use super::streams::{AccessorStream, stored_bounds};
+use crate::assets::{ImageContent, SceneAssets, collect_extensions};
 use crate::single_precision::origin_of;
 use crate::{CoordinateOverflow, Part, Scene, WriteError};
 use chordal::Mesh;
-use chordal::explicit::Semantic;
+use chordal::explicit::{Domain, Semantic};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
@@ -31,12 +33,15 @@ impl<'a> GltfPart<'a> {
 }
 
 /// The JSON that is being built, and the streams behind its accessors.
-#[derive(Default)]
 pub(super) struct GltfDocument<'a> {
+    assets: &'a SceneAssets,
     accessors: Vec<Value>,
     views: Vec<Value>,
     meshes: Vec<Value>,
+    /// Those of the assets, then plain ones.
     materials: Vec<Value>,
+    images: Vec<Value>,
+    animations: Vec<Value>,
     /// The content of the BIN chunk, in order.
     pub streams: Vec<AccessorStream<'a>>,
     n_bytes: u64,
@@ -47,6 +52,64 @@ pub(super) struct GltfDocument<'a> {
 }
 
 impl<'a> GltfDocument<'a> {
+    /// Starts with the materials of a scene, and with its images.
+    pub fn new(assets: &'a SceneAssets) -> Self {
+        let mut document = Self {
+            assets,
+            accessors: Vec::new(),
+            views: Vec::new(),
+            meshes: Vec::new(),
+            materials: assets.materials.clone(),
+            images: Vec::new(),
+            animations: Vec::new(),
+            streams: Vec::new(),
+            n_bytes: 0,
+            shown: Vec::new(),
+            material: [None; 2],
+        };
+        for image in &assets.images {
+            let mut object = image.properties.clone();
+            match &image.content {
+                ImageContent::Bytes(bytes) => {
+                    let view = document.add_view(AccessorStream::bytes(bytes));
+                    object.insert("bufferView".to_owned(), json!(view));
+                }
+                ImageContent::Uri(uri) => {
+                    object.insert("uri".to_owned(), json!(uri));
+                }
+            }
+            document.images.push(Value::Object(object));
+        }
+        document
+    }
+
+    /// Adds the animations of nodes that follow `first` others in the file.
+    pub fn add_animations(&mut self, first: usize) {
+        let assets = self.assets;
+        let mut at = Vec::with_capacity(assets.accessors.len());
+        for accessor in &assets.accessors {
+            let mut object = accessor.properties.clone();
+            let view = self.add_view(AccessorStream::bytes(&accessor.bytes));
+            object.insert("bufferView".to_owned(), json!(view));
+            self.accessors.push(Value::Object(object));
+            at.push(self.accessors.len() - 1);
+        }
+        for animation in &assets.animations {
+            let mut animation = animation.clone();
+            for channel in animation["channels"].as_array_mut().into_iter().flatten() {
+                let node = channel["target"]["node"].as_u64().unwrap_or_default();
+                channel["target"]["node"] = json!(first as u64 + node);
+            }
+            for sampler in animation["samplers"].as_array_mut().into_iter().flatten() {
+                for key in ["input", "output"] {
+                    let accessor = sampler[key].as_u64().and_then(|i| at.get(usize::try_from(i).ok()?));
+                    sampler[key] = json!(accessor);
+                }
+            }
+            self.animations.push(animation);
+        }
+    }
+
     /// Adds the mesh of a part, in the order of the scene.
     pub fn add_part(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<(), WriteError> {
         let empty = shape.mesh.faces().is_empty();
@@ -73,36 +136,49 @@ impl<'a> GltfDocument<'a> {
             }
             attributes.insert(name, json!(self.add(stream)));
         }
-        let indices = self.add(AccessorStream::indices(mesh));
-        let material = self.material(is_open(mesh));
-        let primitive = json!({ "attributes": attributes, "indices": indices, "material": material });
-        self.meshes.push(node_list::with_name(&part.name, json!({ "primitives": [primitive] })));
+        let mut primitives = Vec::new();
+        let mut first = 0;
+        for (group, n_faces) in material_runs(mesh) {
+            let faces = &mesh.faces()[first..first + n_faces];
+            first += n_faces;
+            let indices = self.add(AccessorStream::indices(faces, mesh.positions().len()));
+            let material =
+                match group.checked_sub(1).filter(|material| *material < self.assets.materials.len()) {
+                    Some(material) => material,
+                    None => self.material(is_open(mesh)),
+                };
+            primitives.push(json!({ "attributes": attributes, "indices": indices, "material": material }));
+        }
+        self.meshes.push(node_list::with_name(&part.name, json!({ "primitives": primitives })));
         Ok(self.meshes.len() - 1)
     }
 
     fn add(&mut self, stream: AccessorStream<'a>) -> usize {
-        self.views.push(json!({
-            "buffer": 0, "byteOffset": self.n_bytes, "byteLength": stream.n_bytes(), "target": stream.target()
-        }));
+        let [component_type, count] = [json!(stream.component_type()), json!(stream.count())];
+        let kind = stream.kind();
+        let view = self.add_view(stream);
         self.accessors.push(json!({
-            "bufferView": self.views.len() - 1, "componentType": stream.component_type(),
-            "count": stream.count(), "type": stream.kind()
+            "bufferView": view, "componentType": component_type, "count": count, "type": kind
         }));
-        self.n_bytes += stream.n_padded();
-        self.streams.push(stream);
         self.accessors.len() - 1
     }
 
-    /// A plain material. glTF's default is a metal, which viewers without an environment show black.
+    fn add_view(&mut self, stream: AccessorStream<'a>) -> usize {
+        let mut view = json!({ "buffer": 0, "byteOffset": self.n_bytes, "byteLength": stream.n_bytes() });
+        if let Some(target) = stream.target() {
+            view["target"] = json!(target);
+        }
+        self.views.push(view);
+        self.n_bytes += stream.n_padded();
+        self.streams.push(stream);
+        self.views.len() - 1
+    }
+
+    /// A plain material.
     fn material(&mut self, open: bool) -> usize {
         let Self { materials, material, .. } = self;
         *material[usize::from(open)].get_or_insert_with(|| {
-            let mut plain =
-                json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } });
-            if open {
-                plain["doubleSided"] = json!(true);
-            }
-            materials.push(plain);
+            materials.push(plain_material(open));
             materials.len() - 1
         })
     }
@@ -112,13 +188,26 @@ impl<'a> GltfDocument<'a> {
         node_list::nodes(scene, &self.shown[self.shown.len() - scene.parts.len()..], n_before)
     }
 
-    /// The content of the JSON chunk; `certificate` becomes an extra.
-    pub fn json(&self, nodes: &node_list::NodeList, certificate: Option<&Value>) -> Map<String, Value> {
+    /// The content of the JSON chunk; `certificate` becomes an extra, `extension` one that nodes use beside
+    /// those of the assets.
+    pub fn json(
+        &self,
+        nodes: &node_list::NodeList,
+        certificate: Option<&Value>,
+        extension: Option<&str>,
+    ) -> Map<String, Value> {
         let mut root = Map::new();
         let mut asset =
             json!({ "version": "2.0", "generator": concat!("Chordal ", env!("CARGO_PKG_VERSION")) });
+        for (key, value) in &self.assets.about {
+            asset[key] = value.clone();
+        }
         if let Some(certificate) = certificate {
-            asset["extras"] = json!({ "chordal": certificate });
+            // Extras of another kind than an object would be lost, and are rare.
+            if !asset["extras"].is_object() {
+                asset["extras"] = json!({});
+            }
+            asset["extras"]["chordal"] = certificate.clone();
         }
         root.insert("asset".to_owned(), asset);
         root.insert("scene".to_owned(), json!(0));
@@ -129,6 +218,11 @@ impl<'a> GltfDocument<'a> {
             ("nodes", &nodes.list),
             ("meshes", &self.meshes),
             ("materials", &self.materials),
+            ("textures", &self.assets.textures),
+            ("samplers", &self.assets.samplers),
+            ("images", &self.images),
+            ("cameras", &self.assets.cameras),
+            ("animations", &self.animations),
             ("accessors", &self.accessors),
             ("bufferViews", &self.views),
             ("buffers", &buffers),
@@ -137,13 +231,52 @@ impl<'a> GltfDocument<'a> {
                 root.insert(name.to_owned(), json!(list));
             }
         }
+        self.insert_extensions(&mut root, nodes, extension);
         root
+    }
+
+    /// The extensions of the file, and the names of all that it uses, each once.
+    fn insert_extensions(
+        &self,
+        root: &mut Map<String, Value>,
+        nodes: &node_list::NodeList,
+        extension: Option<&str>,
+    ) {
+        if !self.assets.extensions.is_empty() {
+            root.insert("extensions".to_owned(), json!(self.assets.extensions));
+        }
+        let mut used = self.assets.used_extensions();
+        nodes.list.iter().for_each(|node| collect_extensions(node, &mut used));
+        used.extend(extension.map(str::to_owned));
+        used.sort_unstable();
+        used.dedup();
+        if used.is_empty() {
+            return;
+        }
+        let required: Vec<&String> =
+            self.assets.required_extensions.iter().filter(|name| used.contains(name)).collect();
+        if !required.is_empty() {
+            root.insert("extensionsRequired".to_owned(), json!(required));
+        }
+        root.insert("extensionsUsed".to_owned(), json!(used));
+    }
+}
+
+/// The runs of faces with one material: its group, and how many faces. [`split`] has put them together.
+fn material_runs(mesh: &Mesh) -> Vec<(usize, usize)> {
+    match material_groups(mesh) {
+        Some(groups) => {
+            let runs = groups.values.chunk_by(|a, b| a == b);
+            runs.map(|run| (run[0] as usize, run.len())).collect()
+        }
+        None => vec![(0, mesh.faces().len())],
     }
 }
 
 /// The attributes of a mesh; texture and colour sets are numbered from zero without gaps, as glTF demands.
 fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
-    let mut sorted: Vec<_> = mesh.attributes().iter().collect();
+    let mut sorted: Vec<_> =
+        mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex).collect();
     sorted.sort_by_key(|attribute| match attribute.semantic {
         Semantic::Normal => (0, 0),
         Semantic::Tangent => (1, 0),

@@ -24,7 +24,8 @@ pub struct GlbLevel<'a> {
 /// shows the first level. Its node names the nodes of the other levels by the extension `MSFT_lod`, and has
 /// the screen coverages as its extra `MSFT_screencoverage`. The extension is not required, so a viewer that
 /// does not know it shows the first level. The certificates go to `asset.extras.chordal.levels`, one for each
-/// level, `null` where there is none. A single level is written as by [`super::write`].
+/// level, `null` where there is none. Materials are those of the first level, and animations are left out. A
+/// single level is written as by [`super::write`].
 ///
 /// # Errors
 /// As for [`super::write`]; also when there is no level, and for coverages that are not from 0 to 1 or do not
@@ -56,7 +57,7 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
         .iter()
         .map(|level| level.scene.parts.iter().map(GltfPart::from_part).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
-    let mut document = GltfDocument::default();
+    let mut document = GltfDocument::new(&levels[0].scene.assets);
     let mut list = Vec::new();
     let mut tops = Vec::new();
     for ((i, level), shapes) in levels.iter().enumerate().zip(&shapes) {
@@ -79,9 +80,8 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
     let certificates: Vec<Value> =
         levels.iter().map(|level| level.certificate.cloned().unwrap_or(Value::Null)).collect();
     let certificate = json!({ "levels": certificates });
-    let nodes = node_list::NodeList { list, roots: vec![0] };
-    let mut json = document.json(&nodes, Some(&certificate));
-    json.insert("extensionsUsed".to_owned(), json!([LOD]));
+    let nodes = node_list::NodeList { list, roots: vec![0], first: 1 };
+    let json = document.json(&nodes, Some(&certificate), Some(LOD));
     write_file(&document, json, out)
 }
 

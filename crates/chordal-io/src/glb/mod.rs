@@ -1,8 +1,10 @@
 //! Binary glTF 2.0: one file with a JSON chunk that describes the scene and a BIN chunk with its data.
 mod accessor_rows;
+mod assets;
 mod attribute_plan;
 mod container;
 mod document;
+mod external;
 mod format;
 mod json;
 mod levels;
@@ -20,9 +22,11 @@ mod triangles;
 mod write;
 
 pub use levels::{GlbLevel, write_levels};
+
 pub use read::read;
+pub(crate) use read::{looks_like_json, read_with};
 pub use split::split;
-pub use write::write;
+pub use write::{write, write_embedded};
 
 /// The first four bytes of a GLB file, `glTF`.
 pub(crate) const MAGIC: u32 = 0x4654_6C67;

@@ -21,6 +21,14 @@ pub(super) struct GltfModel<'a> {
     pub extensions_required: Vec<&'a str>,
 }
 
+impl GltfModel<'_> {
+    /// The bytes of buffers that are not in the file itself, or that its text holds.
+    pub fn n_external(&self) -> usize {
+        let data = self.buffers.iter().flatten().filter(|buffer| buffer.uri.is_some());
+        data.filter_map(|buffer| buffer.data.as_ref()).map(|data| data.len()).sum()
+    }
+}
+
 /// A buffer: bytes, and where they come from.
 pub(super) struct GltfBuffer<'a> {
     pub byte_length: Option<u64>,
@@ -76,6 +84,8 @@ pub(super) struct GltfSparse {
 /// An image.
 pub(super) struct GltfImage<'a> {
     pub view: Option<usize>,
+    /// The `uri`, valid or not.
+    pub uri: Option<&'a str>,
     pub mime: Option<&'a str>,
     pub data: Option<Vec<u8>>,
     pub extended: bool,

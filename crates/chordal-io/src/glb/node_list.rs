@@ -10,6 +10,8 @@ pub(super) type PartMesh = (Option<usize>, [f64; 3]);
 pub(super) struct NodeList {
     pub list: Vec<Value>,
     pub roots: Vec<usize>,
+    /// The number of the scene's first node in the file.
+    pub first: usize,
 }
 
 /// Lists the nodes of a scene, one for each in the same order. Before them come the nodes that rotate and
@@ -38,7 +40,7 @@ pub(super) fn nodes(scene: &Scene, shown: &[PartMesh], n_before: usize) -> Resul
     for (i, node) in frame.iter_mut().enumerate().rev() {
         node["children"] = json!(std::mem::replace(&mut roots, vec![n_before + i]));
     }
-    Ok(NodeList { list: [frame, list, extra].concat(), roots })
+    Ok(NodeList { list: [frame, list, extra].concat(), roots, first })
 }
 
 /// The nodes that map the scene's frame to glTF's, outermost first.
@@ -79,12 +81,18 @@ impl NodeLink<'_> {
 
 /// The glTF nodes for a node, outermost first; `None` when its transform has shear.
 fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a>>> {
-    let mut links: Vec<_> = transform::node_properties(&node.matrix)?
+    let mut properties = node.properties.clone();
+    let transform = match transform::own_properties(&mut properties, &node.matrix) {
+        Some(transform) => vec![transform],
+        None => transform::node_properties(&node.matrix)?,
+    };
+    let mut links: Vec<_> = transform
         .into_iter()
         .map(|properties| NodeLink { properties, children: &[], goes_on: false })
         .collect();
     let inner = links.last_mut()?;
     inner.children = &node.children;
+    inner.properties.extend(properties);
     if let Some((Some(mesh), origin)) = place {
         // An origin must not move the node's children, nor be applied before the node's own transform.
         let own = *origin != [0.0; 3] && !(inner.properties.is_empty() && node.children.is_empty());

@@ -4,7 +4,7 @@ use super::attribute_plan::{AttributePlan, PlannedAttribute, is_skinning, positi
 use super::model::{GltfAttributes, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
 use super::triangles::{PrimitiveIndices, triangles};
-use crate::{FileLocation, Limits, Part, ReadError};
+use crate::{FileLocation, Limits, MATERIAL, Part, ReadError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 /// Reads meshes into parts, within limits.
 pub(super) struct PartReader<'m> {
     model: &'m GltfModel<'m>,
+    /// The group of faces of each material.
+    material_groups: &'m [usize],
     limits: &'m Limits,
     /// Bytes that may still be decoded.
     left: u64,
@@ -29,7 +31,7 @@ struct PartDraft<'m> {
     /// The first vertex and the count of each block of vertices: primitives with the same attributes share
     /// one.
     blocks: BTreeMap<&'m GltfAttributes<'m>, (usize, usize)>,
-    /// The material of each face, −1 for none.
+    /// The group of each face, 0 for none.
     materials: Vec<f64>,
 }
 
@@ -38,8 +40,13 @@ const SKIPPED: &str = "attributes that not all primitives of their mesh have in 
 
 impl<'m> PartReader<'m> {
     /// Starts on a file from which at most `left` bytes may be decoded.
-    pub fn new(model: &'m GltfModel<'m>, limits: &'m Limits, left: u64) -> Self {
-        Self { model, limits, left, report: GlbWarnings::default() }
+    pub fn new(
+        model: &'m GltfModel<'m>,
+        material_groups: &'m [usize],
+        limits: &'m Limits,
+        left: u64,
+    ) -> Self {
+        Self { model, material_groups, limits, left, report: GlbWarnings::default() }
     }
 
     /// Reads a mesh as a part; an empty one when the mesh is no object.
@@ -112,7 +119,11 @@ impl<'m> PartReader<'m> {
             place(),
             "triangles of strips and fans with a repeated index were skipped",
         );
-        let material = primitive.material.map_or(-1.0, |m| m as f64);
+        if !primitive.variants.is_empty() {
+            self.report.add("variants-dropped", place(), "variants of materials were not kept");
+        }
+        let group = primitive.material.and_then(|material| self.material_groups.get(material));
+        let material = group.map_or(0.0, |group| *group as f64);
         draft.materials.resize(draft.materials.len() + draft.faces.len() - n, material);
         Ok(())
     }
@@ -296,7 +307,7 @@ impl<'m> PartReader<'m> {
             self.report.add_many("not-finite", dropped, place(), what);
         }
         let mut materials = draft.materials;
-        let is_mixed = materials.iter().any(|m| *m != materials[0]);
+        let has_material = materials.iter().any(|material| *material != 0.0);
         let ids = exact_ties(&draft.positions);
         let refused = |error: chordal::explicit::InvalidMesh| {
             ReadError::new(
@@ -314,8 +325,8 @@ impl<'m> PartReader<'m> {
             let attribute = Attribute { semantic, domain: Domain::Vertex, width, values };
             mesh = mesh.with_attribute(attribute).map_err(refused)?;
         }
-        if is_mixed {
-            let semantic = Semantic::Group("material".to_owned());
+        if has_material {
+            let semantic = Semantic::Group(MATERIAL.to_owned());
             let values = std::mem::take(&mut materials);
             let attribute = Attribute { semantic, domain: Domain::Face, width: 1, values };
             mesh = mesh.with_attribute(attribute).map_err(refused)?;

@@ -1,12 +1,14 @@
 //! The GLB reader.
+use super::assets::AssetReader;
 use super::json::{self, JsonValue};
 use super::lint::{self, GltfLint};
 use super::lod_nodes::LodNodes;
 use super::model::{GltfModel, item};
 use super::parts::PartReader;
 use super::report::GlbWarnings;
-use super::{LOD, container, transform};
-use crate::scene::IDENTITY;
+use super::{LOD, container, external, transform};
+use crate::files::FileOpener;
+use crate::text::is_space;
 use crate::{Axis, Content, FileLocation, Frame, Limits, Node, ReadError, ReadOutcome, Scene};
 use serde_json::Value;
 
@@ -45,8 +47,9 @@ const HARMLESS: [&str; 14] = [
 /// `asset.extras.chordal`.
 ///
 /// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points,
-/// lines, morph targets, skins, animations, cameras, materials and pictures are counted as warnings. The
-/// reader never opens other files or the network. Of levels of detail by `MSFT_lod` the first is read, and
+/// lines, morph targets, skins and animations of anything but nodes are counted as warnings; materials,
+/// textures, cameras, lights and extras of nodes go to [`Scene::assets`] and the nodes, as they are. The
+/// reader never opens other files or the network; [`crate::read_with`] opens files beside it. Of levels of detail by `MSFT_lod` the first is read, and
 /// the others are counted. The certificate is that of the first, where [`super::write_levels`] wrote one for
 /// each.
 ///
@@ -70,36 +73,57 @@ const HARMLESS: [&str; 14] = [
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    read_with(bytes, None, limits)
+}
+
+/// As [`read`], and opens the buffers and pictures that are in other files, where there is an opener.
+pub(crate) fn read_with(
+    bytes: &[u8],
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<ReadOutcome, ReadError> {
     let mut report = GlbWarnings::default();
     if bytes.len() as u64 > limits.bytes {
         let what = format!("the file has {} bytes, the limit is {}", bytes.len(), limits.bytes);
         return Err(ReadError::new("too-large", FileLocation::File, what));
     }
-    let chunks = container::chunks(bytes, &mut report.warnings)?;
+    let chunks = if is_json(bytes) {
+        container::GlbChunks { json: bytes, json_at: 0, bin: None }
+    } else {
+        container::chunks(bytes, &mut report.warnings)?
+    };
     let json = parse_json(&chunks, limits)?;
     check_rows(&json, limits)?;
-    let budget = budget(bytes, limits);
+    let mut budget = budget(bytes.len(), limits);
     let mut lint = GltfLint::new(&json, budget);
     let Some(mut model) = lint::parse(&mut lint, &json, chunks.bin) else {
         let issue = lint.issues.swap_remove(0);
         return Err(ReadError::new(issue.code, issue.place, issue.message));
     };
     check_extensions(&model, &mut report)?;
+    if let Some(open) = open {
+        external::open_files(&mut model, &mut lint, open, limits, &mut report)?;
+        budget = self::budget(bytes.len() + model.n_external(), limits);
+    }
     check_zeros(&model, limits, budget)?;
     lint::link(&mut lint, &mut model);
     apply_issues(lint, limits, &mut report)?;
     let lower = LodNodes::new(&json, &model)?;
     let mut placing = GlbWarnings::default();
-    let mut scene = read_scene(&model, &lower, &mut placing);
-    let kept = keep_first_levels(&mut scene, &model, &lower);
+    let mut assets = AssetReader::new(&json, &model, budget);
+    let mut scene = read_scene(&model, &lower, &mut assets, &mut placing);
+    let (kept, numbers) = keep_first_levels(&mut scene, &model, &lower);
     count_unseen(&scene, &kept, &mut placing);
-    let mut parts = PartReader::new(&model, limits, budget);
+    scene.assets = assets.assets(|node| numbers.get(node).copied().flatten())?;
+    let (materials, groups) = assets.materials();
+    scene.assets.materials = materials;
+    report.append(assets.report);
+    let mut parts = PartReader::new(&model, &groups, limits, budget);
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     report.append(parts.report);
     report.append(placing);
     scene.frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
     scene.certificate = certificate(&json, &lower);
-    count_dropped(&json, &mut report);
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: report.warnings })
 }
 
@@ -118,12 +142,28 @@ fn parse_json(chunks: &container::GlbChunks<'_>, limits: &Limits) -> Result<Json
     Ok(json)
 }
 
-/// The most bytes that are decoded from a file and checked in it.
-///
-/// A byte of a file becomes eight at most, and few of them are read twice. 64 times the file and a quarter of
-/// a GiB are beyond the needs of an honest file, and keep a small one from taking hours.
-fn budget(bytes: &[u8], limits: &Limits) -> u64 {
-    limits.bytes.min((1 << 28) + 64 * bytes.len() as u64)
+/// Bytes that may be decoded and checked for each byte of a file: one becomes eight at most, and few of them
+/// are read twice.
+pub(super) const DECODED_PER_BYTE: u64 = 64;
+
+/// The most bytes that are decoded from a file and checked in it. A quarter of a GiB beside the share of its
+/// bytes is beyond the needs of an honest file, and keeps a small one from taking hours.
+fn budget(n_bytes: usize, limits: &Limits) -> u64 {
+    limits.bytes.min((1 << 28) + DECODED_PER_BYTE * n_bytes as u64)
+}
+
+/// Whether a glTF is JSON and not a binary container.
+fn is_json(bytes: &[u8]) -> bool {
+    bytes.iter().find(|b| !is_space(**b)) == Some(&b'{')
+}
+
+/// Whether a text is a glTF as JSON: an object with an `asset` that is no tileset.
+pub(crate) fn looks_like_json(text: &[u8]) -> bool {
+    let names = |key: &[u8]| memchr::memmem::find(text, key).is_some();
+    text.first() == Some(&b'{')
+        && names(b"\"asset\"")
+        && names(b"\"version\"")
+        && !names(b"\"geometricError\"")
 }
 
 /// Checks that the lists are short enough to be held.
@@ -205,13 +245,18 @@ fn apply_issues(lint: GltfLint<'_>, limits: &Limits, report: &mut GlbWarnings) -
 
 /// The nodes, and the roots of the scene that is shown: the default one, else the first, else all nodes
 /// without parents.
-fn read_scene(model: &GltfModel<'_>, lower: &LodNodes, report: &mut GlbWarnings) -> Scene {
+fn read_scene(
+    model: &GltfModel<'_>,
+    lower: &LodNodes,
+    assets: &mut AssetReader<'_>,
+    report: &mut GlbWarnings,
+) -> Scene {
     let n = model.nodes.len();
     let mut nodes = Vec::with_capacity(n);
     let mut has_parent = vec![false; n];
     for (i, node) in model.nodes.iter().enumerate() {
         let Some(node) = node else {
-            nodes.push(Node { name: String::new(), matrix: IDENTITY, children: Vec::new(), part: None });
+            nodes.push(Node::default());
             continue;
         };
         let children: Vec<usize> =
@@ -231,6 +276,7 @@ fn read_scene(model: &GltfModel<'_>, lower: &LodNodes, report: &mut GlbWarnings)
             matrix: node.matrix.as_deref().copied().unwrap_or_else(trs),
             children,
             part,
+            properties: assets.node_properties(i),
         });
     }
     let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
@@ -248,10 +294,15 @@ fn read_scene(model: &GltfModel<'_>, lower: &LodNodes, report: &mut GlbWarnings)
 
 /// Removes the nodes that are lower levels of detail. Returns the meshes that become parts: all but those
 /// that only such nodes show.
-fn keep_first_levels(scene: &mut Scene, model: &GltfModel<'_>, lower: &LodNodes) -> Vec<usize> {
+/// Also the new number of every node that stays.
+fn keep_first_levels(
+    scene: &mut Scene,
+    model: &GltfModel<'_>,
+    lower: &LodNodes,
+) -> (Vec<usize>, Vec<Option<usize>>) {
     let n_meshes = model.meshes.len();
     if lower.first.is_none() {
-        return (0..n_meshes).collect();
+        return ((0..n_meshes).collect(), (0..scene.nodes.len()).map(Some).collect());
     }
     let hidden = lower.hidden_nodes(model, &scene.roots);
     let (mut is_lower, mut is_seen) = (vec![false; n_meshes], vec![false; n_meshes]);
@@ -277,7 +328,7 @@ fn keep_first_levels(scene: &mut Scene, model: &GltfModel<'_>, lower: &LodNodes)
             ..node
         })
         .collect();
-    kept
+    (kept, number)
 }
 
 /// The certificate in a file: that of the first level, if there are several.
@@ -302,27 +353,5 @@ fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut GlbWarnings) {
     for (mesh, _) in meshes.iter().zip(&is_shown).filter(|(_, shown)| !**shown) {
         let place = FileLocation::Pointer(format!("/meshes/{mesh}"));
         report.add("meshes-not-shown", place, "the scene does not show all meshes");
-    }
-}
-
-/// Counts what a scene cannot hold.
-fn count_dropped(json: &JsonValue, report: &mut GlbWarnings) {
-    for (list, code, what) in [
-        ("animations", "animations-dropped", "animations were not kept"),
-        ("cameras", "cameras-dropped", "cameras were not kept"),
-        ("images", "images-dropped", "pictures were not kept"),
-    ] {
-        let n = json.get(list).and_then(JsonValue::items).map_or(0, <[_]>::len);
-        (0..n).for_each(|_| report.add(code, FileLocation::Pointer(format!("/{list}/0")), what));
-    }
-    for (i, material) in
-        json.get("materials").and_then(JsonValue::items).unwrap_or_default().iter().enumerate()
-    {
-        let plain = ["name", "doubleSided", "pbrMetallicRoughness", "metallicFactor", "roughnessFactor"];
-        let pbr = material.get("pbrMetallicRoughness").map_or(&[][..], JsonValue::entries);
-        if material.entries().iter().chain(pbr).any(|(key, _)| !plain.contains(&&**key)) {
-            let place = FileLocation::Pointer(format!("/materials/{i}"));
-            report.add("materials-dropped", place, "materials were not kept");
-        }
     }
 }

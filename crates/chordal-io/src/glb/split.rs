@@ -1,14 +1,16 @@
 //! `split`: moves attributes of corners and faces to vertices, which are duplicated where they differ.
+use crate::MATERIAL;
 use chordal::Mesh;
-use chordal::explicit::{Attribute, Domain, InvalidMesh};
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
 use std::borrow::Cow;
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 /// Returns the same triangles with every attribute on vertices, as [`super::write`] writes them.
 ///
 /// glTF has attributes of vertices only. A vertex whose corners disagree becomes several rows with one
-/// `position_id`: the first keeps its index, the others follow after all old vertices. Triangles keep their
-/// order.
+/// `position_id`: the first keeps its index, the others follow after all old vertices. Triangles of one
+/// material stand together, in the order of its first triangle; otherwise triangles keep their order.
 ///
 /// O(m log m) time for m faces, 8 bytes of memory per corner; free where all attributes are on vertices
 /// already.
@@ -16,15 +18,73 @@ use std::cmp::Ordering;
 /// # Errors
 /// [`InvalidMesh`] when the result has more vertices than a mesh can have.
 pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
-    let loose: Vec<&Attribute> = mesh.attributes().iter().filter(|a| a.domain != Domain::Vertex).collect();
-    if loose.is_empty() {
+    let mesh = grouped_by_material(mesh)?;
+    let is_loose = |attribute: &&Attribute| attribute.domain != Domain::Vertex && !is_material(attribute);
+    if mesh.attributes().iter().filter(is_loose).next().is_none() {
+        return Ok(mesh);
+    }
+    split_rows(&mesh).map(Cow::Owned)
+}
+
+/// The groups of faces that name materials.
+pub(super) fn material_groups(mesh: &Mesh) -> Option<&Attribute> {
+    mesh.attributes().iter().find(|attribute| is_material(attribute))
+}
+
+fn is_material(attribute: &Attribute) -> bool {
+    let is_kind = matches!(&attribute.semantic, Semantic::Group(kind) if kind == MATERIAL);
+    is_kind && attribute.domain == Domain::Face && attribute.width == 1
+}
+
+/// The same triangles, those of one material one after another, in the order of first appearance.
+fn grouped_by_material(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
+    let Some(groups) = material_groups(mesh) else { return Ok(Cow::Borrowed(mesh)) };
+    let mut place = BTreeMap::new();
+    for value in &groups.values {
+        let next = place.len();
+        place.entry(value.to_bits()).or_insert(next);
+    }
+    let places: Vec<usize> = groups.values.iter().map(|value| place[&value.to_bits()]).collect();
+    if places.is_sorted() {
         return Ok(Cow::Borrowed(mesh));
     }
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by_key(|face| places[*face]);
+    let faces = order.iter().map(|face| mesh.faces()[*face]).collect();
+    let mut sorted = Mesh::new(mesh.positions().to_vec(), faces)?;
+    if let Some(ids) = mesh.position_id() {
+        sorted = sorted.with_position_id(ids.to_vec())?;
+    }
+    for attribute in mesh.attributes() {
+        let rows_of_face = match attribute.domain {
+            Domain::Vertex => 0,
+            Domain::Corner => 3,
+            Domain::Face => 1,
+        };
+        let values = match rows_of_face * attribute.width {
+            0 => attribute.values.clone(),
+            n => order.iter().flat_map(|face| &attribute.values[face * n..][..n]).copied().collect(),
+        };
+        sorted = sorted.with_attribute(Attribute { values, ..attribute.clone() })?;
+    }
+    Ok(Cow::Owned(sorted))
+}
+
+fn split_rows(mesh: &Mesh) -> Result<Mesh, InvalidMesh> {
+    let loose: Vec<&Attribute> = mesh
+        .attributes()
+        .iter()
+        .filter(|attribute| attribute.domain != Domain::Vertex && !is_material(attribute))
+        .collect();
     let rows = SplitRows::number(mesh, &loose);
     let positions = rows.vertex.iter().map(|v| mesh.positions()[*v as usize]).collect();
     let ids = rows.vertex.iter().map(|v| mesh.position_of(*v)).collect();
     let mut out = Mesh::new(positions, rows.faces)?.with_position_id(ids)?;
     for attribute in mesh.attributes() {
+        if is_material(attribute) {
+            out = out.with_attribute(attribute.clone())?;
+            continue;
+        }
         let mut values = Vec::with_capacity(rows.vertex.len() * attribute.width);
         for (&vertex, &corner) in rows.vertex.iter().zip(&rows.corner) {
             match (attribute.domain, corner) {
@@ -37,7 +97,7 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
         let (semantic, width) = (attribute.semantic.clone(), attribute.width);
         out = out.with_attribute(Attribute { semantic, domain: Domain::Vertex, width, values })?;
     }
-    Ok(Cow::Owned(out))
+    Ok(out)
 }
 
 /// For each new vertex the old one and a corner with its attributes, and the faces over new vertices.

@@ -13,15 +13,17 @@ const BATCH: usize = 1 << 16;
 /// The rows of one accessor.
 pub(super) enum AccessorSource<'a> {
     /// Indices of two bytes.
-    Short(&'a Mesh),
+    Short(&'a [[u32; 3]]),
     /// Indices of four bytes.
-    Long(&'a Mesh),
+    Long(&'a [[u32; 3]]),
     /// Positions about an origin.
     Positions(&'a Mesh, [f64; 3]),
     /// Unit vectors, from the first three numbers of a row; a row without direction becomes the given axis.
     Unit(&'a Attribute, usize),
     /// Numbers as they are.
     Plain(&'a Attribute),
+    /// Bytes as they are.
+    Bytes(&'a [u8]),
 }
 
 /// One accessor with a buffer view of its own.
@@ -33,13 +35,19 @@ pub(super) struct AccessorStream<'a> {
 }
 
 impl<'a> AccessorStream<'a> {
-    /// The indices of a mesh: two bytes while the largest is below 65535, which would mean "restart".
-    pub fn indices(mesh: &'a Mesh) -> Self {
-        let short = IndexBuffer::fit_16_bits(mesh.positions().len());
+    /// The indices of faces over so many vertices: two bytes while the largest is below 65535, which would
+    /// mean "restart".
+    pub fn indices(faces: &'a [[u32; 3]], n_vertices: usize) -> Self {
+        let short = IndexBuffer::fit_16_bits(n_vertices);
         Self {
             name: None,
-            rows: if short { AccessorSource::Short(mesh) } else { AccessorSource::Long(mesh) },
+            rows: if short { AccessorSource::Short(faces) } else { AccessorSource::Long(faces) },
         }
+    }
+
+    /// Bytes that are no rows of vertices.
+    pub fn bytes(bytes: &'a [u8]) -> Self {
+        Self { name: None, rows: AccessorSource::Bytes(bytes) }
     }
 
     /// The positions of a mesh about an origin.
@@ -72,9 +80,13 @@ impl<'a> AccessorStream<'a> {
         Ok(Self { name: Some(name), rows })
     }
 
-    /// `ELEMENT_ARRAY_BUFFER` or `ARRAY_BUFFER`.
-    pub fn target(&self) -> u32 {
-        if self.name.is_none() { 34963 } else { 34962 }
+    /// `ELEMENT_ARRAY_BUFFER` or `ARRAY_BUFFER`, for rows of vertices.
+    pub fn target(&self) -> Option<u32> {
+        match self.rows {
+            AccessorSource::Bytes(_) => None,
+            AccessorSource::Short(_) | AccessorSource::Long(_) => Some(34963),
+            _ => Some(34962),
+        }
     }
 
     /// `UNSIGNED_SHORT`, `UNSIGNED_INT` or `FLOAT`.
@@ -88,7 +100,7 @@ impl<'a> AccessorStream<'a> {
 
     fn width(&self) -> usize {
         match &self.rows {
-            AccessorSource::Short(_) | AccessorSource::Long(_) => 1,
+            AccessorSource::Short(_) | AccessorSource::Long(_) | AccessorSource::Bytes(_) => 1,
             AccessorSource::Positions(..) => 3,
             AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => attribute.width,
         }
@@ -109,7 +121,8 @@ impl<'a> AccessorStream<'a> {
     /// The number of elements.
     pub fn count(&self) -> usize {
         match &self.rows {
-            AccessorSource::Short(mesh) | AccessorSource::Long(mesh) => 3 * mesh.faces().len(),
+            AccessorSource::Short(faces) | AccessorSource::Long(faces) => 3 * faces.len(),
+            AccessorSource::Bytes(bytes) => bytes.len(),
             AccessorSource::Positions(mesh, _) => mesh.positions().len(),
             AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => {
                 attribute.values.len() / attribute.width
@@ -119,7 +132,11 @@ impl<'a> AccessorStream<'a> {
 
     /// The number of bytes without padding.
     pub fn n_bytes(&self) -> u64 {
-        let size = if matches!(self.rows, AccessorSource::Short(_)) { 2 } else { 4 };
+        let size = match self.rows {
+            AccessorSource::Bytes(_) => 1,
+            AccessorSource::Short(_) => 2,
+            _ => 4,
+        };
         (self.count() * self.width()) as u64 * size
     }
 
@@ -132,12 +149,13 @@ impl<'a> AccessorStream<'a> {
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let mut sink = ByteSink { out, bytes: Vec::with_capacity(BATCH + 16) };
         match &self.rows {
-            AccessorSource::Short(mesh) => {
-                mesh.faces().as_flattened().iter().try_for_each(|i| sink.put((*i as u16).to_le_bytes()))?;
+            AccessorSource::Short(faces) => {
+                faces.as_flattened().iter().try_for_each(|i| sink.put((*i as u16).to_le_bytes()))?;
             }
-            AccessorSource::Long(mesh) => {
-                mesh.faces().as_flattened().iter().try_for_each(|i| sink.put(i.to_le_bytes()))?;
+            AccessorSource::Long(faces) => {
+                faces.as_flattened().iter().try_for_each(|i| sink.put(i.to_le_bytes()))?;
             }
+            AccessorSource::Bytes(bytes) => sink.out.write_all(bytes)?,
             AccessorSource::Positions(mesh, origin) => {
                 for position in mesh.positions() {
                     stored(*position, *origin).into_iter().try_for_each(|x| sink.put(x.to_le_bytes()))?;

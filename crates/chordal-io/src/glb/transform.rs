@@ -43,6 +43,30 @@ pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Valu
     is_trs(&inner).then(|| vec![place([m[12], m[13], m[14]], [power; 3]), object("matrix", json!(inner))])
 }
 
+/// Takes translation, rotation and scale out of the properties of a node. They are its transform if they make
+/// its matrix, bit for bit.
+pub(super) fn own_properties(
+    properties: &mut Map<String, Value>,
+    matrix: &[f64; 16],
+) -> Option<Map<String, Value>> {
+    let mut own = Map::new();
+    for key in ["translation", "rotation", "scale"] {
+        own.extend(properties.shift_remove(key).map(|value| (key.to_owned(), value)));
+    }
+    let numbers = |key: &str, usual: &[f64]| -> Option<Vec<f64>> {
+        let Some(value) = own.get(key) else { return Some(usual.to_vec()) };
+        let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(Value::as_f64).collect();
+        numbers.filter(|numbers| numbers.len() == usual.len())
+    };
+    let [t, r, s] = [
+        numbers("translation", &[0.0; 3])?,
+        numbers("rotation", &[0.0, 0.0, 0.0, 1.0])?,
+        numbers("scale", &[1.0; 3])?,
+    ];
+    let made = compose([t[0], t[1], t[2]], [r[0], r[1], r[2], r[3]], [s[0], s[1], s[2]]);
+    (!own.is_empty() && made.map(f64::to_bits) == matrix.map(f64::to_bits)).then_some(own)
+}
+
 /// Translation and scale, each omitted where it is the identity.
 fn place(translation: [f64; 3], scale: [f64; 3]) -> Map<String, Value> {
     let mut map = Map::new();

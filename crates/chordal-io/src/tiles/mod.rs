@@ -6,11 +6,11 @@ mod parse;
 mod read;
 mod subtree;
 mod tileset;
-mod uri;
 mod write;
 
+pub use crate::files::FileOpener;
 pub use bounds::{aligned_box, content_bounds};
 pub use content::content;
-pub use read::{FileOpener, read};
+pub use read::read;
 pub use tileset::{BoundingVolume, ImplicitTiling, Refine, Subdivision, Tile, Tileset};
 pub use write::{InvalidTileset, TileFault, write};

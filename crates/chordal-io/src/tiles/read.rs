@@ -1,14 +1,11 @@
 //! The tileset reader: the tree of one file, and of the files that it references.
 use super::parse::{self, RawTileset, UnresolvedTile};
 use super::subtree::{self, TileCoordinates};
-use super::{ImplicitTiling, Refine, Tile, Tileset, uri};
+use super::{ImplicitTiling, Refine, Tile, Tileset};
+use crate::files::{self, FileOpener};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError, Warning};
 use std::collections::BTreeSet;
-
-/// Returns the bytes of a file by its path below the tileset's folder, or says why not. Such a path has no
-/// `..`, no scheme and no leading `/`. The opener must handle symbolic links that leave the folder.
-pub type FileOpener<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles reference and the subtrees of its implicit
 /// tilings; `open` returns those files. Contents other than tilesets are not opened.
@@ -114,7 +111,7 @@ impl TilesetReader<'_, '_> {
                 (FileLocation::Pointer("/root".to_owned()), what)
             });
         }
-        let above = ParentTile { error: own, refine: Refine::Replace, folder: uri::folder(path) };
+        let above = ParentTile { error: own, refine: Refine::Replace, folder: files::folder(path) };
         self.tile(&mut tileset.root, &mut pending.into_iter(), above, &mut "/root".to_owned())?;
         Ok(tileset)
     }
@@ -240,7 +237,7 @@ impl TilesetReader<'_, '_> {
             let bytes = self.file(&path).map_err(|error| ReadError { place: place(), ..error })?;
             let limits = self.limits;
             let mut other = |uri: &str| {
-                let path = resolved(self::uri::folder(&path), uri, "")?;
+                let path = resolved(self::files::folder(&path), uri, "")?;
                 self.file(&path)
             };
             let below = subtree::read(&bytes, rule, at, &mut found, limits, &mut other);
@@ -256,7 +253,7 @@ const MOST_FILES: usize = 16;
 
 /// The path that a URI resolves to.
 fn resolved(folder: &str, written: &str, pointer: &str) -> TilesetResult<String> {
-    uri::resolve(folder, written).map_err(|outside| {
+    files::resolve(folder, written).map_err(|outside| {
         let place = FileLocation::Pointer(pointer.to_owned());
         ReadError::new(outside.code(), place, format!("'{written}' {}", outside.reason()))
     })

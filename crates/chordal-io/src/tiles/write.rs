@@ -1,5 +1,6 @@
 //! The tileset writer.
-use super::{BoundingVolume, Refine, Tile, Tileset, uri};
+use super::{BoundingVolume, Refine, Tile, Tileset};
+use crate::files;
 use serde_json::{Map, Value, json};
 use std::fmt;
 
@@ -211,7 +212,7 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
         return Err(TileFault::BoxOutside);
     }
     let plain = |c: char| c.is_ascii_alphanumeric() || "-._~/".contains(c);
-    match tile.contents.iter().find(|uri| !uri.chars().all(plain) || uri::resolve("", uri).is_err()) {
+    match tile.contents.iter().find(|uri| !uri.chars().all(plain) || files::resolve("", uri).is_err()) {
         Some(uri) => Err(TileFault::BadUri(uri.clone())),
         None => Ok(volume),
     }

@@ -194,7 +194,7 @@ fn h41_other_files_are_never_opened() {
     let (mut json, bin) = triangle();
     put(&mut json, "/buffers/1", json!({ "uri": "../other.bin", "byteLength": 4 }));
     put(&mut json, "/images", json!([{ "uri": "../../../etc/passwd" }]));
-    assert_eq!(loaded(&json, &bin).1, ["images-dropped"]);
+    assert_eq!(loaded(&json, &bin).1, ["picture-missing"]);
 }
 
 #[test]

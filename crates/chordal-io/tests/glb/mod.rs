@@ -1,4 +1,5 @@
 //! GLB: what is written reads back, what is broken is refused, as gltf-validator would have it.
+mod assets;
 mod build;
 mod data;
 mod errors;

@@ -191,7 +191,13 @@ fn nodes_names_and_instances_come_back() {
         cube().positions().iter().map(|p| [p[0] + 1e6, p[1], p[2]]).collect(),
         cube().faces().to_vec(),
     );
-    let node = |name: &str, matrix, children, part| Node { name: name.to_owned(), matrix, children, part };
+    let node = |name: &str, matrix, children, part| Node {
+        name: name.to_owned(),
+        matrix,
+        children,
+        part,
+        ..Node::default()
+    };
     let identity = Scene::from_mesh("", cube(), Frame::default()).nodes[0].matrix;
     let mut moved = identity;
     moved[12..15].copy_from_slice(&[0.1, -2.0, 1e-3]);

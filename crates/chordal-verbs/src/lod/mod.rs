@@ -3,7 +3,8 @@ mod tileset;
 
 use crate::file_rows::to_file_rows;
 use crate::finish::too_fine_note;
-use crate::flatten::{self, MergedParts, TransformedScene};
+use crate::flatten::{self, TransformedScene};
+use crate::merge::{MergedMesh, merge};
 use crate::report::{
     BoundFacts, BudgetFacts, Certificate, CountedTriangles, LevelChoiceFacts, LevelFacts, LevelsFacts,
     Output, ViewFacts,
@@ -21,7 +22,7 @@ use chordal::lod::selection::{HYSTERESIS, SwitchDistances};
 use chordal::lod::{self, LodSource, LodSteps};
 use chordal::math::{Box3, lesser};
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::{Format, Frame, Scene, WriteError, glb};
+use chordal_io::{Format, Frame, Scene, SceneAssets, WriteError, glb};
 use serde_json::{Value, json};
 use std::io::Write;
 use tileset::TileHierarchy;
@@ -116,6 +117,10 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     certificate.budget = Some(BudgetFacts::new(&Budget::length(finest)));
     let frame = *input.shape.frame();
     let from = input.format;
+    let assets = match &input.shape {
+        Shape::Scene(scene) => scene.assets.materials_only(),
+        _ => SceneAssets::default(),
+    };
     // Rounding to single precision is about the same for every level.
     let request = MeshRequest::new(Budget::length(finest), Format::Glb, place);
     let mut inner = request.reserve_rounding(request.rounding())?;
@@ -150,7 +155,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     }
     let more = Bound::proved(0.0, moved, Reference::InputTriangles);
     let moved = |bound: Bound| if moved > 0.0 { bound.then(&more) } else { bound };
-    let looks = LevelShading { normals: spec.normals, from: normals_by(from), frame };
+    let looks = LevelShading { normals: spec.normals, from: normals_by(from), frame, assets };
     let is_cut = chain.first().is_some_and(|finest| finest.mesh.faces().len() > whole);
     let made = if is_cut {
         let finest = chain.into_iter().next().map(|level| (level.mesh, moved(level.bound)));
@@ -206,6 +211,15 @@ struct LevelShading {
     normals: Normals,
     from: Format,
     frame: Frame,
+    /// The materials.
+    assets: SceneAssets,
+}
+
+impl LevelShading {
+    /// A level as a scene.
+    fn scene(&self, mesh: Mesh) -> Scene {
+        Scene { assets: self.assets.clone(), ..Scene::from_mesh(NAME, mesh, self.frame) }
+    }
 }
 
 impl LevelMesh {
@@ -218,7 +232,7 @@ impl LevelMesh {
     ) -> Result<Self, MeshFailure> {
         let request = MeshRequest::new(Budget::default(), Format::Glb, mesh.bounds());
         let Bounded { shape: mesh, bound } = request.snap(mesh, bound, job)?;
-        let mut scene = Scene::from_mesh(NAME, mesh, looks.frame);
+        let mut scene = looks.scene(mesh);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
         let (triangles, vertices) = counts(&scene);
@@ -312,9 +326,14 @@ impl LevelMesher<'_> {
                 (part.mesh, moved_at_most, topology)
             }));
         }
-        notes.push(format!("{shown} parts were put together; what their corners carry was left out").into());
-        let assembled = MergedParts::from_scene(&scene, Topology::Indices)?;
-        Ok(Some((assembled.mesh, moved_at_most, Topology::Indices)))
+        notes.push(format!("{shown} parts were put together").into());
+        let meshes: Vec<Mesh> =
+            scene.world_meshes()?.into_iter().map(|(_, mesh)| mesh.into_owned()).collect();
+        let MergedMesh { mesh, is_partial } = merge(&meshes.iter().collect::<Vec<_>>())?;
+        if is_partial {
+            notes.push("what only some of the parts carry at their vertices was left out".into());
+        }
+        Ok(Some((mesh, moved_at_most, Topology::Indices)))
     }
 
     /// Triangles within a tolerance of a smooth shape, at full precision.

@@ -1,5 +1,5 @@
 //! Levels as 3D Tiles: a chain, or a tree of regions.
-use super::{LevelMesh, LevelShading, LodLayout, LodOutcome, NAME, TileErrors, counts, file_extras};
+use super::{LevelMesh, LevelShading, LodLayout, LodOutcome, TileErrors, counts, file_extras};
 use crate::MeshFailure;
 use crate::file_rows::{to_file_rows, unsupported};
 use crate::flatten;
@@ -14,7 +14,7 @@ use chordal::lod::{self, ReductionStats};
 use chordal::math::{Box3, add_up, greater, mul_up};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::tiles::{self, Tile, Tileset};
-use chordal_io::{Axis, Format, Frame, Scene, WriteError, glb, snap};
+use chordal_io::{Axis, Format, Frame, WriteError, glb, snap};
 use serde_json::{Value, json};
 
 /// A finest level that is cut in space, with all coarser levels.
@@ -52,7 +52,7 @@ impl TileHierarchy {
         let snapped = snap(&local, Format::Stl)?;
         let bound =
             bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
-        let mut scene = Scene::from_mesh(NAME, snapped.mesh, looks.frame);
+        let mut scene = looks.scene(snapped.mesh);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
         let Some(part) = scene.parts.first() else {
@@ -78,7 +78,7 @@ impl TileHierarchy {
             let snapped = snap(&tile.mesh, Format::Stl)?;
             let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
             let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
-            let scene = to_file_rows(Scene::from_mesh(NAME, snapped.mesh, looks.frame), Format::Glb)?;
+            let scene = to_file_rows(looks.scene(snapped.mesh), Format::Glb)?;
             let (triangles, vertices) = counts(&scene);
             tiles.push(LevelMesh { scene, bound, triangles, vertices });
             children.push(tile.children);

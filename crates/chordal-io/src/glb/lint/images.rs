@@ -48,7 +48,7 @@ impl<'a> GltfLint<'a> {
         self.name(map);
         self.extensions(map, ExtensionHost::Other);
         let extended = map.get("extensions").is_some_and(|all| !all.entries().is_empty());
-        GltfImage { view, mime, data, extended, found: None }
+        GltfImage { view, uri, mime, data, extended, found: None }
     }
 
     pub(super) fn link_images(&mut self, model: &GltfModel<'a>, uses: &mut UseTable) {

@@ -1,7 +1,13 @@
-//! Resolves relative URIs to paths below a tileset's folder, and refuses all others.
+//! Files beside the one that is read: resolves their relative URIs to paths below its folder, and refuses all
+//! others.
+
+/// Returns the bytes of a file by its path below the folder of the file that is read, or says why not. Such a
+/// path has no `..`, no scheme and no leading `/`. The opener must handle symbolic links that leave the
+/// folder.
+pub type FileOpener<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// Why a URI names no file below the folder.
-pub(super) enum UriError {
+pub(crate) enum UriError {
     /// It has a scheme, as in `https:`.
     Scheme,
     /// It is absolute: it begins at the root of a server or disk.
@@ -23,9 +29,11 @@ impl UriError {
 
     pub fn reason(&self) -> &'static str {
         match self {
-            Self::Scheme => "has a scheme: only files below the tileset's folder are read, never the network",
-            Self::Absolute => "is absolute: only files below the tileset's folder are read",
-            Self::Above => "leads out of the tileset's folder",
+            Self::Scheme => {
+                "has a scheme: only files below the folder of the first are read, never the network"
+            }
+            Self::Absolute => "is absolute: only files below the folder of the first are read",
+            Self::Above => "leads out of the folder of the first file",
             Self::NoFile => "names no file",
         }
     }
@@ -35,7 +43,7 @@ impl UriError {
 /// path itself.
 ///
 /// Escapes are decoded first, so that none of them hides a dot or a slash.
-pub(super) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {
+pub(crate) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {
     let end = uri.find(['?', '#']).unwrap_or(uri.len());
     let path = decoded(&uri[..end]).ok_or(UriError::NoFile)?;
     if path.starts_with(['/', '\\']) {
@@ -66,7 +74,7 @@ pub(super) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {
 }
 
 /// The folder of a path.
-pub(super) fn folder(path: &str) -> &str {
+pub(crate) fn folder(path: &str) -> &str {
     path.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 

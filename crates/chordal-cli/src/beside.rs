@@ -1,0 +1,57 @@
+//! Reading the files that a file names beside it, and none outside its folder.
+use crate::fault::{Fault, plainly};
+use crate::input::InputSource;
+use std::path::{Path, PathBuf};
+
+/// All bytes of a file by its path below the folder of the file `first`, at most `limit`.
+///
+/// # Errors
+/// As a sentence: when it is no regular file, cannot be read, is larger than `limit`, changes while it is
+/// read, or is reached by a link that leads out of the folder.
+pub fn read_beside(first: &Path, path: &str, limit: u64) -> Result<Vec<u8>, String> {
+    let full = below(first.parent().unwrap_or(Path::new("")), path)?;
+    let without_name = |fault: Fault| {
+        let line = fault.lines.into_iter().next().unwrap_or_default();
+        line.rsplit_once(": ").map_or(line.clone(), |(_, what)| what.to_owned())
+    };
+    InputSource::File(full).read(limit).map_err(without_name)
+}
+
+/// The file that a path below `folder` leads to, links followed.
+fn below(folder: &Path, path: &str) -> Result<PathBuf, String> {
+    let whole = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));
+    // Of a file in the working folder the parent is empty.
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let full = whole(&folder.join(path))?;
+    if full.starts_with(whole(folder)?) { Ok(full) } else { Err("it is a link out of the folder".to_owned()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_testkit::Folder;
+
+    #[test]
+    fn links_out_of_the_folder_and_what_is_no_file_are_refused() {
+        let outside = Folder::new("outside");
+        let secret = outside.file("secret.bin", "secret");
+        let folder = Folder::new("beside");
+        let first = folder.file("a.gltf", "{}");
+        let near = folder.file("a.bin", "near");
+        let read = |path: &str, limit: u64| read_beside(Path::new(&first), path, limit);
+        assert_eq!(read("a.bin", 100).unwrap(), b"near");
+        assert!(read("a.bin", 3).unwrap_err().contains("limit"));
+        assert_eq!(read("b.bin", 100).unwrap_err(), "no such file or directory");
+        std::fs::create_dir(folder.path("c")).unwrap();
+        assert!(read("c", 100).unwrap_err().contains("a folder"));
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(&secret, folder.path("d.bin")).unwrap();
+            assert!(read("d.bin", 100).unwrap_err().contains("out of the folder"));
+            std::os::unix::fs::symlink(&near, folder.path("e.bin")).unwrap();
+            assert_eq!(read("e.bin", 100).unwrap(), b"near");
+        }
+        #[cfg(not(unix))]
+        assert!(!secret.is_empty() && !near.is_empty());
+    }
+}

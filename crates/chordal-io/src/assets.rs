@@ -1,0 +1,107 @@
+//! `SceneAssets`: what a scene has beside its meshes and the nodes that place them: materials with their
+//! textures, cameras, lights, animations.
+use serde_json::{Map, Value};
+use std::sync::Arc;
+
+/// What a scene has beside its meshes and nodes, in the terms of glTF: each list holds glTF's objects, which
+/// name each other by index. It is carried from a reader to a writer, and nothing in between looks inside.
+///
+/// A face attribute [`Semantic::Group`](chordal::explicit::Semantic::Group) of the kind [`MATERIAL`] names
+/// materials: number n is `materials[n - 1]`, and 0 is none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneAssets {
+    /// The materials, which name textures.
+    pub materials: Vec<Value>,
+    /// The textures, each an image with a sampler.
+    pub textures: Vec<Value>,
+    /// How textures are filtered and repeated.
+    pub samplers: Vec<Value>,
+    /// The images.
+    pub images: Vec<SceneImage>,
+    /// The cameras, which nodes name.
+    pub cameras: Vec<Value>,
+    /// The animations of nodes, which name `accessors`.
+    pub animations: Vec<Value>,
+    /// The numbers of animations.
+    pub accessors: Vec<PackedAccessor>,
+    /// Extensions of the file as a whole: lights, which nodes name.
+    pub extensions: Map<String, Value>,
+    /// Names of extensions without which the file means something else.
+    pub required_extensions: Vec<String>,
+    /// What the file says of itself: its copyright, and extras.
+    pub about: Map<String, Value>,
+}
+
+/// The kind of the groups of faces that name materials.
+pub const MATERIAL: &str = "material";
+
+/// An image of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneImage {
+    /// Its name, media type and extras.
+    pub properties: Map<String, Value>,
+    /// Where its pixels are.
+    pub content: ImageContent,
+}
+
+/// Where the pixels of an image are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ImageContent {
+    /// A whole picture file.
+    Bytes(Arc<[u8]>),
+    /// In another file, which was not opened.
+    Uri(String),
+}
+
+/// Rows of numbers, one after another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackedAccessor {
+    /// Type, component type, count, bounds.
+    pub properties: Map<String, Value>,
+    /// The rows without gaps, little-endian.
+    pub bytes: Arc<[u8]>,
+}
+
+impl SceneAssets {
+    /// The materials with all that they need: what holds for meshes that other nodes show.
+    #[must_use]
+    pub fn materials_only(&self) -> Self {
+        Self {
+            materials: self.materials.clone(),
+            textures: self.textures.clone(),
+            samplers: self.samplers.clone(),
+            images: self.images.clone(),
+            required_extensions: self.required_extensions.clone(),
+            about: self.about.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// The names of the extensions that its objects use, in order.
+    pub(crate) fn used_extensions(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        let lists = [&self.materials, &self.textures, &self.samplers, &self.cameras, &self.animations];
+        lists.into_iter().flatten().for_each(|object| collect_extensions(object, &mut names));
+        self.images.iter().for_each(|image| collect_of_members(&image.properties, &mut names));
+        names.extend(self.extensions.keys().cloned());
+        names
+    }
+}
+
+/// Adds the names of the extensions of an object and of those in it. Extras are data of others.
+pub(crate) fn collect_extensions(value: &Value, names: &mut Vec<String>) {
+    match value {
+        Value::Object(members) => collect_of_members(members, names),
+        Value::Array(items) => items.iter().for_each(|item| collect_extensions(item, names)),
+        _ => {}
+    }
+}
+
+pub(crate) fn collect_of_members(members: &Map<String, Value>, names: &mut Vec<String>) {
+    for (key, value) in members.iter().filter(|(key, _)| *key != "extras") {
+        if let (true, Value::Object(extensions)) = (key == "extensions", value) {
+            names.extend(extensions.keys().cloned());
+        }
+        collect_extensions(value, names);
+    }
+}

@@ -1,0 +1,270 @@
+//! Reads what a file has beside meshes and nodes into [`SceneAssets`].
+use super::accessor_rows::AccessorRows;
+use super::format::ComponentType;
+use super::json::JsonValue;
+use super::model::{GltfBufferView, GltfModel, item};
+use super::report::GlbWarnings;
+use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage};
+use crate::{FileLocation, ReadError};
+use serde_json::{Map, Value, json};
+
+/// Extensions of a file or a node that name nothing but lists that are kept.
+const KEPT_EXTENSIONS: [&str; 3] = ["KHR_lights_punctual", "KHR_node_visibility", "KHR_xmp_json_ld"];
+
+/// The assets of a file.
+pub(super) struct AssetReader<'a> {
+    json: &'a JsonValue,
+    model: &'a GltfModel<'a>,
+    /// Bytes that may still be copied.
+    left: u64,
+    pub report: GlbWarnings,
+}
+
+/// The members of an object but for some.
+fn members_without(object: &JsonValue, left_out: &[&str]) -> Map<String, Value> {
+    let kept = object.entries().iter().filter(|(key, _)| !left_out.contains(&&**key));
+    kept.map(|(key, value)| (key.to_string(), value.to_value())).collect()
+}
+
+/// The material that the writer gives to meshes without one: glTF's default is a metal, which viewers without
+/// an environment show black. `open` where triangles are seen from behind.
+pub(super) fn plain_material(open: bool) -> Value {
+    let mut plain = json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } });
+    if open {
+        plain["doubleSided"] = json!(true);
+    }
+    plain
+}
+
+impl<'a> AssetReader<'a> {
+    /// Starts on a file of which at most `left` bytes may be copied.
+    pub fn new(json: &'a JsonValue, model: &'a GltfModel<'a>, left: u64) -> Self {
+        Self { json, model, left, report: GlbWarnings::default() }
+    }
+
+    fn list(&self, key: &str) -> &'a [JsonValue] {
+        self.json.get(key).and_then(JsonValue::items).unwrap_or_default()
+    }
+
+    fn values(&self, key: &str) -> Vec<Value> {
+        self.list(key).iter().map(JsonValue::to_value).collect()
+    }
+
+    /// Everything but materials; `number_of` is the new number of a node that is kept.
+    pub fn assets(&mut self, number_of: impl Fn(usize) -> Option<usize>) -> Result<SceneAssets, ReadError> {
+        let mut assets = SceneAssets {
+            textures: self.values("textures"),
+            samplers: self.values("samplers"),
+            cameras: self.values("cameras"),
+            required_extensions: self
+                .model
+                .extensions_required
+                .iter()
+                .map(|name| (*name).to_owned())
+                .collect(),
+            ..SceneAssets::default()
+        };
+        assets.images = (0..self.list("images").len()).map(|i| self.image(i)).collect::<Result<_, _>>()?;
+        self.add_animations(&mut assets, number_of)?;
+        let extensions = self.json.get("extensions").map_or(&[][..], JsonValue::entries);
+        assets.extensions = self.kept_extensions(extensions, "/extensions");
+        if let Some(asset) = self.json.get("asset") {
+            assets.about = members_without(asset, &["version", "minVersion", "generator", "extensions"]);
+            if let Some(Value::Object(extras)) = assets.about.get_mut("extras") {
+                // The certificate is of the file that was read.
+                extras.shift_remove("chordal");
+                if extras.is_empty() {
+                    assets.about.shift_remove("extras");
+                }
+            }
+        }
+        Ok(assets)
+    }
+
+    /// The materials, and the group of faces that each of the file's becomes: 0 for one that the writer would
+    /// give to a bare mesh.
+    pub fn materials(&self) -> (Vec<Value>, Vec<usize>) {
+        let plain = [plain_material(false), plain_material(true)];
+        let (mut materials, mut groups) = (Vec::new(), Vec::new());
+        for material in self.values("materials") {
+            groups.push(if plain.contains(&material) {
+                0
+            } else {
+                materials.push(material);
+                materials.len()
+            });
+        }
+        (materials, groups)
+    }
+
+    /// What a node has beside name, children, mesh and matrix.
+    pub fn node_properties(&mut self, i: usize) -> Map<String, Value> {
+        let Some(node) = self.list("nodes").get(i) else { return Map::new() };
+        let left_out = ["name", "children", "mesh", "matrix", "skin", "weights", "extensions"];
+        let mut properties = members_without(node, &left_out);
+        if node.get("weights").is_some() {
+            let place = FileLocation::Pointer(format!("/nodes/{i}/weights"));
+            self.report.add("morph-targets-ignored", place, "morph targets were not applied");
+        }
+        let extensions = node.get("extensions").map_or(&[][..], JsonValue::entries);
+        let extensions = self.kept_extensions(extensions, &format!("/nodes/{i}/extensions"));
+        if !extensions.is_empty() {
+            properties.insert("extensions".to_owned(), Value::Object(extensions));
+        }
+        properties
+    }
+
+    fn kept_extensions(&mut self, all: &[(Box<str>, JsonValue)], pointer: &str) -> Map<String, Value> {
+        let mut kept = Map::new();
+        for (name, value) in all {
+            if KEPT_EXTENSIONS.contains(&&**name) {
+                kept.insert(name.to_string(), value.to_value());
+            } else if &**name != super::LOD {
+                let place = FileLocation::Pointer(format!("{pointer}/{name}"));
+                let what = format!("what extension {name} says was not kept");
+                self.report.add("extension-dropped", place, what);
+            }
+        }
+        kept
+    }
+
+    fn image(&mut self, i: usize) -> Result<SceneImage, ReadError> {
+        let properties = members_without(&self.list("images")[i], &["bufferView", "uri", "mimeType"]);
+        let mut image = SceneImage { properties, content: ImageContent::Uri(String::new()) };
+        let Some(found) = item(&self.model.images, Some(i)) else { return Ok(image) };
+        let bytes = found.data.as_deref().or_else(|| view_bytes(self.model, found.view));
+        let mime = found.mime.or(found.found);
+        image.content = match bytes.zip(mime) {
+            Some((bytes, mime)) => {
+                self.charge(bytes.len() as u64, || format!("/images/{i}"))?;
+                image.properties.insert("mimeType".to_owned(), json!(mime));
+                ImageContent::Bytes(bytes.into())
+            }
+            None => {
+                let uri = found.uri.unwrap_or_default();
+                if let Some(mime) = found.mime {
+                    image.properties.insert("mimeType".to_owned(), json!(mime));
+                }
+                if found.data.is_none() && bytes.is_none() {
+                    let place = FileLocation::Pointer(format!("/images/{i}"));
+                    let what = "pictures in other files were not opened: their names are kept";
+                    self.report.add("picture-missing", place, what);
+                }
+                ImageContent::Uri(uri.to_owned())
+            }
+        };
+        Ok(image)
+    }
+
+    fn charge(&mut self, bytes: u64, pointer: impl Fn() -> String) -> Result<(), ReadError> {
+        let Some(left) = self.left.checked_sub(bytes) else {
+            let what = format!("what is kept passes the limits: {bytes} bytes more, {} are left", self.left);
+            return Err(ReadError::new("too-large", FileLocation::Pointer(pointer()), what));
+        };
+        self.left = left;
+        Ok(())
+    }
+
+    /// The animations of nodes' transforms; others are counted.
+    fn add_animations(
+        &mut self,
+        assets: &mut SceneAssets,
+        number_of: impl Fn(usize) -> Option<usize>,
+    ) -> Result<(), ReadError> {
+        let mut packed = vec![None; self.model.accessors.len()];
+        for (i, animation) in self.list("animations").iter().enumerate() {
+            let mut object = members_without(animation, &["channels", "samplers"]);
+            let mut samplers: Vec<Value> = animation
+                .get("samplers")
+                .and_then(JsonValue::items)
+                .unwrap_or_default()
+                .iter()
+                .map(JsonValue::to_value)
+                .collect();
+            let mut channels = Vec::new();
+            for channel in animation.get("channels").and_then(JsonValue::items).unwrap_or_default() {
+                let target = channel.get("target");
+                let path = target.and_then(|target| target.get("path")).and_then(JsonValue::text);
+                let node = target.and_then(|target| target.get("node")).and_then(JsonValue::integer);
+                let node = node.and_then(|node| number_of(usize::try_from(node).ok()?));
+                match (path, node) {
+                    (Some("translation" | "rotation" | "scale"), Some(node)) => {
+                        let mut channel = channel.to_value();
+                        channel["target"]["node"] = json!(node);
+                        channels.push(channel);
+                    }
+                    _ => {
+                        let place = FileLocation::Pointer(format!("/animations/{i}/channels"));
+                        let what = "animations of anything but a node's transform were not kept";
+                        self.report.add("animations-dropped", place, what);
+                    }
+                }
+            }
+            if channels.is_empty() || !self.pack_samplers(&mut samplers, &mut packed, assets)? {
+                continue;
+            }
+            object.insert("channels".to_owned(), json!(channels));
+            object.insert("samplers".to_owned(), json!(samplers));
+            assets.animations.push(Value::Object(object));
+        }
+        Ok(())
+    }
+
+    /// Copies the numbers of samplers, and numbers them anew. False where some are missing.
+    fn pack_samplers(
+        &mut self,
+        samplers: &mut [Value],
+        packed: &mut [Option<usize>],
+        assets: &mut SceneAssets,
+    ) -> Result<bool, ReadError> {
+        for sampler in samplers {
+            for key in ["input", "output"] {
+                let accessor =
+                    sampler.get(key).and_then(Value::as_u64).and_then(|at| usize::try_from(at).ok());
+                let Some((accessor, slot)) = accessor.and_then(|at| Some((at, packed.get_mut(at)?))) else {
+                    return Ok(false);
+                };
+                let at = match *slot {
+                    Some(at) => at,
+                    None => {
+                        let Ok(rows) = AccessorRows::new(self.model, accessor) else { return Ok(false) };
+                        self.charge(rows.n_bytes(), || format!("/accessors/{accessor}"))?;
+                        assets.accessors.push(self.packed(accessor, &rows));
+                        assets.accessors.len() - 1
+                    }
+                };
+                *slot = Some(at);
+                sampler[key] = json!(at);
+            }
+        }
+        Ok(true)
+    }
+
+    fn packed(&self, accessor: usize, rows: &AccessorRows<'_>) -> PackedAccessor {
+        let left_out = ["bufferView", "byteOffset", "sparse", "extensions", "extras"];
+        let properties =
+            self.list("accessors").get(accessor).map(|object| members_without(object, &left_out));
+        let mut bytes = Vec::new();
+        rows.each(|_, row| row.iter().for_each(|x| put(rows.format.component, *x, &mut bytes)));
+        PackedAccessor { properties: properties.unwrap_or_default(), bytes: bytes.into() }
+    }
+}
+
+/// Appends a number that was read from a component of this type.
+fn put(component: ComponentType, x: f64, bytes: &mut Vec<u8>) {
+    match component {
+        ComponentType::I8 => bytes.extend((x as i8).to_le_bytes()),
+        ComponentType::U8 => bytes.push(x as u8),
+        ComponentType::I16 => bytes.extend((x as i16).to_le_bytes()),
+        ComponentType::U16 => bytes.extend((x as u16).to_le_bytes()),
+        ComponentType::U32 => bytes.extend((x as u32).to_le_bytes()),
+        ComponentType::F32 => bytes.extend((x as f32).to_le_bytes()),
+    }
+}
+
+fn view_bytes<'m>(model: &'m GltfModel<'_>, view: Option<usize>) -> Option<&'m [u8]> {
+    let GltfBufferView { buffer, offset, length, compressed, .. } = item(&model.views, view)?;
+    let data = item(&model.buffers, *buffer)?.data.as_deref().filter(|_| !compressed)?;
+    let start = usize::try_from((*offset)?).ok()?;
+    data.get(start..)?.get(..usize::try_from((*length)?).ok()?)
+}
