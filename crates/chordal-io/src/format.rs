@@ -5,7 +5,7 @@ use crate::files::FileOpener;
 use crate::scene::{ReadOutcome, Scene};
 use crate::text::is_space;
 use crate::{Limits, Polygons, Volume};
-use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm};
+use crate::{bpt, glb, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, vm};
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
 use std::fmt;
@@ -39,6 +39,8 @@ pub enum Format {
     Glb,
     /// glTF 2.0 as JSON, with buffers and pictures in it or beside it.
     Gltf,
+    /// Geomview's OFF, text or binary.
+    Off,
     /// Scalable Vector Graphics.
     Svg,
     /// An expression graph as an op list, in fidget's text format.
@@ -58,7 +60,8 @@ pub enum Format {
 pub enum VertexRows {
     /// One row for each vertex of the mesh.
     Mesh,
-    /// One row for each position; attributes have rows of their own.
+    /// One row for each position; attributes have rows of their own, or are kept where vertices of one
+    /// position agree in them.
     Positions,
     /// One row for each vertex, split where corners differ in an attribute.
     Split,
@@ -166,7 +169,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 14] = [
+static TABLE: [FormatRow; 15] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -226,6 +229,20 @@ static TABLE: [FormatRow; 14] = [
         ..only_read(Format::Gltf, "gltf", |bytes| glb::looks_like_json(text_start(bytes)), glb::read)
     },
     FormatRow {
+        triangles: Some(TriangleFormat {
+            write: off::write,
+            rows: VertexRows::Positions,
+            precision: PositionPrecision::Double,
+            polygons: Some(PolygonFormat { write: off::write_polygons, is_cage: false }),
+            has_parts: false,
+            has_nodes: false,
+            wants_normals: false,
+            has_certificate: true,
+            keeps: Some(off::keeps),
+        }),
+        ..only_read(Format::Off, "off", |bytes| off::looks_like(text_start(bytes)), off::read)
+    },
+    FormatRow {
         polylines: Some(svg::write),
         ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
     },
@@ -258,12 +275,13 @@ static TABLE: [FormatRow; 14] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 13] = [
+const BY_CONTENT: [Format; 14] = [
     Format::Glb,
     Format::Npy,
     Format::Nrrd,
     Format::Nii,
     Format::Ply,
+    Format::Off,
     Format::Stl,
     Format::Gltf,
     Format::Json,
@@ -427,7 +445,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, svg, vm, npy, nrrd, nii and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, svg, vm, npy, nrrd, nii and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

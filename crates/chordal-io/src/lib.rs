@@ -22,6 +22,7 @@ pub mod npy;
 pub mod nrrd;
 mod number;
 pub mod obj;
+pub mod off;
 pub mod ply;
 pub mod png;
 mod polygons;

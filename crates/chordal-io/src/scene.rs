@@ -13,7 +13,7 @@ pub struct Part {
     pub name: String,
     /// The triangles.
     pub mesh: Mesh,
-    /// Whether vertices are tied by the file's own position indices (OBJ, PLY). False where the format has
+    /// Whether vertices are tied by the file's own position indices (OBJ, PLY, OFF). False where the format has
     /// none (STL, glTF) and bit-identical positions tie them.
     pub indexed: bool,
 }

@@ -35,7 +35,7 @@ impl std::error::Error for CoordinateOverflow {}
 
 /// Returns the mesh with every position as it reads back from `format`.
 ///
-/// OBJ and PLY hold f64 exactly, STL rounds to f32, GLB rounds to f32 about an origin that it chooses.
+/// OBJ, PLY and OFF hold f64 exactly, STL rounds to f32, GLB rounds to f32 about an origin that it chooses.
 /// Snapping is idempotent. `moved_at_most` covers all rounding, including that of the reader's sum.
 ///
 /// Linear in the number of vertices.
@@ -149,7 +149,7 @@ mod tests {
     proptest! {
         #[test]
         fn snapping_twice_moves_nothing(mesh in any_cloud()) {
-            for format in [Format::Glb, Format::Stl, Format::Obj, Format::Ply] {
+            for format in [Format::Glb, Format::Stl, Format::Obj, Format::Ply, Format::Off] {
                 let once = snap(&mesh, format).unwrap();
                 let twice = snap(&once.mesh, format).unwrap();
                 prop_assert_eq!(twice.moved_at_most, 0.0);

@@ -34,6 +34,14 @@ fn naive_counts(bytes: &[u8], format: Format) -> Option<(usize, usize)> {
             let n = if bytes.len() == 84 + 50 * binary { binary } else { n };
             Some((3 * n, n))
         }
+        Format::Off => {
+            let words = |line: &str| line.split('#').next().unwrap_or("").trim().replace("OFF", " ");
+            let rows: Vec<String> = text.lines().map(words).filter(|line| !line.trim().is_empty()).collect();
+            let number = |i: usize, k: usize| rows[i].split_whitespace().nth(k)?.parse::<usize>().ok();
+            let (n_positions, n_faces) = (number(0, 0)?, number(0, 1)?);
+            let corners = (0..n_faces).map(|i| number(1 + n_positions + i, 0));
+            Some((n_positions, corners.map(|n| n.unwrap_or(0).saturating_sub(2)).sum()))
+        }
         _ => None,
     }
 }
@@ -61,6 +69,8 @@ fn known_models_have_the_counts_that_they_are_known_for() {
         ("mesh/common/data/suzanne.obj", 507, 507, 968),
         ("mesh/trimesh/models/featuretype.STL", 10_428, 2_010, 3_476),
         ("corner/assimp/test/models/STL/Spider_binary.stl", 4_104, 722, 1_368),
+        ("mesh/libigl/lion.off", 8_356, 8_356, 16_674),
+        ("corner/trimesh/models/whitespace.off", 8, 8, 12),
     ] {
         let bytes = std::fs::read(data.join(path)).expect("readable");
         let format = Format::from_extension(path.rsplit('.').next().unwrap()).expect("known");

@@ -249,23 +249,6 @@ fn h20_positions_that_are_not_finite_are_dropped_only_when_asked() {
 }
 
 #[test]
-fn h26_h27_an_off_file_is_no_ply_and_its_counts_reserve_nothing() {
-    for off in [
-        "OFF\n2000000000 1 0\n",
-        "OFF\n-1 -1 0\n",
-        "OFF\n353535235358 1 0\n",
-        "COFF\n1 1 0\n",
-        "4OFF BINARY\n",
-    ] {
-        for format in [Format::Ply, Format::Stl, Format::Obj, Format::Bpt, Format::Teaset, Format::Json] {
-            refuse(off.as_bytes(), format);
-        }
-        assert_eq!(Format::sniff(off.as_bytes()), None);
-    }
-    assert_eq!(Format::from_extension("off"), None);
-}
-
-#[test]
 fn h28_empty_and_foreign_files_are_refused() {
     for bytes in [&b""[..], b"\n", b"p", b"ply", b"plyx\n", b"solid s\nendsolid\n", b"v 0 0 0\n", b"\0\0\0\0"]
     {

@@ -6,7 +6,8 @@ use chordal_testkit::Random;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
 use chordal_io::{
-    Content, Format, Frame, Limits, Node, Part, ReadOutcome, Scene, WriteError, losses, obj, ply, read, stl,
+    Content, Format, Frame, Limits, Node, Part, ReadOutcome, Scene, WriteError, losses, obj, off, ply, read,
+    stl,
 };
 use common::{count, load_scene};
 use serde_json::{Value, json};
@@ -16,6 +17,7 @@ fn write(scene: &Scene, format: Format, certificate: Option<&Value>) -> Vec<u8> 
     let result = match format {
         Format::Obj => obj::write(scene, certificate, &mut bytes),
         Format::Ply => ply::write(scene, certificate, &mut bytes),
+        Format::Off => off::write(scene, certificate, &mut bytes),
         Format::Stl => stl::write(scene, certificate, &mut bytes),
         other => panic!("no writer of {other} here"),
     };
@@ -199,7 +201,7 @@ fn the_certificate_travels_to_the_last_bit() {
         "bound": { "at_most": 0.000_977_138_471_238_471_2, "at_least": 7.1e-4, "at": [1.0, -0.1, 1e-300] },
         "notes": ["a line\nbreak, a \"quote\" and an é", ""],
     });
-    for format in [Format::Obj, Format::Ply] {
+    for format in [Format::Obj, Format::Ply, Format::Off] {
         let bytes = write(&scene_of(cube()), format, Some(&certificate));
         let (scene, warnings) = load_scene(&bytes, format);
         assert_eq!(scene.certificate.as_ref(), Some(&certificate), "{format}");
@@ -236,7 +238,7 @@ fn colours_come_back_exactly_where_the_format_holds_them() {
         let plain = Mesh::new(cube().positions().to_vec(), cube().faces().to_vec()).unwrap();
         plain.with_attribute(vertex(Semantic::Color(0), 4, values)).unwrap()
     };
-    for format in [Format::Obj, Format::Ply] {
+    for format in [Format::Obj, Format::Ply, Format::Off] {
         let back = there_and_back(&mesh(bytes.clone()), format);
         assert_eq!(back.attribute(&Semantic::Color(0)).unwrap().values, bytes, "{format}");
     }
@@ -287,7 +289,7 @@ fn nodes_are_applied_and_a_mirror_keeps_the_front() {
         roots: vec![0],
         ..Scene::default()
     };
-    for format in [Format::Obj, Format::Ply, Format::Stl] {
+    for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off] {
         let (back, _) = load_scene(&write(&scene, format, None), format);
         let mesh = &back.parts[0].mesh;
         assert_eq!(mesh.faces().len(), 24, "{format}");
@@ -337,11 +339,12 @@ fn scenes_that_no_format_can_hold_are_refused_by_name() {
         (with(vec![node(huge, vec![1], None), node(wide, vec![], Some(0))], vec![0]), "not finite"),
     ];
     for (scene, words) in cases {
-        for format in [Format::Obj, Format::Ply, Format::Stl] {
+        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off] {
             let mut sink = Vec::new();
             let error = match format {
                 Format::Obj => obj::write(&scene, None, &mut sink),
                 Format::Ply => ply::write(&scene, None, &mut sink),
+                Format::Off => off::write(&scene, None, &mut sink),
                 _ => stl::write(&scene, None, &mut sink),
             };
             let message = error.unwrap_err().to_string();
@@ -371,13 +374,14 @@ impl std::io::Write for Full {
 
 #[test]
 fn a_sink_that_fails_is_an_error_wherever_it_fails() {
-    for format in [Format::Obj, Format::Ply, Format::Stl] {
+    for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off] {
         let size = write(&scene_of(cube()), format, None).len();
         for room in [0, 1, size - 1] {
             let mut full = Full(room);
             let result = match format {
                 Format::Obj => obj::write(&scene_of(cube()), None, &mut full),
                 Format::Ply => ply::write(&scene_of(cube()), None, &mut full),
+                Format::Off => off::write(&scene_of(cube()), None, &mut full),
                 _ => stl::write(&scene_of(cube()), None, &mut full),
             };
             assert!(matches!(result, Err(WriteError::Io(_))), "{format} {room}");

@@ -5,7 +5,9 @@ mod common;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::explicit::{Curve, CurveSegment};
-use chordal_io::{Content, Format, Frame, Limits, ReadError, ReadOutcome, Scene, obj, ply, read, stl, tiles};
+use chordal_io::{
+    Content, Format, Frame, Limits, ReadError, ReadOutcome, Scene, obj, off, ply, read, stl, tiles,
+};
 use chordal_testkit::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -114,6 +116,7 @@ fn written(scene: &Scene, format: Format) -> Vec<u8> {
     match format {
         Format::Obj => obj::write(scene, Some(&certificate), &mut bytes),
         Format::Ply => ply::write(scene, Some(&certificate), &mut bytes),
+        Format::Off => off::write(scene, Some(&certificate), &mut bytes),
         _ => stl::write(scene, None, &mut bytes),
     }
     .expect("written");
@@ -142,7 +145,7 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         .unwrap();
     let mut seeds = Vec::new();
     for mesh in [plain, rich] {
-        for format in [Format::Obj, Format::Ply, Format::Stl] {
+        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off] {
             seeds.push((format, written(&Scene::from_mesh("a b", mesh.clone(), Frame::default()), format)));
         }
     }
@@ -181,6 +184,17 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     big.extend([0, 1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 1]);
     big.extend([3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2]);
     seeds.push((Format::Ply, big));
+    let mut add = |format, text: &str| seeds.push((format, text.as_bytes().to_vec()));
+    add(
+        Format::Off,
+        "# x\nSTCN4nOFF\n2\n3 3 9\n0 0 2 0 0 1 1 1 0 0.5 1 # y\n1 0 1 0 0 1 9 9 9 9 0 0\n0 1 1 0 0 1 0 0 1 0 0\n3 0 1 2 3\n4 0 1 2 0 0.5 0 0 1\n2 0 1\n",
+    );
+    let mut big = b"COFF BINARY\n\0\0\0\x03\0\0\0\x02\0\0\0\0".to_vec();
+    (0..21).for_each(|i| big.extend((i as f32 / 7.0).to_be_bytes()));
+    for number in [3, 0, 1, 2, 3, 0, 0, 0, 3, 0, 2, 1, 0] {
+        big.extend(i32::to_be_bytes(number));
+    }
+    seeds.push((Format::Off, big));
     let mut add = |format, text: &str| seeds.push((format, text.as_bytes().to_vec()));
     let facet =
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 -0\nvertex 0 1 0\nendloop\nendfacet\n";
@@ -467,6 +481,22 @@ fn large_hostile_files_stay_within_the_promised_memory() {
                 &format!("{vertices}element face {n}\n{face}"),
                 format!("0 0 0\n1 0 0\n1 1 0\n0 1 0\n{}", "3 0 1 2\n".repeat(n)).as_bytes(),
             ),
+        ),
+        (
+            "coloured faces",
+            Format::Off,
+            format!("OFF\n3 {n} 0\n0 0 0\n1 0 0\n0 1 0\n{}", "3 0 1 2 1 1 1\n".repeat(n)).into_bytes(),
+        ),
+        ("flat vertices", Format::Off, format!("nOFF 2\n{n} 1\n{}3 0 1 2\n", "1 1\n".repeat(n)).into_bytes()),
+        (
+            "coloured vertices",
+            Format::Off,
+            format!("CNOFF\n{n} 1\n{}3 0 1 2\n", "1 1 1 1 1 1 1 1 1\n".repeat(n)).into_bytes(),
+        ),
+        (
+            "faces without corners",
+            Format::Off,
+            format!("OFF\n1 {n} 0\n0 0 0\n{}", "0\n".repeat(n)).into_bytes(),
         ),
         ("facets", Format::Stl, {
             let mut bytes = vec![0; 84 + 50 * n / 4];

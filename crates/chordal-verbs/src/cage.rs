@@ -100,7 +100,7 @@ impl RefineOutcome {
 
 /// Refines a cage by some levels, in the order of [`Cage::refined_times`]; 0 levels keep it as it is.
 ///
-/// OBJ and PLY hold its polygons; OBJ also the remaining creases, so that the file has the same limit
+/// OBJ, PLY and OFF hold its polygons; OBJ also the remaining creases, so that the file has the same limit
 /// surface. For other formats quads are cut into triangles, along the diagonal that the reader of polygons
 /// takes, and get `normals`. Face groups pass to the parts of each face, and texture coordinates are refined
 /// by their own rule. Colours are kept at 0 levels only; otherwise a note says that they were dropped.

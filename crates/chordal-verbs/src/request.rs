@@ -75,7 +75,7 @@ impl MeshRequest {
         let too_small = |asked: String, lost: String| {
             let message = format!(
                 "{asked} is less than what rounding to the single precision of {to} may cost here, {lost}; \
-                 obj and ply keep every digit"
+                 obj, ply and off keep every digit"
             );
             MeshFailure::refused(RefusalCode::BelowPrecision, message)
         };

@@ -129,7 +129,7 @@ fn counts_of_the_wrong_kind_are_usage_errors_with_a_hint() {
         (drawing(RING), &some, Format::Glb, "'triangles=5'"),
         (obj(), &some, Format::Glb, "'triangles=5'"),
         (obj(), &triangles, Format::Json, "triangles"),
-        (obj(), &triangles, Format::Svg, "obj, ply, stl, glb"),
+        (obj(), &triangles, Format::Svg, "obj, ply, stl, glb, off"),
         (drawing(RING), &triangles, Format::Bpt, "only read"),
         (space(), &some, Format::Svg, ".json"),
         (space(), &triangles, Format::Glb, "json"),
@@ -142,7 +142,7 @@ fn counts_of_the_wrong_kind_are_usage_errors_with_a_hint() {
 
 #[test]
 fn closed_outlines_fill_with_triangles_in_every_mesh_format() {
-    for to in [Format::Obj, Format::Ply, Format::Stl, Format::Glb] {
+    for to in [Format::Obj, Format::Ply, Format::Stl, Format::Glb, Format::Off] {
         let outcome = made(drawing(RING), &length("0.01"), to);
         let at_most = outcome.bound.at_most().unwrap();
         assert!(at_most <= 0.01 && at_most > 0.005, "{to}: {at_most}");

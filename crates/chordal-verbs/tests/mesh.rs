@@ -12,8 +12,13 @@ use chordal_verbs::{
 };
 use std::sync::Arc;
 
-const FORMATS: [(Format, &str); 4] =
-    [(Format::Obj, "obj"), (Format::Ply, "ply"), (Format::Stl, "stl"), (Format::Glb, "glb")];
+const FORMATS: [(Format, &str); 5] = [
+    (Format::Obj, "obj"),
+    (Format::Ply, "ply"),
+    (Format::Stl, "stl"),
+    (Format::Glb, "glb"),
+    (Format::Off, "off"),
+];
 
 fn input(shape: Shape) -> Input {
     Input { shape, format: Format::Bpt, n_bytes: 0, sha256: "0".repeat(64), warnings: Vec::new() }
@@ -197,7 +202,9 @@ fn a_coordinate_beyond_single_precision_is_refused_by_formats_that_have_no_other
     for (format, name) in FORMATS {
         let made = mesh(input(Shape::Scene(scene(wide.clone()))), &length("1"), format, &Job::default());
         match (format, made) {
-            (Format::Obj | Format::Ply, Ok(outcome)) => assert_eq!(outcome.bound.at_most(), Some(0.0)),
+            (Format::Obj | Format::Ply | Format::Off, Ok(outcome)) => {
+                assert_eq!(outcome.bound.at_most(), Some(0.0))
+            }
             (Format::Stl | Format::Glb, Err(failure)) => {
                 assert_eq!((failure.code(), failure.exit_code()), ("too-wide", 4), "{name}");
             }

@@ -1,0 +1,140 @@
+//! `OffColors`: colours of vertices or faces, which OFF writes as bytes or as fractions without saying which.
+use crate::ReadError;
+use crate::grow::{push, push_many};
+use crate::warnings::Warnings;
+use chordal::explicit::{Attribute, Domain, Semantic};
+
+/// The largest byte: what Geomview's whole numbers are divided by.
+const BYTE: f64 = 255.0;
+
+/// A colour as a row spells it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OffColor {
+    /// Three or four numbers, and 1 for an alpha that is not there.
+    pub(super) channels: [f64; 4],
+    pub(super) width: usize,
+    /// Whether all of them are spelled as whole numbers.
+    pub(super) is_whole: bool,
+}
+
+/// A row of whole numbers up to 1: a colour that is nearly black, or one of the brightest.
+#[derive(Debug)]
+struct UndecidedColor {
+    row: u32,
+    width: u8,
+}
+
+/// The colours so far. Whole numbers are bytes where one of them is above 1, as Geomview takes them, and
+/// other numbers are fractions. A row of zeros and ones follows the other rows; where they do not say,
+/// it holds fractions.
+#[derive(Debug, Default)]
+pub(super) struct OffColors {
+    values: Vec<[f64; 4]>,
+    undecided: Vec<UndecidedColor>,
+    has_bytes: bool,
+    has_fractions: bool,
+    has_alpha: bool,
+    n_out_of_range: u64,
+    /// The rows before the first colour, and those without one after it.
+    n_missing: u64,
+}
+
+impl OffColors {
+    /// Adds `n_rows` rows, all of the colour.
+    pub(super) fn push(&mut self, color: OffColor, n_rows: usize) -> Result<(), ReadError> {
+        if self.values.is_empty() {
+            push_many(&mut self.values, [1.0; 4], self.n_missing as usize)?;
+        }
+        let OffColor { mut channels, width, is_whole } = color;
+        self.has_alpha |= width == 4;
+        let is_above = |limit: f64| channels[..width].iter().any(|x| *x > limit);
+        let is_byte = is_whole && is_above(1.0);
+        let limit = if is_byte { BYTE } else { 1.0 };
+        let is_below = channels[..width].iter().any(|x| *x < 0.0);
+        self.n_out_of_range += u64::from(is_below || is_above(limit));
+        if is_byte {
+            self.has_bytes = true;
+            channels[..width].iter_mut().for_each(|x| *x /= BYTE);
+        } else if is_whole {
+            for row in 0..n_rows {
+                let row = u32::try_from(self.values.len() + row).unwrap_or(u32::MAX);
+                push(&mut self.undecided, UndecidedColor { row, width: width as u8 })?;
+            }
+        } else {
+            self.has_fractions = true;
+        }
+        push_many(&mut self.values, channels, n_rows)
+    }
+
+    /// Adds rows without a colour.
+    pub(super) fn push_missing(&mut self, n_rows: usize) -> Result<(), ReadError> {
+        self.n_missing += n_rows as u64;
+        if self.values.is_empty() { Ok(()) } else { push_many(&mut self.values, [1.0; 4], n_rows) }
+    }
+
+    /// The colours as an attribute; none where no row has one.
+    pub(super) fn finish(mut self, domain: Domain, warnings: &mut Warnings) -> Option<Attribute> {
+        if self.values.is_empty() {
+            return None;
+        }
+        if self.has_bytes && !self.has_fractions {
+            for UndecidedColor { row, width } in self.undecided {
+                self.values[row as usize][..usize::from(width)].iter_mut().for_each(|x| *x /= BYTE);
+            }
+        }
+        let white = "triangles of faces without a colour are white";
+        warnings.count_all("colors-missing", self.n_missing, white);
+        let outside = "colours are outside 0 to 1, or 0 to 255 in whole numbers; they were kept";
+        warnings.count_all("colors-out-of-range", self.n_out_of_range, outside);
+        let mut values = self.values.into_flattened();
+        let width = if self.has_alpha { 4 } else { 3 };
+        if !self.has_alpha {
+            let mut at = 0;
+            values.retain(|_| {
+                at += 1;
+                at % 4 != 0
+            });
+        }
+        Some(Attribute { semantic: Semantic::Color(0), domain, width, values })
+    }
+}
+
+/// How the colours of a list are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OffColorSpelling {
+    Bytes,
+    Fractions,
+}
+
+impl OffColorSpelling {
+    /// Bytes where they read back as exactly these channels, else fractions, which always do.
+    pub(super) fn from_channels<'a>(channels: impl Iterator<Item = &'a f64>) -> Self {
+        let mut is_plain = false;
+        for channel in channels {
+            match byte(*channel) {
+                None => return Self::Fractions,
+                Some(byte) => is_plain |= byte > 1,
+            }
+        }
+        // Bytes of which none is above 1 would be taken for fractions.
+        if is_plain { Self::Bytes } else { Self::Fractions }
+    }
+
+    /// Appends a channel.
+    pub(super) fn put(self, line: &mut String, channel: f64) {
+        line.push(' ');
+        match byte(channel).filter(|_| self == Self::Bytes) {
+            Some(byte) => line.push_str(&byte.to_string()),
+            // With a point or an exponent, which tells fractions from bytes.
+            None => line.push_str(&format!("{channel:?}")),
+        }
+    }
+}
+
+/// The byte that reads back as exactly this channel.
+fn byte(channel: f64) -> Option<u8> {
+    let nearest = (channel * BYTE).round();
+    let byte = (0.0..=BYTE).contains(&nearest).then_some(nearest as u8)?;
+    // By their bits: −0 is no byte.
+    ((f64::from(byte) / BYTE).to_bits() == channel.to_bits()).then_some(byte)
+}
