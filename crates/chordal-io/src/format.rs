@@ -4,7 +4,7 @@ use crate::error::{ReadError, WriteError};
 use crate::scene::{ReadOutcome, Scene};
 use crate::text::is_space;
 use crate::{Limits, Polygons, Volume};
-use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm};
+use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, threemf, vm};
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
 use std::fmt;
@@ -36,6 +36,8 @@ pub enum Format {
     Stl,
     /// Binary glTF 2.0.
     Glb,
+    /// 3MF, the format of 3D printing.
+    ThreeMf,
     /// Scalable Vector Graphics.
     Svg,
     /// An expression graph as an op list, in fidget's text format.
@@ -91,13 +93,15 @@ pub(crate) struct TriangleFormat {
     /// Whether parts stay apart.
     pub has_parts: bool,
     /// Whether nodes place parts, so that instances share triangles.
-    has_nodes: bool,
+    pub has_nodes: bool,
     /// Whether readers of it want normals rather than compute their own.
     wants_normals: bool,
     pub has_certificate: bool,
     /// Whether an attribute is kept, with the first of all rows that are the same vertex; none where the writer
     /// itself reports what it leaves out.
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
+    /// What else the writer changes, in sentences.
+    pub changes: Option<fn(&Scene) -> Vec<String>>,
 }
 
 type FormatReader = fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>;
@@ -141,7 +145,7 @@ const fn only_read(
 }
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 13] = [
+static TABLE: [FormatRow; 14] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -159,6 +163,7 @@ static TABLE: [FormatRow; 13] = [
             wants_normals: true,
             has_certificate: true,
             keeps: Some(obj::keeps),
+            changes: None,
         }),
         ..only_read(Format::Obj, "obj", obj::looks_like, obj::read)
     },
@@ -173,6 +178,7 @@ static TABLE: [FormatRow; 13] = [
             wants_normals: false,
             has_certificate: true,
             keeps: Some(|attribute, _| ply::keeps(attribute)),
+            changes: None,
         }),
         ..only_read(Format::Ply, "ply", |bytes| ply::looks_like(text_start(bytes)), ply::read)
     },
@@ -187,6 +193,7 @@ static TABLE: [FormatRow; 13] = [
             wants_normals: false,
             has_certificate: false,
             keeps: Some(|_, _| false),
+            changes: None,
         }),
         ..only_read(Format::Stl, "stl", stl::looks_like, stl::read)
     },
@@ -201,8 +208,24 @@ static TABLE: [FormatRow; 13] = [
             wants_normals: true,
             has_certificate: true,
             keeps: None,
+            changes: None,
         }),
         ..only_read(Format::Glb, "glb", |bytes| bytes.starts_with(b"glTF"), glb::read)
+    },
+    FormatRow {
+        triangles: Some(TriangleFormat {
+            write: threemf::write,
+            rows: VertexRows::Positions,
+            precision: PositionPrecision::Double,
+            polygons: None,
+            has_parts: true,
+            has_nodes: true,
+            wants_normals: false,
+            has_certificate: true,
+            keeps: Some(threemf::keeps),
+            changes: Some(threemf::changes),
+        }),
+        ..only_read(Format::ThreeMf, "3mf", threemf::looks_like, threemf::read)
     },
     FormatRow {
         polylines: Some(svg::write),
@@ -237,8 +260,9 @@ static TABLE: [FormatRow; 13] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 12] = [
+const BY_CONTENT: [Format; 13] = [
     Format::Glb,
+    Format::ThreeMf,
     Format::Npy,
     Format::Nrrd,
     Format::Nii,
@@ -405,7 +429,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm, npy, nrrd, nii and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, 3mf, svg, vm, npy, nrrd, nii and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }
