@@ -84,6 +84,11 @@ impl SceneAssets {
         lists.into_iter().flatten().for_each(|object| collect_extensions(object, &mut names));
         self.images.iter().for_each(|image| collect_of_members(&image.properties, &mut names));
         names.extend(self.extensions.keys().cloned());
+        let is_webp =
+            |image: &SceneImage| image.properties.get("mimeType").is_some_and(|mime| mime == "image/webp");
+        if self.images.iter().any(is_webp) {
+            names.push("EXT_texture_webp".to_owned());
+        }
         names
     }
 }

@@ -5,7 +5,7 @@ use crate::files::FileOpener;
 use crate::scene::{ReadOutcome, Scene};
 use crate::text::is_space;
 use crate::{Limits, Polygons, Volume};
-use crate::{bpt, glb, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, vm};
+use crate::{bpt, glb, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm};
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
 use std::fmt;
@@ -41,6 +41,8 @@ pub enum Format {
     Gltf,
     /// Geomview's OFF, text or binary.
     Off,
+    /// 3MF, the format of 3D printing.
+    ThreeMf,
     /// Scalable Vector Graphics.
     Svg,
     /// An expression graph as an op list, in fidget's text format.
@@ -97,13 +99,15 @@ pub(crate) struct TriangleFormat {
     /// Whether parts stay apart.
     pub has_parts: bool,
     /// Whether nodes place parts, so that instances share triangles.
-    has_nodes: bool,
+    pub has_nodes: bool,
     /// Whether readers of it want normals rather than compute their own.
     wants_normals: bool,
     pub has_certificate: bool,
     /// Whether an attribute is kept, with the first of all rows that are the same vertex; none where the writer
     /// itself reports what it leaves out.
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
+    /// What else the writer changes, in sentences.
+    pub changes: Option<fn(&Scene) -> Vec<String>>,
 }
 
 /// How a format is read.
@@ -166,10 +170,11 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     wants_normals: true,
     has_certificate: true,
     keeps: None,
+    changes: None,
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 15] = [
+static TABLE: [FormatRow; 16] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -187,6 +192,7 @@ static TABLE: [FormatRow; 15] = [
             wants_normals: true,
             has_certificate: true,
             keeps: Some(obj::keeps),
+            changes: None,
         }),
         ..only_read(Format::Obj, "obj", obj::looks_like, obj::read)
     },
@@ -201,6 +207,7 @@ static TABLE: [FormatRow; 15] = [
             wants_normals: false,
             has_certificate: true,
             keeps: Some(|attribute, _| ply::keeps(attribute)),
+            changes: None,
         }),
         ..only_read(Format::Ply, "ply", |bytes| ply::looks_like(text_start(bytes)), ply::read)
     },
@@ -215,6 +222,7 @@ static TABLE: [FormatRow; 15] = [
             wants_normals: false,
             has_certificate: false,
             keeps: Some(|_, _| false),
+            changes: None,
         }),
         ..only_read(Format::Stl, "stl", stl::looks_like, stl::read)
     },
@@ -239,8 +247,24 @@ static TABLE: [FormatRow; 15] = [
             wants_normals: false,
             has_certificate: true,
             keeps: Some(off::keeps),
+            changes: None,
         }),
         ..only_read(Format::Off, "off", |bytes| off::looks_like(text_start(bytes)), off::read)
+    },
+    FormatRow {
+        triangles: Some(TriangleFormat {
+            write: threemf::write,
+            rows: VertexRows::Positions,
+            precision: PositionPrecision::Double,
+            polygons: None,
+            has_parts: true,
+            has_nodes: true,
+            wants_normals: false,
+            has_certificate: true,
+            keeps: Some(threemf::keeps),
+            changes: Some(threemf::changes),
+        }),
+        ..only_read(Format::ThreeMf, "3mf", threemf::looks_like, threemf::read)
     },
     FormatRow {
         polylines: Some(svg::write),
@@ -275,8 +299,9 @@ static TABLE: [FormatRow; 15] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 14] = [
+const BY_CONTENT: [Format; 15] = [
     Format::Glb,
+    Format::ThreeMf,
     Format::Npy,
     Format::Nrrd,
     Format::Nii,
@@ -445,7 +470,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, svg, vm, npy, nrrd, nii and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, svg, vm, npy, nrrd, nii and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -213,19 +213,23 @@ impl<'a> PartInstance<'a> {
 
     /// For each vertex the first vertex at the same position.
     pub(crate) fn first_rows(&self) -> Vec<u32> {
-        let mesh = &self.part.mesh;
-        let n = mesh.positions().len() as u32;
-        let Some(id) = mesh.position_id() else { return (0..n).collect() };
-        let mut first = vec![u32::MAX; id.len()];
-        (0..n)
-            .zip(id)
-            .map(|(row, id)| {
-                let known = &mut first[*id as usize];
-                *known = if *known == u32::MAX { row } else { *known };
-                *known
-            })
-            .collect()
+        first_rows(&self.part.mesh)
     }
+}
+
+/// For each vertex of a mesh the first vertex at the same position.
+pub(crate) fn first_rows(mesh: &Mesh) -> Vec<u32> {
+    let n = mesh.positions().len() as u32;
+    let Some(id) = mesh.position_id() else { return (0..n).collect() };
+    let mut first = vec![u32::MAX; id.len()];
+    (0..n)
+        .zip(id)
+        .map(|(row, id)| {
+            let known = &mut first[*id as usize];
+            *known = if *known == u32::MAX { row } else { *known };
+            *known
+        })
+        .collect()
 }
 
 #[cfg(test)]

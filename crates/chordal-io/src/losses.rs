@@ -1,7 +1,8 @@
 //! `losses`: what of a scene a format cannot hold.
 use crate::format::TriangleFormat;
-use crate::instances::part_instances;
+use crate::instances::{first_rows, part_instances};
 use crate::{FileLocation, Format, MATERIAL, Polygons, Scene, Warning, WriteError};
+use chordal::Mesh;
 use chordal::explicit::subdivision::{Boundary, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 
@@ -23,7 +24,8 @@ use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 /// ```
 pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError> {
     let mut lost: Vec<Warning> = Vec::new();
-    let Some(TriangleFormat { has_certificate, has_parts, keeps: Some(keeps), .. }) = &format.row().triangles
+    let Some(TriangleFormat { has_certificate, has_parts, keeps: Some(keeps), has_nodes, changes, .. }) =
+        &format.row().triangles
     else {
         return Ok(lost);
     };
@@ -41,23 +43,33 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         count(format!("{title} holds no certificate"));
     }
     for (list, what) in [
-        (&scene.assets.materials, "materials"),
+        (&scene.assets.materials, "looks of materials"),
         (&scene.assets.cameras, "cameras"),
         (&scene.assets.animations, "animations"),
     ] {
         list.iter().for_each(|_| count(format!("{title} holds no {what}")));
     }
-    let parts = part_instances(scene)?;
-    for part in &parts {
-        if parts.len() > 1 && !has_parts {
-            count(format!("{title} holds one part: all were joined"));
-        }
-        let first_rows = part.first_rows();
-        for attribute in part.part.mesh.attributes() {
-            let is_counted = attribute.semantic == Semantic::Group(MATERIAL.to_owned());
-            if !is_counted && !keeps(attribute, &first_rows) {
-                count(format!("{title} holds no {}", describe(attribute)));
-            }
+    if let Some(changes) = changes {
+        changes(scene).into_iter().for_each(&mut count);
+    }
+    let parts = if *has_nodes { Vec::new() } else { part_instances(scene)? };
+    if parts.len() > 1 && !has_parts {
+        parts.iter().for_each(|_| count(format!("{title} holds one part: all were joined")));
+    }
+    // Where nodes place parts, each is written once, however often it is shown.
+    let meshes: Vec<&Mesh> = match has_nodes {
+        true => scene.parts.iter().map(|part| &part.mesh).collect(),
+        false => parts.iter().map(|part| &part.part.mesh).collect(),
+    };
+    for mesh in meshes {
+        let first_rows = first_rows(mesh);
+        let is_lost = |attribute: &&Attribute| {
+            let is_counted = matches!(&attribute.semantic, Semantic::Group(kind) if kind == MATERIAL)
+                && !scene.assets.materials.is_empty();
+            !is_counted && !keeps(attribute, &first_rows)
+        };
+        for attribute in mesh.attributes().iter().filter(is_lost) {
+            count(format!("{title} holds no {}", describe(attribute)));
         }
     }
     Ok(lost)

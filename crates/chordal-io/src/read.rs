@@ -8,7 +8,8 @@ use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome};
 /// Time and memory grow with the bytes that are there, never with a count that they declare. The bound is
 /// 64 MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle where a file packs triangles
 /// tighter than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point that
-/// a path packs tighter; or 16 times the bytes of the samples that a packed volume unpacks to.
+/// a path packs tighter; or 16 times the bytes of the samples that a packed volume, or of the parts that a
+/// packed model, unpacks to.
 ///
 /// # Errors
 /// One [`ReadError`] with its location. Where the content looks like another format, the message names that

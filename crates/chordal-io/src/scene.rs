@@ -1,9 +1,10 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
-use crate::{Curves, Drawing, Frame, Polygons, SceneAssets, Volume, Warning};
+use crate::{Curves, Drawing, Frame, MATERIAL, Polygons, SceneAssets, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// One mesh with its name, in its own coordinates; nodes place it.
@@ -107,6 +108,23 @@ pub(crate) const IDENTITY: [f64; 16] =
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 impl Scene {
+    /// Its assets; where groups of faces name materials and nothing says how they look, plain ones of these
+    /// names.
+    pub(crate) fn assets_for_gltf(&self, plain: &Value) -> Cow<'_, SceneAssets> {
+        let names = self.groups.get(MATERIAL).map_or(&[][..], |names| names);
+        if !self.assets.materials.is_empty() || names.len() < 2 {
+            return Cow::Borrowed(&self.assets);
+        }
+        let named = |name: &String| {
+            let mut material = plain.clone();
+            material["name"] = Value::from(name.as_str());
+            material
+        };
+        // The first is the name of no material.
+        let materials = names[1..].iter().map(named).collect();
+        Cow::Owned(SceneAssets { materials, ..self.assets.clone() })
+    }
+
     /// The scene of one mesh with an identity node.
     #[must_use]
     pub fn from_mesh(name: &str, mesh: Mesh, frame: Frame) -> Self {

@@ -15,6 +15,7 @@ mod patches;
 mod png;
 mod round_trip;
 mod svg;
+mod threemf;
 mod tiles;
 mod vm;
 mod volumes;

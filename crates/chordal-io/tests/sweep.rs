@@ -1,12 +1,15 @@
 //! Mutations of small files, and large hostile ones: no panic, no hang, no more memory than promised.
 // Long because the hostile files stand beside the allocator that measures them.
 mod common;
+#[path = "threemf/build.rs"]
+#[allow(dead_code)]
+mod threemf_build;
 
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::explicit::{Curve, CurveSegment};
 use chordal_io::{
-    Content, Format, Frame, Limits, ReadError, ReadOutcome, Scene, obj, off, ply, read, stl, tiles,
+    Content, Format, Frame, Limits, ReadError, ReadOutcome, Scene, obj, off, ply, read, stl, threemf, tiles,
 };
 use chordal_testkit::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -76,9 +79,10 @@ fn check(name: &str, bytes: &[u8], format: Format) {
     match result {
         Err(error) => assert!(!error.code.is_empty() && !error.message.is_empty(), "{name}"),
         Ok(ReadOutcome { content: Content::Scene(scene), .. }) => {
-            let mesh = &scene.parts[0].mesh;
-            assert!(mesh.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
-            assert!(mesh.attributes().iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
+            for mesh in scene.parts.iter().map(|part| &part.mesh) {
+                assert!(mesh.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
+                assert!(mesh.attributes().iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
+            }
         }
         Ok(ReadOutcome { content: Content::Polygons(polygons), .. }) => {
             assert!(polygons.cage.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
@@ -117,6 +121,7 @@ fn written(scene: &Scene, format: Format) -> Vec<u8> {
         Format::Obj => obj::write(scene, Some(&certificate), &mut bytes),
         Format::Ply => ply::write(scene, Some(&certificate), &mut bytes),
         Format::Off => off::write(scene, Some(&certificate), &mut bytes),
+        Format::ThreeMf => threemf::write(scene, Some(&certificate), &mut bytes),
         _ => stl::write(scene, None, &mut bytes),
     }
     .expect("written");
@@ -145,7 +150,7 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         .unwrap();
     let mut seeds = Vec::new();
     for mesh in [plain, rich] {
-        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off] {
+        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::ThreeMf] {
             seeds.push((format, written(&Scene::from_mesh("a b", mesh.clone(), Frame::default()), format)));
         }
     }
@@ -670,4 +675,82 @@ fn h75_tilesets_stay_within_the_promise() {
         // The allowance for extras aside, what a tile takes stays below 16 times its text.
         assert!(most <= (18 << 20) + 16 * text.len() as u64, "{name}: {most} bytes for {}", text.len());
     }
+}
+
+/// A model packs what nodes take into as little as 20 bytes of text. What is promised counts the text.
+#[test]
+fn h51_models_stay_within_the_promise_for_what_they_unpack_to() {
+    use threemf_build::{Zipped, body, model, package, tetrahedron, zip_of};
+    let n = 100_000;
+    let of = |row: &dyn Fn(usize) -> String| (2..n + 2).map(row).collect::<String>();
+    let one = body(1, "");
+    let components = "<component objectid=\"1\"/>".repeat(n);
+    let vertices = "<vertex x=\"1\" y=\"2\" z=\"3\"/>".repeat(n);
+    let triangles = |more: &str| format!("<triangle v1=\"0\" v2=\"1\" v3=\"2\"{more}/>").repeat(n);
+    let colors = "<m:colorgroup id=\"5\"><m:color color=\"#336699\"/></m:colorgroup>";
+    let mesh = |vertices: &str, triangles: &str| {
+        let mesh = tetrahedron([""; 4]).replacen("</vertices>", &format!("{vertices}</vertices>"), 1);
+        format!(
+            "<object id=\"1\">{}</object>",
+            mesh.replacen("</triangles>", &format!("{triangles}</triangles>"), 1)
+        )
+    };
+    let shown = "<item objectid=\"1\"/>";
+    let models = [
+        ("items", model(&one, &shown.repeat(n))),
+        (
+            "components",
+            model(
+                &format!("{one}<object id=\"2\"><components>{components}</components></object>"),
+                "<item objectid=\"2\"/>",
+            ),
+        ),
+        ("objects", model(&of(&|id| format!("<object id=\"{id}\"><mesh/></object>")), "")),
+        (
+            "holders",
+            model(&(one.clone() + &of(&|id| format!("<object id=\"{id}\"><components/></object>"))), ""),
+        ),
+        ("groups", model(&of(&|id| format!("<m:colorgroup id=\"{id}\"/>")), "")),
+        (
+            "colours",
+            model(
+                &colors.replace("<m:color c", &("<m:color color=\"#336699\"/>".repeat(n) + "<m:color c")),
+                "",
+            ),
+        ),
+        (
+            "materials",
+            model(
+                &format!(
+                    "<basematerials id=\"5\">{}</basematerials>",
+                    "<base name=\"\" displaycolor=\"#336699\"/>".repeat(n)
+                ),
+                "",
+            ),
+        ),
+        ("vertices", model(&mesh(&vertices, ""), shown)),
+        ("triangles", model(&mesh("", &triangles("")), shown)),
+        (
+            "triangles in colour",
+            model(&(colors.to_owned() + &mesh("", &triangles(" pid=\"5\" p1=\"0\""))), shown),
+        ),
+    ];
+    for (name, text) in models {
+        let (result, most) = measured(&package(&text), Format::ThreeMf);
+        let size = text.len() as u64;
+        let outcome = result.as_ref().map_or_else(|e| e.to_string(), |_| "loads".to_owned());
+        println!(
+            "{name}: {size} bytes unpacked, held {most} ({:.1} x): {outcome}",
+            most as f64 / size as f64
+        );
+        assert!(result.is_ok() && most <= (1 << 20) + 16 * size, "{name}: {most} bytes for {size}");
+    }
+    // A bomb holds no more than its limit, whatever it would unpack to.
+    let bomb = zip_of(&[
+        Zipped::stored("_rels/.rels", threemf_build::relationships(&[threemf_build::TO_MODEL]).as_bytes()),
+        Zipped::deflated("3D/3dmodel.model", &vec![b' '; 1 << 28]),
+    ]);
+    let (result, most) = measured(&bomb, Format::ThreeMf);
+    assert_eq!(result.unwrap_err().code, "too-dense");
+    assert!(most <= promised(bomb.len() as u64), "{most}");
 }

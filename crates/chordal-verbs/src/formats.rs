@@ -3,7 +3,7 @@ use crate::Shape;
 use chordal::budget::advice::{Message, Setting};
 use chordal_io::Format;
 
-/// The names of the formats that hold triangles, as in "obj, ply, stl, glb, off".
+/// The names of the formats that hold triangles, as in "obj, ply, stl, glb".
 #[must_use]
 pub fn mesh_names() -> String {
     let names: Vec<_> =

@@ -6,6 +6,7 @@ use super::model::{GltfBufferView, GltfModel, item};
 use super::report::GlbWarnings;
 use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage};
 use crate::{FileLocation, ReadError};
+use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 
 /// Extensions of a file or a node that name nothing but lists that are kept.
@@ -102,6 +103,11 @@ impl<'a> AssetReader<'a> {
         let Some(node) = self.list("nodes").get(i) else { return Map::new() };
         let left_out = ["name", "children", "mesh", "matrix", "skin", "weights", "extensions"];
         let mut properties = members_without(node, &left_out);
+        if !properties.contains_key("rotation") {
+            // The matrix says these as exactly.
+            properties.shift_remove("translation");
+            properties.shift_remove("scale");
+        }
         if node.get("weights").is_some() {
             let place = FileLocation::Pointer(format!("/nodes/{i}/weights"));
             self.report.add("morph-targets-ignored", place, "morph targets were not applied");
@@ -227,7 +233,10 @@ impl<'a> AssetReader<'a> {
                 let at = match *slot {
                     Some(at) => at,
                     None => {
-                        let Ok(rows) = AccessorRows::new(self.model, accessor) else { return Ok(false) };
+                        // Rows without bytes are zeros, which move nothing.
+                        let rows =
+                            AccessorRows::new(self.model, accessor).ok().filter(AccessorRows::has_data);
+                        let Some(rows) = rows else { return Ok(false) };
                         self.charge(rows.n_bytes(), || format!("/accessors/{accessor}"))?;
                         assets.accessors.push(self.packed(accessor, &rows));
                         assets.accessors.len() - 1
@@ -244,9 +253,23 @@ impl<'a> AssetReader<'a> {
         let left_out = ["bufferView", "byteOffset", "sparse", "extensions", "extras"];
         let properties =
             self.list("accessors").get(accessor).map(|object| members_without(object, &left_out));
+        let mut properties = properties.unwrap_or_default();
+        let n = rows.format.kind.n_components();
+        let (mut least, mut most) = (vec![f64::INFINITY; n], vec![f64::NEG_INFINITY; n]);
         let mut bytes = Vec::new();
-        rows.each(|_, row| row.iter().for_each(|x| put(rows.format.component, *x, &mut bytes)));
-        PackedAccessor { properties: properties.unwrap_or_default(), bytes: bytes.into() }
+        rows.each(|_, row| {
+            for (k, x) in row.iter().enumerate() {
+                (least[k], most[k]) = (lesser(*x, least[k]), greater(*x, most[k]));
+                put(rows.format.component, *x, &mut bytes);
+            }
+        });
+        // Times must have bounds, and what a file says of them may be wrong.
+        for (key, bounds) in [("min", least), ("max", most)] {
+            if properties.contains_key(key) {
+                properties.insert(key.to_owned(), json!(bounds));
+            }
+        }
+        PackedAccessor { properties, bytes: bytes.into() }
     }
 }
 

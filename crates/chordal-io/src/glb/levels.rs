@@ -1,4 +1,5 @@
 //! `GlbLevel`: several levels of detail in one GLB, by `MSFT_lod`.
+use super::assets::plain_material;
 use super::document::{GltfDocument, GltfPart};
 use super::write::write_file;
 use super::{LOD, node_list};
@@ -57,7 +58,8 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
         .iter()
         .map(|level| level.scene.parts.iter().map(GltfPart::from_part).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
-    let mut document = GltfDocument::new(&levels[0].scene.assets);
+    let assets = levels[0].scene.assets_for_gltf(&plain_material(false));
+    let mut document = GltfDocument::new(&assets);
     let mut list = Vec::new();
     let mut tops = Vec::new();
     for ((i, level), shapes) in levels.iter().enumerate().zip(&shapes) {

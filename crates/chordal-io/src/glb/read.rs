@@ -7,9 +7,10 @@ use super::model::{GltfModel, item};
 use super::parts::PartReader;
 use super::report::GlbWarnings;
 use super::{LOD, container, external, transform};
+use crate::assets::SceneAssets;
 use crate::files::FileOpener;
 use crate::text::is_space;
-use crate::{Axis, Content, FileLocation, Frame, Limits, Node, ReadError, ReadOutcome, Scene};
+use crate::{Axis, Content, FileLocation, Frame, Limits, MATERIAL, Node, ReadError, ReadOutcome, Scene};
 use serde_json::Value;
 
 /// The most bytes that one object of the JSON takes once it is read: a node with its transform takes the
@@ -107,6 +108,7 @@ pub(crate) fn read_with(
     }
     check_zeros(&model, limits, budget)?;
     lint::link(&mut lint, &mut model);
+    let codes: Vec<&str> = lint.issues.iter().map(|issue| issue.code).collect();
     apply_issues(lint, limits, &mut report)?;
     let lower = LodNodes::new(&json, &model)?;
     let mut placing = GlbWarnings::default();
@@ -116,8 +118,14 @@ pub(crate) fn read_with(
     count_unseen(&scene, &kept, &mut placing);
     scene.assets = assets.assets(|node| numbers.get(node).copied().flatten())?;
     let (materials, groups) = assets.materials();
+    if !materials.is_empty() {
+        let name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
+        let names = std::iter::once(String::new()).chain(materials.iter().map(name)).collect();
+        scene.groups.insert(MATERIAL.to_owned(), names);
+    }
     scene.assets.materials = materials;
     report.append(assets.report);
+    drop_unsound_assets(&mut scene, &codes, &mut report);
     let mut parts = PartReader::new(&model, &groups, limits, budget);
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     report.append(parts.report);
@@ -226,6 +234,29 @@ fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(
         report.add("extension-ignored", place, format!("extension {name} was ignored"));
     }
     Ok(())
+}
+
+/// Leaves out what a forgiven issue may be about: a file that is written says nothing wrong.
+fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnings) {
+    if codes.is_empty() {
+        return;
+    }
+    let is_about_data = |code: &&str| {
+        ["ACCESSOR_", "BUFFER_", "GLB_"].iter().any(|kind| code.starts_with(kind))
+            && !code.contains("ANIMATION")
+    };
+    let mut kept = SceneAssets::default();
+    if codes.iter().all(is_about_data) {
+        kept = SceneAssets { animations: Vec::new(), accessors: Vec::new(), ..scene.assets.clone() };
+    } else {
+        scene.nodes.iter_mut().for_each(|node| node.properties.clear());
+        scene.groups.remove(MATERIAL);
+    }
+    if kept != scene.assets {
+        let what = "materials, cameras, lights and animations that may have errors were left out";
+        report.add("assets-dropped", FileLocation::File, what);
+        scene.assets = kept;
+    }
 }
 
 /// Evaluates the issues: the first is the error, or all become warnings.

@@ -1,4 +1,5 @@
 //! The GLB writer.
+use super::assets::plain_material;
 use super::document::{GltfDocument, GltfPart};
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
 use crate::{CoordinateOverflow, Scene, WriteError};
@@ -67,7 +68,8 @@ fn with_document(
     write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
     let shapes = scene.parts.iter().map(GltfPart::from_part).collect::<Result<Vec<_>, _>>()?;
-    let mut document = GltfDocument::new(&scene.assets);
+    let assets = scene.assets_for_gltf(&plain_material(false));
+    let mut document = GltfDocument::new(&assets);
     for (part, shape) in scene.parts.iter().zip(&shapes) {
         document.add_part(part, shape)?;
     }

@@ -15,8 +15,8 @@ mod walker;
 mod write;
 mod xml;
 
-use crate::text::text_of;
 use crate::warnings::Warnings;
+use crate::xml_text::text_of;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
 pub use write::write;
 
@@ -45,13 +45,6 @@ const CERTIFICATE: &str = "chordal:certificate";
 /// Source: W3C, *Scalable Vector Graphics (SVG) 2*, 2018.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let text = text_of(bytes)?;
-    let text = std::str::from_utf8(text).map_err(|error| {
-        ReadError::new(
-            "not-utf8",
-            FileLocation::Byte(error.valid_up_to() as u64),
-            "the text is not UTF-8: save it as UTF-8",
-        )
-    })?;
     let mut warnings = Warnings::default();
     let tree = xml::XmlTree::read(text, limits)?;
     if let Some(at) = tree.doctype {

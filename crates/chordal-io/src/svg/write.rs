@@ -3,14 +3,12 @@ use super::CERTIFICATE;
 use crate::WriteError;
 use crate::drawing::{DrawingElement, Polylines};
 use crate::number::ShortestDecimal;
+use crate::xml_text::{CERTIFICATE_NAMESPACE, escaped};
 use chordal::explicit::{FillRule, Polyline};
 use chordal::math::{greater, lesser};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::io::Write;
-
-/// The namespace of the certificate.
-const NAMESPACE: &str = "urn:chordal:certificate:1";
 
 /// Writes polylines with all digits that they need to read back to the same bits. Filled elements are filled,
 /// all others are thin lines. The certificate is in `metadata`.
@@ -38,7 +36,7 @@ pub fn write(
         let text = escaped(&certificate.to_string());
         writeln!(
             out,
-            "<metadata><{CERTIFICATE} xmlns:chordal=\"{NAMESPACE}\">{text}</{CERTIFICATE}></metadata>"
+            "<metadata><{CERTIFICATE} xmlns:chordal=\"{CERTIFICATE_NAMESPACE}\">{text}</{CERTIFICATE}></metadata>"
         )?;
     }
     // An id must be unique; copies that `use` made have the same.
@@ -101,22 +99,4 @@ fn bounds(lines: &[Polyline<2>]) -> [f64; 4] {
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
     });
     [low[0], low[1], w, h]
-}
-
-/// Escapes text for an element or an attribute.
-fn escaped(text: &str) -> String {
-    let mut all = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => all.push_str("&amp;"),
-            '<' => all.push_str("&lt;"),
-            '>' => all.push_str("&gt;"),
-            '"' => all.push_str("&quot;"),
-            // Escaped to read back unchanged, unlike a plain line break in an attribute.
-            '\t' | '\n' | '\r' => all.push_str(&format!("&#{};", c as u32)),
-            c if (c as u32) < 0x20 => all.push('\u{fffd}'),
-            c => all.push(c),
-        }
-    }
-    all
 }

@@ -3,17 +3,16 @@
 use super::names::{ElementTag, Key};
 use crate::grow::push;
 use crate::text::{grouped, show};
+use crate::xml_text::{DTD_REFUSED, MOST_ATTRIBUTES, place, reference_error, wrong_encoding};
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::Message;
 use quick_xml::Reader;
-use quick_xml::escape::{EscapeError, resolve_predefined_entity, unescape};
+use quick_xml::escape::unescape;
 use quick_xml::events::Event;
 use quick_xml::events::attributes::Attributes;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// The most attributes of one element. The check for duplicates is quadratic in them.
-const MOST_ATTRIBUTES: usize = 1000;
 /// The deepest nesting, whatever the limits allow: each level takes some of the call stack later.
 const DEEPEST: usize = 256;
 /// The namespace of SVG.
@@ -55,14 +54,6 @@ pub(super) struct XmlTree<'a> {
     pub has_namespace: bool,
     /// The certificate in `metadata`, as text.
     pub certificate: Option<String>,
-}
-
-/// Line and column of a byte, both counted from 1; columns in characters.
-pub(super) fn place(text: &str, at: usize) -> FileLocation {
-    let before = text.get(..at).unwrap_or(text);
-    let line = before.bytes().filter(|b| *b == b'\n').count() as u64 + 1;
-    let start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    FileLocation::LineColumn { line, column: before[start..].chars().count() as u64 + 1 }
 }
 
 impl<'a> XmlTree<'a> {
@@ -249,23 +240,15 @@ impl<'a> XmlParser<'a> {
     }
 
     fn declaration(&self, at: usize, end: usize) -> Result<(), ReadError> {
-        let declared = self.tree.text[at..end].to_ascii_lowercase();
-        let Some((_, encoding)) = declared.split_once("encoding") else { return Ok(()) };
-        let name = encoding.split(['"', '\'']).nth(1).unwrap_or("");
-        // The bytes are UTF-8, or the text would have been refused. If only the declaration says otherwise,
-        // plain ASCII reads the same.
-        if matches!(name, "utf-8" | "utf8" | "us-ascii" | "ascii") || self.tree.text.is_ascii() {
-            return Ok(());
+        match wrong_encoding(&self.tree.text[at..end], self.tree.text) {
+            Some(message) => Err(self.error(at, "not-utf8", message)),
+            None => Ok(()),
         }
-        let message = format!("the file says that it is {}: save it as UTF-8", show(name.as_bytes()));
-        Err(self.error(at, "not-utf8", message))
     }
 
     fn doctype(&mut self, at: usize, declared: &str) -> Result<(), ReadError> {
         if declared.contains('[') || declared.contains("<!") {
-            let message =
-                "DTD not allowed: declarations of a document type are refused, and so are their entities";
-            return Err(self.error(at, "dtd-not-allowed", message));
+            return Err(self.error(at, "dtd-not-allowed", DTD_REFUSED));
         }
         self.tree.doctype = Some(at as u32);
         Ok(())
@@ -274,7 +257,7 @@ impl<'a> XmlParser<'a> {
     fn reference(&mut self, at: usize, name: &str) -> Result<(), ReadError> {
         let resolved = match unescape(&format!("&{name};")) {
             Ok(text) => text.into_owned(),
-            Err(error) => return Err(self.error(at, "unknown-entity", entity(&error))),
+            Err(error) => return Err(self.error(at, "unknown-entity", reference_error(&error))),
         };
         self.text(at, &resolved)
     }
@@ -383,7 +366,7 @@ impl<'a> XmlParser<'a> {
             if value.contains('&')
                 && let Err(error) = unescape(value)
             {
-                return Err(self.error(value_at, "unknown-entity", entity(&error)));
+                return Err(self.error(value_at, "unknown-entity", reference_error(&error)));
             }
             if let Some(prefix) = name.strip_prefix("xmlns:").or((name == "xmlns").then_some("")) {
                 self.bound.entry(prefix).or_default().push(value == SVG);
@@ -404,14 +387,5 @@ fn local_of(name: &str) -> &str {
         Some((_, "href")) => "xlink:href",
         Some(_) => "",
         None => name,
-    }
-}
-
-fn entity(error: &EscapeError) -> String {
-    match error {
-        EscapeError::UnrecognizedEntity(_, name) if resolve_predefined_entity(name).is_none() => {
-            format!("the entity {} is not known: only those of XML itself are", show(name.as_bytes()))
-        }
-        other => format!("a reference is not well formed: {other}"),
     }
 }

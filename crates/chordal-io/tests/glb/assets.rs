@@ -62,7 +62,7 @@ fn furnished() -> (Value, Vec<u8>) {
         (
             "/nodes",
             json!([
-                { "name": "top", "children": [1, 2], "mesh": 0, "rotation": [0.0, 0.6, 0.0, 0.8], "extras": { "b": [2] } },
+                { "name": "top", "children": [1, 2], "mesh": 0, "rotation": [0.0, 0.6, 0.0, 0.8], "scale": [1.0, 1.0, 1.0], "extras": { "b": [2] } },
                 { "name": "eye", "camera": 0, "translation": [0.0, 0.0, 5.0] },
                 { "name": "lamp", "extensions": { "KHR_lights_punctual": { "light": 0 } }, "matrix":
                     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 7.0, 8.0, 9.0, 1.0] },

@@ -28,10 +28,12 @@ fn survive(bytes: &[u8]) -> usize {
                 let _ = scene.world_meshes();
                 let mut out = Vec::new();
                 if glb::write(&scene, None, &mut out).is_ok() {
-                    assert!(
-                        glb::read(&out, &Limits::default()).is_ok(),
-                        "what was read and written is refused"
-                    );
+                    if let Err(error) = glb::read(&out, &Limits::default()) {
+                        panic!(
+                            "what was read and written is refused: {}: {error}; warnings {:?}",
+                            error.code, loaded.warnings
+                        );
+                    }
                 }
                 assert!(
                     loaded.warnings.iter().all(|warning| warning.count > 0 && !warning.message.is_empty())

@@ -1,0 +1,161 @@
+//! `PropertyGroup`: materials and colours of a model, and what of them a mesh gets.
+use super::meshes::{ModelMesh, NOTHING, TriangleProperties};
+use crate::grow::with_room;
+use crate::text::grouped;
+use crate::warnings::Warnings;
+use crate::{FileLocation, ReadError};
+use chordal::explicit::{Attribute, Domain, Semantic};
+use std::collections::BTreeMap;
+
+/// The kind of face groups that materials become.
+pub(super) const MATERIAL: &str = "material";
+/// The steps of a channel: colours are bytes.
+pub(super) const CHANNEL: f64 = 255.0;
+
+/// A colour: red, green, blue and opacity, as sRGB bytes.
+pub(super) type ColorBytes = [u8; 4];
+
+/// A group of properties that triangles name by its number.
+#[derive(Clone, Debug)]
+pub(super) enum PropertyGroup {
+    /// Materials, numbered on from that of the first.
+    Materials {
+        first: u32,
+        colors: Vec<ColorBytes>,
+    },
+    Colors(Vec<ColorBytes>),
+    /// Textures and mixtures, of which only the number counts.
+    Skipped(u32),
+}
+
+impl PropertyGroup {
+    fn len(&self) -> u32 {
+        match self {
+            Self::Materials { colors, .. } | Self::Colors(colors) => colors.len() as u32,
+            Self::Skipped(n) => *n,
+        }
+    }
+}
+
+/// Parses `#RRGGBB` or `#RRGGBBAA`.
+pub(super) fn color(text: &str) -> Option<ColorBytes> {
+    let digits = text.trim().strip_prefix('#')?;
+    if !matches!(digits.len(), 6 | 8) || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+        return None;
+    }
+    let value = u32::from_str_radix(digits, 16).ok()?;
+    Some(if digits.len() == 6 { (value << 8 | 0xFF).to_be_bytes() } else { value.to_be_bytes() })
+}
+
+/// The attributes of the meshes of a model.
+pub(super) struct PropertyReader<'a> {
+    pub groups: &'a BTreeMap<u32, PropertyGroup>,
+    /// The name of the model's part.
+    pub part: &'a str,
+    pub warnings: &'a mut Warnings,
+}
+
+impl<'a> PropertyReader<'a> {
+    /// The colours of a mesh's corners, and the materials of its faces.
+    ///
+    /// # Errors
+    /// When a group is not there, or a property is out of its range.
+    pub(super) fn attributes(&mut self, mesh: &ModelMesh) -> Result<Vec<Attribute>, ReadError> {
+        let whole = TriangleProperties { group: mesh.group, corners: [mesh.property; 3] };
+        if mesh.properties.is_empty() && whole.corners[0] == NOTHING {
+            return Ok(Vec::new());
+        }
+        let (mut colors, mut materials) = (Vec::new(), Vec::new());
+        let mut n_plain = 0;
+        for row in 0..mesh.faces.len() {
+            let own = mesh.properties.get(row).copied().unwrap_or(TriangleProperties::NONE);
+            let properties = if own.corners[0] == NOTHING {
+                whole
+            } else {
+                TriangleProperties {
+                    group: if own.group == NOTHING { whole.group } else { own.group },
+                    ..own
+                }
+            };
+            match self.resolve(mesh, properties, row)? {
+                Some(PropertyGroup::Materials { first, colors: own }) => {
+                    let property = properties.corners[0];
+                    begin(&mut materials, mesh.faces.len(), 0.0)?;
+                    materials[row] = f64::from(first + property) + 1.0;
+                    begin(&mut colors, 12 * mesh.faces.len(), 1.0)?;
+                    fill(&mut colors, row, [own[property as usize]; 3]);
+                }
+                Some(PropertyGroup::Colors(own)) => {
+                    begin(&mut colors, 12 * mesh.faces.len(), 1.0)?;
+                    fill(&mut colors, row, properties.corners.map(|corner| own[corner as usize]));
+                }
+                Some(PropertyGroup::Skipped(_)) | None => n_plain += 1,
+            }
+        }
+        let attribute = |semantic, domain, width, values| Attribute { semantic, domain, width, values };
+        let mut found = Vec::new();
+        if !colors.is_empty() {
+            self.warnings.count_many("triangles-without-colour", n_plain, || {
+                let message = "triangles without a colour of their own are white, since others have one";
+                (FileLocation::File, format!("{}: {message}", self.part))
+            });
+            found.push(attribute(Semantic::Color(0), Domain::Corner, 4, colors));
+        }
+        if !materials.is_empty() {
+            found.push(attribute(Semantic::Group(MATERIAL.to_owned()), Domain::Face, 1, materials));
+        }
+        Ok(found)
+    }
+
+    /// The group of a triangle, with its properties in range; `None` where it has none.
+    fn resolve(
+        &mut self,
+        mesh: &ModelMesh,
+        TriangleProperties { group, corners }: TriangleProperties,
+        row: usize,
+    ) -> Result<Option<&'a PropertyGroup>, ReadError> {
+        if corners[0] == NOTHING {
+            return Ok(None);
+        }
+        let Self { groups, part, warnings } = self;
+        let place = || FileLocation::Row { list: "triangle", row: row as u64 };
+        let whose = || format!("{part}: object {}", mesh.id);
+        if group == NOTHING {
+            let message = || format!("{}: properties of triangles without a group were skipped", whose());
+            warnings.count("property-without-group", || (place(), message()));
+            return Ok(None);
+        }
+        let Some(found) = groups.get(&group) else {
+            let message = format!("{}: the property group {group} is not there", whose());
+            return Err(ReadError::new("missing-resource", place(), message));
+        };
+        if let Some(bad) = corners.iter().find(|corner| **corner >= found.len()) {
+            let message = format!(
+                "{}: property {} of group {group}, which has {}",
+                whose(),
+                grouped(u64::from(*bad)),
+                grouped(u64::from(found.len()))
+            );
+            return Err(ReadError::new("index-out-of-range", place(), message));
+        }
+        Ok(Some(found))
+    }
+}
+
+/// Makes `n` values, unless they are there.
+fn begin(list: &mut Vec<f64>, n: usize, value: f64) -> Result<(), ReadError> {
+    if list.is_empty() {
+        *list = with_room(n)?;
+        list.resize(n, value);
+    }
+    Ok(())
+}
+
+/// The three corners of a triangle, of four channels each.
+fn fill(colors: &mut [f64], row: usize, corners: [ColorBytes; 3]) {
+    let bytes = corners.into_iter().flatten();
+    colors[12 * row..][..12]
+        .iter_mut()
+        .zip(bytes)
+        .for_each(|(value, byte)| *value = f64::from(byte) / CHANNEL);
+}

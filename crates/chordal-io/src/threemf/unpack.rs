@@ -1,0 +1,133 @@
+//! `ZipUnpacker`: the bytes of an entry, unpacked within limits that are checked on the way.
+use super::zip_directory::{LOCAL, ZipEntry, number};
+use crate::grow::push_many;
+use crate::text::{grouped, show};
+use crate::{FileLocation, Limits, ReadError};
+use flate2::Crc;
+use flate2::read::DeflateDecoder;
+use std::io::{ErrorKind, Read};
+
+/// The most bytes of one entry. Chosen: seven times the largest single part that a tool was reported to fail
+/// on, which has 76 MB, and about six million triangles.
+const MOST_BYTES: u64 = 512 << 20;
+/// The most bytes of all entries together.
+const MOST_TOTAL: u64 = 1 << 30;
+/// The most unpacked bytes for one packed byte. Measured on models: 4 to 12; nothing but a bomb comes near.
+const MOST_RATIO: u64 = 200;
+/// Up to this size the ratio does not matter: a small part of few different bytes is harmless.
+const SMALL: u64 = 16 << 20;
+/// The bytes of a local header before the name.
+const LOCAL_BYTES: usize = 30;
+/// The bytes that are unpacked between two looks at the limits.
+const STEP: usize = 1 << 16;
+
+/// Unpacks entries of one file, and counts what they take together.
+pub(super) struct ZipUnpacker<'a> {
+    bytes: &'a [u8],
+    /// What may still be unpacked.
+    left: u64,
+    most: u64,
+}
+
+impl<'a> ZipUnpacker<'a> {
+    pub(super) fn new(bytes: &'a [u8], limits: &Limits) -> Self {
+        Self { bytes, left: MOST_TOTAL.min(limits.bytes), most: MOST_BYTES.min(limits.bytes) }
+    }
+
+    /// The content of an entry.
+    ///
+    /// # Errors
+    /// When it is cut off, damaged, encrypted or packed in another way than deflated; when it has another
+    /// size or checksum than the directory says; when it passes a limit.
+    pub(super) fn unpack(&mut self, entry: &ZipEntry) -> Result<Vec<u8>, ReadError> {
+        let (packed, at) = self.packed(entry)?;
+        let refuse = |code, what: String| {
+            let message = format!("the package's entry {} {what}", show(entry.name.as_bytes()));
+            ReadError::new(code, FileLocation::Byte(at), message)
+        };
+        if entry.is_encrypted {
+            return Err(refuse("encrypted", "is encrypted".to_owned()));
+        }
+        let mut inflater: Box<dyn Read> = match entry.method {
+            0 => Box::new(packed),
+            8 => Box::new(DeflateDecoder::new(packed)),
+            other => {
+                let what = format!("is packed by method {other}; 0 (stored) and 8 (deflated) are read");
+                return Err(refuse("unsupported-packing", what));
+            }
+        };
+        let dense = SMALL.max(MOST_RATIO.saturating_mul(packed.len() as u64));
+        let check = |size: u64| {
+            let over = |limit: u64, what: &str| {
+                let message = format!("unpacks to more than {} bytes, {what}", grouped(limit));
+                Err(refuse("too-large", message))
+            };
+            if size > self.most {
+                return over(self.most, "the limit of one entry");
+            }
+            if size > self.left {
+                return over(self.left, "which is what the limit of the whole package leaves");
+            }
+            if size > dense {
+                let message = format!(
+                    "unpacks to more than {MOST_RATIO} times its {} bytes",
+                    grouped(packed.len() as u64)
+                );
+                return Err(refuse("too-dense", message));
+            }
+            Ok(())
+        };
+        check(entry.n_unpacked)?;
+        let (mut content, mut crc) = (Vec::new(), Crc::new());
+        let mut step = vec![0; STEP];
+        loop {
+            let n = match inflater.read(&mut step) {
+                Ok(0) => break,
+                Ok(n) => n,
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                Err(error) => return Err(refuse("bad-deflate", format!("is damaged: {error}"))),
+            };
+            let start = content.len();
+            check((start + n) as u64)?;
+            push_many(&mut content, 0, n)?;
+            content[start..].copy_from_slice(&step[..n]);
+            crc.update(&step[..n]);
+        }
+        if content.len() as u64 != entry.n_unpacked {
+            let what = format!(
+                "unpacks to {} bytes, where the directory says {}",
+                grouped(content.len() as u64),
+                grouped(entry.n_unpacked)
+            );
+            return Err(refuse("size-mismatch", what));
+        }
+        if crc.sum() != entry.crc {
+            let what =
+                format!("has the checksum {:08x}, where the directory says {:08x}", crc.sum(), entry.crc);
+            return Err(refuse("bad-checksum", what));
+        }
+        self.left -= content.len() as u64;
+        Ok(content)
+    }
+
+    /// The packed bytes, and the byte where they start.
+    fn packed(&self, entry: &ZipEntry) -> Result<(&'a [u8], u64), ReadError> {
+        let found = || {
+            let local = usize::try_from(entry.at).ok()?;
+            let header = self.bytes.get(local..local.checked_add(LOCAL_BYTES)?)?;
+            let (n_name, n_extra) = (number::<2>(header, 26)? as usize, number::<2>(header, 28)? as usize);
+            let name = self.bytes.get(local + LOCAL_BYTES..local + LOCAL_BYTES + n_name)?;
+            let is_same = header.starts_with(LOCAL) && String::from_utf8_lossy(name) == entry.name;
+            let start = local + LOCAL_BYTES + n_name + n_extra;
+            let end = start.checked_add(usize::try_from(entry.n_packed).ok()?)?;
+            is_same.then_some((self.bytes.get(start..end)?, start as u64))
+        };
+        found().ok_or_else(|| {
+            let message = format!(
+                "the package's entry {} is cut off, or is not where the directory says",
+                show(entry.name.as_bytes())
+            );
+            ReadError::new("truncated", FileLocation::Byte(entry.at), message)
+        })
+    }
+}

@@ -1,0 +1,282 @@
+//! `ModelWriter`: the model part of a 3MF file.
+use super::model::{DEFAULT_UNIT, UNITS};
+use super::namespace::{CORE, MATERIALS};
+use super::properties::ColorBytes;
+use super::write_properties::{PartProperties, SceneProperties, corner_indices};
+use crate::forest::check_forest;
+use crate::instances::first_rows;
+use crate::number::ShortestDecimal;
+use crate::scene::IDENTITY;
+use crate::xml_text::{CERTIFICATE_NAMESPACE, escaped};
+use crate::{Axis, Frame, Node, Part, Scene, WriteError};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::io::Write;
+
+/// The objects that a scene becomes, with their numbers.
+pub(super) struct ModelWriter<'a> {
+    scene: &'a Scene,
+    unit: &'static str,
+    properties: SceneProperties,
+    /// For each part its colour group, if it has one, and its object, unless it is empty.
+    parts: Vec<(Option<u32>, Option<u32>)>,
+    /// For each node its object, unless it shows nothing; and those that are objects of their own, in the
+    /// order of the file.
+    nodes: Vec<Option<u32>>,
+    assemblies: Vec<usize>,
+}
+
+/// The number of the group of materials.
+const BASE_MATERIALS: u32 = 1;
+
+impl<'a> ModelWriter<'a> {
+    /// Numbers the objects.
+    ///
+    /// # Errors
+    /// As of [`super::write()`], but for those of the sink.
+    pub(super) fn new(scene: &'a Scene) -> Result<Self, WriteError> {
+        check_forest(scene)?;
+        let unit = unit_of(scene.frame)?;
+        if let Some(i) = scene.nodes.iter().position(|node| !is_affine(&node.matrix)) {
+            return Err(WriteError::Unsupported(format!("node {i} has a matrix that is not affine")));
+        }
+        let properties = SceneProperties::new(scene);
+        let mut next = BASE_MATERIALS;
+        let mut number = || {
+            next += 1;
+            next - 1
+        };
+        if !properties.materials.is_empty() {
+            number();
+        }
+        let mut parts = Vec::with_capacity(scene.parts.len());
+        for (part, properties) in scene.parts.iter().zip(&properties.parts) {
+            let (n_points, n_faces) = (part.mesh.positions().len(), part.mesh.faces().len());
+            if n_faces == 0 && n_points > 0 {
+                let name = &part.name;
+                let message = format!("part \"{name}\" has {n_points} points and no triangle");
+                return Err(WriteError::Unsupported(message));
+            }
+            let group = matches!(properties, PartProperties::Colors(_)).then(&mut number);
+            parts.push((group, (n_faces > 0).then(&mut number)));
+        }
+        let mut writer = Self {
+            scene,
+            unit,
+            properties,
+            parts,
+            nodes: vec![None; scene.nodes.len()],
+            assemblies: Vec::new(),
+        };
+        // Children come before their parents: an object may only name those before it.
+        let mut open: Vec<(usize, bool)> = scene.roots.iter().rev().map(|root| (*root, false)).collect();
+        while let Some((node, is_ready)) = open.pop() {
+            if !is_ready {
+                open.push((node, true));
+                open.extend(scene.nodes[node].children.iter().rev().map(|child| (*child, false)));
+            } else if writer.is_assembly(&scene.nodes[node]) {
+                writer.nodes[node] = Some(number());
+                writer.assemblies.push(node);
+            } else {
+                writer.nodes[node] = writer.part_object(&scene.nodes[node]);
+            }
+        }
+        Ok(writer)
+    }
+
+    /// The object of the part that a node shows.
+    fn part_object(&self, node: &Node) -> Option<u32> {
+        node.part.and_then(|part| self.parts[part].1)
+    }
+
+    /// Whether a node needs an object of its own, its children being numbered.
+    fn is_assembly(&self, node: &Node) -> bool {
+        if node.children.iter().any(|child| self.nodes[*child].is_some()) {
+            return true;
+        }
+        let is_renamed = |part: usize| !node.name.is_empty() && node.name != self.scene.parts[part].name;
+        self.part_object(node).is_some() && node.part.is_some_and(is_renamed)
+    }
+
+    /// Writes the part.
+    pub(super) fn write(&self, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
+        writeln!(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
+        write!(out, "<model unit=\"{}\" xml:lang=\"en-US\" xmlns=\"{CORE}\"", self.unit)?;
+        if self.parts.iter().any(|(group, _)| group.is_some()) {
+            write!(out, " xmlns:m=\"{MATERIALS}\"")?;
+        }
+        if certificate.is_some() {
+            write!(out, " xmlns:chordal=\"{CERTIFICATE_NAMESPACE}\"")?;
+        }
+        let version = env!("CARGO_PKG_VERSION");
+        writeln!(out, ">\n<metadata name=\"Application\">Chordal {version}</metadata>")?;
+        if let Some(certificate) = certificate {
+            let (name, text) = (super::CERTIFICATE, escaped(&certificate.to_string()));
+            writeln!(out, "<metadata name=\"chordal:{name}\">{text}</metadata>")?;
+        }
+        writeln!(out, "<resources>")?;
+        self.base_materials(out)?;
+        for (i, part) in self.scene.parts.iter().enumerate() {
+            if let (group, Some(object)) = self.parts[i] {
+                self.part(part, &self.properties.parts[i], group, object, out)?;
+            }
+        }
+        for node in &self.assemblies {
+            self.assembly(*node, out)?;
+        }
+        writeln!(out, "</resources>\n<build>")?;
+        for root in &self.scene.roots {
+            if let Some(object) = self.nodes[*root] {
+                let matrix = self.turned(&self.scene.nodes[*root].matrix);
+                reference("item", object, &matrix, out)?;
+            }
+        }
+        Ok(writeln!(out, "</build>\n</model>")?)
+    }
+
+    fn base_materials(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+        if self.properties.materials.is_empty() {
+            return Ok(());
+        }
+        writeln!(out, "<basematerials id=\"{BASE_MATERIALS}\">")?;
+        for material in self.properties.materials.values() {
+            let (name, color) = (escaped(&material.name), hex(material.color));
+            writeln!(out, "<base name=\"{name}\" displaycolor=\"{color}\"/>")?;
+        }
+        Ok(writeln!(out, "</basematerials>")?)
+    }
+
+    fn part(
+        &self,
+        part: &Part,
+        properties: &PartProperties,
+        group: Option<u32>,
+        object: u32,
+        out: &mut dyn Write,
+    ) -> Result<(), WriteError> {
+        if let (PartProperties::Colors(palette), Some(group)) = (properties, group) {
+            color_group(group, palette, out)?;
+        }
+        write!(out, "<object id=\"{object}\" type=\"model\"")?;
+        name(&part.name, out)?;
+        // Readers ask for a default as soon as a triangle has a property; one would also be that of
+        // triangles without a material.
+        match properties {
+            PartProperties::Materials { of_all: true } => {
+                write!(out, " pid=\"{BASE_MATERIALS}\" pindex=\"0\"")?
+            }
+            PartProperties::Colors(_) => write!(out, " pid=\"{}\" pindex=\"0\"", group.unwrap_or(0))?,
+            PartProperties::Materials { of_all: false } | PartProperties::Nothing => {}
+        }
+        writeln!(out, ">\n<mesh>\n<vertices>")?;
+        let first_rows = first_rows(&part.mesh);
+        let mut numbers = vec![0; first_rows.len()];
+        let mut n_written = 0_u32;
+        for (row, first) in first_rows.iter().enumerate() {
+            if *first as usize != row {
+                numbers[row] = numbers[*first as usize];
+                continue;
+            }
+            let [x, y, z] = part.mesh.positions()[row].map(ShortestDecimal);
+            writeln!(out, "<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")?;
+            numbers[row] = n_written;
+            n_written += 1;
+        }
+        writeln!(out, "</vertices>\n<triangles>")?;
+        for (face_idx, face) in part.mesh.faces().iter().enumerate() {
+            let [a, b, c] = face.map(|vertex| numbers[vertex as usize]);
+            write!(out, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
+            match properties {
+                PartProperties::Nothing => {}
+                PartProperties::Materials { .. } => {
+                    if let Some(material) = self.properties.material(self.scene, part, face_idx) {
+                        write!(out, " pid=\"{BASE_MATERIALS}\" p1=\"{material}\"")?;
+                    }
+                }
+                PartProperties::Colors(palette) => {
+                    let [p1, p2, p3] = corner_indices(part, palette, face_idx);
+                    write!(out, " pid=\"{}\" p1=\"{p1}\"", group.unwrap_or(0))?;
+                    if p2 != p1 || p3 != p1 {
+                        write!(out, " p2=\"{p2}\" p3=\"{p3}\"")?;
+                    }
+                }
+            }
+            writeln!(out, "/>")?;
+        }
+        Ok(writeln!(out, "</triangles>\n</mesh>\n</object>")?)
+    }
+
+    /// Writes the object of a node: its part in its own place, and its children.
+    fn assembly(&self, index: usize, out: &mut dyn Write) -> Result<(), WriteError> {
+        let node = &self.scene.nodes[index];
+        write!(out, "<object id=\"{}\" type=\"model\"", self.nodes[index].unwrap_or(0))?;
+        name(&node.name, out)?;
+        writeln!(out, ">\n<components>")?;
+        if let Some(object) = self.part_object(node) {
+            reference("component", object, &IDENTITY, out)?;
+        }
+        for child in &node.children {
+            if let Some(object) = self.nodes[*child] {
+                reference("component", object, &self.scene.nodes[*child].matrix, out)?;
+            }
+        }
+        Ok(writeln!(out, "</components>\n</object>")?)
+    }
+
+    /// The matrix of a root where z is up. Only signs and places of numbers change.
+    fn turned(&self, matrix: &[f64; 16]) -> [f64; 16] {
+        if self.scene.frame.up != Some(Axis::Y) {
+            return *matrix;
+        }
+        let mut turned = *matrix;
+        for (to, from) in turned.chunks_exact_mut(4).zip(matrix.chunks_exact(4)) {
+            // Adding zero removes the sign of −0.
+            (to[1], to[2]) = (0.0 - from[2], from[1] + 0.0);
+        }
+        turned
+    }
+}
+
+fn is_affine(matrix: &[f64; 16]) -> bool {
+    let bottom = [matrix[3], matrix[7], matrix[11], matrix[15]];
+    bottom == [0.0, 0.0, 0.0, 1.0] && matrix.iter().all(|x| x.is_finite())
+}
+
+fn unit_of(frame: Frame) -> Result<&'static str, WriteError> {
+    let Some(metres) = frame.metres_per_unit else { return Ok(DEFAULT_UNIT) };
+    match UNITS.iter().find(|(_, of)| *of == metres) {
+        Some((name, _)) => Ok(name),
+        None => {
+            let names = UNITS.map(|(name, _)| name).join(", ");
+            let message = format!("3MF has no unit of {metres} m; it has {names}");
+            Err(WriteError::Unsupported(message))
+        }
+    }
+}
+
+fn name(name: &str, out: &mut dyn Write) -> std::io::Result<()> {
+    if name.is_empty() { Ok(()) } else { write!(out, " name=\"{}\"", escaped(name)) }
+}
+
+fn hex([red, green, blue, alpha]: ColorBytes) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}{alpha:02X}")
+}
+
+fn color_group(group: u32, palette: &BTreeMap<ColorBytes, u32>, out: &mut dyn Write) -> std::io::Result<()> {
+    let mut colors: Vec<(u32, ColorBytes)> = palette.iter().map(|(color, index)| (*index, *color)).collect();
+    colors.sort_unstable();
+    writeln!(out, "<m:colorgroup id=\"{group}\">")?;
+    colors.iter().try_for_each(|(_, color)| writeln!(out, "<m:color color=\"{}\"/>", hex(*color)))?;
+    writeln!(out, "</m:colorgroup>")
+}
+
+/// Writes an element that puts an object in a place. Columns of our matrix are rows of the file.
+fn reference(element: &str, object: u32, matrix: &[f64; 16], out: &mut dyn Write) -> std::io::Result<()> {
+    write!(out, "<{element} objectid=\"{object}\"")?;
+    if *matrix != IDENTITY {
+        let numbers = matrix.chunks_exact(4).flat_map(|column| &column[..3]);
+        let text: Vec<String> = numbers.map(|x| ShortestDecimal(*x).to_string()).collect();
+        write!(out, " transform=\"{}\"", text.join(" "))?;
+    }
+    writeln!(out, "/>")
+}

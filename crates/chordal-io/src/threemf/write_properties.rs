@@ -1,0 +1,195 @@
+//! `SceneProperties`: materials and colours of a scene, as 3MF can hold them.
+use super::properties::{CHANNEL, ColorBytes, MATERIAL};
+use crate::{Part, Scene};
+use chordal::explicit::{Attribute, Domain, Semantic};
+use std::collections::BTreeMap;
+
+/// What a material is shown in where nothing says.
+const WHITE: ColorBytes = [0xFF; 4];
+
+/// What the triangles of a part have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum PartProperties {
+    Nothing,
+    /// Materials, of all triangles or of some.
+    Materials {
+        of_all: bool,
+    },
+    /// Colours of corners, in the order in which they first come.
+    Colors(BTreeMap<ColorBytes, u32>),
+}
+
+/// The properties of a scene.
+pub(super) struct SceneProperties {
+    /// For each part.
+    pub parts: Vec<PartProperties>,
+    /// The materials that are used, by their value: index in the file, name and colour.
+    pub materials: BTreeMap<u32, BaseMaterial>,
+    /// Whether a part's materials are left out, since its colours are others.
+    pub lacks_materials: bool,
+}
+
+/// A material of the file.
+#[derive(Clone, Debug)]
+pub(super) struct BaseMaterial {
+    pub index: u32,
+    pub name: String,
+    pub color: ColorBytes,
+}
+
+impl SceneProperties {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let names = scene.groups.get(MATERIAL).map(Vec::as_slice);
+        let mut found: BTreeMap<u32, Option<ColorBytes>> = BTreeMap::new();
+        let mut lacks_materials = false;
+        let mut parts = Vec::with_capacity(scene.parts.len());
+        for part in &scene.parts {
+            let (materials, colors) = (materials_of(part), colors_of(part));
+            let n_faces = part.mesh.faces().len();
+            if let Some(materials) = materials
+                && let Some(own) = material_colors(part, materials, colors, names.is_some())
+                && own.iter().all(|(value, color)| agree(found.get(value).copied().flatten(), *color))
+            {
+                own.into_iter().for_each(|(value, color)| {
+                    let known = found.entry(value).or_default();
+                    *known = known.or(color);
+                });
+                let of_all = (0..n_faces).all(|face| value_of(materials, face, names.is_some()).is_some());
+                parts.push(PartProperties::Materials { of_all });
+                continue;
+            }
+            lacks_materials |= materials.is_some() && n_faces > 0;
+            parts.push(match colors {
+                Some(colors) if n_faces > 0 => PartProperties::Colors(palette(part, colors)),
+                _ => PartProperties::Nothing,
+            });
+        }
+        let base = |(index, (value, color)): (usize, (u32, Option<ColorBytes>))| {
+            let known = names.and_then(|names| names.get(value as usize));
+            let name = known.cloned().unwrap_or_else(|| format!("{MATERIAL}_{value}"));
+            (value, BaseMaterial { index: index as u32, name, color: color.unwrap_or(WHITE) })
+        };
+        let materials = found.into_iter().enumerate().map(base).collect();
+        Self { parts, materials, lacks_materials }
+    }
+
+    /// The index in the file of a triangle's material, if it has one.
+    pub(super) fn material(&self, scene: &Scene, part: &Part, face: usize) -> Option<u32> {
+        let value = value_of(materials_of(part)?, face, scene.groups.contains_key(MATERIAL))?;
+        self.materials.get(&value).map(|material| material.index)
+    }
+}
+
+fn agree(a: Option<ColorBytes>, b: Option<ColorBytes>) -> bool {
+    a.is_none() || b.is_none() || a == b
+}
+
+fn materials_of(part: &Part) -> Option<&Attribute> {
+    part.mesh.attribute(&Semantic::Group(MATERIAL.to_owned())).filter(|attribute| is_kept(attribute))
+}
+
+fn colors_of(part: &Part) -> Option<&Attribute> {
+    part.mesh.attribute(&Semantic::Color(0)).filter(|attribute| is_kept(attribute))
+}
+
+/// The value of a triangle's material. With names 0 is none, as in every group that has names; without them,
+/// as in glTF, only what is negative is none.
+fn value_of(materials: &Attribute, face: usize, has_names: bool) -> Option<u32> {
+    let value = materials.row(face)[0];
+    let first = if has_names { 1.0 } else { 0.0 };
+    (value >= first && value < f64::from(u32::MAX)).then_some(value as u32)
+}
+
+/// The colour of each material of a part; none where one has several colours, or triangles without a
+/// material have one.
+fn material_colors(
+    part: &Part,
+    materials: &Attribute,
+    colors: Option<&Attribute>,
+    has_names: bool,
+) -> Option<BTreeMap<u32, Option<ColorBytes>>> {
+    let mut found: BTreeMap<u32, Option<ColorBytes>> = BTreeMap::new();
+    for face in 0..part.mesh.faces().len() {
+        let color = match colors.map(|colors| corner_colors(part, colors, face)) {
+            None => None,
+            Some([a, b, c]) if a == b && b == c => Some(a),
+            Some(_) => return None,
+        };
+        match value_of(materials, face, has_names) {
+            Some(value) => {
+                let known = found.entry(value).or_insert(color);
+                if *known != color {
+                    return None;
+                }
+            }
+            None if color.is_none_or(|color| color == WHITE) => {}
+            None => return None,
+        }
+    }
+    (!found.is_empty()).then_some(found)
+}
+
+fn palette(part: &Part, colors: &Attribute) -> BTreeMap<ColorBytes, u32> {
+    let mut palette = BTreeMap::new();
+    for face in 0..part.mesh.faces().len() {
+        for color in corner_colors(part, colors, face) {
+            let next = palette.len() as u32;
+            palette.entry(color).or_insert(next);
+        }
+    }
+    palette
+}
+
+/// The colours of a triangle's corners, rounded to bytes.
+fn corner_colors(part: &Part, colors: &Attribute, face: usize) -> [ColorBytes; 3] {
+    std::array::from_fn(|k| {
+        let row = match colors.domain {
+            Domain::Vertex => part.mesh.faces()[face][k] as usize,
+            Domain::Corner => 3 * face + k,
+            Domain::Face => face,
+        };
+        let row = colors.row(row);
+        std::array::from_fn(|channel| row.get(channel).map_or(0xFF, |value| (value * CHANNEL).round() as u8))
+    })
+}
+
+/// The index of each corner's colour in a palette.
+pub(super) fn corner_indices(part: &Part, palette: &BTreeMap<ColorBytes, u32>, face: usize) -> [u32; 3] {
+    let Some(colors) = colors_of(part) else { return [0; 3] };
+    corner_colors(part, colors, face).map(|color| palette.get(&color).copied().unwrap_or(0))
+}
+
+fn is_kept(attribute: &Attribute) -> bool {
+    let Attribute { semantic, domain, width, .. } = attribute;
+    match (semantic, domain) {
+        (Semantic::Color(0), _) => matches!(width, 3 | 4),
+        (Semantic::Group(kind), Domain::Face) => *width == 1 && kind == MATERIAL,
+        _ => false,
+    }
+}
+
+/// Whether the writer keeps an attribute; [`changes`] says what of it.
+pub(crate) fn keeps(attribute: &Attribute, _first_rows: &[u32]) -> bool {
+    is_kept(attribute)
+}
+
+/// What the writer makes of a scene that is not in it, or leaves out of what it keeps.
+pub(crate) fn changes(scene: &Scene) -> Vec<String> {
+    let mut found = Vec::new();
+    if scene.frame.metres_per_unit.is_none() {
+        found.push("3MF needs a unit, and the shape has none: millimetres were taken".to_owned());
+    }
+    let is_byte = |value: &f64| {
+        let nearest = (value * CHANNEL).round();
+        (0.0..=CHANNEL).contains(&nearest) && nearest / CHANNEL == *value
+    };
+    if scene.parts.iter().filter_map(colors_of).any(|colors| !colors.values.iter().all(is_byte)) {
+        found.push("3MF holds colours of 8 bits a channel: others were rounded to them".to_owned());
+    }
+    if SceneProperties::new(scene).lacks_materials {
+        found.push(
+            "3MF holds a colour or a material of a triangle: colours were written, materials not".to_owned(),
+        );
+    }
+    found
+}
