@@ -92,6 +92,9 @@ test-web: tested need-wasm need-node tests/web/node_modules
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/drawing.json examples/drawing.svg
 	$(TESTED) mesh tests/web/washer.vm --tol 0.005 -o $(TARGET)/web/washer.glb --force -q
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/washer.glb tests/web/washer.vm 0.005
+	$(TESTED) mesh tests/web/painted.gltf --tol 2% -o $(TARGET)/web/painted.glb --force -q
+	$(TESTED) lod tests/web/painted.gltf --px 1 -o $(TARGET)/web/painted_levels.glb --force -q
+	$(TESTED) mend tests/web/painted.gltf --drop-unused -o $(TARGET)/web/painted_mended.glb --force -q
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 
 # Patches, a cage and a mesh that is cut in space as tilesets, and one that is cut so that levels do not match, which the
@@ -139,14 +142,15 @@ test-studio: studio-page tested need-chromium
 	cd studio && npm run --silent check && npm run --silent test
 	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
 
-# The wheel is built and installed as `pip install .` does it, for release, and then judged from outside: by its tests, by the
+# The wheel is built and installed as `pip install .` does it, but from what test-rust has compiled: for release it would
+# all be compiled once more. It is then judged from outside: by its tests, by the
 # examples in its documentation, and by mypy, which also compares the stubs with what is there.
 test-python: tested need-python
 	@cmp -s tests/python/requirements.txt $(VENV)/requirements.txt || { rm -rf $(VENV) \
 		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
 		&& cp tests/python/requirements.txt $(VENV)/; }
 	rm -rf $(TARGET)/python/wheel
-	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(TARGET)/python/wheel .
+	PATH="$(abspath $(VENV))/bin:$$PATH" MATURIN_PEP517_ARGS="--profile test" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
 	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \

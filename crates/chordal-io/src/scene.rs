@@ -65,7 +65,7 @@ pub struct Scene {
     /// group.
     pub groups: BTreeMap<String, Vec<String>>,
     /// Materials with their textures, cameras, lights, animations.
-    pub assets: SceneAssets,
+    pub assets: Box<SceneAssets>,
 }
 
 /// The shape that a reader found.
@@ -122,7 +122,7 @@ impl Scene {
         };
         // The first is the name of no material.
         let materials = names[1..].iter().map(named).collect();
-        Cow::Owned(SceneAssets { materials, ..self.assets.clone() })
+        Cow::Owned(SceneAssets { materials, ..(*self.assets).clone() })
     }
 
     /// The scene of one mesh with an identity node.

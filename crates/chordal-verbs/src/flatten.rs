@@ -56,7 +56,7 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
     let mut flat = Scene {
         frame: scene.frame,
         groups: scene.groups.clone(),
-        assets: scene.assets.materials_only(),
+        assets: Box::new(scene.assets.materials_only()),
         ..Scene::default()
     };
     for (name, mesh) in scene.world_meshes()? {

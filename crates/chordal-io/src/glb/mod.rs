@@ -34,5 +34,8 @@ pub(crate) const MAGIC: u32 = 0x4654_6C67;
 pub(crate) const JSON_CHUNK: u32 = 0x4E4F_534A;
 /// The type of the chunk with the buffer, `BIN\0`.
 pub(crate) const BIN_CHUNK: u32 = 0x004E_4942;
+/// Bytes that may be decoded and checked for each byte of a file: one becomes eight at most, and few of them
+/// are read twice.
+const DECODED_PER_BYTE: u64 = 64;
 /// The extension by which a node names its lower levels of detail.
 const LOD: &str = "MSFT_lod";

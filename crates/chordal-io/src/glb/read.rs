@@ -6,7 +6,7 @@ use super::lod_nodes::LodNodes;
 use super::model::{GltfModel, item};
 use super::parts::PartReader;
 use super::report::GlbWarnings;
-use super::{LOD, container, external, transform};
+use super::{DECODED_PER_BYTE, LOD, container, external, transform};
 use crate::assets::SceneAssets;
 use crate::files::FileOpener;
 use crate::text::is_space;
@@ -116,7 +116,7 @@ pub(crate) fn read_with(
     let mut scene = read_scene(&model, &lower, &mut assets, &mut placing);
     let (kept, numbers) = keep_first_levels(&mut scene, &model, &lower);
     count_unseen(&scene, &kept, &mut placing);
-    scene.assets = assets.assets(|node| numbers.get(node).copied().flatten())?;
+    scene.assets = Box::new(assets.assets(|node| numbers.get(node).copied().flatten())?);
     let (materials, groups) = assets.materials();
     if !materials.is_empty() {
         let name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
@@ -149,10 +149,6 @@ fn parse_json(chunks: &container::GlbChunks<'_>, limits: &Limits) -> Result<Json
     }
     Ok(json)
 }
-
-/// Bytes that may be decoded and checked for each byte of a file: one becomes eight at most, and few of them
-/// are read twice.
-pub(super) const DECODED_PER_BYTE: u64 = 64;
 
 /// The most bytes that are decoded from a file and checked in it. A quarter of a GiB beside the share of its
 /// bytes is beyond the needs of an honest file, and keeps a small one from taking hours.
@@ -245,9 +241,11 @@ fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnin
         ["ACCESSOR_", "BUFFER_", "GLB_"].iter().any(|kind| code.starts_with(kind))
             && !code.contains("ANIMATION")
     };
-    let mut kept = SceneAssets::default();
+    let mut kept = Box::<SceneAssets>::default();
     if codes.iter().all(is_about_data) {
-        kept = SceneAssets { animations: Vec::new(), accessors: Vec::new(), ..scene.assets.clone() };
+        kept.clone_from(&scene.assets);
+        kept.animations.clear();
+        kept.accessors.clear();
     } else {
         scene.nodes.iter_mut().for_each(|node| node.properties.clear());
         scene.groups.remove(MATERIAL);

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     let mesh = grouped_by_material(mesh)?;
     let is_loose = |attribute: &&Attribute| attribute.domain != Domain::Vertex && !is_material(attribute);
-    if mesh.attributes().iter().filter(is_loose).next().is_none() {
+    if !mesh.attributes().iter().any(|attribute| is_loose(&attribute)) {
         return Ok(mesh);
     }
     split_rows(&mesh).map(Cow::Owned)

@@ -131,8 +131,8 @@ proptest! {
         let (truth, found) = (&mesh.attributes()[0], &read.parts[0].mesh.attributes()[0]);
         prop_assert_eq!((&found.semantic, found.domain, found.width), (&Semantic::Color(0), Domain::Corner, 4));
         for (f, face) in mesh.faces().iter().enumerate() {
-            for k in 0..3 {
-                let row = match domain { Domain::Vertex => face[k] as usize, Domain::Corner => 3 * f + k, Domain::Face => f };
+            for (k, vertex) in face.iter().enumerate() {
+                let row = match domain { Domain::Vertex => *vertex as usize, Domain::Corner => 3 * f + k, Domain::Face => f };
                 let alpha = truth.row(row).get(3).copied().unwrap_or(1.0);
                 prop_assert_eq!(found.row(3 * f + k), &[&truth.row(row)[..3], &[alpha]].concat()[..]);
             }

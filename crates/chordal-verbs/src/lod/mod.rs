@@ -218,7 +218,7 @@ struct LevelShading {
 impl LevelShading {
     /// A level as a scene.
     fn scene(&self, mesh: Mesh) -> Scene {
-        Scene { assets: self.assets.clone(), ..Scene::from_mesh(NAME, mesh, self.frame) }
+        Scene { assets: Box::new(self.assets.clone()), ..Scene::from_mesh(NAME, mesh, self.frame) }
     }
 }
 

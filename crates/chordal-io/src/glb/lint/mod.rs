@@ -132,7 +132,7 @@ impl<'a> GltfLint<'a> {
 
     /// Allows for the data of another file of so many bytes, as for those of the first.
     pub fn allow(&mut self, bytes: u64) {
-        self.work = self.work.saturating_add(super::read::DECODED_PER_BYTE * bytes);
+        self.work = self.work.saturating_add(super::DECODED_PER_BYTE * bytes);
     }
 
     /// Counts bytes that are about to be checked. Returns false when they exceed the limit.
