@@ -439,11 +439,21 @@ fn foreign_files_end_as_they_are_known_to() {
     }
     assert!(n_read > 15, "{n_read}");
     let expected = [
-        ("corner/assimp/test/models/OFF/invalid.off".to_owned(), "list-length"),
+        ("corner/assimp/test/models/OFF/invalid.off".to_owned(), "index-out-of-range"),
         ("corner/assimp/test/models/invalid/OutOfMemory.off".to_owned(), "too-many-rows"),
         ("corner/assimp/test/models/invalid/empty.off".to_owned(), "empty"),
-        // The corners of its first face stand on four lines.
-        ("mesh/libigl/inspired_mesh_quads_Smooth.off".to_owned(), "list-length"),
     ];
     assert_eq!(refused, expected);
+}
+
+#[test]
+fn corners_of_a_face_on_several_lines_are_one_face() {
+    let vertices = "0 0 0\n1 0 0\n0 1 0\n";
+    let (mesh, warnings) = load(format!("OFF\n3 1 0\n{vertices}3 0\n1 # one\n\n2\n").as_bytes(), Format::Off);
+    assert_eq!((mesh.faces(), count(&warnings, "faces-over-lines")), (&[[0, 1, 2]][..], 1));
+    // A corner that is missing is not made up of the next face.
+    let error = refuse(format!("OFF\n3 2 0\n{vertices}4 0 1 2\n3 0 1 2\n").as_bytes(), Format::Off);
+    assert!(matches!(error.code, "list-length" | "index-out-of-range"), "{error}");
+    let error = refuse(format!("OFF\n3 2 0\n{vertices}0.5 0 0\n4 0 1 2\n").as_bytes(), Format::Off);
+    assert_eq!(error.code, "not-a-number");
 }

@@ -50,13 +50,17 @@ impl<'a> OffFaceReader<'a> {
     fn face(&mut self, rows: &mut OffRowReader, warnings: &mut Warnings) -> Result<(), ReadError> {
         self.corners.clear();
         for _ in 0..rows.length()? {
-            let index = rows.integer()?;
+            let index = rows.corner()?;
             if index < 0 || index as u64 >= self.n_vertices {
                 let n = grouped(self.n_vertices);
                 let message = format!("index {index} is out of range: there are {n} vertices, from 0");
                 return Err(rows.error("index-out-of-range", &message));
             }
             push(&mut self.corners, index as u32)?;
+        }
+        if rows.goes_on()? {
+            let message = "faces whose corners stand on several lines were put together";
+            warnings.count("faces-over-lines", || (rows.place(), message.to_owned()));
         }
         let color = match rows.n_face_channels()? {
             0 => None,

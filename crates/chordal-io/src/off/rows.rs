@@ -18,6 +18,8 @@ pub(super) struct OffRowReader<'a> {
     first_line: u64,
     line: u64,
     tokens: LineTokens<'a>,
+    /// Whether the current row has more than one line.
+    goes_on: bool,
     /// The list of the current row, as in "vertex".
     list: &'static str,
     row: u64,
@@ -36,6 +38,7 @@ impl<'a> OffRowReader<'a> {
             first_line: header.lines,
             line: header.lines,
             tokens: LineTokens::new(&[]),
+            goes_on: false,
             list: "",
             row: 0,
         }
@@ -84,12 +87,19 @@ impl<'a> OffRowReader<'a> {
     #[inline]
     pub(super) fn start_row(&mut self, row: u64) -> OffResult<()> {
         self.row = row;
+        self.goes_on = false;
         if self.is_binary {
             return Ok(());
         }
+        self.next_line()
+    }
+
+    /// Moves to the next line with numbers.
+    #[inline]
+    fn next_line(&mut self) -> OffResult<()> {
         loop {
             let Some((line, text)) = self.lines.next() else {
-                return Err(self.error("truncated", "the file ends before this row"));
+                return Err(self.error("truncated", "the file ends before the end of this row"));
             };
             self.line = self.first_line + line;
             self.tokens = LineTokens::new(without_comment(text));
@@ -174,8 +184,9 @@ impl<'a> OffRowReader<'a> {
         let left = if self.is_binary {
             (self.bytes.len() - self.at) as u64 / 4
         } else {
-            // Each is at least a digit and a space.
-            self.tokens.rest().len() as u64 / 2 + 1
+            // Each is at least a digit and a space, and the last may end the file.
+            let after = self.bytes.len() - self.body - self.lines.offset();
+            (self.tokens.rest().len() + after) as u64 / 2 + 1
         };
         if n > left {
             let message =
@@ -183,6 +194,29 @@ impl<'a> OffRowReader<'a> {
             return Err(self.error("list-length", &message));
         }
         Ok(n)
+    }
+
+    /// Reads the index of a corner, which may stand on a later line than its face begins.
+    #[inline]
+    pub(super) fn corner(&mut self) -> OffResult<i64> {
+        if !self.is_binary && self.tokens.rest().is_empty() {
+            self.goes_on = true;
+            if self.next_line().is_err() {
+                let message = "the file ends before the last corner of the face";
+                return Err(self.error("list-length", message));
+            }
+        }
+        self.integer()
+    }
+
+    /// Whether the corners of the face are on several lines. Then nothing may follow them: it would be the next
+    /// face, and a corner of this one be missing.
+    pub(super) fn goes_on(&self) -> OffResult<bool> {
+        if self.goes_on && !self.tokens.rest().is_empty() {
+            let message = "the face has fewer corners than it declares, or they are mixed with another row";
+            return Err(self.error("list-length", message));
+        }
+        Ok(self.goes_on)
     }
 
     /// The number of words left on the line.
