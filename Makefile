@@ -142,15 +142,14 @@ test-studio: studio-page tested need-chromium
 	cd studio && npm run --silent check && npm run --silent test
 	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
 
-# The wheel is built and installed as `pip install .` does it, but from what test-rust has compiled: for release it would
-# all be compiled once more. It is then judged from outside: by its tests, by the
+# The wheel is built and installed as `pip install .` does it, for release, and then judged from outside: by its tests, by the
 # examples in its documentation, and by mypy, which also compares the stubs with what is there.
 test-python: tested need-python
 	@cmp -s tests/python/requirements.txt $(VENV)/requirements.txt || { rm -rf $(VENV) \
 		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
 		&& cp tests/python/requirements.txt $(VENV)/; }
 	rm -rf $(TARGET)/python/wheel
-	PATH="$(abspath $(VENV))/bin:$$PATH" MATURIN_PEP517_ARGS="--profile test" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(TARGET)/python/wheel .
+	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
 	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
