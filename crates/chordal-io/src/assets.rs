@@ -77,6 +77,14 @@ impl SceneAssets {
         }
     }
 
+    /// What [`Self::materials_only`] leaves out, by name.
+    #[must_use]
+    pub fn beside_materials(&self) -> Vec<&str> {
+        let lists = [(&self.cameras, "cameras"), (&self.animations, "animations")];
+        let names = lists.into_iter().filter(|(list, _)| !list.is_empty()).map(|(_, name)| name);
+        names.chain(self.extensions.keys().map(String::as_str)).collect()
+    }
+
     /// The names of the extensions that its objects use, in order.
     pub(crate) fn used_extensions(&self) -> Vec<String> {
         let mut names = Vec::new();

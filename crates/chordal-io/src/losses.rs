@@ -1,7 +1,7 @@
 //! `losses`: what of a scene a format cannot hold.
 use crate::format::TriangleFormat;
 use crate::instances::{first_rows, part_instances};
-use crate::{FileLocation, Format, MATERIAL, Polygons, Scene, Warning, WriteError};
+use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
 use chordal::Mesh;
 use chordal::explicit::subdivision::{Boundary, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
@@ -63,11 +63,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     };
     for mesh in meshes {
         let first_rows = first_rows(mesh);
-        let is_lost = |attribute: &&Attribute| {
-            let is_counted = matches!(&attribute.semantic, Semantic::Group(kind) if kind == MATERIAL)
-                && !scene.assets.materials.is_empty();
-            !is_counted && !keeps(attribute, &first_rows)
-        };
+        let is_lost = |attribute: &&Attribute| !keeps(attribute, &first_rows);
         for attribute in mesh.attributes().iter().filter(is_lost) {
             count(format!("{title} holds no {}", describe(attribute)));
         }

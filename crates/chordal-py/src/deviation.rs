@@ -17,10 +17,10 @@ pub(crate) enum Other {
     Made(Py<Outcome>),
 }
 
-/// How well the distance is to be known.
+/// How well the distance is to be known, as Python passes it.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(crate) struct Asked {
+pub(crate) struct DeviationArguments {
     relative: f64,
     absolute: Option<String>,
     max: Option<String>,
@@ -46,14 +46,14 @@ pub(crate) fn report(
     py: Python<'_>,
     shape: NamedInput,
     other: &Other,
-    asked: Asked,
+    arguments: DeviationArguments,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let other = other.named_input(py)?;
     let spec = DeviationSpec {
-        relative: asked.relative,
-        absolute: parse_argument::<Length>("absolute", asked.absolute.as_deref())?,
-        max: parse_argument::<Length>("max", asked.max.as_deref())?,
+        relative: arguments.relative,
+        absolute: parse_argument::<Length>("absolute", arguments.absolute.as_deref())?,
+        max: parse_argument::<Length>("max", arguments.max.as_deref())?,
     };
     let found = work::run(py, progress, move |job| {
         let (a, b) = (Input::clone(&shape.input), Input::clone(&other.input));

@@ -1,6 +1,6 @@
 //! `Outcome`: triangles or polylines with all that is known of them, and the way back to their source.
 use crate::array::Array;
-use crate::deviation::{self, Asked, NamedInput, Other};
+use crate::deviation::{self, DeviationArguments, NamedInput, Other};
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
 use crate::source::Source;
@@ -147,10 +147,10 @@ impl Outcome {
         &self,
         py: Python<'_>,
         other: Other,
-        asked: Asked,
+        arguments: DeviationArguments,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
-        deviation::report(py, self.named_input(py)?, &other, asked, progress)
+        deviation::report(py, self.named_input(py)?, &other, arguments, progress)
     }
 
     /// Distances to the triangles on a lattice, and the report.

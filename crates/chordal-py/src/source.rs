@@ -1,11 +1,11 @@
 //! `Source`: a shape as it was read.
 use crate::cage::Cage;
 use crate::curve::curves;
-use crate::deviation::{self, Asked, NamedInput, Other};
+use crate::deviation::{self, DeviationArguments, NamedInput, Other};
 use crate::outcome::{MeshOrder, Outcome};
 use crate::python_leaf::CallLog;
 use crate::rule::take_exception;
-use crate::spec::{Wanted, parse_argument};
+use crate::spec::{BudgetArguments, parse_argument};
 use crate::triangles::triangles;
 use crate::volume::{Meant, bake_input};
 use crate::{failure, work};
@@ -152,10 +152,10 @@ impl Source {
         &self,
         py: Python<'_>,
         other: Other,
-        asked: Asked,
+        arguments: DeviationArguments,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
-        deviation::report(py, self.named_input(), &other, asked, progress)
+        deviation::report(py, self.named_input(), &other, arguments, progress)
     }
 
     /// A volume with the surface of it that is meant.
@@ -190,12 +190,12 @@ impl Source {
     fn mesh(
         &self,
         py: Python<'_>,
-        wanted: Wanted,
+        arguments: BudgetArguments,
         format: &str,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Outcome> {
         let to = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
-        let spec = wanted.spec(py)?;
+        let spec = arguments.spec(py)?;
         let order = MeshOrder {
             input: Arc::clone(&self.input),
             name: self.name.clone(),

@@ -9,7 +9,7 @@ use std::str::FromStr;
 /// together.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(crate) struct Wanted {
+pub(crate) struct BudgetArguments {
     /// The name of an argument, and the length as the command reads it.
     length: Option<(String, String)>,
     /// Device pixels, and the view.
@@ -26,7 +26,7 @@ pub(crate) struct Wanted {
     require: Option<String>,
 }
 
-impl Wanted {
+impl BudgetArguments {
     /// The same as the verbs take it.
     pub(crate) fn spec(self, py: Python<'_>) -> PyResult<BudgetSpec> {
         let wrong = |name: &str, error: String| failure::budget(py, &format!("{name}: {error}"));

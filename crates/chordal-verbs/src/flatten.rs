@@ -56,7 +56,7 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
     let mut flat = Scene {
         frame: scene.frame,
         groups: scene.groups.clone(),
-        assets: Box::new(scene.assets.materials_only()),
+        assets: scene.assets.clone(),
         ..Scene::default()
     };
     for (name, mesh) in scene.world_meshes()? {

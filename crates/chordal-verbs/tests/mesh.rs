@@ -12,12 +12,14 @@ use chordal_verbs::{
 };
 use std::sync::Arc;
 
-const FORMATS: [(Format, &str); 5] = [
+const FORMATS: [(Format, &str); 7] = [
     (Format::Obj, "obj"),
     (Format::Ply, "ply"),
     (Format::Stl, "stl"),
     (Format::Glb, "glb"),
+    (Format::Gltf, "gltf"),
     (Format::Off, "off"),
+    (Format::ThreeMf, "3mf"),
 ];
 
 fn input(shape: Shape) -> Input {
@@ -202,10 +204,10 @@ fn a_coordinate_beyond_single_precision_is_refused_by_formats_that_have_no_other
     for (format, name) in FORMATS {
         let made = mesh(input(Shape::Scene(scene(wide.clone()))), &length("1"), format, &Job::default());
         match (format, made) {
-            (Format::Obj | Format::Ply | Format::Off, Ok(outcome)) => {
+            (Format::Obj | Format::Ply | Format::Off | Format::ThreeMf, Ok(outcome)) => {
                 assert_eq!(outcome.bound.at_most(), Some(0.0))
             }
-            (Format::Stl | Format::Glb, Err(failure)) => {
+            (Format::Stl | Format::Glb | Format::Gltf, Err(failure)) => {
                 assert_eq!((failure.code(), failure.exit_code()), ("too-wide", 4), "{name}");
             }
             (_, other) => panic!("{name}: {other:?}"),

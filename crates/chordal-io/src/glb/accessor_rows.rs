@@ -200,7 +200,7 @@ fn bytes<'m>(
             match source.uri {
                 Some(uri) if uri.contains("://") => format!("buffer {buffer} is {uri:?}: no network"),
                 Some(uri) => {
-                    format!("buffer {buffer} is in another file, {uri:?}, and only the GLB itself is read")
+                    format!("buffer {buffer} is in another file, {uri:?}, and no other file was opened")
                 }
                 None => format!("buffer {buffer} has no data"),
             },

@@ -2,15 +2,19 @@
 use super::accessor_rows::AccessorRows;
 use super::format::ComponentType;
 use super::json::JsonValue;
-use super::model::{GltfBufferView, GltfModel, item};
+use super::model::{GltfModel, item};
 use super::report::GlbWarnings;
 use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage};
 use crate::{FileLocation, ReadError};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 
 /// Extensions of a file or a node that name nothing but lists that are kept.
 const KEPT_EXTENSIONS: [&str; 3] = ["KHR_lights_punctual", "KHR_node_visibility", "KHR_xmp_json_ld"];
+
+/// Extensions of primitives that the reader of parts warns of.
+const TOLD_OF_PARTS: [&str; 2] = ["KHR_draco_mesh_compression", "KHR_materials_variants"];
 
 /// The assets of a file.
 pub(super) struct AssetReader<'a> {
@@ -18,7 +22,9 @@ pub(super) struct AssetReader<'a> {
     model: &'a GltfModel<'a>,
     /// Bytes that may still be copied.
     left: u64,
-    pub report: GlbWarnings,
+    /// What is not kept, by name, with how often and the first place.
+    dropped: BTreeMap<String, (u64, String)>,
+    report: GlbWarnings,
 }
 
 /// The members of an object but for some.
@@ -40,7 +46,7 @@ pub(super) fn plain_material(open: bool) -> Value {
 impl<'a> AssetReader<'a> {
     /// Starts on a file of which at most `left` bytes may be copied.
     pub fn new(json: &'a JsonValue, model: &'a GltfModel<'a>, left: u64) -> Self {
-        Self { json, model, left, report: GlbWarnings::default() }
+        Self { json, model, left, dropped: BTreeMap::new(), report: GlbWarnings::default() }
     }
 
     fn list(&self, key: &str) -> &'a [JsonValue] {
@@ -120,15 +126,56 @@ impl<'a> AssetReader<'a> {
         properties
     }
 
+    fn count_dropped(&mut self, name: String, pointer: String) {
+        self.dropped.entry(name).or_insert((0, pointer)).0 += 1;
+    }
+
+    /// Counts what no scene holds: extras and extensions of meshes, extras of scenes and of the file.
+    fn count_what_no_scene_holds(&mut self) {
+        let mut found = Vec::new();
+        let extras = |value: &JsonValue| value.get("extras").is_some();
+        if extras(self.json) {
+            found.push(("extras of the file".to_owned(), "/extras".to_owned()));
+        }
+        for (i, _) in self.list("scenes").iter().enumerate().filter(|(_, scene)| extras(scene)) {
+            found.push(("extras of scenes".to_owned(), format!("/scenes/{i}/extras")));
+        }
+        for (i, mesh) in self.list("meshes").iter().enumerate() {
+            let primitives = mesh.get("primitives").and_then(JsonValue::items).unwrap_or_default();
+            let own = std::iter::once((mesh, format!("/meshes/{i}")));
+            let theirs =
+                primitives.iter().enumerate().map(|(p, one)| (one, format!("/meshes/{i}/primitives/{p}")));
+            for (object, pointer) in own.chain(theirs) {
+                if extras(object) {
+                    found.push(("extras of meshes".to_owned(), format!("{pointer}/extras")));
+                }
+                let extensions = object.get("extensions").map_or(&[][..], JsonValue::entries);
+                for (name, _) in extensions.iter().filter(|(name, _)| !TOLD_OF_PARTS.contains(&&**name)) {
+                    found.push((format!("extension {name}"), format!("{pointer}/extensions/{name}")));
+                }
+            }
+        }
+        found.into_iter().for_each(|(name, pointer)| self.count_dropped(name, pointer));
+    }
+
+    /// The warnings, of which one names all that was not kept.
+    pub fn into_report(mut self) -> GlbWarnings {
+        self.count_what_no_scene_holds();
+        let Some((_, first)) = self.dropped.values().next() else { return self.report };
+        let names: Vec<&str> = self.dropped.keys().map(String::as_str).collect();
+        let what = format!("what these say was not kept: {}", names.join(", "));
+        let count = self.dropped.values().map(|(count, _)| count).sum();
+        self.report.add_many("extension-dropped", count, FileLocation::Pointer(first.clone()), what);
+        self.report
+    }
+
     fn kept_extensions(&mut self, all: &[(Box<str>, JsonValue)], pointer: &str) -> Map<String, Value> {
         let mut kept = Map::new();
         for (name, value) in all {
             if KEPT_EXTENSIONS.contains(&&**name) {
                 kept.insert(name.to_string(), value.to_value());
             } else if &**name != super::LOD {
-                let place = FileLocation::Pointer(format!("{pointer}/{name}"));
-                let what = format!("what extension {name} says was not kept");
-                self.report.add("extension-dropped", place, what);
+                self.count_dropped(format!("extension {name}"), format!("{pointer}/{name}"));
             }
         }
         kept
@@ -138,7 +185,7 @@ impl<'a> AssetReader<'a> {
         let properties = members_without(&self.list("images")[i], &["bufferView", "uri", "mimeType"]);
         let mut image = SceneImage { properties, content: ImageContent::Uri(String::new()) };
         let Some(found) = item(&self.model.images, Some(i)) else { return Ok(image) };
-        let bytes = found.data.as_deref().or_else(|| view_bytes(self.model, found.view));
+        let bytes = found.data.as_deref().or_else(|| self.model.view_bytes(found.view));
         let mime = found.mime.or(found.found);
         image.content = match bytes.zip(mime) {
             Some((bytes, mime)) => {
@@ -283,11 +330,4 @@ fn put(component: ComponentType, x: f64, bytes: &mut Vec<u8>) {
         ComponentType::U32 => bytes.extend((x as u32).to_le_bytes()),
         ComponentType::F32 => bytes.extend((x as f32).to_le_bytes()),
     }
-}
-
-fn view_bytes<'m>(model: &'m GltfModel<'_>, view: Option<usize>) -> Option<&'m [u8]> {
-    let GltfBufferView { buffer, offset, length, compressed, .. } = item(&model.views, view)?;
-    let data = item(&model.buffers, *buffer)?.data.as_deref().filter(|_| !compressed)?;
-    let start = usize::try_from((*offset)?).ok()?;
-    data.get(start..)?.get(..usize::try_from((*length)?).ok()?)
 }

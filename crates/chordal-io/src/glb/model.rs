@@ -27,6 +27,14 @@ impl GltfModel<'_> {
         let data = self.buffers.iter().flatten().filter(|buffer| buffer.uri.is_some());
         data.filter_map(|buffer| buffer.data.as_ref()).map(|data| data.len()).sum()
     }
+
+    /// The bytes of a view, where they are there and plain.
+    pub fn view_bytes(&self, view: Option<usize>) -> Option<&[u8]> {
+        let GltfBufferView { buffer, offset, length, compressed, .. } = item(&self.views, view)?;
+        let data = item(&self.buffers, *buffer)?.data.as_deref().filter(|_| !compressed)?;
+        let start = usize::try_from((*offset)?).ok()?;
+        data.get(start..)?.get(..usize::try_from((*length)?).ok()?)
+    }
 }
 
 /// A buffer: bytes, and where they come from.

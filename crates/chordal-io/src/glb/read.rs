@@ -50,9 +50,9 @@ const HARMLESS: [&str; 14] = [
 /// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points,
 /// lines, morph targets, skins and animations of anything but nodes are counted as warnings; materials,
 /// textures, cameras, lights and extras of nodes go to [`Scene::assets`] and the nodes, as they are. The
-/// reader never opens other files or the network; [`crate::read_with`] opens files beside it. Of levels of detail by `MSFT_lod` the first is read, and
-/// the others are counted. The certificate is that of the first, where [`super::write_levels`] wrote one for
-/// each.
+/// reader never opens other files or the network; [`crate::read_with`] opens files beside it. Of levels of
+/// detail by `MSFT_lod` the first is read, and the others are counted. The certificate is that of the first,
+/// where [`super::write_levels`] wrote one for each.
 ///
 /// Linear in the size of the file and of what is decoded from it; the latter stays below [`Limits::bytes`].
 ///
@@ -124,7 +124,7 @@ pub(crate) fn read_with(
         scene.groups.insert(MATERIAL.to_owned(), names);
     }
     scene.assets.materials = materials;
-    report.append(assets.report);
+    report.append(assets.into_report());
     drop_unsound_assets(&mut scene, &codes, &mut report);
     let mut parts = PartReader::new(&model, &groups, limits, budget);
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;

@@ -5,8 +5,8 @@ use super::keyword::without_comment;
 use crate::text::{IntegerError, LineTokens, TextLines, grouped, integer, number, number_error, show, trim};
 use crate::{FileLocation, ReadError};
 
-/// A cursor over the rows after the header. In text each row has a line of its own, so that a number too few
-/// or too many is seen there.
+/// A cursor over the rows after the header. In text each row begins on a line of its own, so that a number too
+/// few or too many is seen there; only the corners of a face may go on over more lines.
 pub(super) struct OffRowReader<'a> {
     is_binary: bool,
     bytes: &'a [u8],

@@ -118,7 +118,14 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let frame = *input.shape.frame();
     let from = input.format;
     let assets = match &input.shape {
-        Shape::Scene(scene) => scene.assets.materials_only(),
+        Shape::Scene(scene) => {
+            let dropped = scene.assets.beside_materials();
+            if !dropped.is_empty() {
+                let note = format!("levels show triangles alone: left out are {}", dropped.join(", "));
+                certificate.notes.push(note.into());
+            }
+            scene.assets.materials_only()
+        }
         _ => SceneAssets::default(),
     };
     // Rounding to single precision is about the same for every level.

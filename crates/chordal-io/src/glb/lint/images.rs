@@ -3,7 +3,7 @@ use super::buffers::{BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
 use super::{GltfLint, uri};
 use crate::glb::json::JsonValue;
-use crate::glb::model::{GltfBufferView, GltfImage, GltfModel, item};
+use crate::glb::model::{GltfImage, GltfModel, item};
 
 /// Why the first bytes of an image are invalid.
 enum ImageError {
@@ -75,7 +75,7 @@ impl<'a> GltfLint<'a> {
         let webp = self.declares("EXT_texture_webp");
         for i in 0..model.images.len() {
             let Some(image) = &model.images[i] else { continue };
-            let bytes = image.data.as_deref().or_else(|| view_bytes(model, image.view));
+            let bytes = image.data.as_deref().or_else(|| model.view_bytes(image.view));
             let (Some(bytes), false) = (bytes, image.extended) else { continue };
             if !self.charge(bytes.len() as u64) {
                 continue;
@@ -102,13 +102,6 @@ impl<'a> GltfLint<'a> {
             }
         }
     }
-}
-
-fn view_bytes<'m>(model: &'m GltfModel<'_>, view: Option<usize>) -> Option<&'m [u8]> {
-    let GltfBufferView { buffer, offset, length, .. } = item(&model.views, view)?;
-    let data = item(&model.buffers, *buffer)?.data.as_deref()?;
-    let start = usize::try_from((*offset)?).ok()?;
-    data.get(start..)?.get(..usize::try_from((*length)?).ok()?)
 }
 
 /// Detects the type by the first bytes.
