@@ -16,6 +16,7 @@ class Reading(TypedDict):
     format: str | None
     unit: str | None
     up: str | None
+    strict: bool
     lenient: bool
     drop_nonfinite: bool
     surface: str | None

@@ -34,6 +34,7 @@ def load(
     format: str | None = None,
     unit: str | None = None,
     up: str | None = None,
+    strict: bool = False,
     lenient: bool = False,
     drop_nonfinite: bool = False,
     surface: Literal["catmull-clark", "loop", "bilinear", "faceted"] | None = None,
@@ -42,7 +43,8 @@ def load(
 
     `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
     `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
-    `lenient` only warns of what is wrong in a glTF file without touching its geometry. `drop_nonfinite` drops
+    `strict` refuses a glTF file for anything that Khronos' validator calls an error, also for what viewers accept;
+    `lenient` only warns of what is wrong without touching its geometry; not both. `drop_nonfinite` drops
     vertices that are not finite numbers, with their faces, and counts them. `surface` is what the polygons of an .obj
     stand for; without it they are a Catmull–Clark cage where the file has subdivision tags, else triangles.
 
@@ -52,6 +54,8 @@ def load(
     >>> chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj")
     <Shape: triangles, from obj>
     """
+    if strict and lenient:
+        raise ValueError("strict and lenient: one of them")
     name = None
     if isinstance(source, (bytes, bytearray, memoryview)):
         content = bytes(source)
@@ -64,6 +68,7 @@ def load(
         "format": text("format", format),
         "unit": text("unit", unit),
         "up": text("up", up),
+        "strict": bool(strict),
         "lenient": bool(lenient),
         "drop_nonfinite": bool(drop_nonfinite),
         "surface": text("surface", surface),

@@ -159,6 +159,7 @@ def volume(
         "format": "nrrd",
         "unit": text("unit", unit),
         "up": None,
+        "strict": False,
         "lenient": False,
         "drop_nonfinite": False,
         "surface": None,

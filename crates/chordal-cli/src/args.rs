@@ -48,6 +48,10 @@ pub struct InputArgs {
     #[arg(long, value_name = "WHICH")]
     pub surface: Option<PolygonSurfaceArg>,
 
+    /// Refuse a glTF file for anything that Khronos' validator calls an error, also for what viewers accept
+    #[arg(long, conflicts_with = "lenient")]
+    pub strict: bool,
+
     /// Only warn of what is wrong in a glTF file without touching its geometry, and of bytes after a volume
     #[arg(long)]
     pub lenient: bool,

@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::spelling::CommandLine;
 use chordal::budget::advice::Spell;
-use chordal_io::{Format, Limits};
+use chordal_io::{Conformance, Format, Limits};
 use chordal_verbs::{FormatHint, Input, load_with};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
@@ -105,7 +105,11 @@ impl RawInput {
 fn limits(args: &InputArgs) -> Limits {
     let mut limits = Limits::default();
     limits.bytes = args.memory_limit().map_or(limits.bytes, |most| most.min(limits.bytes));
-    limits.lenient = args.lenient;
+    limits.conformance = match (args.strict, args.lenient) {
+        (true, _) => Conformance::Strict,
+        (_, true) => Conformance::Lenient,
+        _ => Conformance::Tolerant,
+    };
     limits.drop_nonfinite = args.drop_nonfinite;
     limits.index = args.index;
     limits.surface = args.surface.map(Into::into);

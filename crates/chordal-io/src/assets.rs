@@ -1,5 +1,5 @@
 //! `SceneAssets`: what a scene has beside its meshes and the nodes that place them: materials with their
-//! textures, cameras, lights, animations.
+//! textures, cameras, lights, animations, skins.
 use serde_json::{Map, Value};
 use std::sync::Arc;
 
@@ -22,7 +22,9 @@ pub struct SceneAssets {
     pub cameras: Vec<Value>,
     /// The animations of nodes, which name `accessors`.
     pub animations: Vec<Value>,
-    /// The numbers of animations.
+    /// The skins, which nodes name: joints, and `accessors` with their matrices.
+    pub skins: Vec<Value>,
+    /// The numbers of animations and skins.
     pub accessors: Vec<PackedAccessor>,
     /// Extensions of the file as a whole: lights, which nodes name.
     pub extensions: Map<String, Value>,
@@ -80,7 +82,7 @@ impl SceneAssets {
     /// What [`Self::materials_only`] leaves out, by name.
     #[must_use]
     pub fn beside_materials(&self) -> Vec<&str> {
-        let lists = [(&self.cameras, "cameras"), (&self.animations, "animations")];
+        let lists = [(&self.cameras, "cameras"), (&self.animations, "animations"), (&self.skins, "skins")];
         let names = lists.into_iter().filter(|(list, _)| !list.is_empty()).map(|(_, name)| name);
         names.chain(self.extensions.keys().map(String::as_str)).collect()
     }
@@ -88,7 +90,8 @@ impl SceneAssets {
     /// The names of the extensions that its objects use, in order.
     pub(crate) fn used_extensions(&self) -> Vec<String> {
         let mut names = Vec::new();
-        let lists = [&self.materials, &self.textures, &self.samplers, &self.cameras, &self.animations];
+        let Self { materials, textures, samplers, cameras, animations, skins, .. } = self;
+        let lists = [materials, textures, samplers, cameras, animations, skins];
         lists.into_iter().flatten().for_each(|object| collect_extensions(object, &mut names));
         self.images.iter().for_each(|image| collect_of_members(&image.properties, &mut names));
         names.extend(self.extensions.keys().cloned());

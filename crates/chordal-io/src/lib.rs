@@ -51,7 +51,7 @@ pub use error::{FileLocation, ReadError, Warning, WriteError};
 pub use files::FileOpener;
 pub use format::{Format, PositionPrecision, UnknownFormat, VertexRows};
 pub use frame::{Axis, Frame};
-pub use limits::Limits;
+pub use limits::{Conformance, Limits};
 pub use losses::{losses, losses_of_polygons};
 pub use polygons::{PolygonSurface, Polygons};
 pub use read::{read, read_with};

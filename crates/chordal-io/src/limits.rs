@@ -13,9 +13,8 @@ pub struct Limits {
     pub header_line: usize,
     /// Nesting of JSON.
     pub depth: usize,
-    /// Turns into warnings what gltf-validator calls an error and does not affect geometry, and bytes that
-    /// follow the samples of a volume.
-    pub lenient: bool,
+    /// Which errors of a file that do not touch its geometry are warnings.
+    pub conformance: Conformance,
     /// Drops and counts vertices that are NaN or infinite, with their faces, instead of refusing the file.
     pub drop_nonfinite: bool,
     /// Which volume of a file that holds several, counted from 0; `None` where there is only one.
@@ -25,6 +24,22 @@ pub struct Limits {
     pub surface: Option<PolygonSurface>,
 }
 
+/// How errors of a file are judged that do not touch its geometry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Conformance {
+    /// All are refused, of glTF whatever gltf-validator calls an error.
+    Strict,
+    /// What viewers of glTF accept is a warning, and is mended where the file is written again: bounds of
+    /// accessors, directions that are not of length 1, a scene that names a node below another one, a factor
+    /// of a material beyond 1, an extension that is not declared. Everything else is refused.
+    #[default]
+    Tolerant,
+    /// Of glTF everything is a warning that leaves triangles to read, and materials and the like are left out
+    /// where they may be wrong; of a volume, bytes that follow its samples; of a tileset, geometric errors
+    /// that grow towards the leaves.
+    Lenient,
+}
+
 impl Default for Limits {
     fn default() -> Self {
         Self {
@@ -32,7 +47,7 @@ impl Default for Limits {
             rows: 500_000_000,
             header_line: 64 << 10,
             depth: 128,
-            lenient: false,
+            conformance: Conformance::default(),
             drop_nonfinite: false,
             index: None,
             surface: None,

@@ -46,6 +46,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         (&scene.assets.materials, "looks of materials"),
         (&scene.assets.cameras, "cameras"),
         (&scene.assets.animations, "animations"),
+        (&scene.assets.skins, "skins"),
     ] {
         list.iter().for_each(|_| count(format!("{title} holds no {what}")));
     }
@@ -124,6 +125,7 @@ fn describe(attribute: &Attribute) -> String {
         Semantic::Color(set) => format!("colours of set {set}"),
         Semantic::Group(kind) => format!("groups '{}'", kind.escape_default()),
         Semantic::Custom(name) => format!("values '{}'", name.escape_default()),
+        Semantic::Blended(_) => "skins and morph targets".to_owned(),
     };
     let domain = match attribute.domain {
         Domain::Vertex => "vertices",

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// One mesh with its name, in its own coordinates; nodes place it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
     /// The name in the file, or empty.
     pub name: String,
@@ -17,6 +17,8 @@ pub struct Part {
     /// Whether vertices are tied by the file's own position indices (OBJ, PLY, OFF). False where the format has
     /// none (STL, glTF) and bit-identical positions tie them.
     pub indexed: bool,
+    /// What glTF says of the mesh beside: extras, and the weights of its morph targets.
+    pub properties: Map<String, Value>,
 }
 
 /// A node of the scene graph: a transform, children, and maybe a part that it shows.
@@ -128,13 +130,13 @@ impl Scene {
     /// The scene of one mesh with an identity node.
     #[must_use]
     pub fn from_mesh(name: &str, mesh: Mesh, frame: Frame) -> Self {
-        Self::from_part(Part { name: name.to_owned(), mesh, indexed: true }, frame)
+        Self::from_part(Part { name: name.to_owned(), mesh, indexed: true, ..Part::default() }, frame)
     }
 
     /// The scene of one mesh of a format without indices, where triangles share positions by their numbers.
     #[must_use]
     pub fn from_triangle_soup(name: &str, mesh: Mesh, frame: Frame) -> Self {
-        Self::from_part(Part { name: name.to_owned(), mesh, indexed: false }, frame)
+        Self::from_part(Part { name: name.to_owned(), mesh, ..Part::default() }, frame)
     }
 
     /// The scene of one part, with an identity node of the same name.

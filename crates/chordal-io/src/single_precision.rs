@@ -1,4 +1,5 @@
 //! Coordinates in single precision about an origin.
+use crate::glb::deformation::is_deformed;
 use chordal::Mesh;
 use chordal::math::greater;
 
@@ -27,7 +28,8 @@ pub(crate) fn restore(origin: f64, stored: f32) -> f64 {
 /// This makes snapping idempotent although it changes the bounds a little.
 pub(crate) fn origin_of(mesh: &Mesh) -> [f64; 3] {
     let bounds = mesh.bounds();
-    if bounds.is_empty() {
+    // The joints of a skin place a mesh, and not its node; and weights of morph targets are those of one node.
+    if bounds.is_empty() || is_deformed(mesh) {
         return [0.0; 3];
     }
     std::array::from_fn(|k| {

@@ -274,7 +274,7 @@ const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 
 #[test]
 fn nodes_are_applied_and_a_mirror_keeps_the_front() {
-    let part = Part { name: "cube".into(), mesh: cube(), indexed: true };
+    let part = Part { name: "cube".into(), mesh: cube(), indexed: true, ..Part::default() };
     let (mut scaled, mut mirror, mut moved) = (IDENTITY, IDENTITY, IDENTITY);
     (scaled[0], scaled[5], scaled[10]) = (4.0, 0.5, 2.0);
     mirror[0] = -1.0;
@@ -319,7 +319,7 @@ fn nodes_are_applied_and_a_mirror_keeps_the_front() {
 #[test]
 fn scenes_that_no_format_can_hold_are_refused_by_name() {
     let with = |nodes: Vec<Node>, roots: Vec<usize>| Scene {
-        parts: vec![Part { name: "p".into(), mesh: cube(), indexed: true }],
+        parts: vec![Part { name: "p".into(), mesh: cube(), indexed: true, ..Part::default() }],
         nodes,
         roots,
         ..Scene::default()

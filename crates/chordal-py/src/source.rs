@@ -12,7 +12,7 @@ use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
-use chordal_io::{Axis, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
+use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
 use chordal_verbs::{BakeSpec, FormatHint, Input, Shape, inspect, load_with};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -37,6 +37,7 @@ pub(crate) struct Reading {
     format: Option<String>,
     unit: Option<String>,
     up: Option<String>,
+    strict: bool,
     lenient: bool,
     drop_nonfinite: bool,
     surface: Option<String>,
@@ -49,8 +50,13 @@ impl Reading {
         format: Option<Format>,
         surface: Option<PolygonSurface>,
     ) -> Result<(Input, Option<String>), ReadFailure> {
-        let (lenient, drop_nonfinite) = (self.lenient, self.drop_nonfinite);
-        let limits = Limits { lenient, drop_nonfinite, surface, ..Limits::default() };
+        let conformance = match (self.strict, self.lenient) {
+            (true, _) => Conformance::Strict,
+            (_, true) => Conformance::Lenient,
+            _ => Conformance::Tolerant,
+        };
+        let limits =
+            Limits { conformance, drop_nonfinite: self.drop_nonfinite, surface, ..Limits::default() };
         let hint = FormatHint { name: self.name.as_deref(), format, ..FormatHint::default() };
         let mut open = |path: &str| match &self.name {
             Some(first) => chordal_cli::read_beside(Path::new(first), path, limits.bytes),

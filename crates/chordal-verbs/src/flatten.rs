@@ -60,8 +60,10 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         ..Scene::default()
     };
     for (name, mesh) in scene.world_meshes()? {
-        let one =
-            Scene::from_part(Part { name: name.to_owned(), mesh: mesh.into_owned(), indexed }, scene.frame);
+        let one = Scene::from_part(
+            Part { name: name.to_owned(), mesh: mesh.into_owned(), indexed, ..Part::default() },
+            scene.frame,
+        );
         let at = flat.parts.len();
         flat.parts.extend(one.parts);
         flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));

@@ -41,7 +41,7 @@ fn merged_attribute(meshes: &[&Mesh], semantic: &Semantic) -> Option<Attribute> 
     let filling = match semantic {
         Semantic::Color(_) => Some(1.0),
         Semantic::TexCoord(_) | Semantic::Group(_) => Some(0.0),
-        Semantic::Normal | Semantic::Tangent | Semantic::Custom(_) => None,
+        Semantic::Normal | Semantic::Tangent | Semantic::Custom(_) | Semantic::Blended(_) => None,
     };
     let known = || found.iter().flatten();
     let width = known().map(|attribute| attribute.width).max()?;

@@ -37,6 +37,12 @@ pub(crate) fn simplify_scene(
             return Err(MeshFailure::TooWide(CoordinateOverflow { value }));
         }
     }
+    let is_deformed = |part: &Part| {
+        part.mesh.attributes().iter().any(|attribute| matches!(attribute.semantic, Semantic::Blended(_)))
+    };
+    if scene.parts.iter().any(is_deformed) {
+        notes.push("the bound is of meshes at rest: skins and morph targets move them afterwards".into());
+    }
     let stretch = flatten::part_scales(&scene);
     // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
@@ -210,14 +216,19 @@ fn part_budget(length: Option<f64>, stretch: f64) -> Budget {
 
 /// Drops the normals of a scene that will be recomputed, so that they preserve no edge.
 pub(crate) fn without_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
-    for part in &mut scene.parts {
+    without(scene, |semantic| matches!(semantic, Semantic::Normal | Semantic::Tangent))
+}
+
+/// Drops attributes of a scene.
+pub(crate) fn without(scene: &mut Scene, is_dropped: impl Fn(&Semantic) -> bool) -> Result<(), MeshFailure> {
+    let has_some = |part: &&mut Part| part.mesh.attributes().iter().any(|a| is_dropped(&a.semantic));
+    for part in scene.parts.iter_mut().filter(has_some) {
         let mesh = &part.mesh;
         let mut bare = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec()).map_err(unsupported)?;
         if let Some(id) = mesh.position_id() {
             bare = bare.with_position_id(id.to_vec()).map_err(unsupported)?;
         }
-        let stays = |a: &&Attribute| !matches!(a.semantic, Semantic::Normal | Semantic::Tangent);
-        for attribute in mesh.attributes().iter().filter(stays) {
+        for attribute in mesh.attributes().iter().filter(|attribute| !is_dropped(&attribute.semantic)) {
             bare = bare.with_attribute(attribute.clone()).map_err(unsupported)?;
         }
         part.mesh = bare;

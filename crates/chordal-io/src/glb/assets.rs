@@ -72,7 +72,9 @@ impl<'a> AssetReader<'a> {
             ..SceneAssets::default()
         };
         assets.images = (0..self.list("images").len()).map(|i| self.image(i)).collect::<Result<_, _>>()?;
-        self.add_animations(&mut assets, number_of)?;
+        let mut packed = vec![None; self.model.accessors.len()];
+        self.add_animations(&mut assets, &mut packed, &number_of)?;
+        self.add_skins(&mut assets, &mut packed, &number_of)?;
         let extensions = self.json.get("extensions").map_or(&[][..], JsonValue::entries);
         assets.extensions = self.kept_extensions(extensions, "/extensions");
         if let Some(asset) = self.json.get("asset") {
@@ -107,16 +109,12 @@ impl<'a> AssetReader<'a> {
     /// What a node has beside name, children, mesh and matrix.
     pub fn node_properties(&mut self, i: usize) -> Map<String, Value> {
         let Some(node) = self.list("nodes").get(i) else { return Map::new() };
-        let left_out = ["name", "children", "mesh", "matrix", "skin", "weights", "extensions"];
+        let left_out = ["name", "children", "mesh", "matrix", "extensions"];
         let mut properties = members_without(node, &left_out);
         if !properties.contains_key("rotation") {
             // The matrix says these as exactly.
             properties.shift_remove("translation");
             properties.shift_remove("scale");
-        }
-        if node.get("weights").is_some() {
-            let place = FileLocation::Pointer(format!("/nodes/{i}/weights"));
-            self.report.add("morph-targets-ignored", place, "morph targets were not applied");
         }
         let extensions = node.get("extensions").map_or(&[][..], JsonValue::entries);
         let extensions = self.kept_extensions(extensions, &format!("/nodes/{i}/extensions"));
@@ -126,11 +124,17 @@ impl<'a> AssetReader<'a> {
         properties
     }
 
+    /// What a mesh has beside its name and primitives.
+    pub fn mesh_properties(&self, i: usize) -> Map<String, Value> {
+        let mesh = self.list("meshes").get(i);
+        mesh.map(|mesh| members_without(mesh, &["name", "primitives", "extensions"])).unwrap_or_default()
+    }
+
     fn count_dropped(&mut self, name: String, pointer: String) {
         self.dropped.entry(name).or_insert((0, pointer)).0 += 1;
     }
 
-    /// Counts what no scene holds: extras and extensions of meshes, extras of scenes and of the file.
+    /// Counts what no scene holds: extensions of meshes, extras of primitives, of scenes and of the file.
     fn count_what_no_scene_holds(&mut self) {
         let mut found = Vec::new();
         let extras = |value: &JsonValue| value.get("extras").is_some();
@@ -145,9 +149,10 @@ impl<'a> AssetReader<'a> {
             let own = std::iter::once((mesh, format!("/meshes/{i}")));
             let theirs =
                 primitives.iter().enumerate().map(|(p, one)| (one, format!("/meshes/{i}/primitives/{p}")));
-            for (object, pointer) in own.chain(theirs) {
-                if extras(object) {
-                    found.push(("extras of meshes".to_owned(), format!("{pointer}/extras")));
+            for (k, (object, pointer)) in own.chain(theirs).enumerate() {
+                // The first is the mesh itself.
+                if k > 0 && extras(object) {
+                    found.push(("extras of primitives".to_owned(), format!("{pointer}/extras")));
                 }
                 let extensions = object.get("extensions").map_or(&[][..], JsonValue::entries);
                 for (name, _) in extensions.iter().filter(|(name, _)| !TOLD_OF_PARTS.contains(&&**name)) {
@@ -218,13 +223,41 @@ impl<'a> AssetReader<'a> {
         Ok(())
     }
 
-    /// The animations of nodes' transforms; others are counted.
+    /// The skins, whose joints are nodes; none where some joints are not kept.
+    fn add_skins(
+        &mut self,
+        assets: &mut SceneAssets,
+        packed: &mut [Option<usize>],
+        number_of: &impl Fn(usize) -> Option<usize>,
+    ) -> Result<(), ReadError> {
+        let mut skins = Vec::new();
+        for skin in self.list("skins") {
+            let node = |value: &JsonValue| number_of(usize::try_from(value.integer()?).ok()?);
+            let joints = skin.get("joints").and_then(JsonValue::items).unwrap_or_default();
+            let Some(joints) = joints.iter().map(node).collect::<Option<Vec<_>>>() else { return Ok(()) };
+            let mut object = members_without(skin, &["joints", "skeleton", "inverseBindMatrices"]);
+            object.insert("joints".to_owned(), json!(joints));
+            if let Some(skeleton) = skin.get("skeleton").and_then(node) {
+                object.insert("skeleton".to_owned(), json!(skeleton));
+            }
+            if let Some(matrices) = skin.get("inverseBindMatrices") {
+                let at = matrices.integer().and_then(|at| usize::try_from(at).ok());
+                let Some(at) = self.pack(at, packed, assets)? else { return Ok(()) };
+                object.insert("inverseBindMatrices".to_owned(), json!(at));
+            }
+            skins.push(Value::Object(object));
+        }
+        assets.skins = skins;
+        Ok(())
+    }
+
+    /// The animations of nodes' transforms and weights; others are counted.
     fn add_animations(
         &mut self,
         assets: &mut SceneAssets,
-        number_of: impl Fn(usize) -> Option<usize>,
+        packed: &mut [Option<usize>],
+        number_of: &impl Fn(usize) -> Option<usize>,
     ) -> Result<(), ReadError> {
-        let mut packed = vec![None; self.model.accessors.len()];
         for (i, animation) in self.list("animations").iter().enumerate() {
             let mut object = members_without(animation, &["channels", "samplers"]);
             let mut samplers: Vec<Value> = animation
@@ -241,19 +274,19 @@ impl<'a> AssetReader<'a> {
                 let node = target.and_then(|target| target.get("node")).and_then(JsonValue::integer);
                 let node = node.and_then(|node| number_of(usize::try_from(node).ok()?));
                 match (path, node) {
-                    (Some("translation" | "rotation" | "scale"), Some(node)) => {
+                    (Some("translation" | "rotation" | "scale" | "weights"), Some(node)) => {
                         let mut channel = channel.to_value();
                         channel["target"]["node"] = json!(node);
                         channels.push(channel);
                     }
                     _ => {
                         let place = FileLocation::Pointer(format!("/animations/{i}/channels"));
-                        let what = "animations of anything but a node's transform were not kept";
+                        let what = "animations of anything but a node's transform and weights were not kept";
                         self.report.add("animations-dropped", place, what);
                     }
                 }
             }
-            if channels.is_empty() || !self.pack_samplers(&mut samplers, &mut packed, assets)? {
+            if channels.is_empty() || !self.pack_samplers(&mut samplers, packed, assets)? {
                 continue;
             }
             object.insert("channels".to_owned(), json!(channels));
@@ -274,26 +307,32 @@ impl<'a> AssetReader<'a> {
             for key in ["input", "output"] {
                 let accessor =
                     sampler.get(key).and_then(Value::as_u64).and_then(|at| usize::try_from(at).ok());
-                let Some((accessor, slot)) = accessor.and_then(|at| Some((at, packed.get_mut(at)?))) else {
-                    return Ok(false);
-                };
-                let at = match *slot {
-                    Some(at) => at,
-                    None => {
-                        // Rows without bytes are zeros, which move nothing.
-                        let rows =
-                            AccessorRows::new(self.model, accessor).ok().filter(AccessorRows::has_data);
-                        let Some(rows) = rows else { return Ok(false) };
-                        self.charge(rows.n_bytes(), || format!("/accessors/{accessor}"))?;
-                        assets.accessors.push(self.packed(accessor, &rows));
-                        assets.accessors.len() - 1
-                    }
-                };
-                *slot = Some(at);
+                let Some(at) = self.pack(accessor, packed, assets)? else { return Ok(false) };
                 sampler[key] = json!(at);
             }
         }
         Ok(true)
+    }
+
+    /// Copies the numbers of an accessor, once, and returns their number; none where some are missing.
+    fn pack(
+        &mut self,
+        accessor: Option<usize>,
+        packed: &mut [Option<usize>],
+        assets: &mut SceneAssets,
+    ) -> Result<Option<usize>, ReadError> {
+        let Some((accessor, slot)) = accessor.and_then(|at| Some((at, packed.get_mut(at)?))) else {
+            return Ok(None);
+        };
+        if slot.is_none() {
+            // Rows without bytes are zeros, which move nothing.
+            let rows = AccessorRows::new(self.model, accessor).ok().filter(AccessorRows::has_data);
+            let Some(rows) = rows else { return Ok(None) };
+            self.charge(rows.n_bytes(), || format!("/accessors/{accessor}"))?;
+            assets.accessors.push(self.packed(accessor, &rows));
+            *slot = Some(assets.accessors.len() - 1);
+        }
+        Ok(*slot)
     }
 
     fn packed(&self, accessor: usize, rows: &AccessorRows<'_>) -> PackedAccessor {
@@ -312,7 +351,7 @@ impl<'a> AssetReader<'a> {
         });
         // Times must have bounds, and what a file says of them may be wrong.
         for (key, bounds) in [("min", least), ("max", most)] {
-            if properties.contains_key(key) {
+            if n == 1 || properties.contains_key(key) {
                 properties.insert(key.to_owned(), json!(bounds));
             }
         }

@@ -1,4 +1,5 @@
 //! `AttributePlan`: the attributes that the part of a mesh gets, decided before any is read.
+use super::deformation::{SkinPlan, common_targets, morph_semantic};
 use super::format::AccessorType;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use chordal::explicit::Semantic;
@@ -8,11 +9,23 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub(super) struct AttributePlan<'m> {
     pub streams: Vec<PlannedAttribute<'m>>,
+    /// The weights of joints, in the last streams.
+    pub skin: SkinPlan,
+}
+
+/// Where the values of an attribute come from.
+pub(super) enum StreamSource<'m> {
+    /// An attribute of the primitive.
+    Attribute(&'m str),
+    /// An attribute of one of its morph targets.
+    Target(usize, &'m str),
+    /// Its joints and their weights.
+    Joints,
 }
 
 /// An attribute that a part gets.
 pub(super) struct PlannedAttribute<'m> {
-    pub name: &'m str,
+    pub source: StreamSource<'m>,
     pub semantic: Semantic,
     pub width: usize,
 }
@@ -55,13 +68,27 @@ impl<'m> AttributePlan<'m> {
                 Semantic::TexCoord(set) => (set < COMMON_SETS, 2),
                 // Four numbers when any primitive has alpha.
                 Semantic::Color(set) => (set < COMMON_SETS, if widest == 4 { 4 } else { 3 }),
-                Semantic::Group(_) | Semantic::Custom(_) => (false, first),
+                Semantic::Group(_) | Semantic::Custom(_) | Semantic::Blended(_) => (false, first),
             };
             if width > 0 && (is_common || count == n_drawn) {
-                streams.push(PlannedAttribute { name, semantic, width });
+                streams.push(PlannedAttribute { source: StreamSource::Attribute(name), semantic, width });
             }
         }
-        Self { streams }
+        for (target, name) in common_targets(mesh) {
+            let width = if name == "TANGENT" { 3 } else { width_of_target(model, mesh, target, name) };
+            if width > 0 {
+                let (source, semantic) = (StreamSource::Target(target, name), morph_semantic(target, name));
+                streams.push(PlannedAttribute { source, semantic, width });
+            }
+        }
+        Self { streams, skin: SkinPlan::default() }
+    }
+
+    /// Adds the weights of joints.
+    pub fn add_skin(&mut self, skin: SkinPlan) {
+        let planned = |(semantic, width)| PlannedAttribute { source: StreamSource::Joints, semantic, width };
+        self.streams.extend(skin.attributes().map(planned));
+        self.skin = skin;
     }
 }
 
@@ -77,8 +104,16 @@ impl PlannedAttribute<'_> {
     }
 }
 
+/// The numbers a vertex of a morph target's attribute, by the first primitive with triangles.
+fn width_of_target(model: &GltfModel<'_>, mesh: &GltfMesh<'_>, target: usize, name: &str) -> usize {
+    let first = mesh.primitives.iter().find(|primitive| is_drawn(primitive));
+    let attributes = first.and_then(|primitive| primitive.targets.as_ref()?.get(target));
+    let accessor = attributes.and_then(|list| list.iter().find(|(known, _)| *known == name)?.1);
+    item(&model.accessors, accessor).and_then(|accessor| accessor.kind).map_or(0, AccessorType::n_components)
+}
+
 /// Whether a primitive has triangles.
-fn is_drawn(primitive: &GltfPrimitive<'_>) -> bool {
+pub(super) fn is_drawn(primitive: &GltfPrimitive<'_>) -> bool {
     primitive.mode.is_some_and(|mode| mode >= 4) && position_of(&primitive.attributes).is_some()
 }
 

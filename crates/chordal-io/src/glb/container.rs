@@ -1,6 +1,8 @@
 //! The container: a header, a JSON chunk, and maybe a BIN chunk.
+use super::report::GlbWarnings;
+use super::tolerance::is_tolerated_code;
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
-use crate::{FileLocation, ReadError, Warning};
+use crate::{FileLocation, Limits, ReadError};
 
 /// The two chunks that are read.
 pub(super) struct GlbChunks<'a> {
@@ -17,7 +19,23 @@ pub(super) struct GlbChunks<'a> {
 ///
 /// # Errors
 /// At the byte where the container breaks.
-pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result<GlbChunks<'a>, ReadError> {
+pub(super) fn chunks<'a>(
+    bytes: &'a [u8],
+    limits: &Limits,
+    report: &mut GlbWarnings,
+) -> Result<GlbChunks<'a>, ReadError> {
+    match split(bytes, 4, report) {
+        Err(error) if is_tolerated_code(error.code, limits) => {
+            let Ok(chunks) = split(bytes, 1, report) else { return Err(error) };
+            report.add(error.code, error.place, error.message);
+            Ok(chunks)
+        }
+        result => result,
+    }
+}
+
+/// The same for chunks whose lengths are multiples of `step`.
+fn split<'a>(bytes: &'a [u8], step: usize, report: &mut GlbWarnings) -> Result<GlbChunks<'a>, ReadError> {
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let error =
         |code, at: usize, what: String| Err(ReadError::new(code, FileLocation::Byte(at as u64), what));
@@ -54,7 +72,7 @@ pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result
             );
         };
         let n = n as usize;
-        if !n.is_multiple_of(4) {
+        if !n.is_multiple_of(step) {
             return error("GLB_CHUNK_LENGTH_UNALIGNED", at, format!("chunk length {n} is no multiple of 4"));
         }
         let start = at + 8;
@@ -91,23 +109,17 @@ pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result
                 return error("GLB_UNEXPECTED_BIN_CHUNK", at, "the BIN chunk is not the second".to_owned());
             }
             BIN_CHUNK => bin = Some(data),
-            _ => warnings.push(Warning {
-                code: "GLB_UNKNOWN_CHUNK_TYPE",
-                count: 1,
-                place: FileLocation::Byte(at as u64),
-                message: format!("a chunk of unknown type {kind:#010x} was skipped").into(),
-            }),
+            _ => {
+                let what = format!("a chunk of unknown type {kind:#010x} was skipped");
+                report.add("GLB_UNKNOWN_CHUNK_TYPE", FileLocation::Byte(at as u64), what);
+            }
         }
         n_chunks += 1;
         at = start + n;
     }
     if at < bytes.len() {
-        warnings.push(Warning {
-            code: "GLB_EXTRA_DATA",
-            count: 1,
-            place: FileLocation::Byte(at as u64),
-            message: format!("{} extra bytes follow the end that the header names", bytes.len() - at).into(),
-        });
+        let what = format!("{} extra bytes follow the end that the header names", bytes.len() - at);
+        report.add("GLB_EXTRA_DATA", FileLocation::Byte(at as u64), what);
     } else if at != length {
         let what = format!("the header says {length} bytes, the file has {}", bytes.len());
         return error("GLB_LENGTH_MISMATCH", bytes.len(), what);

@@ -1,5 +1,6 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
 use super::assets::plain_material;
+use super::deformation::{has_skin, skin_sets, targets_of};
 use super::node_list;
 use super::split::{material_groups, split};
 use super::streams::{AccessorStream, stored_bounds};
@@ -8,6 +9,7 @@ use crate::single_precision::origin_of;
 use crate::{CoordinateOverflow, Part, Scene, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Domain, Semantic};
+use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
@@ -42,6 +44,7 @@ pub(super) struct GltfDocument<'a> {
     materials: Vec<Value>,
     images: Vec<Value>,
     animations: Vec<Value>,
+    skins: Vec<Value>,
     /// The content of the BIN chunk, in order.
     pub streams: Vec<AccessorStream<'a>>,
     n_bytes: u64,
@@ -62,6 +65,7 @@ impl<'a> GltfDocument<'a> {
             materials: assets.materials.clone(),
             images: Vec::new(),
             animations: Vec::new(),
+            skins: Vec::new(),
             streams: Vec::new(),
             n_bytes: 0,
             shown: Vec::new(),
@@ -83,8 +87,8 @@ impl<'a> GltfDocument<'a> {
         document
     }
 
-    /// Adds the animations of nodes that follow `first` others in the file.
-    pub fn add_animations(&mut self, first: usize) {
+    /// Adds the animations and skins of nodes that follow `first` others in the file.
+    pub fn add_animations(&mut self, scene: &Scene, first: usize) {
         let assets = self.assets;
         let mut at = Vec::with_capacity(assets.accessors.len());
         for accessor in &assets.accessors {
@@ -94,8 +98,20 @@ impl<'a> GltfDocument<'a> {
             self.accessors.push(Value::Object(object));
             at.push(self.accessors.len() - 1);
         }
-        for animation in &assets.animations {
-            let mut animation = animation.clone();
+        // Weights of morph targets move nothing where a mesh has none.
+        let moves = |channel: &Value| {
+            let target = &channel["target"];
+            let node = target["node"].as_u64().and_then(|node| scene.nodes.get(usize::try_from(node).ok()?));
+            let part = node.and_then(|node| self.shown.get(node.part?));
+            target["path"] != "weights" || part.is_some_and(|part| part.mesh.is_some() && part.n_targets > 0)
+        };
+        let mut animations = assets.animations.clone();
+        animations.retain_mut(|animation| {
+            let Some(channels) = animation["channels"].as_array_mut() else { return false };
+            channels.retain(moves);
+            !channels.is_empty()
+        });
+        for mut animation in animations {
             for channel in animation["channels"].as_array_mut().into_iter().flatten() {
                 let node = channel["target"]["node"].as_u64().unwrap_or_default();
                 channel["target"]["node"] = json!(first as u64 + node);
@@ -108,13 +124,25 @@ impl<'a> GltfDocument<'a> {
             }
             self.animations.push(animation);
         }
+        for skin in &assets.skins {
+            let mut skin = skin.clone();
+            let moved = |node: &mut Value| *node = json!(first as u64 + node.as_u64().unwrap_or_default());
+            skin["joints"].as_array_mut().into_iter().flatten().for_each(moved);
+            skin.get_mut("skeleton").into_iter().for_each(moved);
+            if let Some(matrices) = skin.get_mut("inverseBindMatrices") {
+                let accessor = matrices.as_u64().and_then(|i| at.get(usize::try_from(i).ok()?));
+                *matrices = json!(accessor);
+            }
+            self.skins.push(skin);
+        }
     }
 
     /// Adds the mesh of a part, in the order of the scene.
     pub fn add_part(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<(), WriteError> {
         let empty = shape.mesh.faces().is_empty();
         let mesh = if empty { None } else { Some(self.add_mesh(part, shape)?) };
-        self.shown.push((mesh, shape.origin));
+        let (has_skin, n_targets) = (has_skin(&shape.mesh), targets_of(&shape.mesh).len());
+        self.shown.push(node_list::PartMesh { mesh, origin: shape.origin, has_skin, n_targets });
         Ok(())
     }
 
@@ -136,6 +164,12 @@ impl<'a> GltfDocument<'a> {
             }
             attributes.insert(name, json!(self.add(stream)));
         }
+        for (set, found) in skin_sets(mesh).into_iter().enumerate() {
+            for stream in AccessorStream::skin_set(set, found) {
+                attributes.insert(stream.name.clone().unwrap_or_default(), json!(self.add(stream)));
+            }
+        }
+        let targets = self.add_targets(mesh)?;
         let mut primitives = Vec::new();
         let mut first = 0;
         for (group, n_faces) in material_runs(mesh) {
@@ -147,10 +181,43 @@ impl<'a> GltfDocument<'a> {
                     Some(material) => material,
                     None => self.material(is_open(mesh)),
                 };
-            primitives.push(json!({ "attributes": attributes, "indices": indices, "material": material }));
+            let mut primitive = json!({ "attributes": attributes, "indices": indices, "material": material });
+            if !targets.is_empty() {
+                primitive["targets"] = json!(targets);
+            }
+            primitives.push(primitive);
         }
-        self.meshes.push(node_list::with_name(&part.name, json!({ "primitives": primitives })));
+        let mut object = part.properties.clone();
+        if targets.is_empty() {
+            object.shift_remove("weights");
+        }
+        object.insert("primitives".to_owned(), json!(primitives));
+        self.meshes.push(node_list::with_name(&part.name, Value::Object(object)));
         Ok(self.meshes.len() - 1)
+    }
+
+    /// The morph targets of a mesh: for each its accessors by name.
+    fn add_targets(&mut self, mesh: &'a Mesh) -> Result<Vec<Map<String, Value>>, WriteError> {
+        let mut targets = Vec::new();
+        for found in targets_of(mesh) {
+            let mut target = Map::new();
+            for (name, attribute) in found {
+                let at = self.add(AccessorStream::morph(name, attribute)?);
+                if name == "POSITION" {
+                    let mut bounds = [vec![f64::INFINITY; 3], vec![f64::NEG_INFINITY; 3]];
+                    for (i, x) in attribute.values.iter().enumerate() {
+                        let x = f64::from(*x as f32) + 0.0;
+                        let [least, most] = bounds.each_mut().map(|bound| &mut bound[i % 3]);
+                        (*least, *most) = (lesser(x, *least), greater(x, *most));
+                    }
+                    let [least, most] = bounds;
+                    (self.accessors[at]["min"], self.accessors[at]["max"]) = (json!(least), json!(most));
+                }
+                target.insert(name.to_owned(), json!(at));
+            }
+            targets.push(target);
+        }
+        Ok(targets)
     }
 
     fn add(&mut self, stream: AccessorStream<'a>) -> usize {
@@ -222,6 +289,7 @@ impl<'a> GltfDocument<'a> {
             ("samplers", &self.assets.samplers),
             ("images", &self.images),
             ("cameras", &self.assets.cameras),
+            ("skins", &self.skins),
             ("animations", &self.animations),
             ("accessors", &self.accessors),
             ("bufferViews", &self.views),
@@ -277,12 +345,14 @@ fn material_runs(mesh: &Mesh) -> Vec<(usize, usize)> {
 fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     let mut sorted: Vec<_> =
         mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex).collect();
+    // Skins and morph targets are written by themselves.
+    sorted.retain(|attribute| !matches!(attribute.semantic, Semantic::Blended(_)));
     sorted.sort_by_key(|attribute| match attribute.semantic {
         Semantic::Normal => (0, 0),
         Semantic::Tangent => (1, 0),
         Semantic::TexCoord(set) => (2, set),
         Semantic::Color(set) => (3, set),
-        Semantic::Group(_) | Semantic::Custom(_) => (4, 0),
+        Semantic::Group(_) | Semantic::Custom(_) | Semantic::Blended(_) => (4, 0),
     });
     let (mut texture_sets, mut colour_sets) = (0, 0);
     let mut streams = Vec::with_capacity(sorted.len());

@@ -4,8 +4,17 @@ use crate::forest::check_forest;
 use crate::{Axis, Frame, Node, Scene, WriteError};
 use serde_json::{Map, Value, json};
 
-/// What was written for a part: its mesh, unless it is empty, and its origin.
-pub(super) type PartMesh = (Option<usize>, [f64; 3]);
+/// What was written for a part.
+pub(super) struct PartMesh {
+    /// Its mesh, unless it is empty.
+    pub mesh: Option<usize>,
+    /// The point about which its positions are stored.
+    pub origin: [f64; 3],
+    /// Whether its vertices follow joints.
+    pub has_skin: bool,
+    /// Its morph targets.
+    pub n_targets: usize,
+}
 
 /// The nodes of a file, and those of them without a parent.
 pub(super) struct NodeList {
@@ -94,7 +103,14 @@ fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a
     let inner = links.last_mut()?;
     inner.children = &node.children;
     inner.properties.extend(properties);
-    if let Some((Some(mesh), origin)) = place {
+    let has_skin = place.is_some_and(|place| place.mesh.is_some() && place.has_skin);
+    if !has_skin {
+        inner.properties.shift_remove("skin");
+    }
+    if place.is_none_or(|place| place.mesh.is_none() || place.n_targets == 0) {
+        inner.properties.shift_remove("weights");
+    }
+    if let Some(PartMesh { mesh: Some(mesh), origin, .. }) = place {
         // An origin must not move the node's children, nor be applied before the node's own transform.
         let own = *origin != [0.0; 3] && !(inner.properties.is_empty() && node.children.is_empty());
         if own {

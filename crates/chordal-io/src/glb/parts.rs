@@ -1,7 +1,8 @@
 //! `PartReader`: reads meshes of the file into parts: vertices, triangles, attributes.
 use super::accessor_rows::{AccessorError, AccessorRows};
-use super::attribute_plan::{AttributePlan, PlannedAttribute, is_skinning, position_of};
-use super::model::{GltfAttributes, GltfModel, GltfPrimitive, item};
+use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning, position_of};
+use super::deformation::SkinPlan;
+use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
 use super::triangles::{PrimitiveIndices, triangles};
 use crate::{FileLocation, Limits, MATERIAL, Part, ReadError};
@@ -30,10 +31,13 @@ struct PartDraft<'m> {
     streams: Vec<Vec<f64>>,
     /// The first vertex and the count of each block of vertices: primitives with the same attributes share
     /// one.
-    blocks: BTreeMap<&'m GltfAttributes<'m>, (usize, usize)>,
+    blocks: BTreeMap<VertexKey<'m>, (usize, usize)>,
     /// The group of each face, 0 for none.
     materials: Vec<f64>,
 }
+
+/// What the vertices of a primitive are made of.
+type VertexKey<'m> = (&'m GltfAttributes<'m>, Option<&'m [GltfAttributes<'m>]>);
 
 /// The message for attributes that are left out.
 const SKIPPED: &str = "attributes that not all primitives of their mesh have in one form were skipped";
@@ -52,9 +56,16 @@ impl<'m> PartReader<'m> {
     /// Reads a mesh as a part; an empty one when the mesh is no object.
     pub fn part(&mut self, mesh_idx: usize) -> Result<Part, ReadError> {
         let Some(mesh) = item(&self.model.meshes, Some(mesh_idx)) else {
-            return Ok(Part { name: String::new(), mesh: Mesh::default(), indexed: false });
+            return Ok(Part::default());
         };
-        let plan = AttributePlan::from_mesh(self.model, mesh);
+        let mut plan = AttributePlan::from_mesh(self.model, mesh);
+        self.plan_skin(&mut plan, mesh, mesh_idx);
+        let has_targets = mesh.primitives.iter().any(|primitive| primitive.targets.is_some());
+        if has_targets && !plan.streams.iter().any(|s| matches!(s.source, StreamSource::Target(..))) {
+            let place = FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
+            let what = "morph targets that not all primitives of their mesh have were not kept";
+            self.report.add("morph-targets-ignored", place, what);
+        }
         let streams = plan.streams.iter().map(|_| Vec::new()).collect();
         let mut draft = PartDraft { plan, streams, ..PartDraft::default() };
         for (p, primitive) in mesh.primitives.iter().enumerate() {
@@ -63,7 +74,26 @@ impl<'m> PartReader<'m> {
         }
         let mesh = self.finish(draft, mesh_idx)?;
         let name = item(&self.model.meshes, Some(mesh_idx)).map_or("", |mesh| mesh.name);
-        Ok(Part { name: name.to_owned(), mesh, indexed: false })
+        Ok(Part { name: name.to_owned(), mesh, ..Part::default() })
+    }
+
+    /// Plans the weights of joints, unless they would take most of what may be decoded.
+    fn plan_skin(&mut self, plan: &mut AttributePlan<'m>, mesh: &GltfMesh<'_>, mesh_idx: usize) {
+        if self.model.skins.is_empty() {
+            return;
+        }
+        let skin = SkinPlan::from_mesh(self.model, mesh);
+        let counts = mesh.primitives.iter().filter_map(|primitive| {
+            item(&self.model.accessors, position_of(&primitive.attributes)).and_then(|rows| rows.count)
+        });
+        let n_vertices = counts.fold(0_u64, u64::saturating_add);
+        if n_vertices.saturating_mul(8 * skin.n_joints as u64) > self.left / 2 {
+            let place = FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
+            let what = "weights of so many joints pass the limits and were not kept";
+            self.report.add("skins-ignored", place, what);
+        } else {
+            plan.add_skin(skin);
+        }
     }
 
     fn primitive(
@@ -96,10 +126,8 @@ impl<'m> PartReader<'m> {
             }
             self.report.add("draco-copy-ignored", place(), "Draco copies of plain primitives were ignored");
         }
-        if primitive.targets.is_some() {
-            self.report.add("morph-targets-ignored", place(), "morph targets were not applied");
-        }
-        let (first, count) = match draft.blocks.get(&primitive.attributes) {
+        let key = (&primitive.attributes, primitive.targets.as_deref());
+        let (first, count) = match draft.blocks.get(&key) {
             Some(block) => *block,
             None => self.block(draft, primitive, position, pointer)?,
         };
@@ -136,7 +164,7 @@ impl<'m> PartReader<'m> {
         position: usize,
         pointer: &str,
     ) -> Result<(usize, usize), ReadError> {
-        let pointer = format!("{pointer}/attributes");
+        let (whole, pointer) = (pointer, format!("{pointer}/attributes"));
         let rows =
             AccessorRows::new(self.model, position).map_err(|error| at(error, &pointer, "POSITION"))?;
         if rows.format.kind.n_components() != 3 {
@@ -165,9 +193,32 @@ impl<'m> PartReader<'m> {
         let mut named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         named.remove("POSITION");
         let PartDraft { plan, streams, .. } = draft;
-        for (planned, values) in plan.streams.iter().zip(streams) {
-            let accessor = named.remove(planned.name).flatten();
-            self.stream(planned, values, accessor, count, &pointer)?;
+        for (planned, values) in plan.streams.iter().zip(streams.iter_mut()) {
+            match planned.source {
+                StreamSource::Attribute(name) => {
+                    let accessor = named.remove(name).flatten();
+                    self.stream(planned, values, accessor, count, &format!("{pointer}/{name}"))?;
+                }
+                StreamSource::Target(target, name) => {
+                    let attributes = primitive.targets.as_ref().and_then(|targets| targets.get(target));
+                    let accessor =
+                        attributes.and_then(|list| list.iter().find(|(known, _)| *known == name)?.1);
+                    let pointer = format!("{whole}/targets/{target}/{name}");
+                    self.stream(planned, values, accessor, count, &pointer)?;
+                }
+                StreamSource::Joints => {
+                    self.charge(count as u64 * planned.width as u64 * 8, &pointer)?;
+                    reserve(values, count * planned.width, &pointer)?;
+                }
+            }
+        }
+        let n_plain = plan.streams.iter().filter(|planned| !matches!(planned.source, StreamSource::Joints));
+        let n_plain = n_plain.count();
+        plan.skin.read(self.model, primitive, count, &mut streams[n_plain..]);
+        for set in 0..plan.skin.n_sets {
+            for family in ["JOINTS", "WEIGHTS"] {
+                named.remove(format!("{family}_{set}").as_str());
+            }
         }
         for name in named.keys() {
             let place = FileLocation::Pointer(format!("{pointer}/{name}"));
@@ -177,7 +228,7 @@ impl<'m> PartReader<'m> {
                 self.report.add("attribute-skipped", place, SKIPPED);
             }
         }
-        draft.blocks.insert(&primitive.attributes, (first, count));
+        draft.blocks.insert((&primitive.attributes, primitive.targets.as_deref()), (first, count));
         Ok((first, count))
     }
 
@@ -190,7 +241,7 @@ impl<'m> PartReader<'m> {
         count: usize,
         pointer: &str,
     ) -> Result<(), ReadError> {
-        let place = || FileLocation::Pointer(format!("{pointer}/{}", planned.name));
+        let place = || FileLocation::Pointer(pointer.to_owned());
         self.charge(count as u64 * planned.width as u64 * 8, pointer)?;
         reserve(values, count * planned.width, pointer)?;
         let Some(accessor) = accessor else {

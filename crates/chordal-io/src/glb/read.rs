@@ -6,7 +6,8 @@ use super::lod_nodes::LodNodes;
 use super::model::{GltfModel, item};
 use super::parts::PartReader;
 use super::report::GlbWarnings;
-use super::{DECODED_PER_BYTE, LOD, container, external, transform};
+use super::tolerance::{ForgivenIssues, mend_roots};
+use super::{DECODED_PER_BYTE, LOD, container, deformation, external, transform};
 use crate::assets::SceneAssets;
 use crate::files::FileOpener;
 use crate::text::is_space;
@@ -16,9 +17,6 @@ use serde_json::Value;
 /// The most bytes that one object of the JSON takes once it is read: a node with its transform takes the
 /// most.
 const OBJECT_BYTES: u64 = 512;
-
-/// Issues that stay errors when the reader is lenient, since the nodes would be no forest.
-const FOREST: [&str; 3] = ["NODE_LOOP", "NODE_PARENT_OVERRIDE", "SCENE_NON_ROOT_NODE"];
 
 /// Extensions that do not change the triangles; `*` matches any ending.
 const HARMLESS: [&str; 14] = [
@@ -40,16 +38,18 @@ const HARMLESS: [&str; 14] = [
 
 /// Reads GLB 2.0.
 ///
-/// Whatever gltf-validator calls an error, anywhere in the file, is refused with its code and JSON pointer.
-/// [`Limits::lenient`] turns errors into warnings if the triangles can be read all the same. Each mesh of the
+/// What gltf-validator calls an error, anywhere in the file, is refused with its code and JSON pointer, but for
+/// what viewers accept; [`Limits::conformance`] refuses that too, or turns errors into warnings if the
+/// triangles can be read all the same. Each mesh of the
 /// file becomes one part, with the triangles of all its primitives; vertices at bit-identical positions are
 /// tied. Positions are exactly the stored numbers, in the mesh's own space; nodes carry the transforms and
 /// [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
 /// `asset.extras.chordal`.
 ///
-/// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points,
-/// lines, morph targets, skins and animations of anything but nodes are counted as warnings; materials,
-/// textures, cameras, lights and extras of nodes go to [`Scene::assets`] and the nodes, as they are. The
+/// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points and
+/// lines, and animations of anything but nodes, are counted as warnings; materials, textures, cameras, lights,
+/// skins and extras of nodes go to [`Scene::assets`] and the nodes, as they are. Weights of joints and morph
+/// targets become attributes of vertices that can be blended; positions are those at rest. The
 /// reader never opens other files or the network; [`crate::read_with`] opens files beside it. Of levels of
 /// detail by `MSFT_lod` the first is read, and the others are counted. The certificate is that of the first,
 /// where [`super::write_levels`] wrote one for each.
@@ -91,7 +91,7 @@ pub(crate) fn read_with(
     let chunks = if is_json(bytes) {
         container::GlbChunks { json: bytes, json_at: 0, bin: None }
     } else {
-        container::chunks(bytes, &mut report.warnings)?
+        container::chunks(bytes, limits, &mut report)?
     };
     let json = parse_json(&chunks, limits)?;
     check_rows(&json, limits)?;
@@ -108,8 +108,7 @@ pub(crate) fn read_with(
     }
     check_zeros(&model, limits, budget)?;
     lint::link(&mut lint, &mut model);
-    let codes: Vec<&str> = lint.issues.iter().map(|issue| issue.code).collect();
-    apply_issues(lint, limits, &mut report)?;
+    let forgiven = ForgivenIssues::judge(lint.issues, limits, &mut report)?;
     let lower = LodNodes::new(&json, &model)?;
     let mut placing = GlbWarnings::default();
     let mut assets = AssetReader::new(&json, &model, budget);
@@ -117,18 +116,24 @@ pub(crate) fn read_with(
     let (kept, numbers) = keep_first_levels(&mut scene, &model, &lower);
     count_unseen(&scene, &kept, &mut placing);
     scene.assets = Box::new(assets.assets(|node| numbers.get(node).copied().flatten())?);
-    let (materials, groups) = assets.materials();
+    let (mut materials, groups) = assets.materials();
+    forgiven.mend_factors(&mut materials, &groups);
     if !materials.is_empty() {
         let name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
         let names = std::iter::once(String::new()).chain(materials.iter().map(name)).collect();
         scene.groups.insert(MATERIAL.to_owned(), names);
     }
     scene.assets.materials = materials;
+    let properties: Vec<_> = kept.iter().map(|mesh| assets.mesh_properties(*mesh)).collect();
     report.append(assets.into_report());
-    drop_unsound_assets(&mut scene, &codes, &mut report);
+    drop_unsound_assets(&mut scene, &forgiven.unsound, &mut report);
     let mut parts = PartReader::new(&model, &groups, limits, budget);
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
+    for (part, properties) in scene.parts.iter_mut().zip(properties) {
+        part.properties = properties;
+    }
     report.append(parts.report);
+    deformation::settle(&mut scene, &mut report);
     report.append(placing);
     scene.frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
     scene.certificate = certificate(&json, &lower);
@@ -245,6 +250,7 @@ fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnin
     if codes.iter().all(is_about_data) {
         kept.clone_from(&scene.assets);
         kept.animations.clear();
+        kept.skins.clear();
         kept.accessors.clear();
     } else {
         scene.nodes.iter_mut().for_each(|node| node.properties.clear());
@@ -255,21 +261,6 @@ fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnin
         report.add("assets-dropped", FileLocation::File, what);
         scene.assets = kept;
     }
-}
-
-/// Evaluates the issues: the first is the error, or all become warnings.
-fn apply_issues(lint: GltfLint<'_>, limits: &Limits, report: &mut GlbWarnings) -> Result<(), ReadError> {
-    let is_forgiven = |code: &str| {
-        (limits.lenient && !FOREST.contains(&code))
-            || (limits.drop_nonfinite && code == "ACCESSOR_INVALID_FLOAT")
-    };
-    for issue in lint.issues {
-        if !is_forgiven(issue.code) {
-            return Err(ReadError::new(issue.code, issue.place, issue.message));
-        }
-        report.warnings.push(issue);
-    }
-    Ok(())
 }
 
 /// The nodes, and the roots of the scene that is shown: the default one, else the first, else all nodes
@@ -296,10 +287,6 @@ fn read_scene(
             transform::compose(node.translation.unwrap_or_default(), rotation, node.scale.unwrap_or([1.0; 3]))
         };
         let part = node.mesh.filter(|mesh| *mesh < model.meshes.len());
-        if node.skin.is_some() {
-            let place = FileLocation::Pointer(format!("/nodes/{i}/skin"));
-            report.add("skins-ignored", place, "skins were not applied");
-        }
         nodes.push(Node {
             name: node.name.to_owned(),
             matrix: node.matrix.as_deref().copied().unwrap_or_else(trs),
@@ -309,10 +296,11 @@ fn read_scene(
         });
     }
     let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
-    let roots = match item(&model.scenes, shown) {
+    let mut roots = match item(&model.scenes, shown) {
         Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
         None => (0..n).filter(|i| !has_parent[*i] && !lower.is_named(*i)).collect::<Vec<_>>(),
     };
+    mend_roots(&mut nodes, &mut roots);
     if let Some(first) = lower.first {
         let place = FileLocation::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
         let what = "lower levels of detail were left out: the first one was read";

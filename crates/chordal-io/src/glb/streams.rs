@@ -1,4 +1,5 @@
 //! `AccessorStream`: one accessor to be written: its rows, and how they become bytes.
+use super::deformation::SkinSet;
 use crate::WriteError;
 use crate::single_precision::store;
 use chordal::Mesh;
@@ -24,6 +25,10 @@ pub(super) enum AccessorSource<'a> {
     Plain(&'a Attribute),
     /// Bytes as they are.
     Bytes(&'a [u8]),
+    /// Indices of joints, four a vertex.
+    Joints(Vec<u16>),
+    /// Weights of joints, four a vertex.
+    Weights(Vec<f32>),
 }
 
 /// One accessor with a buffer view of its own.
@@ -55,6 +60,20 @@ impl<'a> AccessorStream<'a> {
         Self { name: Some("POSITION".to_owned()), rows: AccessorSource::Positions(mesh, origin) }
     }
 
+    /// The joints of a set, and their weights.
+    pub fn skin_set(set: usize, found: SkinSet) -> [Self; 2] {
+        [
+            Self { name: Some(format!("JOINTS_{set}")), rows: AccessorSource::Joints(found.joints) },
+            Self { name: Some(format!("WEIGHTS_{set}")), rows: AccessorSource::Weights(found.weights) },
+        ]
+    }
+
+    /// What a morph target adds to an attribute.
+    pub fn morph(name: &str, attribute: &'a Attribute) -> Result<Self, WriteError> {
+        check_values(name, attribute)?;
+        Ok(Self { name: Some(name.to_owned()), rows: AccessorSource::Plain(attribute) })
+    }
+
     /// An attribute under its glTF name; the caller numbers texture and colour sets.
     pub fn attribute(attribute: &'a Attribute, set: usize) -> Result<Self, WriteError> {
         let (name, widths, rows): (_, &[usize], _) = match &attribute.semantic {
@@ -62,7 +81,7 @@ impl<'a> AccessorStream<'a> {
             Semantic::Tangent => ("TANGENT".to_owned(), &[4], AccessorSource::Unit(attribute, 0)),
             Semantic::TexCoord(_) => (format!("TEXCOORD_{set}"), &[2], AccessorSource::Plain(attribute)),
             Semantic::Color(_) => (format!("COLOR_{set}"), &[3, 4], AccessorSource::Plain(attribute)),
-            Semantic::Group(name) | Semantic::Custom(name) => {
+            Semantic::Group(name) | Semantic::Custom(name) | Semantic::Blended(name) => {
                 // Custom names start with an underscore.
                 let mark = if name.starts_with('_') { "" } else { "_" };
                 (format!("{mark}{name}"), &[1, 2, 3, 4, 9, 16], AccessorSource::Plain(attribute))
@@ -92,7 +111,7 @@ impl<'a> AccessorStream<'a> {
     /// `UNSIGNED_SHORT`, `UNSIGNED_INT` or `FLOAT`.
     pub fn component_type(&self) -> u32 {
         match self.rows {
-            AccessorSource::Short(_) => 5123,
+            AccessorSource::Short(_) | AccessorSource::Joints(_) => 5123,
             AccessorSource::Long(_) => 5125,
             _ => 5126,
         }
@@ -102,6 +121,7 @@ impl<'a> AccessorStream<'a> {
         match &self.rows {
             AccessorSource::Short(_) | AccessorSource::Long(_) | AccessorSource::Bytes(_) => 1,
             AccessorSource::Positions(..) => 3,
+            AccessorSource::Joints(_) | AccessorSource::Weights(_) => 4,
             AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => attribute.width,
         }
     }
@@ -124,6 +144,8 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::Short(faces) | AccessorSource::Long(faces) => 3 * faces.len(),
             AccessorSource::Bytes(bytes) => bytes.len(),
             AccessorSource::Positions(mesh, _) => mesh.positions().len(),
+            AccessorSource::Joints(joints) => joints.len() / 4,
+            AccessorSource::Weights(weights) => weights.len() / 4,
             AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => {
                 attribute.values.len() / attribute.width
             }
@@ -134,7 +156,7 @@ impl<'a> AccessorStream<'a> {
     pub fn n_bytes(&self) -> u64 {
         let size = match self.rows {
             AccessorSource::Bytes(_) => 1,
-            AccessorSource::Short(_) => 2,
+            AccessorSource::Short(_) | AccessorSource::Joints(_) => 2,
             _ => 4,
         };
         (self.count() * self.width()) as u64 * size
@@ -156,6 +178,12 @@ impl<'a> AccessorStream<'a> {
                 faces.as_flattened().iter().try_for_each(|i| sink.put(i.to_le_bytes()))?;
             }
             AccessorSource::Bytes(bytes) => sink.out.write_all(bytes)?,
+            AccessorSource::Joints(joints) => {
+                joints.iter().try_for_each(|joint| sink.put(joint.to_le_bytes()))?;
+            }
+            AccessorSource::Weights(weights) => {
+                weights.iter().try_for_each(|weight| sink.put(weight.to_le_bytes()))?;
+            }
             AccessorSource::Positions(mesh, origin) => {
                 for position in mesh.positions() {
                     stored(*position, *origin).into_iter().try_for_each(|x| sink.put(x.to_le_bytes()))?;

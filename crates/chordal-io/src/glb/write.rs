@@ -74,7 +74,7 @@ fn with_document(
         document.add_part(part, shape)?;
     }
     let nodes = document.nodes(scene, 0)?;
-    document.add_animations(nodes.first);
+    document.add_animations(scene, nodes.first);
     let json = document.json(&nodes, certificate, None);
     write(&document, json)
 }

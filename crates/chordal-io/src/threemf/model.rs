@@ -550,7 +550,7 @@ impl<'a, 's> ModelReader<'a, 's> {
             let ModelMesh { positions, faces, .. } = model_mesh;
             let raw = RawMesh { positions, position_id: None, faces, attributes };
             let mesh = mesh(raw, &mut self.set.warnings)?;
-            push_large(&mut self.set.parts, Part { name, mesh, indexed: true })?;
+            push_large(&mut self.set.parts, Part { name, mesh, indexed: true, ..Part::default() })?;
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::subtree::{self, TileCoordinates};
 use super::{ImplicitTiling, Refine, Tile, Tileset};
 use crate::files::{self, FileOpener};
 use crate::warnings::Warnings;
-use crate::{FileLocation, Limits, ReadError, Warning};
+use crate::{Conformance, FileLocation, Limits, ReadError, Warning};
 use std::collections::BTreeSet;
 
 /// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles reference and the subtrees of its implicit
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 ///
 /// Paths in the result are relative to the first file's folder. A tile whose content is a tileset has that
 /// one's root as its last child; a tileset that is referenced again is counted and not opened again.
-/// Geometric errors must not grow towards the leaves, which [`Limits::lenient`] turns into a warning. What a
+/// Geometric errors must not grow towards the leaves, which [`Limits::conformance`] turns into a warning. What a
 /// tileset holds beside its tree (metadata, styles, tighter volumes of contents, request volumes) is counted,
 /// not kept.
 ///
@@ -120,7 +120,7 @@ impl TilesetReader<'_, '_> {
     fn check_error(&mut self, error: f64, above: f64, pointer: &str) -> TilesetResult<()> {
         let what = format!("the error of {error} m is above that of the tile before it, {above} m");
         let place = FileLocation::Pointer(pointer.to_owned());
-        if !self.limits.lenient {
+        if self.limits.conformance != Conformance::Lenient {
             return Err(ReadError::new("error-increases", place, what));
         }
         self.warnings.count("error-increases", || (place, what));

@@ -4,7 +4,7 @@ use super::stream::SampleStream;
 use crate::grow::{out_of_memory, push, with_room};
 use crate::text::grouped;
 use crate::warnings::Warnings;
-use crate::{FileLocation, Limits, ReadError};
+use crate::{Conformance, FileLocation, Limits, ReadError};
 use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::Samples;
 
@@ -81,12 +81,12 @@ fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> R
     let more = match stream.left() {
         Some(left) => left,
         // One packed byte too many is enough, unless all of them are counted.
-        None => stream.skip(if limits.lenient { u64::MAX } else { 1 })?,
+        None => stream.skip(if limits.conformance == Conformance::Lenient { u64::MAX } else { 1 })?,
     };
     if more == 0 {
         return Ok(());
     }
-    if !limits.lenient {
+    if limits.conformance != Conformance::Lenient {
         let how_many = stream.left().map_or_else(|| "more".to_owned(), |n| format!("{} more", grouped(n)));
         let message = format!("the samples that the header declares end here, {how_many} bytes follow; ");
         let message = Message::from(message).setting(Setting::Lenient).words(" skips them");

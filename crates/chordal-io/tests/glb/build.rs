@@ -1,5 +1,5 @@
 //! Files made by hand.
-use chordal_io::{Content, FileLocation, Limits, ReadError, ReadOutcome, Scene, glb};
+use chordal_io::{Conformance, Content, FileLocation, Limits, ReadError, ReadOutcome, Scene, glb};
 use serde_json::{Value, json};
 
 /// A GLB of a JSON text and a buffer.
@@ -78,8 +78,14 @@ pub fn put(json: &mut Value, at: &str, value: Value) {
     }
 }
 
+/// For readers who refuse whatever the validator calls an error.
+pub fn strict() -> Limits {
+    Limits { conformance: Conformance::Strict, ..Limits::default() }
+}
+
+/// Reads strictly.
 pub fn read(json: &Value, bin: &[u8]) -> Result<ReadOutcome, ReadError> {
-    glb::read(&glb_of(&json.to_string(), bin), &Limits::default())
+    glb::read(&glb_of(&json.to_string(), bin), &strict())
 }
 
 /// The scene and the warnings' codes.
@@ -105,7 +111,7 @@ pub fn refused(json: &Value, bin: &[u8], code: &str, pointer: &str) -> String {
 #[track_caller]
 pub fn refused_unless_lenient(json: &Value, bin: &[u8], code: &str, pointer: &str) -> Scene {
     refused(json, bin, code, pointer);
-    let limits = Limits { lenient: true, ..Limits::default() };
+    let limits = Limits { conformance: Conformance::Lenient, ..Limits::default() };
     let loaded = glb::read(&glb_of(&json.to_string(), bin), &limits).expect("lenient");
     assert!(loaded.warnings.iter().any(|warning| warning.code == code), "{:?}", loaded.warnings);
     scene_of(loaded).0

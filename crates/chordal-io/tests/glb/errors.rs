@@ -1,6 +1,6 @@
 //! Verdicts of gltf-validator 2.0.0-dev.3.10 over changes of a document with every kind of object.
-use super::build::{every_object, glb_of, read};
-use chordal_io::{FileLocation, Limits, glb};
+use super::build::{every_object, glb_of, put, read, strict, triangle};
+use chordal_io::{Conformance, Content, FileLocation, Limits, glb};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -73,8 +73,72 @@ fn changes_are_judged_as_the_validator_judges_them() {
 }
 
 #[test]
+fn what_viewers_accept_is_warned_of_and_written_without_an_error() {
+    let mut codes = BTreeSet::new();
+    for Verdict { changes, errors } in verdicts() {
+        let (json, bin) = changed(&changes);
+        let Ok(loaded) = glb::read(&glb_of(&json.to_string(), &bin), &Limits::default()) else { continue };
+        let is_warned = |code: &str| loaded.warnings.iter().any(|warning| warning.code == code);
+        let warned: Vec<_> = errors.iter().map(|(code, _)| code.clone()).filter(|c| is_warned(c)).collect();
+        assert!(errors.is_empty() || !warned.is_empty(), "{changes:?}: {:?}", loaded.warnings);
+        codes.extend(warned);
+        let is_dropped = loaded.warnings.iter().any(|warning| warning.code == "assets-dropped");
+        assert!(!is_dropped, "{changes:?}");
+        let Content::Scene(scene) = loaded.content else { panic!("no scene") };
+        let mut out = Vec::new();
+        glb::write(&scene, None, &mut out).expect("written");
+        if let Err(error) = glb::read(&out, &strict()) {
+            panic!("{changes:?}, written: {}: {error}", error.code);
+        }
+    }
+    assert!(codes.len() >= 12, "only {codes:?}");
+}
+
+#[test]
+fn factors_are_clamped_and_scenes_name_roots() {
+    let (mut json, bin) = every_object();
+    let factor = "/materials/0/pbrMetallicRoughness/baseColorFactor";
+    let colour = |x: f64| json!([x, 0.5, 0.25, 1]);
+    put(&mut json, factor, colour(1.000_000_12));
+    let read = |json: &Value| {
+        let loaded = glb::read(&glb_of(&json.to_string(), &bin), &Limits::default()).expect("read");
+        let warnings: Vec<_> = loaded.warnings.iter().map(|w| (w.code, w.place.to_string())).collect();
+        let Content::Scene(scene) = loaded.content else { panic!("no scene") };
+        (scene, warnings)
+    };
+    let (scene, warnings) = read(&json);
+    assert!(warnings.contains(&("VALUE_NOT_IN_RANGE", format!("{factor}/0"))), "{warnings:?}");
+    let names = |material: &&Value| material["pbrMetallicRoughness"]["baseColorFactor"] == colour(1.0);
+    assert!(scene.assets.materials.iter().any(|material| names(&material)), "{:?}", scene.assets.materials);
+    // Neither more materials nor other numbers: only a whole 1 in place of what is beyond it.
+    put(&mut json, factor, colour(1.0));
+    assert_eq!(read(&json).0.assets, scene.assets);
+}
+
+#[test]
+fn a_scene_that_names_a_child_shows_it_once() {
+    let (mut json, bin) = triangle();
+    put(&mut json, "/nodes", json!([{ "children": [1] }, { "mesh": 0 }, { "children": [3] }, { "mesh": 0 }]));
+    let shown = |json: &mut Value, roots: Value| {
+        put(json, "/scenes", json!([{ "nodes": roots }]));
+        put(json, "/scene", json!(0));
+        let loaded = glb::read(&glb_of(&json.to_string(), &bin), &Limits::default()).expect("read");
+        assert_eq!(loaded.warnings[0].code, "SCENE_NON_ROOT_NODE", "{:?}", loaded.warnings);
+        let Content::Scene(scene) = loaded.content else { panic!("no scene") };
+        let mut out = Vec::new();
+        glb::write(&scene, None, &mut out).expect("written");
+        glb::read(&out, &strict()).expect("read strictly");
+        (scene.roots.clone(), scene.world_meshes().expect("placed").len())
+    };
+    assert_eq!(shown(&mut json, json!([0, 1])), (vec![0], 1));
+    assert_eq!(shown(&mut json, json!([1, 0])), (vec![0], 1));
+    assert_eq!(shown(&mut json, json!([1])), (vec![1], 1));
+    assert_eq!(shown(&mut json, json!([1, 2, 3])), (vec![1, 2], 2));
+}
+
+#[test]
 fn leniency_makes_warnings_of_errors_that_do_not_touch_triangles() {
-    let limits = Limits { lenient: true, ..Limits::default() };
+    let limits = Limits { conformance: Conformance::Lenient, ..Limits::default() };
     let elsewhere =
         ["/animations", "/skins", "/cameras", "/images", "/textures", "/materials", "/extensions/"];
     let mut n_forgiven = 0;

@@ -1,12 +1,12 @@
 //! HOSTILE.md rows 30 to 35: the container, the JSON, and numbers too large for arithmetic.
-use super::build::{glb_of, put, read, refused, scene_of, triangle, triangle_with};
-use chordal_io::{FileLocation, Limits, ReadError, glb};
+use super::build::{glb_of, put, read, refused, scene_of, strict, triangle, triangle_with};
+use chordal_io::{Conformance, FileLocation, Limits, ReadError, glb};
 use serde_json::json;
 
 fn error_of(bytes: &[u8]) -> ReadError {
     // The container cannot be forgiven.
-    let limits = Limits { lenient: true, ..Limits::default() };
-    let strict = glb::read(bytes, &Limits::default()).map(|_| ()).expect_err("accepted");
+    let limits = Limits { conformance: Conformance::Lenient, ..Limits::default() };
+    let strict = glb::read(bytes, &strict()).map(|_| ()).expect_err("accepted");
     assert_eq!(glb::read(bytes, &limits).map(|_| ()).expect_err("accepted"), strict);
     strict
 }

@@ -2,6 +2,7 @@
 mod assets;
 mod build;
 mod data;
+mod deformation;
 mod errors;
 mod hostile_container;
 mod hostile_objects;

@@ -186,7 +186,7 @@ fn the_certificate_travels_unchanged() {
 
 #[test]
 fn nodes_names_and_instances_come_back() {
-    let part = |name: &str, mesh| Part { name: name.to_owned(), mesh, indexed: true };
+    let part = |name: &str, mesh| Part { name: name.to_owned(), mesh, indexed: true, ..Part::default() };
     let far = Mesh::new(
         cube().positions().iter().map(|p| [p[0] + 1e6, p[1], p[2]]).collect(),
         cube().faces().to_vec(),

@@ -65,7 +65,8 @@ fn any_matrix() -> impl Strategy<Value = [f64; 16]> {
 
 /// Parts, each shown by nodes of a group that stands in several places; and in some unit.
 fn any_scene() -> impl Strategy<Value = Scene> {
-    let part = (any_mesh(), "\\PC*").prop_map(|(mesh, name)| Part { name, mesh, indexed: true });
+    let part =
+        (any_mesh(), "\\PC*").prop_map(|(mesh, name)| Part { name, mesh, indexed: true, ..Part::default() });
     let leaf = (any_matrix(), "[a-z<>&\"' ]{0,5}", any::<prop::sample::Index>());
     let unit = prop::sample::select(vec![1e-6, 0.001, 0.01, 0.0254, 0.3048, 1.0]);
     let all = (prop::collection::vec(part, 1..4), prop::collection::vec((leaf, 0..3_usize), 1..12), unit);
@@ -163,7 +164,7 @@ fn instances_and_names_come_back_and_the_part_is_written_once() {
     let mut moved = IDENTITY;
     moved[12] = 3.0;
     let scene = Scene {
-        parts: vec![Part { name: "leg".into(), mesh: triangle(), indexed: true }],
+        parts: vec![Part { name: "leg".into(), mesh: triangle(), indexed: true, ..Part::default() }],
         nodes: vec![
             node("table", IDENTITY, vec![1, 2], None),
             node("left", IDENTITY, vec![], Some(0)),
@@ -184,7 +185,7 @@ fn a_node_with_a_part_and_children_becomes_an_object_of_both() {
     nodes[1].matrix[14] = -2.0;
     // Nothing is shown here, so nothing is written.
     nodes.push(node("empty", IDENTITY, vec![], Some(1)));
-    let part = |mesh| Part { name: "p".into(), mesh, indexed: true };
+    let part = |mesh| Part { name: "p".into(), mesh, indexed: true, ..Part::default() };
     let scene = Scene {
         parts: vec![part(triangle()), part(Mesh::default())],
         nodes,
@@ -225,7 +226,8 @@ fn materials_come_back_with_their_names_and_colours() {
     let mut other = colors;
     other[0] = 0.6;
     let mesh = with(material, Semantic::Color(0), Domain::Corner, 4, other);
-    let mut scene = Scene { parts: vec![Part { name: "m".into(), mesh, indexed: true }], ..scene };
+    let mut scene =
+        Scene { parts: vec![Part { name: "m".into(), mesh, indexed: true, ..Part::default() }], ..scene };
     let read = back(&scene);
     assert!(read.groups.is_empty() && read.parts[0].mesh.attribute(&Semantic::Color(0)).is_some());
     let lost = losses(&scene, Format::ThreeMf).unwrap();

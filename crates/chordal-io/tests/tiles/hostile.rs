@@ -1,6 +1,6 @@
 //! What a hostile tileset may try, row by row of the list that the project keeps, and what must happen.
 use super::build::{Folder, read, read_in, refused, tile_json, tileset_json};
-use chordal_io::{Limits, tiles};
+use chordal_io::{Conformance, Limits, tiles};
 use serde_json::{Value, json};
 
 /// A tile with a value put beside what it must have.
@@ -30,7 +30,7 @@ fn h74_an_error_above_that_of_the_parent_is_refused() {
     // Equal errors waste a tile and are no lie.
     assert!(read(&tileset_json(with_child(1.0, tile_json(1.0)))).is_ok());
     // Leniently it is a warning, counted.
-    let lenient = Limits { lenient: true, ..Limits::default() };
+    let lenient = Limits { conformance: Conformance::Lenient, ..Limits::default() };
     let (_, warnings) =
         tiles::read(rising.to_string().as_bytes(), &mut |_| Err(String::new()), &lenient).expect("read");
     assert_eq!(warnings.iter().map(|w| (w.code, w.count)).collect::<Vec<_>>(), [("error-increases", 1)]);

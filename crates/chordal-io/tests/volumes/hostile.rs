@@ -2,7 +2,7 @@
 use super::build::{Nii, npy, npy_of, nrrd, pack};
 use super::{load, load_with, values};
 use crate::common::{count, refuse};
-use chordal_io::{FileLocation, Format, Limits, read};
+use chordal_io::{Conformance, FileLocation, Format, Limits, read};
 
 fn nii(dim: [i64; 8]) -> Nii {
     Nii { dim, ..Nii::default() }
@@ -88,7 +88,7 @@ fn h62_samples_that_end_too_early_or_too_late_are_refused_at_the_byte() {
     assert!(error.message.contains("11 bytes are there, the header says 12"), "{}", error.message);
     let error = refuse(&[&whole[..], b"xyz"].concat(), Format::Nii);
     assert_eq!((error.code, error.place), ("trailing-bytes", FileLocation::Byte(364)));
-    let lenient = Limits { lenient: true, ..Limits::default() };
+    let lenient = Limits { conformance: Conformance::Lenient, ..Limits::default() };
     for bytes in [[&whole[..], b"xyz"].concat(), pack(&[&whole[..], b"xyz"].concat())] {
         let (volume, warnings) = load_with(&bytes, Format::Nii, &lenient);
         assert_eq!(values(&volume)[11], 11.0);

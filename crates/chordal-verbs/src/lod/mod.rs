@@ -10,14 +10,14 @@ use crate::report::{
     Output, ViewFacts,
 };
 use crate::request::MeshRequest;
-use crate::simplify::{summary_notes, without_normals};
+use crate::simplify::{summary_notes, without, without_normals};
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, field, isosurface};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{
     Bound, Budget, Failure, JobError, Length, Pixels, Reference, Refusal, RefusalCode, Tolerance, View,
 };
-use chordal::explicit::Topology;
+use chordal::explicit::{Attribute, Semantic, Topology};
 use chordal::lod::selection::{HYSTERESIS, SwitchDistances};
 use chordal::lod::{self, LodSource, LodSteps};
 use chordal::math::{Box3, lesser};
@@ -321,6 +321,11 @@ impl LevelMesher<'_> {
         let TransformedScene { mut scene, moved_at_most, .. } = placed;
         if self.has_new_normals {
             without_normals(&mut scene)?;
+        }
+        let is_blended = |attribute: &Attribute| matches!(attribute.semantic, Semantic::Blended(_));
+        if scene.parts.iter().any(|part| part.mesh.attributes().iter().any(is_blended)) {
+            notes.push("levels are of meshes at rest: skins and morph targets were left out".into());
+            without(&mut scene, |semantic| matches!(semantic, Semantic::Blended(_)))?;
         }
         let shown = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count();
         if shown == 0 {

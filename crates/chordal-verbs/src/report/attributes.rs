@@ -31,7 +31,9 @@ impl AttributeFacts {
             Semantic::Tangent => ("tangent", "tangent".to_owned()),
             Semantic::TexCoord(set) => ("texcoord", format!("texcoord {set}")),
             Semantic::Color(set) => ("color", format!("color {set}")),
-            Semantic::Group(name) | Semantic::Custom(name) => ("custom", name.clone()),
+            Semantic::Group(name) | Semantic::Custom(name) | Semantic::Blended(name) => {
+                ("custom", name.clone())
+            }
         };
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         Self {

@@ -153,7 +153,7 @@ impl AttributeMetric {
         match semantic {
             Semantic::Normal | Semantic::Tangent => Some(Self::Direction),
             Semantic::Color(_) => Some(Self::Color),
-            Semantic::TexCoord(_) | Semantic::Custom(_) => Some(Self::Value),
+            Semantic::TexCoord(_) | Semantic::Custom(_) | Semantic::Blended(_) => Some(Self::Value),
             Semantic::Group(_) => None,
         }
     }

@@ -18,6 +18,9 @@ pub enum Semantic {
     Group(String),
     /// Anything else, under the name in the file.
     Custom(String),
+    /// Numbers under a name that may be blended: how far a morph target moves a vertex, how much it follows
+    /// each joint of a skin.
+    Blended(String),
 }
 
 /// The elements that the rows of an attribute belong to.

@@ -30,6 +30,8 @@ struct WedgeColumns {
 enum WedgeBlending {
     /// By weights.
     Weighted,
+    /// By weights; a seam wherever values differ.
+    Linear,
     /// By weights; the first three numbers are then normalized to a unit direction.
     Direction,
     /// The values of the largest weight: for numbers that identify something.
@@ -45,6 +47,7 @@ fn blending(semantic: &Semantic) -> WedgeBlending {
     match semantic {
         Semantic::Normal | Semantic::Tangent => WedgeBlending::Direction,
         Semantic::TexCoord(_) | Semantic::Color(_) => WedgeBlending::Weighted,
+        Semantic::Blended(_) => WedgeBlending::Linear,
         Semantic::Group(_) | Semantic::Custom(_) => WedgeBlending::Heaviest,
     }
 }
@@ -137,7 +140,7 @@ impl Wedges {
             let columns = span.from..span.from + span.width;
             let (a, b) = (&a[columns.clone()], &b[columns]);
             match span.blending {
-                WedgeBlending::Heaviest => a != b,
+                WedgeBlending::Heaviest | WedgeBlending::Linear => a != b,
                 WedgeBlending::Direction if span.width >= 3 => {
                     let [p, q] = [a, b].map(|v| [v[0], v[1], v[2]]);
                     let turned = dot(p, q) < CREASE_COSINE * (dot(p, p) * dot(q, q)).sqrt();
