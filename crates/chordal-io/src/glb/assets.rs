@@ -25,6 +25,8 @@ pub(super) struct AssetReader<'a> {
     /// What is not kept, by name, with how often and the first place.
     dropped: BTreeMap<String, (u64, String)>,
     report: GlbWarnings,
+    /// Whether nodes were taken from their parents, so that joints may have no root in common.
+    pub has_cut_nodes: bool,
 }
 
 /// The members of an object but for some.
@@ -46,7 +48,14 @@ pub(super) fn plain_material(open: bool) -> Value {
 impl<'a> AssetReader<'a> {
     /// Starts on a file of which at most `left` bytes may be copied.
     pub fn new(json: &'a JsonValue, model: &'a GltfModel<'a>, left: u64) -> Self {
-        Self { json, model, left, dropped: BTreeMap::new(), report: GlbWarnings::default() }
+        Self {
+            json,
+            model,
+            left,
+            has_cut_nodes: false,
+            dropped: BTreeMap::new(),
+            report: GlbWarnings::default(),
+        }
     }
 
     fn list(&self, key: &str) -> &'a [JsonValue] {
@@ -231,6 +240,9 @@ impl<'a> AssetReader<'a> {
         number_of: &impl Fn(usize) -> Option<usize>,
     ) -> Result<(), ReadError> {
         let mut skins = Vec::new();
+        if self.has_cut_nodes {
+            return Ok(());
+        }
         for skin in self.list("skins") {
             let node = |value: &JsonValue| number_of(usize::try_from(value.integer()?).ok()?);
             let joints = skin.get("joints").and_then(JsonValue::items).unwrap_or_default();

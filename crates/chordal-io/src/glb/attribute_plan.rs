@@ -1,5 +1,5 @@
 //! `AttributePlan`: the attributes that the part of a mesh gets, decided before any is read.
-use super::deformation::{SkinPlan, common_targets, morph_semantic};
+use super::deformation::{SkinPlan, common_targets, has_width, morph_semantic};
 use super::format::AccessorType;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use chordal::explicit::Semantic;
@@ -75,8 +75,8 @@ impl<'m> AttributePlan<'m> {
             }
         }
         for (target, name) in common_targets(mesh) {
-            let width = if name == "TANGENT" { 3 } else { width_of_target(model, mesh, target, name) };
-            if width > 0 {
+            let width = width_of_target(model, mesh, target, name);
+            if width > 0 && has_width(name, width) {
                 let (source, semantic) = (StreamSource::Target(target, name), morph_semantic(target, name));
                 streams.push(PlannedAttribute { source, semantic, width });
             }

@@ -130,6 +130,17 @@ pub(super) fn morph_semantic(target: usize, name: &str) -> Semantic {
     Semantic::Blended(format!("morph target {target} {name}"))
 }
 
+/// Whether glTF has morph targets of this name with that many numbers a vertex.
+pub(super) fn has_width(name: &str, width: usize) -> bool {
+    let is_set = |family: &str| name.strip_prefix(family).is_some_and(|set| set.parse::<u32>().is_ok());
+    match name {
+        "POSITION" | "NORMAL" | "TANGENT" => width == 3,
+        _ if is_set("TEXCOORD_") => width == 2,
+        _ if is_set("COLOR_") => width == 3 || width == 4,
+        _ => name.starts_with('_'),
+    }
+}
+
 /// The attributes of morph targets that all primitives with triangles have: target, name.
 pub(super) fn common_targets<'m>(mesh: &'m GltfMesh<'_>) -> Vec<(usize, &'m str)> {
     let drawn = || mesh.primitives.iter().filter(|primitive| is_drawn(primitive));
@@ -142,7 +153,9 @@ pub(super) fn common_targets<'m>(mesh: &'m GltfMesh<'_>) -> Vec<(usize, &'m str)
     let named = |(target, attributes): (usize, &'m GltfAttributes<'m>)| {
         attributes.iter().map(move |(name, _)| (target, *name))
     };
-    let common: Vec<_> = targets(first).iter().enumerate().flat_map(named).filter(has).collect();
+    let has_base = |(_, name): &(usize, &str)| first.attributes.iter().any(|(known, _)| known == name);
+    let named = targets(first).iter().enumerate().flat_map(named);
+    let common: Vec<_> = named.filter(|target| has_base(target) && has(target)).collect();
     // A target without any attribute cannot be written.
     let is_whole = |target| common.iter().any(|(known, _)| *known == target);
     if (0..targets(first).len()).all(is_whole) { common } else { Vec::new() }
@@ -153,11 +166,12 @@ pub(super) fn settle(scene: &mut Scene, report: &mut GlbWarnings) {
     let n_targets: Vec<usize> = scene.parts.iter().map(|part| targets_of(&part.mesh).len()).collect();
     let is_skinned: Vec<bool> = scene.parts.iter().map(|part| has_skin(&part.mesh)).collect();
     let n_weights = |properties: &Map<String, Value>| {
-        properties.get("weights").map(|weights| weights.as_array().map_or(0, Vec::len))
+        let numbers = |weights: &Vec<Value>| weights.iter().all(Value::is_number).then_some(weights.len());
+        properties.get("weights").map(|weights| weights.as_array().and_then(numbers).unwrap_or(0))
     };
     let mut n_lost = 0;
     for (part, n_targets) in scene.parts.iter_mut().zip(&n_targets) {
-        if n_weights(&part.properties).is_some_and(|n| n != *n_targets) {
+        if n_weights(&part.properties).is_some_and(|n| n == 0 || n != *n_targets) {
             part.properties.shift_remove("weights");
             n_lost += 1;
         }
@@ -165,7 +179,7 @@ pub(super) fn settle(scene: &mut Scene, report: &mut GlbWarnings) {
     let mut n_unskinned = 0;
     for node in &mut scene.nodes {
         let own_targets = node.part.map_or(0, |part| n_targets[part]);
-        if n_weights(&node.properties).is_some_and(|n| n != own_targets) {
+        if n_weights(&node.properties).is_some_and(|n| n == 0 || n != own_targets) {
             node.properties.shift_remove("weights");
             n_lost += 1;
         }

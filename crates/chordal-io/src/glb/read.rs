@@ -126,11 +126,13 @@ pub(crate) fn read_with(
     scene.assets.materials = materials;
     let properties: Vec<_> = kept.iter().map(|mesh| assets.mesh_properties(*mesh)).collect();
     report.append(assets.into_report());
-    drop_unsound_assets(&mut scene, &forgiven.unsound, &mut report);
+    let are_sound = drop_unsound_assets(&mut scene, &forgiven.unsound, &mut report);
     let mut parts = PartReader::new(&model, &groups, limits, budget);
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
-    for (part, properties) in scene.parts.iter_mut().zip(properties) {
-        part.properties = properties;
+    if are_sound {
+        for (part, properties) in scene.parts.iter_mut().zip(properties) {
+            part.properties = properties;
+        }
     }
     report.append(parts.report);
     deformation::settle(&mut scene, &mut report);
@@ -237,17 +239,19 @@ fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(
     Ok(())
 }
 
-/// Leaves out what a forgiven issue may be about: a file that is written says nothing wrong.
-fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnings) {
+/// Leaves out what a forgiven issue may be about: a file that is written says nothing wrong. Whether what nodes
+/// and meshes say stays.
+fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnings) -> bool {
     if codes.is_empty() {
-        return;
+        return true;
     }
     let is_about_data = |code: &&str| {
         ["ACCESSOR_", "BUFFER_", "GLB_"].iter().any(|kind| code.starts_with(kind))
             && !code.contains("ANIMATION")
     };
     let mut kept = Box::<SceneAssets>::default();
-    if codes.iter().all(is_about_data) {
+    let are_sound = codes.iter().all(is_about_data);
+    if are_sound {
         kept.clone_from(&scene.assets);
         kept.animations.clear();
         kept.skins.clear();
@@ -261,6 +265,7 @@ fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnin
         report.add("assets-dropped", FileLocation::File, what);
         scene.assets = kept;
     }
+    are_sound
 }
 
 /// The nodes, and the roots of the scene that is shown: the default one, else the first, else all nodes
@@ -300,7 +305,7 @@ fn read_scene(
         Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
         None => (0..n).filter(|i| !has_parent[*i] && !lower.is_named(*i)).collect::<Vec<_>>(),
     };
-    mend_roots(&mut nodes, &mut roots);
+    assets.has_cut_nodes = mend_roots(&mut nodes, &mut roots);
     if let Some(first) = lower.first {
         let place = FileLocation::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
         let what = "lower levels of detail were left out: the first one was read";

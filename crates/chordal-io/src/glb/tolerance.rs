@@ -125,14 +125,14 @@ fn clamp(value: &mut Value) {
 }
 
 /// Makes a forest of nodes of which a scene names some that are no roots: such a node stays where its
-/// ancestors show it, and where they are not shown it is taken from them.
-pub(super) fn mend_roots(nodes: &mut [Node], roots: &mut Vec<usize>) {
+/// ancestors show it, and where they are not shown it is taken from them. Returns whether one was.
+pub(super) fn mend_roots(nodes: &mut [Node], roots: &mut Vec<usize>) -> bool {
     let mut parent = vec![None; nodes.len()];
     for (i, node) in nodes.iter().enumerate() {
         node.children.iter().for_each(|child| parent[*child] = Some(i));
     }
     if roots.iter().all(|root| parent[*root].is_none()) {
-        return;
+        return false;
     }
     let mut is_root = vec![false; nodes.len()];
     roots.iter().for_each(|root| is_root[*root] = true);
@@ -146,9 +146,6 @@ pub(super) fn mend_roots(nodes: &mut [Node], roots: &mut Vec<usize>) {
         }
     }
     roots.retain(|root| !is_covered[*root]);
-    for root in roots {
-        if let Some(parent) = parent[*root] {
-            nodes[parent].children.retain(|child| child != root);
-        }
-    }
+    let cut = roots.iter().filter_map(|root| Some((*root, parent[*root]?)));
+    cut.map(|(root, parent)| nodes[parent].children.retain(|child| *child != root)).count() > 0
 }
