@@ -22,6 +22,8 @@ pub(super) enum AccessorSource<'a> {
     Unit(&'a Attribute, usize),
     /// Numbers as they are.
     Plain(&'a Attribute),
+    /// Texture coordinates that begin at the lower left corner: v is turned over.
+    TurnedTexcoords(&'a Attribute),
     /// Bytes as they are.
     Bytes(&'a [u8]),
 }
@@ -53,6 +55,16 @@ impl<'a> AccessorStream<'a> {
     /// The positions of a mesh about an origin.
     pub fn positions(mesh: &'a Mesh, origin: [f64; 3]) -> Self {
         Self { name: Some("POSITION".to_owned()), rows: AccessorSource::Positions(mesh, origin) }
+    }
+
+    /// The same stream with v turned over, where it is one of texture coordinates.
+    pub fn with_turned_v(mut self) -> Self {
+        if let AccessorSource::Plain(attribute) = self.rows
+            && matches!(attribute.semantic, Semantic::TexCoord(_))
+        {
+            self.rows = AccessorSource::TurnedTexcoords(attribute);
+        }
+        self
     }
 
     /// An attribute under its glTF name; the caller numbers texture and colour sets.
@@ -102,7 +114,9 @@ impl<'a> AccessorStream<'a> {
         match &self.rows {
             AccessorSource::Short(_) | AccessorSource::Long(_) | AccessorSource::Bytes(_) => 1,
             AccessorSource::Positions(..) => 3,
-            AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => attribute.width,
+            AccessorSource::Unit(attribute, _)
+            | AccessorSource::Plain(attribute)
+            | AccessorSource::TurnedTexcoords(attribute) => attribute.width,
         }
     }
 
@@ -124,9 +138,9 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::Short(faces) | AccessorSource::Long(faces) => 3 * faces.len(),
             AccessorSource::Bytes(bytes) => bytes.len(),
             AccessorSource::Positions(mesh, _) => mesh.positions().len(),
-            AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => {
-                attribute.values.len() / attribute.width
-            }
+            AccessorSource::Unit(attribute, _)
+            | AccessorSource::Plain(attribute)
+            | AccessorSource::TurnedTexcoords(attribute) => attribute.values.len() / attribute.width,
         }
     }
 
@@ -173,6 +187,12 @@ impl<'a> AccessorStream<'a> {
             }
             AccessorSource::Plain(attribute) => {
                 attribute.values.iter().try_for_each(|x| sink.put((*x as f32).to_le_bytes()))?;
+            }
+            AccessorSource::TurnedTexcoords(attribute) => {
+                for row in attribute.values.chunks_exact(2) {
+                    sink.put((row[0] as f32).to_le_bytes())?;
+                    sink.put(((1.0 - row[1]) as f32).to_le_bytes())?;
+                }
             }
         }
         (self.n_bytes()..self.n_padded()).try_for_each(|_| sink.put([0]))?;
