@@ -1,6 +1,6 @@
 //! `LibraryReader`: opens the material libraries that an OBJ names, and makes assets of the materials that its
 //! faces have.
-use super::mtl::{MtlMaterial, MtlReader};
+use super::mtl::MtlReader;
 use super::mtl_notes::MtlNotes;
 use super::mtl_to_gltf::{MtlConverter, plain_material};
 use super::pictures::{FOUND_BY_NAME, FOUND_BY_NAME_TEXT, ObjFiles, ObjPictures, file_name};
@@ -45,7 +45,7 @@ pub(super) fn read_libraries(
         pictures: ObjPictures::new(ObjFiles::new(open, limits.bytes.saturating_sub(request.n_bytes))),
         tried: BTreeSet::new(),
         is_any_read: false,
-        left: ALLOWED + PER_BYTE * request.n_bytes,
+        left: Some(ALLOWED + PER_BYTE * request.n_bytes),
         notes: MtlNotes::default(),
     };
     if request.names.is_empty() {
@@ -56,19 +56,9 @@ pub(super) fn read_libraries(
     } else {
         request.statements.iter().for_each(|statement| reader.statement(&String::from_utf8_lossy(statement)));
     }
-    let LibraryReader { found, pictures, is_any_read, mut notes, .. } = reader;
-    let mut materials = Vec::new();
-    if is_any_read {
-        for (name, material) in request.names.iter().zip(found) {
-            materials.push(material.unwrap_or_else(|| {
-                let what = "materials that no library describes are plain";
-                notes.add("material-missing", what, name);
-                plain_material(name)
-            }));
-        }
-    }
-    notes.tell(warnings);
-    if materials.is_empty() { SceneAssets::default() } else { pictures.into_assets(materials) }
+    let materials = reader.all_materials(request.names);
+    reader.notes.tell(warnings);
+    materials.map_or_else(SceneAssets::default, |materials| reader.pictures.into_assets(materials))
 }
 
 struct LibraryReader<'r, 'a, 'b> {
@@ -78,8 +68,8 @@ struct LibraryReader<'r, 'a, 'b> {
     /// The libraries that were tried, by their paths below the folder.
     tried: BTreeSet<String>,
     is_any_read: bool,
-    /// Bytes that materials may still take.
-    left: u64,
+    /// Bytes that materials may still take; none where they took too many.
+    left: Option<u64>,
     notes: MtlNotes,
 }
 
@@ -142,7 +132,7 @@ impl LibraryReader<'_, '_, '_> {
         if is_outside {
             self.notes.add(FOUND_BY_NAME, FOUND_BY_NAME_TEXT, name);
         }
-        self.left = self.left.saturating_add(PER_BYTE * bytes.len() as u64);
+        self.left = self.left.map(|left| left.saturating_add(PER_BYTE * bytes.len() as u64));
         self.tried.insert(path.clone());
         match text_of(&bytes) {
             Ok(text) => {
@@ -173,20 +163,40 @@ impl LibraryReader<'_, '_, '_> {
                 self.notes.add("material-twice", what, &material.name);
                 continue;
             }
-            self.found[at] = Some(self.material(&material, library));
+            let bytes = MATERIAL_BYTES + STATEMENT_BYTES * material.values.len() as u64;
+            if !self.charge(bytes) {
+                return;
+            }
+            let mut converter =
+                MtlConverter { pictures: &mut self.pictures, library, notes: &mut self.notes };
+            self.found[at] = Some(converter.convert(&material));
         }
     }
 
-    /// The glTF material, or a plain one where all together would take too much memory.
-    fn material(&mut self, material: &MtlMaterial, library: &str) -> Value {
-        let bytes = MATERIAL_BYTES + STATEMENT_BYTES * material.values.len() as u64;
-        let Some(left) = self.left.checked_sub(bytes) else {
-            let what = "descriptions of materials were left out: they would take too much memory";
-            self.notes.add("materials-skipped", what, &material.name);
-            return plain_material(&material.name);
-        };
-        self.left = left;
-        MtlConverter { pictures: &mut self.pictures, library, notes: &mut self.notes }.convert(material)
+    /// Whether so many bytes more may be taken.
+    fn charge(&mut self, bytes: u64) -> bool {
+        self.left = self.left.and_then(|left| left.checked_sub(bytes));
+        self.left.is_some()
+    }
+
+    /// A material for each name; nothing where no library could be read, or all would take too much memory.
+    fn all_materials(&mut self, names: &[String]) -> Option<Vec<Value>> {
+        if !self.is_any_read {
+            return None;
+        }
+        let mut materials = std::mem::take(&mut self.found);
+        for (name, material) in names.iter().zip(&mut materials) {
+            if material.is_none() && self.charge(MATERIAL_BYTES) {
+                let what = "materials that no library describes are plain";
+                self.notes.add("material-missing", what, name);
+                *material = Some(plain_material(name));
+            }
+        }
+        if self.left.is_none() {
+            let what = "descriptions of materials would take too much memory; materials keep their names";
+            self.notes.add("materials-skipped", what, &format!("{} materials", names.len()));
+        }
+        self.left.is_some().then(|| materials.into_iter().flatten().collect())
     }
 }
 

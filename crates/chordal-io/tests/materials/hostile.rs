@@ -84,7 +84,7 @@ fn values_that_are_none_are_skipped_and_named() {
         serde_json::json!([0.0, 1.0, 0.5, 1.0])
     );
     assert!(said(&warnings, "mtl-unknown").ends_with(": nonsense in line 5 of a.mtl"), "{warnings:?}");
-    assert_eq!(count(&warnings, "picture-missing"), 1, "a picture named -o");
+    assert_eq!(count(&warnings, "map-skipped"), 1, "a map without a picture");
 }
 
 #[test]
@@ -129,8 +129,8 @@ fn a_hundred_thousand_materials_of_one_face_are_read_and_those_of_none_are_not()
     let all = names.iter().map(|name| format!("usemtl {name}\n")).collect::<String>();
     let obj = format!("{}{all}f 1 2 3\n", squares("a.mtl", &["m0"]));
     let (scene, warnings, _) = load(&obj, &files);
-    let n_skipped = count(&warnings, "materials-skipped");
-    assert!(scene.assets.materials.len() == 100_000 && (50_000..100_000).contains(&n_skipped), "{n_skipped}");
+    assert_eq!((scene.assets.materials.len(), scene.groups[chordal_io::MATERIAL].len()), (0, 100_001));
+    assert!(said(&warnings, "materials-skipped").ends_with(": 100000 materials"), "{warnings:?}");
 }
 
 #[test]
@@ -142,6 +142,9 @@ fn mutations_of_a_library_end_well() {
     for round in 0..3000 {
         let mut bytes = text.as_bytes().to_vec();
         for _ in 0..=random.below(4) {
+            if bytes.is_empty() {
+                break;
+            }
             let at = random.below(bytes.len());
             match random.below(4) {
                 0 => bytes[at] = random.below(256) as u8,
@@ -152,7 +155,9 @@ fn mutations_of_a_library_end_well() {
         }
         let mut open = |path: &str| match path {
             "a.mtl" => Ok(bytes.clone()),
-            _ if path.contains("..") || path.starts_with('/') => panic!("{path} was asked for"),
+            _ if path.split('/').any(|part| part == "..") || path.starts_with('/') => {
+                panic!("{path} was asked for")
+            }
             _ => Ok(PNG.to_vec()),
         };
         let found = read_with(obj.as_bytes(), Format::Obj, &mut open, &Limits::default());

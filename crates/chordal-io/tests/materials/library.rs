@@ -107,7 +107,7 @@ fn pictures_are_taken_byte_for_byte_and_once() {
         .with("n.jpg", jpeg(3))
         .with("w.webp", WEBP);
     let (scene, warnings, asked) = load(&squares("a.mtl", &["a", "b"]), &files);
-    assert_eq!(asked, ["a.mtl", "tex/p.png", "n.jpg", "w.webp"]);
+    assert_eq!(asked, ["a.mtl", "tex/p.png", "w.webp", "n.jpg"]);
     assert_eq!(warnings.iter().filter(|w| w.code != "polygons-cut").count(), 1, "{warnings:?}");
     let assets = &scene.assets;
     assert_eq!(assets.images.len(), 3);
@@ -271,7 +271,7 @@ fn pictures_stand_beside_their_library_or_beside_the_obj() {
         .with("lib/p.png", PNG)
         .with("q.png", jpeg(3));
     let (scene, warnings, asked) = load(&squares("lib\\a.mtl", &["m"]), &files);
-    assert_eq!(asked, ["lib/a.mtl", "lib/p.png", "lib/q.png", "q.png"]);
+    assert_eq!(asked, ["lib/a.mtl", "lib/p.png", "q.png", "lib/q.png"]);
     assert_eq!(count(&warnings, "picture-missing"), 0);
     assert_eq!(scene.assets.images.len(), 2);
 }
