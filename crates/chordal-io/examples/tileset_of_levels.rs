@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let uri = format!("{part}-{depth}.glb");
             let cut = whole.centre()[0];
             let mesh = part_of(&level.mesh, |x| n_parts == 1 || (x < cut) == (part == 0))?;
-            let frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
+            let frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0), ..Frame::default() };
             let scene = Scene::from_mesh(&uri, snap(&mesh, Format::Glb)?.mesh, frame);
             glb::write(&scene, None, &mut std::fs::File::create(Path::new(folder).join(&uri))?)?;
             let inner = below.as_ref().map_or(Box3::EMPTY, |(_, bounds)| *bounds);
@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// All levels in one GLB, each at half the share of the screen of the one before.
 fn write_beside(levels: &[Level], path: &Path) -> Result<(), Box<dyn Error>> {
-    let frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
+    let frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0), ..Frame::default() };
     let scene = |level: &Level| Scene::from_mesh("level", level.mesh.clone(), frame);
     let scenes: Vec<Scene> = levels.iter().rev().map(scene).collect();
     let mut coverage = 1.0;

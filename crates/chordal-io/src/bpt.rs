@@ -56,7 +56,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         warnings.count("trailing-text", || (words.place(), message()));
     }
     crate::assemble::check_patches(&patches, &mut warnings)?;
-    let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
+    let frame = Frame { up: Some(Axis::Z), metres_per_unit: None, ..Frame::default() };
     Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 

@@ -45,7 +45,16 @@ impl UriError {
 /// Escapes are decoded first, so that none of them hides a dot or a slash.
 pub(crate) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {
     let end = uri.find(['?', '#']).unwrap_or(uri.len());
-    let path = decoded(&uri[..end]).ok_or(UriError::NoFile)?;
+    below(folder, &decoded(&uri[..end]).ok_or(UriError::NoFile)?)
+}
+
+/// Resolves a path that is no URI: nothing in it is escaped, and a backslash separates folders too, as
+/// programs on Windows write it.
+pub(crate) fn resolve_path(folder: &str, path: &str) -> Result<String, UriError> {
+    below(folder, &path.replace('\\', "/"))
+}
+
+fn below(folder: &str, path: &str) -> Result<String, UriError> {
     if path.starts_with(['/', '\\']) {
         return Err(UriError::Absolute);
     }
@@ -102,6 +111,22 @@ fn decoded(text: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn paths_are_no_uris_and_stay_below_the_folder_too() {
+        let resolved = |folder, path| resolve_path(folder, path).map_err(|outside| outside.code());
+        assert_eq!(resolved("", ".\\a b%20#.png"), Ok("a b%20#.png".to_owned()));
+        assert_eq!(resolved("a/b", "..\\c\\d.png"), Ok("a/c/d.png".to_owned()));
+        for path in ["..\\a", "a\\..\\..\\b", "\\\\host\\a", "/a", "\\a"] {
+            assert_eq!(resolved("", path), Err("outside-folder"), "{path}");
+        }
+        for path in ["C:\\a.png", "c:a.png", "https://a/b.png"] {
+            assert_eq!(resolved("", path), Err("no-network"), "{path}");
+        }
+        for path in ["", "a\\", ".", "a\0b"] {
+            assert_eq!(resolved("", path), Err("bad-uri"), "{path:?}");
+        }
+    }
 
     #[test]
     fn stays_below_the_folder() {

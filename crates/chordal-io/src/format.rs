@@ -182,6 +182,7 @@ static TABLE: [FormatRow; 16] = [
         ..only_read(Format::Json, "json", |bytes| shape_json::looks_like(text_start(bytes)), shape_json::read)
     },
     FormatRow {
+        read: Some(FormatReader::WithOthers(obj::read_with)),
         triangles: Some(TriangleFormat {
             write: obj::write,
             rows: VertexRows::Positions,

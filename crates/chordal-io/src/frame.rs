@@ -9,6 +9,15 @@ pub enum Axis {
     Z,
 }
 
+/// The corner of a picture where texture coordinates are 0, 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureOrigin {
+    /// The lower left corner: v runs up, as in OBJ.
+    LowerLeft,
+    /// The upper left corner: v runs down, as in glTF.
+    UpperLeft,
+}
+
 /// What is known of the coordinate space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
@@ -16,4 +25,14 @@ pub struct Frame {
     pub up: Option<Axis>,
     /// The length of one unit, if the format or the user says.
     pub metres_per_unit: Option<f64>,
+    /// Where the space of texture coordinates begins, if the format says. A writer whose format begins at the
+    /// other corner turns v over, as 1 - v; where nothing is known it writes v as it is.
+    pub texture_origin: Option<TextureOrigin>,
+}
+
+impl Frame {
+    /// Whether texture coordinates must be turned over for a format that begins at `origin`.
+    pub(crate) fn turns_v(&self, origin: TextureOrigin) -> bool {
+        self.texture_origin.is_some_and(|own| own != origin)
+    }
 }

@@ -4,7 +4,7 @@ use crate::grow::{push, with_room};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::HashMap;
 
-/// The groups of one kind ("usemtl", "g", …): names in order of appearance, and where each begins. Number 0
+/// The groups of one kind ("material", "g", …): names in order of appearance, and where each begins. Number 0
 /// means that there was no such statement, or that it ended the group.
 #[derive(Debug, Default)]
 pub(crate) struct Groups {
@@ -69,6 +69,11 @@ impl Groups {
             width: 1,
             values,
         }))
+    }
+
+    /// The names from number 1 on.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// The names by number; number 0 has the empty name.

@@ -50,7 +50,7 @@ pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
 pub use files::FileOpener;
 pub use format::{Format, PositionPrecision, UnknownFormat, VertexRows};
-pub use frame::{Axis, Frame};
+pub use frame::{Axis, Frame, TextureOrigin};
 pub use limits::{Conformance, Limits};
 pub use losses::{losses, losses_of_polygons};
 pub use polygons::{PolygonSurface, Polygons};

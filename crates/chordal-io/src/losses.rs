@@ -72,7 +72,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     Ok(lost)
 }
 
-/// What writing a cage as polygons leaves out. OBJ holds everything.
+/// What writing a cage as polygons leaves out. OBJ holds everything but the looks of materials.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -87,11 +87,16 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
 #[must_use]
 pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
     let polygons_of = |held: &'static TriangleFormat| held.polygons.as_ref();
-    if format.row().triangles.as_ref().and_then(polygons_of).is_some_and(|held| held.is_cage) {
-        return Vec::new();
-    }
     let title = format.to_string().to_uppercase();
     let mut lost = Vec::new();
+    if !polygons.assets.materials.is_empty() {
+        let message = format!("{title} holds no looks of materials").into();
+        let count = polygons.assets.materials.len() as u64;
+        lost.push(Warning { code: "not-written", count, place: FileLocation::File, message });
+    }
+    if format.row().triangles.as_ref().and_then(polygons_of).is_some_and(|held| held.is_cage) {
+        return lost;
+    }
     let mut count = |what: String| {
         let message = format!("{title} holds no {what}");
         lost.push(Warning {

@@ -1,5 +1,5 @@
 //! `Polygons`: a polygon cage of a file, with its subdivision tags, attributes and frame.
-use crate::Frame;
+use crate::{Frame, SceneAssets};
 use chordal::explicit::{Attribute, Cage};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -35,6 +35,8 @@ pub struct Polygons {
     pub attributes: Vec<Attribute>,
     /// The names of group values, as in [`crate::Scene::groups`].
     pub groups: BTreeMap<String, Vec<String>>,
+    /// The materials of its faces with their textures, as in [`crate::Scene::assets`].
+    pub assets: Box<SceneAssets>,
     /// The coordinate frame.
     pub frame: Frame,
     /// The certificate in the file, if it carries one.
@@ -46,6 +48,7 @@ impl Polygons {
     #[must_use]
     pub fn from_cage(cage: Cage, frame: Frame) -> Self {
         let (attributes, groups) = (Vec::new(), BTreeMap::new());
-        Self { cage, attributes, groups, frame, certificate: None }
+        let assets = Box::default();
+        Self { cage, attributes, groups, assets, frame, certificate: None }
     }
 }

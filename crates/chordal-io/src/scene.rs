@@ -63,7 +63,7 @@ pub struct Scene {
     /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
     /// The names of the values of a face attribute `Semantic::Group(kind)`: `groups[kind][value]`, for the
-    /// kinds that have names ("usemtl", "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a
+    /// kinds that have names ([`MATERIAL`], "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a
     /// group.
     pub groups: BTreeMap<String, Vec<String>>,
     /// Materials with their textures, cameras, lights, animations.
@@ -112,11 +112,12 @@ pub(crate) const IDENTITY: [f64; 16] =
 impl Scene {
     /// Its assets; where groups of faces name materials and nothing says how they look, plain ones of these
     /// names.
-    pub(crate) fn assets_for_gltf(&self, plain: &Value) -> Cow<'_, SceneAssets> {
+    pub(crate) fn assets_for_gltf(&self, plain: impl Fn(&Self) -> Value) -> Cow<'_, SceneAssets> {
         let names = self.groups.get(MATERIAL).map_or(&[][..], |names| names);
         if !self.assets.materials.is_empty() || names.len() < 2 {
             return Cow::Borrowed(&self.assets);
         }
+        let plain = plain(self);
         let named = |name: &String| {
             let mut material = plain.clone();
             material["name"] = Value::from(name.as_str());

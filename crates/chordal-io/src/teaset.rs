@@ -43,7 +43,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         patches.push(patch(*line, indices, &points)?);
     }
     crate::assemble::check_patches(&patches, &mut warnings)?;
-    let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
+    let frame = Frame { up: Some(Axis::Z), metres_per_unit: None, ..Frame::default() };
     Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 

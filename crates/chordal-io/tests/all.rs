@@ -10,6 +10,7 @@ mod hostile_off;
 mod hostile_ply;
 mod hostile_stl;
 mod json_schema;
+mod materials;
 mod off;
 mod patches;
 mod png;

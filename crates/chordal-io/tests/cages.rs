@@ -129,7 +129,7 @@ fn names_and_colours_are_kept() {
         let semantic = Semantic::Group(kind.to_owned());
         read.attributes.iter().find(|a| a.semantic == semantic).unwrap().values.clone()
     };
-    assert_eq!((group("g"), group("s"), group("usemtl")), (vec![1.0, 2.0], vec![0.0, 3.0], vec![1.0, 1.0]));
+    assert_eq!((group("g"), group("s"), group("material")), (vec![1.0, 2.0], vec![0.0, 3.0], vec![1.0, 1.0]));
     assert!(read.certificate.is_some());
     let again = load(&written(&read)).0;
     assert_eq!(Polygons { certificate: read.certificate.clone(), ..again }, read);

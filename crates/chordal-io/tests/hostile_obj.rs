@@ -157,11 +157,11 @@ fn h23_encodings_and_line_ends_are_read_or_named() {
     refuse_at("v 0 0 0\nv 1 0 0\nv 0 \0 1\n", 3, "NUL");
     let (scene, warnings) = load_scene(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl gr\xfcn\nf 1 2 3\n", Format::Obj);
     assert_eq!(count(&warnings, "name-not-utf8"), 1);
-    assert_eq!(scene.groups["usemtl"][1], "gr\u{fffd}n");
+    assert_eq!(scene.groups["material"][1], "gr\u{fffd}n");
 }
 
 #[test]
-fn h24_material_libraries_are_never_opened() {
+fn h24_material_libraries_are_not_opened_without_an_opener() {
     for path in [
         "../../../etc/passwd",
         "/etc/passwd",
@@ -186,10 +186,10 @@ fn h25_geometry_and_names_of_materials_are_kept_without_their_library() {
     );
     let (scene, warnings) = load_scene(text.as_bytes(), Format::Obj);
     assert_eq!(warnings, []);
-    assert_eq!(scene.groups["usemtl"], ["", "red paint", "blue"]);
+    assert_eq!(scene.groups["material"], ["", "red paint", "blue"]);
     let values =
         |kind: &str| scene.parts[0].mesh.attribute(&Semantic::Group(kind.into())).expect(kind).values.clone();
-    assert_eq!(values("usemtl"), [1.0, 2.0, 1.0]);
+    assert_eq!(values("material"), [1.0, 2.0, 1.0]);
     assert_eq!(values("s"), [0.0, 7.0, 0.0]);
     assert_eq!((values("g"), values("o")), (vec![0.0, 0.0, 1.0], vec![0.0, 0.0, 1.0]));
     assert_eq!(scene.groups["g"], ["", "a b"]);

@@ -59,7 +59,7 @@ fn the_three_formats_hold_the_same_patch() {
     ] {
         let (patches, frame, warnings) = load(&text, format);
         assert_eq!(patches, [expected()]);
-        assert_eq!(frame, Frame { up, metres_per_unit: None });
+        assert_eq!(frame, Frame { up, metres_per_unit: None, ..Frame::default() });
         assert_eq!(warnings, []);
     }
 }
@@ -75,7 +75,7 @@ fn json_by_index_and_frame_are_read() {
     );
     let (patches, frame, warnings) = load(&text, Format::Json);
     assert_eq!(patches, [expected()]);
-    assert_eq!(frame, Frame { up: Some(Axis::Y), metres_per_unit: Some(1e-3) });
+    assert_eq!(frame, Frame { up: Some(Axis::Y), metres_per_unit: Some(1e-3), ..Frame::default() });
     assert_eq!(warnings.iter().map(|w| (w.code, w.count)).collect::<Vec<_>>(), [("unknown-member", 1)]);
     assert_eq!(warnings[0].place, FileLocation::Pointer("/by".into()));
 }

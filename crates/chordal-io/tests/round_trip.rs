@@ -259,7 +259,7 @@ fn groups_of_obj_come_back_with_their_names() {
     assert_eq!(
         lost,
         [
-            "PLY holds no groups 'usemtl' of faces",
+            "PLY holds no groups 'material' of faces",
             "PLY holds no groups 'g' of faces",
             "PLY holds no groups 's' of faces"
         ]

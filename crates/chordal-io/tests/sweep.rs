@@ -754,3 +754,45 @@ fn h51_models_stay_within_the_promise_for_what_they_unpack_to() {
     assert_eq!(result.unwrap_err().code, "too-dense");
     assert!(most <= promised(bomb.len() as u64), "{most}");
 }
+
+#[test]
+fn material_libraries_stay_within_the_promise_for_all_files_together() {
+    let n = 300_000;
+    let used: String = (0..n).map(|i| format!("usemtl {i}\n")).collect();
+    let obj = |libraries: &str| format!("{libraries}\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{used}f 1 2 3\n");
+    let bare: String = (0..n).map(|i| format!("newmtl {i}\n")).collect();
+    let full: String = (0..n / 8)
+        .map(|i| {
+            format!("newmtl {i}\nKa 1\nKs 1\nNs 1\nNi 1\nd 0\nmap_Kd {i}a\nmap_Ke {i}b\nnorm {i}c\nrefl d\n")
+        })
+        .collect();
+    let one = format!("newmtl 0\n{}", "Ka 1 1 1\nmap_Kd -mm 0 1 a.png\nfoo 1\nKd x\n".repeat(n));
+    let unused: String = (0..n).map(|i| format!("newmtl x{i}\nKd 1 1 1\n")).collect();
+    let wide = format!("newmtl 0\nKd {}\nmap_Kd {}\n", "1 ".repeat(n), "-s 1 ".repeat(n));
+    let many: String = (0..n).map(|i| format!("mtllib {i}\n")).collect();
+    let line = format!("mtllib {}", "a.mtl b ".repeat(n));
+    let few = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl 0\nf 1 2 3\n".to_owned();
+    for (name, obj, library) in [
+        ("bare materials", obj("mtllib a.mtl"), bare),
+        ("full materials", obj("mtllib a.mtl"), full),
+        ("materials that are missing", obj("mtllib a.mtl"), "newmtl x".to_owned()),
+        ("one material", few.clone(), one),
+        ("unused materials", few.clone(), unused),
+        ("long lines", few, wide),
+        ("many libraries", obj(&many), String::new()),
+        ("one line of libraries", obj(&line), String::new()),
+    ] {
+        let mut open = |path: &str| match path {
+            "a.mtl" => Ok(library.clone().into_bytes()),
+            // Every third picture is there.
+            _ if path.ends_with('a') => Ok(b"\x89PNG\r\n\x1a\n".to_vec()),
+            _ => Err("it is gone".to_owned()),
+        };
+        let limits = Limits::default();
+        let (result, most) =
+            held_by(|| chordal_io::read_with(obj.as_bytes(), Format::Obj, &mut open, &limits));
+        let n_bytes = (obj.len() + library.len()) as u64;
+        assert!(most <= promised(n_bytes), "{name}: {most} bytes for {n_bytes}");
+        assert!(matches!(result, Ok(ReadOutcome { content: Content::Scene(_), .. })), "{name}");
+    }
+}

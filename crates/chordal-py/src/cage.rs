@@ -154,7 +154,10 @@ impl Cage {
             crate::spec::parse_argument::<chordal::budget::Unit>("unit", unit)?.map(|unit| unit.metres());
         let flat = Arc::clone(&self.0);
         let made = work::run(py, None, move |_| {
-            let polygons = Polygons::from_cage(flat.cage.clone(), Frame { up: None, metres_per_unit });
+            let polygons = Polygons::from_cage(
+                flat.cage.clone(),
+                Frame { up: None, metres_per_unit, ..Frame::default() },
+            );
             let mut bytes = Vec::new();
             obj::write_polygons(&polygons, None, &mut bytes)?;
             let (n_bytes, sha256) = (bytes.len() as u64, sha256(&bytes));

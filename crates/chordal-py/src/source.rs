@@ -105,7 +105,7 @@ impl Source {
         unit: Option<&str>,
     ) -> PyResult<Self> {
         let metres_per_unit = parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
-        let frame = Frame { up: None, metres_per_unit };
+        let frame = Frame { up: None, metres_per_unit, ..Frame::default() };
         let made = work::run(py, None, move |_| curves(&numbers, shape.1, shape.2, frame))?;
         let input = made.map_err(|error| failure::argument("control", error))?;
         Ok(Self::from_input(input, Vec::new()))
@@ -121,7 +121,7 @@ impl Source {
         unit: Option<&str>,
     ) -> PyResult<Self> {
         let metres_per_unit = parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
-        let frame = Frame { up: None, metres_per_unit };
+        let frame = Frame { up: None, metres_per_unit, ..Frame::default() };
         let made = work::run(py, None, move |_| triangles(&numbers, &indices, frame))?;
         let input = made.map_err(|error| failure::argument("faces", error))?;
         Ok(Self::from_input(input, Vec::new()))

@@ -242,7 +242,11 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<Message>) -> Result<
         .cage
         .refined_times(levels)
         .map_err(|error| MeshFailure::refused(RefusalCode::NotFinite, error.to_string()))?;
-    let mut refined = Polygons { groups: polygons.groups, ..Polygons::from_cage(cage, polygons.frame) };
+    let mut refined = Polygons {
+        groups: polygons.groups,
+        assets: polygons.assets,
+        ..Polygons::from_cage(cage, polygons.frame)
+    };
     let parts = parts_of_faces(&polygons.cage, levels);
     for attribute in polygons.attributes {
         if attribute.domain != Domain::Face {

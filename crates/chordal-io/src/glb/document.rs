@@ -6,7 +6,7 @@ use super::split::{material_groups, split};
 use super::streams::{AccessorStream, stored_bounds};
 use crate::assets::{ImageContent, SceneAssets, collect_extensions};
 use crate::single_precision::origin_of;
-use crate::{CoordinateOverflow, Part, Scene, WriteError};
+use crate::{CoordinateOverflow, Frame, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Domain, Semantic};
 use chordal::math::{greater, lesser};
@@ -17,10 +17,12 @@ use std::borrow::Cow;
 pub(super) struct GltfPart<'a> {
     mesh: Cow<'a, Mesh>,
     origin: [f64; 3],
+    /// Whether v of its texture coordinates is turned over: glTF's runs down.
+    turns_v: bool,
 }
 
 impl<'a> GltfPart<'a> {
-    pub fn from_part(part: &'a Part) -> Result<Self, WriteError> {
+    pub fn from_part(part: &'a Part, frame: &Frame) -> Result<Self, WriteError> {
         let mesh = split(&part.mesh).map_err(|error| WriteError::Unsupported(error.to_string()))?;
         let n_points = mesh.positions().len();
         if mesh.faces().is_empty() && n_points > 0 {
@@ -30,7 +32,7 @@ impl<'a> GltfPart<'a> {
             )));
         }
         let origin = origin_of(&mesh);
-        Ok(Self { mesh, origin })
+        Ok(Self { mesh, origin, turns_v: frame.turns_v(TextureOrigin::UpperLeft) })
     }
 }
 
@@ -158,6 +160,7 @@ impl<'a> GltfDocument<'a> {
         self.accessors[at]["max"] = json!(bounds[1]);
         attributes.insert("POSITION".to_owned(), json!(at));
         for stream in streams_of(mesh)? {
+            let stream = if shape.turns_v { stream.with_turned_v() } else { stream };
             let name = stream.name.clone().unwrap_or_default();
             if attributes.contains_key(&name) {
                 return Err(WriteError::Unsupported(format!("two attributes are called {name}")));
@@ -369,8 +372,13 @@ fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     Ok(streams)
 }
 
+/// The material of faces of which only its name is known, for all parts of a scene.
+pub(super) fn plain_for(scene: &Scene) -> Value {
+    plain_material(scene.parts.iter().any(|part| is_open(&part.mesh)))
+}
+
 /// Whether an edge has a triangle on one side only. Vertices at one position count as one.
-fn is_open(mesh: &Mesh) -> bool {
+pub(super) fn is_open(mesh: &Mesh) -> bool {
     let mut edges = Vec::with_capacity(3 * mesh.faces().len());
     for face in mesh.faces() {
         let [a, b, c] = face.map(|v| mesh.position_of(v));

@@ -1,6 +1,5 @@
 //! `GlbLevel`: several levels of detail in one GLB, by `MSFT_lod`.
-use super::assets::plain_material;
-use super::document::{GltfDocument, GltfPart};
+use super::document::{GltfDocument, GltfPart, plain_for};
 use super::write::write_file;
 use super::{LOD, node_list};
 use crate::{Scene, WriteError};
@@ -56,9 +55,12 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
     }
     let shapes = levels
         .iter()
-        .map(|level| level.scene.parts.iter().map(GltfPart::from_part).collect::<Result<Vec<_>, _>>())
+        .map(|level| {
+            let shape = |part| GltfPart::from_part(part, &level.scene.frame);
+            level.scene.parts.iter().map(shape).collect::<Result<Vec<_>, _>>()
+        })
         .collect::<Result<Vec<_>, _>>()?;
-    let assets = levels[0].scene.assets_for_gltf(&plain_material(false));
+    let assets = levels[0].scene.assets_for_gltf(plain_for);
     let mut document = GltfDocument::new(&assets);
     let mut list = Vec::new();
     let mut tops = Vec::new();

@@ -11,7 +11,9 @@ use super::{DECODED_PER_BYTE, LOD, container, deformation, external, transform};
 use crate::assets::SceneAssets;
 use crate::files::FileOpener;
 use crate::text::is_space;
-use crate::{Axis, Content, FileLocation, Frame, Limits, MATERIAL, Node, ReadError, ReadOutcome, Scene};
+use crate::{
+    Axis, Content, FileLocation, Frame, Limits, MATERIAL, Node, ReadError, ReadOutcome, Scene, TextureOrigin,
+};
 use serde_json::Value;
 
 /// The most bytes that one object of the JSON takes once it is read: a node with its transform takes the
@@ -137,7 +139,11 @@ pub(crate) fn read_with(
     report.append(parts.report);
     deformation::settle(&mut scene, &mut report);
     report.append(placing);
-    scene.frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
+    scene.frame = Frame {
+        up: Some(Axis::Y),
+        metres_per_unit: Some(1.0),
+        texture_origin: Some(TextureOrigin::UpperLeft),
+    };
     scene.certificate = certificate(&json, &lower);
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: report.warnings })
 }

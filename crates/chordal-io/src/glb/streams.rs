@@ -23,6 +23,8 @@ pub(super) enum AccessorSource<'a> {
     Unit(&'a Attribute, usize),
     /// Numbers as they are.
     Plain(&'a Attribute),
+    /// Texture coordinates that begin at the lower left corner: v is turned over.
+    TurnedTexcoords(&'a Attribute),
     /// Bytes as they are.
     Bytes(&'a [u8]),
     /// Indices of joints, four a vertex.
@@ -74,6 +76,16 @@ impl<'a> AccessorStream<'a> {
         Ok(Self { name: Some(name.to_owned()), rows: AccessorSource::Plain(attribute) })
     }
 
+    /// The same stream with v turned over, where it is one of texture coordinates.
+    pub fn with_turned_v(mut self) -> Self {
+        if let AccessorSource::Plain(attribute) = self.rows
+            && matches!(attribute.semantic, Semantic::TexCoord(_))
+        {
+            self.rows = AccessorSource::TurnedTexcoords(attribute);
+        }
+        self
+    }
+
     /// An attribute under its glTF name; the caller numbers texture and colour sets.
     pub fn attribute(attribute: &'a Attribute, set: usize) -> Result<Self, WriteError> {
         let (name, widths, rows): (_, &[usize], _) = match &attribute.semantic {
@@ -122,7 +134,9 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::Short(_) | AccessorSource::Long(_) | AccessorSource::Bytes(_) => 1,
             AccessorSource::Positions(..) => 3,
             AccessorSource::Joints(_) | AccessorSource::Weights(_) => 4,
-            AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => attribute.width,
+            AccessorSource::Unit(attribute, _)
+            | AccessorSource::Plain(attribute)
+            | AccessorSource::TurnedTexcoords(attribute) => attribute.width,
         }
     }
 
@@ -146,9 +160,9 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::Positions(mesh, _) => mesh.positions().len(),
             AccessorSource::Joints(joints) => joints.len() / 4,
             AccessorSource::Weights(weights) => weights.len() / 4,
-            AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => {
-                attribute.values.len() / attribute.width
-            }
+            AccessorSource::Unit(attribute, _)
+            | AccessorSource::Plain(attribute)
+            | AccessorSource::TurnedTexcoords(attribute) => attribute.values.len() / attribute.width,
         }
     }
 
@@ -201,6 +215,12 @@ impl<'a> AccessorStream<'a> {
             }
             AccessorSource::Plain(attribute) => {
                 attribute.values.iter().try_for_each(|x| sink.put((*x as f32).to_le_bytes()))?;
+            }
+            AccessorSource::TurnedTexcoords(attribute) => {
+                for row in attribute.values.chunks_exact(2) {
+                    sink.put((row[0] as f32).to_le_bytes())?;
+                    sink.put(((1.0 - row[1]) as f32).to_le_bytes())?;
+                }
             }
         }
         (self.n_bytes()..self.n_padded()).try_for_each(|_| sink.put([0]))?;

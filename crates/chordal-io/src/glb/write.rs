@@ -1,6 +1,5 @@
 //! The GLB writer.
-use super::assets::plain_material;
-use super::document::{GltfDocument, GltfPart};
+use super::document::{GltfDocument, GltfPart, plain_for};
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
 use crate::{CoordinateOverflow, Scene, WriteError};
 use serde_json::{Map, Value};
@@ -14,7 +13,8 @@ use std::io::Write;
 /// axis. Vertices are duplicated where attributes of corners and faces differ. Meshes with a boundary get a
 /// two-sided material. The certificate goes to `asset.extras.chordal`.
 ///
-/// glTF is y-up and in metres. A z-up scene gets a root node with the exact matrix (x, y, z) → (x, z, −y),
+/// glTF is y-up and in metres, and v of its texture coordinates runs down: it is written as 1 - v where
+/// [`crate::Frame::texture_origin`] says that it runs up. A z-up scene gets a root node with the exact matrix (x, y, z) → (x, z, −y),
 /// and a known unit other than the metre a node that scales. An unknown frame is left alone. A part without
 /// vertices leaves its node without a mesh.
 ///
@@ -67,8 +67,12 @@ fn with_document(
     certificate: Option<&Value>,
     write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
-    let shapes = scene.parts.iter().map(GltfPart::from_part).collect::<Result<Vec<_>, _>>()?;
-    let assets = scene.assets_for_gltf(&plain_material(false));
+    let shapes = scene
+        .parts
+        .iter()
+        .map(|part| GltfPart::from_part(part, &scene.frame))
+        .collect::<Result<Vec<_>, _>>()?;
+    let assets = scene.assets_for_gltf(plain_for);
     let mut document = GltfDocument::new(&assets);
     for (part, shape) in scene.parts.iter().zip(&shapes) {
         document.add_part(part, shape)?;

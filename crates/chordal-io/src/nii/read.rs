@@ -58,7 +58,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         .map_err(|error| header_error("bad-size", header.dim_at, error.to_string()))?;
     let metres_per_unit = unit(&header, &mut warnings);
     let volume = Volume {
-        frame: Frame { up: Some(Axis::Z), metres_per_unit },
+        frame: Frame { up: Some(Axis::Z), metres_per_unit, ..Frame::default() },
         name: header.name,
         space: Some("RAS".to_owned()),
         ..Volume::from_grid(grid)

@@ -70,7 +70,7 @@ pub(super) fn space(
         let message = format!("a space of {value} axes; three are expected");
         return Err(ReadError::new("not-3d", FileLocation::Line(*line), message));
     }
-    let mut frame = Frame { up: None, metres_per_unit: unit(fields) };
+    let mut frame = Frame { up: None, metres_per_unit: unit(fields), ..Frame::default() };
     let Some(NrrdField { value, line }) = &fields.space else { return Ok((frame, None)) };
     let known = value.to_ascii_lowercase();
     let (name, is_anatomy, is_left_handed) = match &known[..] {

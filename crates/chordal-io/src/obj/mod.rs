@@ -1,8 +1,17 @@
 //! Wavefront OBJ: polygons with texture coordinates and normals at their corners.
 mod cage;
 mod detect;
+mod gltf_to_mtl;
 mod index;
+mod libraries;
+mod mtl;
+mod mtl_map;
+mod mtl_notes;
+mod mtl_to_gltf;
+mod names;
+mod pictures;
 mod read;
+mod side_files;
 mod statements;
 mod tag_names;
 mod tags;
@@ -12,9 +21,11 @@ mod write_polygons;
 
 pub(crate) use detect::looks_like;
 pub use read::read;
+pub(crate) use read::read_with;
+pub use side_files::{ObjSideFiles, side_files, side_files_of_polygons};
 pub(crate) use write::keeps;
-pub use write::write;
-pub use write_polygons::write_polygons;
+pub use write::{write, write_with_library};
+pub use write_polygons::{write_polygons, write_polygons_with_library};
 
 /// The prefix of a comment with a certificate as JSON.
 const CERTIFICATE: &[u8] = b"# chordal: ";

@@ -3,6 +3,7 @@ use super::CERTIFICATE;
 use super::cage::CageBuilder;
 use super::detect::{SKIPPED, escapes_folder, refuse_foreign};
 use super::index::{index, optional};
+use super::libraries::{LibraryRequest, read_libraries};
 use super::statements::{ObjRowCounts, ObjStatements};
 use super::vertex_table::{ObjCorner, ObjVertexTable};
 use crate::assemble::{self, RawMesh, too_many_rows};
@@ -11,7 +12,10 @@ use crate::groups::Groups;
 use crate::grow::{push, push_many, with_room};
 use crate::text::{LineTokens, integer, not_finite, number, number_error, show, text_of};
 use crate::warnings::Warnings;
-use crate::{Content, FileLocation, Frame, Limits, PolygonSurface, ReadError, ReadOutcome, Scene};
+use crate::{
+    Content, FileLocation, FileOpener, Frame, Limits, MATERIAL, PolygonSurface, ReadError, ReadOutcome,
+    Scene, SceneAssets, TextureOrigin,
+};
 use chordal::explicit::subdivision::Scheme;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
@@ -22,9 +26,13 @@ use std::collections::BTreeMap;
 ///
 /// The first rows of the mesh are the `v` lines in order. A position whose faces use several normals or
 /// texture coordinates gets further rows after them, tied to it by `position_id`. Polygons are cut into
-/// triangles. `usemtl`, `g`, `o` and `s` become face attributes [`Semantic::Group`], with their names in
-/// [`Scene::groups`]. Colours after a position become [`Semantic::Color`]. Material libraries are never
-/// opened.
+/// triangles. `usemtl`, `g`, `o` and `s` become face attributes [`Semantic::Group`] of the kinds [`MATERIAL`],
+/// "g", "o" and "s", with their names in [`Scene::groups`]. Colours after a position become
+/// [`Semantic::Color`]. Texture coordinates begin at the lower left corner.
+///
+/// No other file is opened: materials have names alone. [`crate::read_with`] opens the libraries (`mtllib`)
+/// below the folder of the OBJ, and the pictures that they name; the materials become those of glTF, in
+/// [`Scene::assets`]. A library or picture that cannot be had is a warning.
 ///
 /// A cage has one row for each `v` line and one face for each polygon of three corners or more, both in the
 /// order of the file. It keeps texture coordinates with their own indices, and no normals. Its tags are those
@@ -34,26 +42,54 @@ use std::collections::BTreeMap;
 /// [`ReadError`] at the line.
 ///
 /// ```
-/// use chordal_io::{Content, Limits, obj};
+/// use chordal_io::{Content, Limits, MATERIAL, obj};
 /// let file = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf -4 -3 -2 -1\n";
 /// let Content::Scene(scene) = obj::read(file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(scene.parts[0].mesh.faces(), [[0, 1, 2], [0, 2, 3]]);
-/// assert_eq!(scene.groups["usemtl"], ["", "red"]);
+/// assert_eq!(scene.groups[MATERIAL], ["", "red"]);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    read_with(bytes, None, limits)
+}
+
+/// As [`read`], and opens material libraries and pictures, where there is an opener.
+pub(crate) fn read_with(
+    bytes: &[u8],
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<ReadOutcome, ReadError> {
     refuse_foreign(bytes)?;
     let text = text_of(bytes)?;
     let mut reader = ObjReader::new(ObjRowCounts::scan(text), limits)?;
+    reader.libraries = open.is_some().then(Vec::new);
     let mut statements = ObjStatements::new(text);
     while let Some((line, statement)) = statements.next() {
         reader.statement(line, statement)?;
     }
-    reader.finish()
+    let mut assets = Box::<SceneAssets>::default();
+    if let (Some(open), Some(statements)) = (open, reader.libraries.take()) {
+        let names = reader.groups[MATERIALS].names();
+        let request = LibraryRequest { statements: &statements, names, n_bytes: bytes.len() as u64 };
+        *assets = read_libraries(&request, open, limits, &mut reader.warnings);
+    }
+    let mut outcome = reader.finish()?;
+    match &mut outcome.content {
+        Content::Scene(scene) if scene.groups.contains_key(MATERIAL) => scene.assets = assets,
+        Content::Polygons(polygons) if polygons.groups.contains_key(MATERIAL) => polygons.assets = assets,
+        _ => {}
+    }
+    Ok(outcome)
 }
 
+/// What every OBJ says of its space.
+const FRAME: Frame =
+    Frame { up: None, metres_per_unit: None, texture_origin: Some(TextureOrigin::LowerLeft) };
+
 /// The kinds of groups, in the order of `ObjReader::groups`.
-const GROUPS: [&str; 4] = ["usemtl", "g", "o", "s"];
+const GROUPS: [&str; 4] = [MATERIAL, "g", "o", "s"];
+/// The place of materials in it.
+const MATERIALS: usize = 0;
 
 /// The subdivision scheme of the polygons, if they are a cage.
 fn scheme(counts: &ObjRowCounts, surface: Option<PolygonSurface>) -> Option<Scheme> {
@@ -98,6 +134,8 @@ struct ObjReader<'a> {
     /// The builder of the cage, if the faces are read as one.
     cage: Option<CageBuilder>,
     groups: [Groups; 4],
+    /// What follows each `mtllib`, where libraries are opened.
+    libraries: Option<Vec<Box<[u8]>>>,
     corners: Vec<u32>,
     certificate: Option<Value>,
     n_known: u64,
@@ -122,6 +160,7 @@ impl<'a> ObjReader<'a> {
             faces: Faces::with_room(of_triangles(counts.faces))?,
             cage: scheme.map(|scheme| CageBuilder::new(scheme, counts.faces)).transpose()?,
             groups: Default::default(),
+            libraries: None,
             corners: Vec::new(),
             certificate: None,
             n_known: 0,
@@ -148,12 +187,13 @@ impl<'a> ObjReader<'a> {
             b"vt" => self.texcoord(line, tokens),
             b"vn" => self.normal(line, tokens),
             b"f" | b"fo" => self.face(line, tokens),
-            b"usemtl" => self.group(0, line, tokens.rest()),
+            b"usemtl" => self.group(MATERIALS, line, tokens.rest()),
+            b"mtllib" => self.library(line, tokens.rest()),
             b"g" => self.group(1, line, tokens.rest()),
             b"o" => self.group(2, line, tokens.rest()),
             b"s" => self.smoothing(line, tokens.rest()),
             _ => {
-                self.other(line, word, tokens.rest());
+                self.other(line, word);
                 Ok(())
             }
         }
@@ -325,6 +365,23 @@ impl<'a> ObjReader<'a> {
         self.groups[kind].name(&text, n_faces)
     }
 
+    /// Remembers the libraries of a statement, or counts that they are not opened.
+    fn library(&mut self, line: u64, rest: &[u8]) -> Result<(), ReadError> {
+        if let Some(libraries) = &mut self.libraries {
+            // Exporters that join files repeat the statement.
+            return match libraries.last().is_some_and(|last| **last == *rest) {
+                true => Ok(()),
+                false => push(libraries, rest.into()),
+            };
+        }
+        let (code, message) = match escapes_folder(rest) {
+            true => ("mtllib-outside", "material libraries outside the folder were skipped"),
+            false => ("mtllib-skipped", "material libraries were not opened; materials keep their names"),
+        };
+        self.warnings.count(code, || (FileLocation::Line(line), message));
+        Ok(())
+    }
+
     fn smoothing(&mut self, line: u64, text: &[u8]) -> Result<(), ReadError> {
         let number = match integer(text) {
             _ if text == b"off" => 0,
@@ -347,19 +404,13 @@ impl<'a> ObjReader<'a> {
     }
 
     /// Counts and skips a statement.
-    fn other(&mut self, line: u64, word: &[u8], rest: &[u8]) {
+    fn other(&mut self, line: u64, word: &[u8]) {
         let place = FileLocation::Line(line);
         let count = |code, message: &str| self.warnings.count(code, || (place, message.to_owned()));
         match word {
             b"l" => count("lines-skipped", "lines (l) were skipped"),
             b"p" => count("points-skipped", "points (p) were skipped"),
             b"t" => count("tags-skipped", "subdivision tags (t) were skipped: the faces are taken as flat"),
-            b"mtllib" if escapes_folder(rest) => {
-                count("mtllib-outside", "material libraries outside the folder were skipped");
-            }
-            b"mtllib" => {
-                count("mtllib-skipped", "material libraries were not opened; materials keep their names")
-            }
             _ => {
                 let known = |list: &[&str]| list.iter().any(|name| name.as_bytes() == word);
                 match SKIPPED.iter().position(|(_, list)| known(list)) {
@@ -406,7 +457,7 @@ impl<'a> ObjReader<'a> {
         let (groups, names) = group_attributes(self.groups, raw.faces.len())?;
         raw.attributes.extend(groups);
         let mesh = assemble::mesh(raw, &mut self.warnings)?;
-        let mut scene = Scene::from_mesh("", mesh, Frame::default());
+        let mut scene = Scene::from_mesh("", mesh, FRAME);
         scene.certificate = self.certificate;
         scene.groups = names;
         Ok(ReadOutcome { content: Content::Scene(scene), warnings: self.warnings.into_list() })
@@ -425,6 +476,7 @@ impl<'a> ObjReader<'a> {
             assemble::clean(attribute, &mut self.warnings);
         }
         polygons.groups = names;
+        polygons.frame = FRAME;
         polygons.certificate = self.certificate;
         Ok(ReadOutcome { content: Content::Polygons(polygons), warnings: self.warnings.into_list() })
     }

@@ -1,18 +1,19 @@
 //! Writes Wavefront OBJ.
 use super::CERTIFICATE;
+use super::names::{ObjNames, one_line};
 use crate::instances::{PartInstance, part_instances};
-use crate::{Scene, WriteError};
+use crate::{Frame, MATERIAL, Scene, TextureOrigin, WriteError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
-use std::collections::BTreeMap;
 use std::io::{BufWriter, Write};
 
 /// Writes a scene as OBJ.
 ///
 /// Each position is written once: vertices that [`chordal::Mesh::position_id`] ties share their `v` line and
-/// differ in their `vn` and `vt`. Positions and texture coordinates are the shortest decimals that read back
+/// differ in their `vn` and `vt`. Texture coordinates begin at the lower left corner: v is written as 1 - v
+/// where the frame says that it runs down. Positions and texture coordinates are the shortest decimals that read back
 /// to the same f64, normals to the same f32. Transforms of nodes are applied; each node becomes an `o`. Group
-/// attributes become `usemtl`, `g`, `o` and `s`. The certificate is a comment. [`crate::losses`] lists what
+/// attributes become `usemtl`, `g`, `o` and `s`; materials are named, each by a name of its own. The certificate is a comment. [`crate::losses`] lists what
 /// OBJ cannot hold.
 ///
 /// # Errors
@@ -28,6 +29,19 @@ use std::io::{BufWriter, Write};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
+    write_with_library(scene, certificate, None, out)
+}
+
+/// As [`write`], and names a material library, which [`super::side_files`] makes.
+///
+/// # Errors
+/// As for [`write`].
+pub fn write_with_library(
+    scene: &Scene,
+    certificate: Option<&Value>,
+    library: Option<&str>,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
     let certificate = certificate.map(crate::certificate::line).transpose()?;
     let parts = part_instances(scene)?;
     let mut writer = ObjWriter { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
@@ -35,19 +49,23 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
         writer.out.write_all(CERTIFICATE)?;
         writeln!(writer.out, "{line}")?;
     }
+    if let Some(library) = library {
+        writer.statement("mtllib", library)?;
+    }
+    let names = ObjNames::new(&scene.groups, &scene.assets);
     for part in &parts {
         if parts.len() > 1 || !part.name.is_empty() {
             writer.statement("o", part.name)?;
         }
-        writer.part(part, scene)?;
+        writer.part(part, &names, &scene.frame)?;
     }
     writer.out.flush()?;
     Ok(())
 }
 
 /// The kinds of groups that have a statement, and their statements.
-pub(super) const GROUPS: [(&str, &str); 5] =
-    [("usemtl", "usemtl"), ("g", "g"), ("solid", "g"), ("o", "o"), ("s", "s")];
+pub(super) const GROUPS: [(&str, &str); 6] =
+    [(MATERIAL, "usemtl"), ("usemtl", "usemtl"), ("g", "g"), ("solid", "g"), ("o", "o"), ("s", "s")];
 
 pub(super) struct ObjWriter<'a> {
     pub(super) out: BufWriter<&'a mut dyn Write>,
@@ -76,9 +94,7 @@ impl ObjStream {
 
 impl ObjWriter<'_> {
     pub(super) fn statement(&mut self, keyword: &str, name: &str) -> Result<(), WriteError> {
-        // A name must fit on one line; a backslash at its end would join that with the next.
-        let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        let name = name.trim().trim_end_matches('\\');
+        let name = one_line(name);
         Ok(if name.is_empty() {
             writeln!(self.out, "{keyword}")
         } else {
@@ -101,16 +117,22 @@ impl ObjWriter<'_> {
         self.end_line()
     }
 
+    /// Writes a texture coordinate; v runs up.
+    pub(super) fn texcoord(&mut self, [u, v]: [f64; 2], frame: &Frame) -> Result<(), WriteError> {
+        let v = if frame.turns_v(TextureOrigin::LowerLeft) { 1.0 - v } else { v };
+        self.numbers("vt", [u, v])
+    }
+
     /// Ends and writes the line.
     pub(super) fn end_line(&mut self) -> Result<(), WriteError> {
         self.line.push(b'\n');
         Ok(self.out.write_all(&self.line)?)
     }
 
-    fn part(&mut self, part: &PartInstance, scene: &Scene) -> Result<(), WriteError> {
+    fn part(&mut self, part: &PartInstance, names: &ObjNames, frame: &Frame) -> Result<(), WriteError> {
         let positions = self.positions(part)?;
-        let texcoords = self.stream(part, &Semantic::TexCoord(0))?;
-        let normals = self.stream(part, &Semantic::Normal)?;
+        let texcoords = self.stream(part, &Semantic::TexCoord(0), frame)?;
+        let normals = self.stream(part, &Semantic::Normal, frame)?;
         let mut groups: Vec<(&Attribute, &str, &str, f64)> = Vec::new();
         for (kind, keyword) in GROUPS {
             let attribute = part.part.mesh.attribute(&Semantic::Group(kind.to_owned()));
@@ -127,7 +149,7 @@ impl ObjWriter<'_> {
                 let value = attribute.row(face_idx)[0];
                 if value != *current {
                     *current = value;
-                    self.statement(keyword, &group_name(&scene.groups, kind, value))?;
+                    self.statement(keyword, &names.name(kind, value))?;
                 }
             }
             self.line.clear();
@@ -167,9 +189,14 @@ impl ObjWriter<'_> {
         Ok(lines)
     }
 
-    fn stream(&mut self, part: &PartInstance, semantic: &Semantic) -> Result<Option<ObjStream>, WriteError> {
+    fn stream(
+        &mut self,
+        part: &PartInstance,
+        semantic: &Semantic,
+        frame: &Frame,
+    ) -> Result<Option<ObjStream>, WriteError> {
         let is_normal = *semantic == Semantic::Normal;
-        let (keyword, width, count) = if is_normal { ("vn", 3, 2) } else { ("vt", 2, 1) };
+        let (width, count) = if is_normal { (3, 2) } else { (2, 1) };
         let Some(attribute) = part.part.mesh.attribute(semantic).filter(|a| a.width == width) else {
             return Ok(None);
         };
@@ -178,7 +205,7 @@ impl ObjWriter<'_> {
             if is_normal {
                 self.normal(part.normal(row))?;
             } else {
-                self.numbers(keyword, row.iter().copied())?;
+                self.texcoord([row[0], row[1]], frame)?;
             }
             self.written[count] += 1;
         }
@@ -207,19 +234,6 @@ pub(super) fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::
     Ok(())
 }
 
-pub(super) fn group_name(groups: &BTreeMap<String, Vec<String>>, kind: &str, value: f64) -> String {
-    if kind == "s" {
-        return if value == 0.0 { "off".to_owned() } else { value.to_string() };
-    }
-    // A value that is no index or has no name is its own name.
-    let known = groups.get(kind).and_then(|names| names.get(value as usize));
-    match known {
-        Some(name) => name.clone(),
-        None if value == 0.0 => String::new(),
-        None => format!("{kind}_{value}"),
-    }
-}
-
 /// Whether the writer keeps an attribute, with the first of all rows that are the same vertex.
 pub(crate) fn keeps(attribute: &Attribute, first_rows: &[u32]) -> bool {
     let Attribute { semantic, domain, width, .. } = attribute;
@@ -227,9 +241,7 @@ pub(crate) fn keeps(attribute: &Attribute, first_rows: &[u32]) -> bool {
         (Semantic::Normal, _) => *width == 3,
         (Semantic::TexCoord(0), _) => *width == 2,
         (Semantic::Color(0), Domain::Vertex) => *width >= 3 && colors_agree(attribute, first_rows),
-        (Semantic::Group(kind), Domain::Face) => {
-            *width == 1 && ["usemtl", "g", "o", "s", "solid"].contains(&kind.as_str())
-        }
+        (Semantic::Group(kind), Domain::Face) => *width == 1 && GROUPS.iter().any(|(known, _)| known == kind),
         _ => false,
     }
 }

@@ -1,7 +1,8 @@
 //! Writes polygons with their subdivision tags as Wavefront OBJ.
 use super::CERTIFICATE;
+use super::names::ObjNames;
 use super::tag_names::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
-use super::write::{GROUPS, ObjWriter, group_name, put};
+use super::write::{GROUPS, ObjWriter, put};
 use crate::{Polygons, WriteError};
 use chordal::explicit::subdivision::{CornerTexcoords, CreasingMethod, LinearTexcoords, Scheme};
 use chordal::explicit::{Attribute, Domain, Semantic};
@@ -37,10 +38,26 @@ pub fn write_polygons(
     certificate: Option<&Value>,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
+    write_polygons_with_library(polygons, certificate, None, out)
+}
+
+/// As [`write_polygons`], and names a material library, which [`super::side_files_of_polygons`] makes.
+///
+/// # Errors
+/// As for [`write_polygons`].
+pub fn write_polygons_with_library(
+    polygons: &Polygons,
+    certificate: Option<&Value>,
+    library: Option<&str>,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
     let mut writer = ObjWriter { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
     if let Some(line) = certificate.map(crate::certificate::line).transpose()? {
         writer.out.write_all(CERTIFICATE)?;
         writeln!(writer.out, "{line}")?;
+    }
+    if let Some(library) = library {
+        writer.statement("mtllib", library)?;
     }
     vertices(&mut writer, polygons)?;
     faces(&mut writer, polygons)?;
@@ -59,7 +76,7 @@ fn vertices(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteErro
         writer.numbers("v", position.iter().chain(color).copied())?;
     }
     let texcoords = polygons.cage.texcoords().into_iter().flat_map(|texcoords| &texcoords.values);
-    texcoords.into_iter().try_for_each(|texcoord| writer.numbers("vt", texcoord.iter().copied()))
+    texcoords.into_iter().try_for_each(|texcoord| writer.texcoord(*texcoord, &polygons.frame))
 }
 
 fn faces(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {
@@ -72,7 +89,11 @@ fn faces(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> 
             .find(|a| a.semantic == semantic && a.domain == Domain::Face && a.width == 1)
     };
     let mut groups: Vec<(&Attribute, &str, &str, f64)> = Vec::new();
+    let names = ObjNames::new(&polygons.groups, &polygons.assets);
     for (kind, keyword) in GROUPS {
+        if groups.iter().any(|(_, _, other, _)| *other == keyword) {
+            continue;
+        }
         groups.extend(of_kind(kind).map(|attribute| (attribute, kind, keyword, 0.0)));
     }
     let mut corner = 0;
@@ -81,8 +102,7 @@ fn faces(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> 
             let value = attribute.values.get(face).copied().unwrap_or(0.0);
             if value != *current {
                 *current = value;
-                let name = group_name(&polygons.groups, kind, value);
-                writer.statement(keyword, &name)?;
+                writer.statement(keyword, &names.name(kind, value))?;
             }
         }
         writer.line.clear();

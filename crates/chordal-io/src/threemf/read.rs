@@ -66,7 +66,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         }
     }
     let mut scene = Scene {
-        frame: Frame { up: Some(Axis::Z), metres_per_unit },
+        frame: Frame { up: Some(Axis::Z), metres_per_unit, ..Frame::default() },
         certificate: first.and_then(|first| first.certificate.clone()),
         ..Scene::default()
     };

@@ -13,7 +13,7 @@ fn strip(n: u32) -> Mesh {
 }
 
 fn scene(n: u32) -> Scene {
-    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.5) };
+    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.5), ..Frame::default() };
     Scene::from_mesh(&format!("strip {n}"), strip(n), frame)
 }
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 fn seeds() -> Vec<Vec<u8>> {
     let (triangle, triangle_bin) = triangle();
     let (every, every_bin) = every_object();
-    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001) };
+    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001), ..Frame::default() };
     let mut own = Vec::new();
     glb::write(&Scene::from_mesh("cube", cube(), frame), Some(&json!({ "a": 1 })), &mut own)
         .expect("written");

@@ -1,7 +1,7 @@
 //! What the reader makes of legal files.
 use super::build::{every_object, loaded, put, triangle, triangle_with};
 use chordal::explicit::{Domain, Semantic};
-use chordal_io::{Axis, Frame};
+use chordal_io::{Axis, Frame, TextureOrigin};
 use serde_json::json;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -15,7 +15,14 @@ fn one_triangle() {
     let (json, bin) = triangle();
     let (scene, warnings) = loaded(&json, &bin);
     assert!(warnings.is_empty(), "{warnings:?}");
-    assert_eq!(scene.frame, Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) });
+    assert_eq!(
+        scene.frame,
+        Frame {
+            up: Some(Axis::Y),
+            metres_per_unit: Some(1.0),
+            texture_origin: Some(TextureOrigin::UpperLeft)
+        }
+    );
     assert_eq!(corners(&scene.parts[0].mesh), [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]]);
     assert!(!scene.parts[0].indexed);
 }

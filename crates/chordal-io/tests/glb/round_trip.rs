@@ -2,7 +2,7 @@
 use super::build::scene_of;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal, vertex_normals, with_tangents};
-use chordal_io::{Axis, Format, Frame, Limits, Node, Part, Scene, glb, snap};
+use chordal_io::{Axis, Format, Frame, Limits, Node, Part, Scene, TextureOrigin, glb, snap};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -70,7 +70,7 @@ proptest! {
     #[test]
     fn a_z_up_scene_stands_up_without_rounding(mesh in any_mesh()) {
         let snapped = snap(&mesh, Format::Glb).unwrap().mesh;
-        let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
+        let frame = Frame { up: Some(Axis::Z), metres_per_unit: None, ..Frame::default() };
         let back = placed(&Scene::from_mesh("m", mesh, frame));
         let expected: Vec<_> = snapped.positions().iter().map(|p| [p[0], p[2], -p[1]]).collect();
         prop_assert_eq!(bits(back.positions()), bits(&expected));
@@ -210,7 +210,11 @@ fn nodes_names_and_instances_come_back() {
             node("right", identity, vec![], Some(1)),
         ],
         roots: vec![0],
-        frame: Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) },
+        frame: Frame {
+            up: Some(Axis::Y),
+            metres_per_unit: Some(1.0),
+            texture_origin: Some(TextureOrigin::UpperLeft),
+        },
         certificate: None,
         ..Scene::default()
     };
@@ -235,10 +239,10 @@ fn nodes_names_and_instances_come_back() {
 
 #[test]
 fn a_unit_becomes_a_scale() {
-    let frame = Frame { up: None, metres_per_unit: Some(0.001) };
+    let frame = Frame { up: None, metres_per_unit: Some(0.001), ..Frame::default() };
     let back = placed(&Scene::from_mesh("cube", cube(), frame));
     assert_eq!(back.positions()[7], [0.001; 3]);
-    let kilometres = Frame { up: Some(Axis::Z), metres_per_unit: Some(1000.0) };
+    let kilometres = Frame { up: Some(Axis::Z), metres_per_unit: Some(1000.0), ..Frame::default() };
     assert_eq!(
         placed(&Scene::from_mesh("cube", cube(), kilometres)).positions()[7],
         [1000.0, 1000.0, -1000.0]

@@ -34,7 +34,7 @@ fn polylines() -> PathSet<Polyline<2>> {
             element("b", 3, FillRule::NonZero, true),
         ],
         view_box: Some([-1.0, -2.5, 3.0, 4.0]),
-        frame: Frame { up: None, metres_per_unit: Some(0.001) },
+        frame: Frame { up: None, metres_per_unit: Some(0.001), ..Frame::default() },
         ..PathSet::default()
     }
 }

@@ -22,7 +22,10 @@ fn a_body_is_a_part_in_the_unit_of_the_file() {
         assert_eq!(Format::sniff(&bytes), Some(Format::ThreeMf));
         let (scene, warnings) = load_scene(&bytes, Format::ThreeMf);
         assert_eq!(warnings, []);
-        assert_eq!(scene.frame, Frame { up: Some(Axis::Z), metres_per_unit: Some(metres) });
+        assert_eq!(
+            scene.frame,
+            Frame { up: Some(Axis::Z), metres_per_unit: Some(metres), ..Frame::default() }
+        );
         let part = &scene.parts[0];
         assert_eq!((&*part.name, part.indexed), ("a & b", true));
         assert_eq!(part.mesh.positions(), [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.5, 0.0], [0.0, 0.0, -0.002]]);

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-const MILLIMETRES: Frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001) };
+const MILLIMETRES: Frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001), texture_origin: None };
 
 fn written(scene: &Scene, certificate: Option<&Value>) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -81,7 +81,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
             nodes.push(node(&name, matrix, vec![], Some(part.index(parts.len()))));
         }
         let up = Some(if is_y_up { Axis::Y } else { Axis::Z });
-        let frame = Frame { up, metres_per_unit: Some(unit) };
+        let frame = Frame { up, metres_per_unit: Some(unit), ..Frame::default() };
         Scene { parts, nodes, roots: vec![0, 1], frame, ..Scene::default() }
     })
 }

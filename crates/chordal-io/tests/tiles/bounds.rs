@@ -26,7 +26,7 @@ fn shown(scene: &Scene) -> Vec<[f64; 3]> {
 fn frames() -> impl Strategy<Value = Frame> {
     let up = prop::sample::select(vec![None, Some(Axis::Y), Some(Axis::Z)]);
     let unit = prop::sample::select(vec![None, Some(1.0), Some(0.001), Some(0.3048), Some(1e5)]);
-    (up, unit).prop_map(|(up, metres_per_unit)| Frame { up, metres_per_unit })
+    (up, unit).prop_map(|(up, metres_per_unit)| Frame { up, metres_per_unit, ..Frame::default() })
 }
 
 proptest! {
@@ -77,7 +77,8 @@ proptest! {
 fn a_z_up_scene_is_where_its_coordinates_say() {
     let points = [[1.0, 2.0, 3.0], [4.0, 2.0, 3.0], [1.0, 8.0, 5.0]];
     let bounds = |up, metres_per_unit| {
-        let bounds = content_bounds(&scene(&points, Frame { up, metres_per_unit })).expect("bounds");
+        let bounds = content_bounds(&scene(&points, Frame { up, metres_per_unit, ..Frame::default() }))
+            .expect("bounds");
         (bounds.min, bounds.max)
     };
     assert_eq!(bounds(Some(Axis::Z), None), ([1.0, 2.0, 3.0], [4.0, 8.0, 5.0]));
@@ -94,10 +95,10 @@ fn nodes_that_are_no_tree_and_units_that_are_no_length_are_refused() {
     twice.roots = vec![0, 0];
     assert!(content_bounds(&twice).is_err());
     for unit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let frame = Frame { up: None, metres_per_unit: Some(unit) };
+        let frame = Frame { up: None, metres_per_unit: Some(unit), ..Frame::default() };
         assert!(content_bounds(&scene(&points, frame)).is_err());
     }
-    let mut wide = scene(&points, Frame { up: None, metres_per_unit: Some(1e300) });
+    let mut wide = scene(&points, Frame { up: None, metres_per_unit: Some(1e300), ..Frame::default() });
     wide.nodes[0].matrix[0] = 1e200;
     assert!(content_bounds(&wide).is_err());
     let nothing = Scene { nodes: vec![], roots: vec![], ..scene(&points, Frame::default()) };

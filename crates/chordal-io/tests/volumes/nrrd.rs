@@ -34,7 +34,10 @@ fn every_encoding_and_byte_order_says_the_same() {
         assert_eq!(volume.grid.affine().steps(), [[-2.0, 0.0, 0.0], [0.5, 3.0, 0.0], [0.0, 0.25, 1.5]]);
         assert_eq!(volume.grid.affine().at([0.0; 3]), [90.0, -126.0, -72.0]);
         assert_eq!(volume.space.as_deref(), Some("LPS"));
-        assert_eq!(volume.frame, Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001) });
+        assert_eq!(
+            volume.frame,
+            Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001), ..Frame::default() }
+        );
         assert_eq!(volume.name, "head");
     }
 }
@@ -121,7 +124,11 @@ fn what_is_written_reads_back_to_the_last_bit() {
         };
         let unit = [None, Some(0.001), Some(1.0), Some(1e-6)][round as usize / 2 % 4];
         let volume = Volume {
-            frame: Frame { up: (round % 3 > 0).then_some(Axis::Z), metres_per_unit: unit },
+            frame: Frame {
+                up: (round % 3 > 0).then_some(Axis::Z),
+                metres_per_unit: unit,
+                ..Frame::default()
+            },
             name: "a b".to_owned(),
             space: (round % 3 > 0).then(|| ["RAS", "LPS"][round as usize % 3 - 1].to_owned()),
             certificate: Some(serde_json::json!({"a \\ b\n\"c\"": [1.5, "\\n"]})),

@@ -1,0 +1,122 @@
+//! `ObjSideFiles`: the material library and the pictures that stand beside an OBJ.
+use super::gltf_to_mtl::MtlWriter;
+use super::names::{ObjNames, UniqueNames, one_line};
+use super::pictures::{file_name, media_type};
+use crate::{ImageContent, Polygons, Scene, SceneAssets, SceneImage, Warning};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The files that belong beside an OBJ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjSideFiles {
+    /// The name of the material library, for [`super::write_with_library`].
+    pub library: String,
+    /// The name and the bytes of each file, the library first. Names are letters, digits, `.`, `_` and `-`,
+    /// without folders, each once where case does not count.
+    pub files: Vec<(String, Arc<[u8]>)>,
+    /// What of the materials no statement of a library says.
+    pub lost: Vec<Warning>,
+}
+
+/// The material library and the pictures of a scene; `None` where it has no materials. `stem` begins the name of
+/// each: that of the OBJ without its extension.
+///
+/// Materials that came from a library are written as it said them. Those of another format get `Kd`, `d`, `Ke`,
+/// `Ks`, `Ns` and the metal and roughness of the extension for physically based rendering (`Pm`, `Pr`).
+/// Pictures are byte for byte those of the scene.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::{Frame, Scene, obj};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let mut scene = Scene::from_mesh("", mesh, Frame::default());
+/// assert_eq!(obj::side_files(&scene, "a"), None);
+/// scene.assets.materials.push(serde_json::json!({ "name": "red", "extras": { "mtl": { "Kd": [1, 0, 0] } } }));
+/// let beside = obj::side_files(&scene, "my shape").unwrap();
+/// assert_eq!(beside.library, "my_shape.mtl");
+/// let mut file = Vec::new();
+/// obj::write_with_library(&scene, None, Some(&beside.library), &mut file)?;
+/// assert!(file.starts_with(b"mtllib my_shape.mtl\nv 0 0 0\n"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn side_files(scene: &Scene, stem: &str) -> Option<ObjSideFiles> {
+    of_materials(&scene.groups, &scene.assets, stem)
+}
+
+/// As [`side_files`], for a cage.
+#[must_use]
+pub fn side_files_of_polygons(polygons: &Polygons, stem: &str) -> Option<ObjSideFiles> {
+    of_materials(&polygons.groups, &polygons.assets, stem)
+}
+
+fn of_materials(
+    groups: &BTreeMap<String, Vec<String>>,
+    assets: &SceneAssets,
+    stem: &str,
+) -> Option<ObjSideFiles> {
+    if assets.materials.is_empty() {
+        return None;
+    }
+    let stem = safe(stem);
+    let library = format!("{stem}.mtl");
+    let mut taken = UniqueNames::default();
+    taken.unique(&library, "");
+    let images = assets.images.iter();
+    let names: Vec<String> = images.map(|image| picture_name(image, &stem, &mut taken)).collect();
+    let mut writer = MtlWriter::new(assets, &names);
+    let unique = ObjNames::new(groups, assets);
+    for (material, name) in assets.materials.iter().zip(&unique.materials[1..]) {
+        writer.material(name, material);
+    }
+    writer.count_pictures();
+    let MtlWriter { text, is_used, lost, .. } = writer;
+    let mut files = vec![(library.clone(), text.into())];
+    for ((image, name), is_used) in assets.images.iter().zip(names).zip(is_used) {
+        if let (ImageContent::Bytes(bytes), true) = (&image.content, is_used) {
+            files.push((name, Arc::clone(bytes)));
+        }
+    }
+    Some(ObjSideFiles { library, files, lost })
+}
+
+/// The file of an image: its name after the stem, or the other file that it stands in.
+fn picture_name(image: &SceneImage, stem: &str, taken: &mut UniqueNames) -> String {
+    let text = |member: &str| image.properties.get(member).and_then(Value::as_str);
+    let bytes = match &image.content {
+        ImageContent::Bytes(bytes) => bytes,
+        ImageContent::Uri(uri) => return one_line(uri),
+    };
+    let ending = match media_type(bytes).or(text("mimeType")) {
+        Some("image/png") => ".png",
+        Some("image/jpeg") => ".jpg",
+        Some("image/webp") => ".webp",
+        Some("image/ktx2") => ".ktx2",
+        Some("image/vnd-ms.dds") => ".dds",
+        _ => ".bin",
+    };
+    let name = file_name(text("name").unwrap_or_default());
+    let known = [".png", ".jpg", ".jpeg", ".webp", ".ktx2", ".dds"];
+    let lower = name.to_ascii_lowercase();
+    let bare = known.iter().find(|ending| lower.ends_with(*ending)).map_or(name, |ending| {
+        // The ending is ASCII, so it has the same place in both.
+        &name[..name.len() - ending.len()]
+    });
+    // A picture that was written before has the stem already.
+    let own = format!("{stem}_");
+    let bare = bare.strip_prefix(&own).unwrap_or(bare);
+    let bare = if bare.is_empty() { "picture".to_owned() } else { safe(bare) };
+    taken.unique(&format!("{own}{bare}"), ending)
+}
+
+/// The characters of a name; file systems take 255 bytes, and there are endings.
+const LONGEST: usize = 48;
+
+/// A name as every file system and every reader of OBJ takes it.
+fn safe(name: &str) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' };
+    let safe: String = name.chars().map(letter).take(LONGEST).collect();
+    let safe = safe.trim_matches('.');
+    if safe.is_empty() { "_".to_owned() } else { safe.to_owned() }
+}
