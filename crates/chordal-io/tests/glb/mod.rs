@@ -3,6 +3,7 @@ mod assets;
 mod build;
 mod data;
 mod errors;
+mod files;
 mod hostile_container;
 mod hostile_objects;
 mod levels;
