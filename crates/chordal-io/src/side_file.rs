@@ -1,7 +1,8 @@
 //! `SideFile`: a file that stands beside another, which names it by a relative URI; pictures as such files.
+use crate::files;
 use crate::{ImageContent, SceneAssets};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A file beside another that names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,6 +22,16 @@ pub struct FileSet<'a> {
     pub beside: Vec<SideFile<'a>>,
 }
 
+impl FileSet<'_> {
+    /// The same set, which holds all its bytes itself.
+    #[must_use]
+    pub fn into_owned(self) -> FileSet<'static> {
+        let owned =
+            |file: SideFile<'_>| SideFile { name: file.name, bytes: Cow::Owned(file.bytes.into_owned()) };
+        FileSet { document: self.document, beside: self.beside.into_iter().map(owned).collect() }
+    }
+}
+
 impl SceneAssets {
     /// The pictures of the assets as files called `{prefix}image_0.png` and so on, by their place in the list of
     /// images; those with the same bytes are one file.
@@ -36,10 +47,10 @@ impl SceneAssets {
     /// ```
     #[must_use]
     pub fn picture_files(&self, prefix: &str) -> Vec<SideFile<'_>> {
-        let mut files: Vec<SideFile<'_>> = Vec::new();
+        let (mut files, mut seen) = (Vec::new(), BTreeSet::new());
         for (image, name) in self.images.iter().zip(self.picture_names(prefix)) {
             if let (ImageContent::Bytes(bytes), Some(name)) = (&image.content, name)
-                && files.iter().all(|file| file.name != name)
+                && seen.insert(name.clone())
             {
                 files.push(SideFile { name, bytes: Cow::Borrowed(bytes) });
             }
@@ -62,13 +73,22 @@ impl SceneAssets {
     /// For each image the name of its file, where its bytes are here.
     fn picture_names(&self, prefix: &str) -> Vec<Option<String>> {
         let mut by_content: BTreeMap<&[u8], String> = BTreeMap::new();
+        // No other image may name what will stand there: its picture is elsewhere.
+        let elsewhere = self.images.iter().filter_map(|image| match &image.content {
+            ImageContent::Uri(uri) => files::resolve("", uri).ok(),
+            ImageContent::Bytes(_) => None,
+        });
+        let elsewhere: BTreeSet<String> = elsewhere.collect();
         let mut names = Vec::with_capacity(self.images.len());
         for (i, image) in self.images.iter().enumerate() {
             names.push(match &image.content {
                 ImageContent::Bytes(bytes) => {
                     let mime = image.properties.get("mimeType").and_then(|mime| mime.as_str());
-                    let name = || format!("{prefix}image_{i}.{}", picture_extension(mime));
-                    Some(by_content.entry(bytes).or_insert_with(name).clone())
+                    let extension = picture_extension(mime);
+                    let names =
+                        (0..).map(|k| format!("{prefix}image_{}.{extension}", i + k * self.images.len()));
+                    let mut free = names.filter(|name| !elsewhere.contains(name));
+                    Some(by_content.entry(bytes).or_insert_with(|| free.next().unwrap_or_default()).clone())
                 }
                 ImageContent::Uri(_) => None,
             });
@@ -124,7 +144,6 @@ pub(crate) fn uri_of(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files;
 
     #[test]
     fn names_beside_any_file_are_found_by_their_uris() {

@@ -163,6 +163,7 @@ impl Cage {
                 format: Format::Obj,
                 n_bytes,
                 sha256,
+                files: Vec::new(),
                 warnings: Vec::new(),
             })
         })?;

@@ -20,7 +20,7 @@ fn read_set(files: &FileSet<'_>) -> (Scene, Vec<String>) {
     };
     let found = read_with(&files.document, Format::Gltf, &mut open, &Limits::default()).expect("read");
     let (scene, warnings) = scene_of(found);
-    assert!(warnings.iter().all(|warning| warning.code == "lower-levels-skipped"), "{warnings:?}");
+    assert!(warnings.iter().all(|code| *code == "lower-levels-skipped"), "{warnings:?}");
     (scene, asked)
 }
 
@@ -68,6 +68,10 @@ fn pictures_of_the_same_bytes_are_one_file() {
     let text: Value = serde_json::from_slice(&files.document).expect("JSON");
     let uris: Vec<&str> = (0..4).map(|i| text["images"][i]["uri"].as_str().expect("a URI")).collect();
     assert_eq!(uris, ["s_image_0.jpg", "s_image_1.png", "s_image_1.png", "away.png"]);
+    // The name of a picture that was not read is not given to another one.
+    scene.assets.images[3].content = ImageContent::Uri("s%5Fimage_1.png".to_owned());
+    let files = write_files(&scene, None, Format::Gltf, "s").expect("written");
+    assert_eq!(files.beside[2].name, "s_image_5.png");
 }
 
 #[test]
