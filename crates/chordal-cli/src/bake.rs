@@ -75,7 +75,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
         console.warn(&name, &[&facts.solid.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = execution::facts("bake", name, &target, bytes);
+    let run = execution::facts("bake", name, target.name(), bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -2,7 +2,7 @@
 use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::console::{Console, StdoutUse};
 use crate::fault::{Exit, Fault};
-use crate::output::{OutputTarget, OverwritePolicy};
+use crate::output::OverwritePolicy;
 use crate::signal;
 use chordal::Job;
 use chordal_verbs::MeshFailure;
@@ -22,14 +22,8 @@ pub fn existing(args: &OutputArgs) -> OverwritePolicy {
 }
 
 /// A run of a verb that made one thing of another and wrote it.
-pub fn facts(verb: &'static str, input: String, target: &OutputTarget, bytes: u64) -> RunFacts {
-    RunFacts {
-        verb,
-        input: Some(input),
-        output: Some(target.name()),
-        bytes: Some(bytes),
-        ..RunFacts::default()
-    }
+pub fn facts(verb: &'static str, input: String, output: String, bytes: u64) -> RunFacts {
+    RunFacts { verb, input: Some(input), output: Some(output), bytes: Some(bytes), ..RunFacts::default() }
 }
 
 /// Whether a summary can go to stdout.

@@ -7,15 +7,19 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
-use crate::output::{OutputTarget, OverwritePolicy};
+use crate::output::{OutputTarget, parent};
+use crate::output_folder::{FolderPlace, OutputFolder};
+use crate::output_set::OutputSetArgs;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Length, Pixels, View};
+use chordal_io::{Format, picture_extensions};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report};
-use chordal_verbs::{LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
+use chordal_verbs::{Input, LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
+use std::io::Write;
 use std::path::Path;
 
 /// `chordal lod`
@@ -25,6 +29,7 @@ Each level is proved against the shape itself. Distances are those from the eye 
 
 Examples:
   chordal lod scan.ply --px 1 -o scan.glb
+  chordal lod scan.ply --px 1 -o scan.gltf --separate
   chordal lod cage.obj --px 1 --nearest 2 -o tiles/
   chordal lod model.star --px 1 --tol 0.01% --view \"3840x2160 fov=60\" -o tiles/ --json")]
 pub struct LodArgs {
@@ -67,6 +72,9 @@ pub struct LodArgs {
 
     #[command(flatten)]
     pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub set: OutputSetArgs,
 
     #[command(flatten)]
     pub volume: crate::volume::VolumeArgs,
@@ -127,21 +135,15 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         let message = "--view says a distance, and so does --nearest, or --tol in its place: say one of them";
         return Err(Fault::usage(message.to_owned()));
     }
-    let as_tiles = as_tiles(&args.output.output)?;
+    let form = LodForm::of(&args.output.output)?;
     let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
-    let existing = execution::existing(&args.output);
-    if as_tiles {
-        check_folder(&args.output.output, &source, existing)?;
-    }
-    let prepare = || OutputTarget::prepare(&args.output.output, existing, &source);
-    let one_file = (!as_tiles).then(prepare).transpose()?;
+    let output = LodOutput::prepare(args, form, &source)?;
     let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
     // A folder is made when there is an input.
-    let target =
-        one_file.map_or_else(|| OutputTarget::prepare_in(&args.output.output, LIST, existing), Ok)?;
+    let output = output.open(args, &input)?;
     let own = args.view.has_distance.then_some(args.view.closest.distance);
     let spec = LodSpec {
         pixels: args.px,
@@ -154,18 +156,15 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
             TileErrorsArg::Scaled => TileErrors::Scaled,
             TileErrorsArg::Plain => TileErrors::Plain,
         },
-        tile_triangles: as_tiles.then_some(args.tile_triangles),
+        tile_triangles: (form == LodForm::Tiles).then_some(args.tile_triangles),
     };
     let name = source.name();
     let outcome = lod(input, &spec, &job)
         .spelled(&CommandLine)
         .map_err(|failure| execution::fault(&name, &failure, ""))?;
-    let bytes = if as_tiles {
-        write_tiles(&outcome, args, &target)?
-    } else {
-        target.write(&mut |out| outcome.write(out))?
-    };
-    let run = execution::facts("lod", name, &target, bytes);
+    let written = output.name();
+    let bytes = output.write(args, &outcome, &name)?;
+    let run = execution::facts("lod", name, written, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)
@@ -174,82 +173,136 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
 /// The file of a tileset that names all others.
 const LIST: &str = "tileset.json";
 
-/// Whether the output is a folder of tiles and not one GLB.
-fn as_tiles(output: &Path) -> Result<bool, Fault> {
-    let name = output.display().to_string();
-    let is_folder = name.ends_with(std::path::is_separator) || output.is_dir();
-    match extension(&name) {
-        _ if is_folder => Ok(true),
-        Some(extension) if extension.eq_ignore_ascii_case("glb") => Ok(false),
-        _ if name == "-" => Ok(false),
-        None => Ok(true),
-        Some(_) => Err(Fault::usage(format!(
-            "{name}: levels of detail are written as .glb, or into a folder as 3D Tiles: end its name with /"
-        ))),
+/// What levels are written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LodForm {
+    /// A folder of tiles.
+    Tiles,
+    /// One glTF.
+    OneFile(Format),
+}
+
+impl LodForm {
+    /// What the name of the output says.
+    fn of(output: &Path) -> Result<Self, Fault> {
+        let name = output.display().to_string();
+        let is_folder = name.ends_with(std::path::is_separator) || output.is_dir();
+        match extension(&name) {
+            _ if is_folder => Ok(Self::Tiles),
+            _ if name == "-" => Ok(Self::OneFile(Format::Glb)),
+            None => Ok(Self::Tiles),
+            Some(extension) => match Format::from_extension(extension) {
+                Some(format @ (Format::Glb | Format::Gltf)) => Ok(Self::OneFile(format)),
+                _ => Err(Fault::usage(format!(
+                    "{name}: levels of detail are written as .glb or .gltf, or into a folder as 3D Tiles: end its name with /"
+                ))),
+            },
+        }
     }
 }
 
-/// Writes all tiles, the list of them last. An older list goes first: its tiles would no longer be what it
-/// says.
-fn write_tiles(outcome: &LodOutcome, args: &LodArgs, list: &OutputTarget) -> Result<u64, Fault> {
-    let name = args.input.input.display().to_string();
-    let files = outcome
-        .tileset()
-        .map_err(|failure| failure.spelled(&CommandLine))
-        .map_err(|failure| execution::fault(&name, &failure, ""))?;
-    list.clear()?;
-    let mut bytes = 0;
-    for (name, content) in files {
-        let target = if name == LIST {
-            list.clone()
-        } else {
-            OutputTarget::prepare_in(&args.output.output, &name, execution::existing(&args.output))?
+/// Where levels go, before there is an input.
+enum LodOutput {
+    Tiles(FolderPlace),
+    OneFile(OutputTarget, Format),
+}
+
+impl LodOutput {
+    fn prepare(args: &LodArgs, form: LodForm, source: &InputSource) -> Result<Self, Fault> {
+        let (output, existing) = (&args.output.output, execution::existing(&args.output));
+        match form {
+            LodForm::Tiles if args.set.separate => {
+                Err(Fault::usage("--separate is for .gltf; a folder of tiles is several files anyway"))
+            }
+            LodForm::Tiles => {
+                let place = FolderPlace::new(output, existing, is_tileset_file)?;
+                match source {
+                    InputSource::File(input) => refuse_inside(&place, input, output)?,
+                    InputSource::Stdin => {}
+                }
+                Ok(Self::Tiles(place))
+            }
+            LodForm::OneFile(format) => {
+                let target = OutputTarget::prepare(output, existing, source)?;
+                args.set.check(&target, format)?;
+                Ok(Self::OneFile(target, format))
+            }
+        }
+    }
+
+    /// Makes ready for the work on an input.
+    fn open(self, args: &LodArgs, input: &Input) -> Result<OpenOutput, Fault> {
+        let place = match self {
+            Self::OneFile(target, format) => return Ok(OpenOutput::OneFile(target, format)),
+            Self::Tiles(place) => place,
         };
-        bytes += target.write(&mut |out| Ok(out.write_all(&content)?))?;
-    }
-    Ok(bytes)
-}
-
-/// The folder for tiles: not that of the input, and, unless files may be replaced, without an older tileset
-/// or what one left.
-fn check_folder(folder: &Path, source: &InputSource, existing: OverwritePolicy) -> Result<(), Fault> {
-    let name = folder.display();
-    if let InputSource::File(input) = source
-        && let (Some(Ok(at)), Ok(to)) =
-            (input.parent().map(|at| folder_or_here(at).canonicalize()), folder.canonicalize())
-        && at == to
-        && is_tile(input)
-    {
-        return Err(Fault::output(
-            "output-is-input",
-            format!(
-                "{name}: the input is a tile of this folder, which would be replaced; choose another folder"
-            ),
-        ));
-    }
-    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
-    let older = entries.flatten().map(|entry| entry.path()).find(|path| is_tile(path));
-    match (older, existing) {
-        (Some(path), OverwritePolicy::Keep) => Err(Fault::output(
-            "output-exists",
-            format!("{}: a tile is there already; --force replaces those of the same names", path.display()),
-        )),
-        _ => Ok(()),
+        let beside = parent(&args.input.input);
+        let files = input.files.iter().map(|file| beside.join(&file.path));
+        files.into_iter().try_for_each(|file| refuse_inside(&place, &file, &args.output.output))?;
+        let name = place.join(LIST).display().to_string();
+        Ok(OpenOutput::Tiles(place.open()?, name))
     }
 }
 
-fn folder_or_here(folder: &Path) -> &Path {
-    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+/// Where levels go, ready to be written.
+enum OpenOutput {
+    /// A folder, and the name of its list.
+    Tiles(OutputFolder, String),
+    OneFile(OutputTarget, Format),
 }
 
-/// Whether a name is one that tiles get.
-fn is_tile(path: &Path) -> bool {
-    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let number = |start: &str| name.strip_prefix(start)?.strip_suffix(".glb");
-    [number("level_"), number("tile_")]
-        .into_iter()
-        .flatten()
-        .any(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
+impl OpenOutput {
+    /// The name in reports.
+    fn name(&self) -> String {
+        match self {
+            Self::Tiles(_, list) => list.clone(),
+            Self::OneFile(target, _) => target.name(),
+        }
+    }
+
+    /// Writes all levels of an input of that name, and returns the number of bytes.
+    fn write(self, args: &LodArgs, outcome: &LodOutcome, input: &str) -> Result<u64, Fault> {
+        match self {
+            Self::Tiles(folder, _) => {
+                let files = outcome
+                    .tileset()
+                    .map_err(|failure| failure.spelled(&CommandLine))
+                    .map_err(|failure| execution::fault(input, &failure, ""))?;
+                folder.write(&files, LIST)
+            }
+            Self::OneFile(target, format) => {
+                let one = &mut |out: &mut dyn Write| outcome.write(format, out);
+                let places = (&target, args.input.input.as_path());
+                args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))
+            }
+        }
+    }
+}
+
+/// Refuses a folder that a file of the input stands in.
+fn refuse_inside(place: &FolderPlace, file: &Path, output: &Path) -> Result<(), Fault> {
+    if !place.holds(file) {
+        return Ok(());
+    }
+    Err(Fault::output(
+        "output-is-input",
+        format!(
+            "{}: the input is a tile or another file of this folder, which would be replaced; choose another folder",
+            output.display()
+        ),
+    ))
+}
+
+/// Whether a name is one that files of a tileset get: the list, tiles, pictures.
+fn is_tileset_file(name: &str) -> bool {
+    let is_numbered = |start: &str, end: &str| {
+        let number = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(end)?.strip_suffix('.'));
+        number.is_some_and(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
+    };
+    name == LIST
+        || is_numbered("level_", "glb")
+        || is_numbered("tile_", "glb")
+        || picture_extensions().any(|extension| is_numbered("image_", extension))
 }
 
 fn summary_text(report: &Report) -> String {

@@ -9,6 +9,7 @@ use crate::load;
 use crate::numbers::grouped;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
+use crate::output_set::OutputSetArgs;
 use crate::spelling::CommandLine;
 use crate::summary::{self, plural};
 use chordal::budget::Length;
@@ -18,6 +19,7 @@ use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts};
 use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance, mend};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::fmt::Write;
+use std::io;
 
 /// `chordal mend`
 #[derive(Args, Debug)]
@@ -75,6 +77,9 @@ pub struct MendArgs {
     pub output: OutputArgs,
 
     #[command(flatten)]
+    pub set: OutputSetArgs,
+
+    #[command(flatten)]
     pub input: InputArgs,
 
     #[command(flatten)]
@@ -99,13 +104,16 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    args.set.check(&target, to)?;
     let input = load::read(&args.input, &console)?;
     let name = source.name();
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
         .map_err(|failure| execution::fault(&name, &failure, ""))?;
-    let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = execution::facts("mend", name, &target, bytes);
+    let (places, one) =
+        ((&target, args.input.input.as_path()), &mut |out: &mut dyn io::Write| outcome.write(out));
+    let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let run = execution::facts("mend", name, target.name(), bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -8,6 +8,7 @@ use crate::input::InputSource;
 use crate::load;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
+use crate::output_set::OutputSetArgs;
 use crate::spelling::CommandLine;
 use crate::summary;
 use crate::volume::VolumeArgs;
@@ -17,6 +18,7 @@ use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{BudgetSpec, MeshFailure, Normals, Shape, Spacing, mesh, needs_budget, refine};
 use clap::{ArgGroup, Args, ValueEnum};
+use std::io::Write;
 
 /// `chordal mesh`
 #[derive(Args, Debug)]
@@ -26,6 +28,7 @@ Examples:
   chordal mesh teapot.bpt --tol 0.001 -o teapot.obj
   chordal mesh teapot.bpt --px 1 --view \"1920x1080 fov=45 dist=4\" -o teapot.glb
   chordal mesh teapot.bpt --triangles 5000 -o teapot.stl
+  chordal mesh painted.glb --tol 0.5% -o painted.gltf --separate
   chordal mesh drawing.svg --tol 0.25 -o drawing.json
   chordal mesh drawing.svg --tol 0.25 -o drawing.glb
   chordal mesh brain.nii.gz --iso 60 -o brain.glb
@@ -34,6 +37,9 @@ Examples:
 pub struct MeshArgs {
     #[command(flatten)]
     pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub set: OutputSetArgs,
 
     #[command(flatten)]
     pub budget: BudgetArgs,
@@ -143,13 +149,16 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    args.set.check(&target, to)?;
+    let places = (&target, args.input.input.as_path());
     let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
     if let Some(level) = args.result.level {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| execution::fault(&source.name(), &failure, ""))?;
-        let bytes = target.write(&mut |out| outcome.write(out))?;
-        let run = execution::facts("mesh", source.name(), &target, bytes);
+        let one = &mut |out: &mut dyn Write| outcome.write(out);
+        let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+        let run = execution::facts("mesh", source.name(), target.name(), bytes);
         return print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout);
     }
     if !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
@@ -167,9 +176,10 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
             }
         }
     };
-    let bytes = target.write(&mut |out| outcome.write(out))?;
+    let one = &mut |out: &mut dyn Write| outcome.write(out);
+    let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
 
-    let run = execution::facts("mesh", name, &target, bytes);
+    let run = execution::facts("mesh", name, target.name(), bytes);
     print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }

@@ -1,7 +1,7 @@
 //! Writing a file so that its name only ever shows a complete one: written aside, synced, renamed.
 //!
 //! What a kill at any moment can leave behind is a file `.chordal-….tmp` beside the output; never half an
-//! output. Refused, with exit code 4 and before any work: an output that is the input, that exists (unless
+//! output. Outputs of several files are in `output_set.rs` and `output_folder.rs`. Refused, with exit code 4 and before any work: an output that is the input, that exists (unless
 //! `--force`), or that is a folder, a device or a symbolic link. A link is refused even with `--force`:
 //! replacing it and writing through it are both surprising, and naming the file itself costs nothing.
 use crate::console::check_stdout;
@@ -55,37 +55,6 @@ impl OutputTarget {
         Ok(Self::File { path: arg.to_owned(), existing })
     }
 
-    /// A file in a folder that is the output of a verb; the folder is made if it is missing.
-    ///
-    /// # Errors
-    /// When the folder cannot be made, or the file should not be written.
-    pub fn prepare_in(folder: &Path, name: &str, existing: OverwritePolicy) -> Result<Self, Fault> {
-        let failed = |error: io::Error| {
-            Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error)))
-        };
-        fs::create_dir_all(folder).map_err(failed)?;
-        let path = folder.join(name);
-        refuse_occupied(&path, existing)?;
-        drop(TempOutput::create(&path)?);
-        Ok(Self::File { path, existing })
-    }
-
-    /// Takes away what has the name, where it may be replaced: because others that it speaks of will be,
-    /// before it is.
-    ///
-    /// # Errors
-    /// When the system fails, or it may not be replaced.
-    pub fn clear(&self) -> Result<(), Fault> {
-        let Self::File { path, existing } = self else { return Ok(()) };
-        refuse_occupied(path, *existing)?;
-        match fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                Err(Fault::output("unwritable", format!("{}: {}", path.display(), plainly(&error))))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// The name in messages and reports.
     pub fn name(&self) -> String {
         match self {
@@ -100,8 +69,7 @@ impl OutputTarget {
     /// When `fill` or the system fails; then whatever had the name before still has it.
     pub fn write(&self, fill: OutputWriter) -> Result<u64, Fault> {
         let name = self.name();
-        let failed =
-            |error: WriteError| Fault::output("unwritable", format!("{name}: {}", write_error_text(&error)));
+        let failed = |error: WriteError| unwritable(&name, &error);
         match self {
             Self::Stdout => {
                 check_stdout()?;
@@ -121,11 +89,13 @@ impl OutputTarget {
     }
 }
 
-fn write_error_text(error: &WriteError) -> String {
-    match error {
+/// The fault of an output that cannot be written.
+pub fn unwritable(name: &str, error: &WriteError) -> Fault {
+    let text = match error {
         WriteError::Io(error) => plainly(error),
         WriteError::Unsupported(message) => message.clone(),
-    }
+    };
+    Fault::output("unwritable", format!("{name}: {text}"))
 }
 
 fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
@@ -137,7 +107,7 @@ fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
 }
 
 /// Whether both names lead to one file, by whatever links.
-fn is_same_file(a: &Path, b: &Path) -> bool {
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
@@ -148,7 +118,11 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
-fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
+/// Refuses an output whose name is taken, unless by a file that may be replaced.
+///
+/// # Errors
+/// When it should not be written.
+pub fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
     let name = path.display();
     let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
     let kind = metadata.file_type();
@@ -171,23 +145,24 @@ fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> 
     }
 }
 
-fn exists(path: &Path) -> Fault {
+/// The fault of a file that may not be replaced.
+pub fn exists(path: &Path) -> Fault {
     Fault::output("output-exists", format!("{}: the file exists; --force replaces it", path.display()))
 }
 
 /// A file beside the output, removed again unless it is committed.
-struct TempOutput {
+pub struct TempOutput {
     file: File,
     path: PathBuf,
 }
 
 impl TempOutput {
     /// Creates it in the folder of `output`, under a name that nothing has.
-    fn create(output: &Path) -> Result<Self, Fault> {
-        let folder = match output.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub fn create(output: &Path) -> Result<Self, Fault> {
+        let folder = parent(output);
         let failed = |error: &io::Error| {
             let what = format!("{}: cannot write into {}", output.display(), folder.display());
             Fault::output("unwritable", format!("{what}: {}", plainly(error)))
@@ -195,7 +170,8 @@ impl TempOutput {
         // Another process can have the name only if it had this one's number before and was killed.
         for attempt in 0..1000 {
             let path = folder.join(format!(".chordal-{}-{attempt}.tmp", std::process::id()));
-            match signal::create_unfinished(&path, || File::create_new(&path)) {
+            match signal::create_unfinished(&path, Box::new(signal::remove_file), || File::create_new(&path))
+            {
                 Ok(file) => return Ok(Self { file, path }),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(failed(&error)),
@@ -204,7 +180,16 @@ impl TempOutput {
         Err(failed(&io::ErrorKind::AlreadyExists.into()))
     }
 
-    fn fill(&mut self, fill: OutputWriter) -> Result<u64, WriteError> {
+    /// Its own name.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes what `fill` makes, down to the disk, and returns the number of bytes.
+    ///
+    /// # Errors
+    /// When `fill` or the system fails.
+    pub fn fill(&mut self, fill: OutputWriter) -> Result<u64, WriteError> {
         let mut buffer = BufWriter::with_capacity(1 << 20, &self.file);
         fill(&mut buffer)?;
         buffer.flush()?;
@@ -219,11 +204,7 @@ impl TempOutput {
         refuse_occupied(output, existing)?;
         let renamed = signal::without_interruption(|| match existing {
             OverwritePolicy::Replace => {
-                if let Ok(old) = fs::metadata(output) {
-                    // Who could read the old file can read the new one. Where that cannot be kept, the data
-                    // still is.
-                    let _ = fs::set_permissions(&self.path, old.permissions());
-                }
+                keep_permissions(output, &self.path);
                 fs::rename(&self.path, output)
             }
             OverwritePolicy::Keep => rename_to_new(&self.path, output),
@@ -241,12 +222,30 @@ impl Drop for TempOutput {
     fn drop(&mut self) {
         // After a commit the name is gone and there is nothing to remove.
         let _ = fs::remove_file(&self.path);
-        signal::forget_unfinished();
+        signal::forget_unfinished(&self.path);
+    }
+}
+
+/// Who could read the old file or folder can read the new one. Where that cannot be kept, the data still is.
+pub fn keep_permissions(old: &Path, new: &Path) {
+    if let Ok(old) = fs::metadata(old) {
+        let _ = fs::set_permissions(new, old.permissions());
+    }
+}
+
+/// The folder that a path stands in.
+pub fn parent(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
     }
 }
 
 /// Renames only if nothing has the new name: a hard link cannot replace, a rename would.
-fn rename_to_new(from: &Path, to: &Path) -> io::Result<()> {
+///
+/// # Errors
+/// When the system fails, or something has the name.
+pub fn rename_to_new(from: &Path, to: &Path) -> io::Result<()> {
     match fs::hard_link(from, to) {
         Ok(()) => fs::remove_file(from),
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(error),
@@ -257,10 +256,8 @@ fn rename_to_new(from: &Path, to: &Path) -> io::Result<()> {
 }
 
 /// Makes the new name itself survive a power cut, where the system lets a folder be synced.
-fn sync_folder(inside: &Path) {
-    if let Some(folder) = inside.parent()
-        && let Ok(folder) = File::open(folder)
-    {
+pub fn sync_folder(inside: &Path) {
+    if let Ok(folder) = File::open(parent(inside)) {
         let _ = folder.sync_all();
     }
 }

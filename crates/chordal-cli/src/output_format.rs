@@ -8,6 +8,7 @@ use std::path::Path;
 pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     let by_name = || extension(&name).and_then(Format::from_extension);
+    refuse_other_name(path, to)?;
     let known = formats::output_names;
     let format = to.or_else(by_name).ok_or_else(|| {
         Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
@@ -21,6 +22,7 @@ pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
 /// The format of a lattice, by what is said or by the name.
 pub fn volume_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
+    refuse_other_name(path, to)?;
     let format = to.or_else(|| extension(&name).and_then(Format::from_extension));
     match format {
         Some(format) if format.holds_volumes() => Ok(format),
@@ -28,5 +30,16 @@ pub fn volume_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
         None => Err(Fault::usage(format!(
             "{name}: the name does not say the format; --to does, with npy or nrrd"
         ))),
+    }
+}
+
+/// Refuses a name that says another format than what will be in the file.
+fn refuse_other_name(path: &Path, to: Option<Format>) -> Result<(), Fault> {
+    let name = path.display().to_string();
+    match (to, extension(&name).and_then(Format::from_extension)) {
+        (Some(to), Some(said)) if to != said => Err(Fault::usage(format!(
+            "{name}: the name says {said}, and --to says {to}: give a name that ends in .{to}"
+        ))),
+        _ => Ok(()),
     }
 }

@@ -129,7 +129,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let outcome = outcome.spelled(&CommandLine).map_err(|failure| execution::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = execution::facts("render", name, &target, bytes);
+    let run = execution::facts("render", name, target.name(), bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     let Screen { width_px, height_px } = outcome.camera.screen;

@@ -1,30 +1,49 @@
-//! What Ctrl-C and SIGTERM do: stop the job, remove the unfinished file, exit with 130.
+//! What Ctrl-C and SIGTERM do: stop the job, remove what is unfinished, exit with 130.
 use crate::fault::Exit;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The unfinished file. Whoever holds the lock may rename or remove it; the handler holds it until the exit,
-/// so that no file is committed after "interrupted" was said, and no failure told.
-static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
+/// A file or a folder that a signal removes.
+struct UnfinishedOutput {
+    path: PathBuf,
+    remove: RemoveOutput,
+}
 
-fn unfinished() -> MutexGuard<'static, Option<PathBuf>> {
+/// How it is removed.
+pub type RemoveOutput = Box<dyn Fn(&Path) + Send>;
+
+/// What is unfinished, in the order in which it was made. Whoever holds the lock may rename or remove it; the
+/// handler holds it until the exit, so that nothing is committed after "interrupted" was said, and no failure
+/// told.
+static UNFINISHED: Mutex<Vec<UnfinishedOutput>> = Mutex::new(Vec::new());
+
+fn unfinished() -> MutexGuard<'static, Vec<UnfinishedOutput>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Creates the file that a signal removes, such that a signal comes either before there is one or after it is
-/// named: in between it would stay.
-pub fn create_unfinished<T>(path: &Path, create: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+/// Creates what a signal removes, such that a signal comes either before there is one or after it is named: in
+/// between it would stay.
+pub fn create_unfinished<T>(
+    path: &Path,
+    remove: RemoveOutput,
+    create: impl FnOnce() -> io::Result<T>,
+) -> io::Result<T> {
     let mut guard = unfinished();
     let made = create()?;
-    *guard = Some(path.to_owned());
+    guard.push(UnfinishedOutput { path: path.to_owned(), remove });
     Ok(made)
 }
 
-/// Says that there is no file to remove any more.
-pub fn forget_unfinished() {
-    *unfinished() = None;
+/// A file is removed by its name.
+pub fn remove_file(path: &Path) {
+    let _ = std::fs::remove_file(path);
+}
+
+/// Says that there is nothing of this name to remove any more.
+pub fn forget_unfinished(path: &Path) {
+    unfinished().retain(|output| output.path != path);
 }
 
 /// Runs `commit` such that a signal comes either before it or after it.
@@ -42,10 +61,9 @@ pub fn without_interruption<T>(commit: impl FnOnce() -> T) -> T {
 pub fn install(cancel: Arc<AtomicBool>) {
     let _ = ctrlc::set_handler(move || {
         cancel.store(true, Ordering::Relaxed);
-        let mut path = unfinished();
-        if let Some(path) = path.take() {
-            let _ = std::fs::remove_file(path);
-        }
+        let all = unfinished();
+        // What was made last may stand in what was made before.
+        all.iter().rev().for_each(|output| (output.remove)(&output.path));
         let _ = writeln!(std::io::stderr(), "chordal: interrupted");
         std::process::exit(Exit::Interrupted as i32);
     });

@@ -6,6 +6,7 @@ mod cage;
 mod common;
 mod deviation;
 mod drawing;
+mod files;
 mod hard_fields;
 mod hard_inputs;
 mod input;

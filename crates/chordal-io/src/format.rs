@@ -4,7 +4,7 @@ use crate::error::{ReadError, WriteError};
 use crate::files::FileOpener;
 use crate::scene::{ReadOutcome, Scene};
 use crate::text::is_space;
-use crate::{Limits, Polygons, Volume};
+use crate::{FileSet, Limits, Polygons, Volume};
 use crate::{bpt, glb, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm};
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
@@ -92,6 +92,8 @@ pub(crate) struct PolygonFormat {
 /// How a format holds triangles.
 pub(crate) struct TriangleFormat {
     pub write: fn(&Scene, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
+    /// Writes a document of a stem with files beside it; none where all is in one file.
+    pub write_files: Option<FileSetWriter>,
     pub rows: VertexRows,
     pub precision: PositionPrecision,
     /// None where polygons are cut into triangles.
@@ -119,6 +121,7 @@ pub(crate) enum FormatReader {
     WithOthers(FileSetReader),
 }
 
+type FileSetWriter = for<'a> fn(&'a Scene, Option<&Value>, &str) -> Result<FileSet<'a>, WriteError>;
 type FileSetReader = fn(&[u8], Option<&mut FileOpener<'_>>, &Limits) -> Result<ReadOutcome, ReadError>;
 type PolylineWriter = fn(&Polylines, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
 type VolumeWriter = fn(&Volume, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
@@ -162,6 +165,7 @@ const fn only_read(
 /// How glTF holds triangles, whatever its container.
 const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     write: glb::write,
+    write_files: None,
     rows: VertexRows::Split,
     precision: PositionPrecision::SingleAboutOrigin,
     polygons: None,
@@ -185,6 +189,7 @@ static TABLE: [FormatRow; 16] = [
         read: Some(FormatReader::WithOthers(obj::read_with)),
         triangles: Some(TriangleFormat {
             write: obj::write,
+            write_files: None,
             rows: VertexRows::Positions,
             precision: PositionPrecision::Double,
             polygons: Some(PolygonFormat { write: obj::write_polygons, is_cage: true }),
@@ -200,6 +205,7 @@ static TABLE: [FormatRow; 16] = [
     FormatRow {
         triangles: Some(TriangleFormat {
             write: ply::write,
+            write_files: None,
             rows: VertexRows::Mesh,
             precision: PositionPrecision::Double,
             polygons: Some(PolygonFormat { write: ply::write_polygons, is_cage: false }),
@@ -215,6 +221,7 @@ static TABLE: [FormatRow; 16] = [
     FormatRow {
         triangles: Some(TriangleFormat {
             write: stl::write,
+            write_files: None,
             rows: VertexRows::Soup,
             precision: PositionPrecision::Single,
             polygons: None,
@@ -234,12 +241,17 @@ static TABLE: [FormatRow; 16] = [
     },
     FormatRow {
         read: Some(FormatReader::WithOthers(glb::read_with)),
-        triangles: Some(TriangleFormat { write: glb::write_embedded, ..GLTF_TRIANGLES }),
+        triangles: Some(TriangleFormat {
+            write: glb::write_embedded,
+            write_files: Some(glb::write_files),
+            ..GLTF_TRIANGLES
+        }),
         ..only_read(Format::Gltf, "gltf", |bytes| glb::looks_like_json(text_start(bytes)), glb::read)
     },
     FormatRow {
         triangles: Some(TriangleFormat {
             write: off::write,
+            write_files: None,
             rows: VertexRows::Positions,
             precision: PositionPrecision::Double,
             polygons: Some(PolygonFormat { write: off::write_polygons, is_cage: false }),
@@ -255,6 +267,7 @@ static TABLE: [FormatRow; 16] = [
     FormatRow {
         triangles: Some(TriangleFormat {
             write: threemf::write,
+            write_files: None,
             rows: VertexRows::Positions,
             precision: PositionPrecision::Double,
             polygons: None,
@@ -353,6 +366,12 @@ impl Format {
     #[must_use]
     pub fn holds_triangles(self) -> bool {
         self.row().triangles.is_some()
+    }
+
+    /// Whether what it names can stand in files beside it, instead of in it; see [`crate::write_files`].
+    #[must_use]
+    pub fn has_side_files(self) -> bool {
+        self.row().triangles.as_ref().is_some_and(|format| format.write_files.is_some())
     }
 
     /// Whether polygons of any number of corners can be written in it.

@@ -30,6 +30,7 @@ mod polygons;
 mod read;
 mod scene;
 pub mod shape_json;
+mod side_file;
 mod single_precision;
 mod snap;
 pub mod stl;
@@ -38,6 +39,7 @@ pub mod teaset;
 mod text;
 pub mod threemf;
 pub mod tiles;
+mod used_assets;
 pub mod vm;
 mod volume;
 mod warnings;
@@ -56,9 +58,10 @@ pub use losses::{losses, losses_of_polygons};
 pub use polygons::{PolygonSurface, Polygons};
 pub use read::{read, read_with};
 pub use scene::{Content, Node, Part, ReadOutcome, Scene};
+pub use side_file::{FileSet, SideFile, picture_extensions};
 pub use snap::{CoordinateOverflow, SnappedMesh, snap, worst_snap};
 pub use volume::Volume;
-pub use write::{write, write_polygons, write_polylines, write_volume};
+pub use write::{write, write_files, write_polygons, write_polylines, write_volume};
 
 /// Runs the example of the page in `docs/` with the tests.
 #[cfg(doctest)]

@@ -1,5 +1,5 @@
 //! `write`: encodes a shape in any format that holds it, with its certificate where the format carries one.
-use crate::{Format, Polygons, Polylines, Scene, Volume, WriteError};
+use crate::{FileSet, Format, Polygons, Polylines, Scene, Volume, WriteError};
 use serde_json::Value;
 use std::io::Write;
 
@@ -26,6 +26,37 @@ pub fn write(
 ) -> Result<(), WriteError> {
     let held = format.row().triangles.as_ref().ok_or_else(|| holds_no(format, "triangles"))?;
     (held.write)(scene, certificate, out)
+}
+
+/// Writes a scene of triangles as several files: a document called `stem` with the extension of the format, and
+/// those that it names beside itself, whose names begin with `stem`. What the format has no files for, or
+/// always holds itself, is in the document; see [`Format::has_side_files`].
+///
+/// # Errors
+/// As for [`write`].
+///
+/// ```
+/// use chordal_io::{Content, Format, Limits, read, write_files};
+/// let loaded = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj, &Limits::default())?;
+/// let Content::Scene(scene) = loaded.content else { unreachable!() };
+/// let files = write_files(&scene, None, Format::Gltf, "triangle")?;
+/// assert_eq!(files.beside[0].name, "triangle.bin");
+/// assert!(String::from_utf8(files.document)?.contains("\"uri\":\"triangle.bin\""));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_files<'a>(
+    scene: &'a Scene,
+    certificate: Option<&Value>,
+    format: Format,
+    stem: &str,
+) -> Result<FileSet<'a>, WriteError> {
+    let held = format.row().triangles.as_ref().ok_or_else(|| holds_no(format, "triangles"))?;
+    if let Some(write_files) = held.write_files {
+        return write_files(scene, certificate, stem);
+    }
+    let mut document = Vec::new();
+    (held.write)(scene, certificate, &mut document)?;
+    Ok(FileSet { document, beside: Vec::new() })
 }
 
 /// Writes polygons of any number of corners.

@@ -166,6 +166,7 @@ impl Cage {
                 format: Format::Obj,
                 n_bytes,
                 sha256,
+                files: Vec::new(),
                 warnings: Vec::new(),
             })
         })?;

@@ -19,7 +19,14 @@ pub(crate) fn curves(numbers: &[u8], n_points: usize, width: usize, frame: Frame
         n => return Err(format!("points have 2 or 3 coordinates, not {n}")),
     };
     let n_bytes = numbers.len() as u64;
-    Ok(Input { shape, format: Format::Json, n_bytes, sha256: sha256(numbers), warnings: Vec::new() })
+    Ok(Input {
+        shape,
+        format: Format::Json,
+        n_bytes,
+        sha256: sha256(numbers),
+        files: Vec::new(),
+        warnings: Vec::new(),
+    })
 }
 
 /// One chain of cubics for each `n_points` points.

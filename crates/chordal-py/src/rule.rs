@@ -247,6 +247,7 @@ impl Rule {
             format: Format::Star,
             n_bytes: 0,
             sha256: sha256(&[]),
+            files: Vec::new(),
             warnings: Vec::new(),
         };
         Ok(Source::from_input(input, self.calls.clone()))

@@ -28,6 +28,7 @@ pub(crate) fn triangles(numbers: &[u8], indices: &[u8], frame: Frame) -> Result<
         format: Format::Ply,
         n_bytes: bytes.len() as u64,
         sha256: sha256(&bytes),
+        files: Vec::new(),
         warnings: Vec::new(),
     })
 }

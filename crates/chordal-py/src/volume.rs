@@ -63,6 +63,7 @@ pub(crate) fn bake_input(py: Python<'_>, named: NamedInput, spec: BakeSpec) -> P
     })?;
     let (n_bytes, sha256) = digest.map_err(|error| failure::write(py, &error))?;
     let shape = Shape::Volume(VolumeShape { volume: outcome.volume, surface: SurfaceSpec::default() });
-    let input = Input { shape, format: Format::Nrrd, n_bytes, sha256, warnings: Vec::new() };
+    let input =
+        Input { shape, format: Format::Nrrd, n_bytes, sha256, files: Vec::new(), warnings: Vec::new() };
     Ok((Source::from_input(input, Vec::new()), report))
 }

@@ -12,7 +12,8 @@ use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{
-    Format, Polygons, Scene, WriteError, losses, losses_of_polygons, snap, write, write_polygons,
+    FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, snap, write, write_files,
+    write_polygons,
 };
 use std::io::Write;
 
@@ -94,6 +95,24 @@ impl RefineOutcome {
         match &self.made {
             ControlMesh::Polygons(polygons) => write_polygons(polygons, Some(&certificate), self.format, out),
             ControlMesh::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
+        }
+    }
+
+    /// Writes the same as a document called `stem`, with what it names in files beside it where the format has
+    /// such files: see [`write_files`].
+    ///
+    /// # Errors
+    /// When the format cannot hold it.
+    pub fn write_files(&self, stem: &str) -> Result<FileSet<'_>, WriteError> {
+        match &self.made {
+            ControlMesh::Triangles(scene) => {
+                write_files(scene, Some(&self.certificate.to_value()), self.format, stem)
+            }
+            ControlMesh::Polygons(_) => {
+                let mut document = Vec::new();
+                self.write(&mut document)?;
+                Ok(FileSet { document, beside: Vec::new() })
+            }
         }
     }
 }

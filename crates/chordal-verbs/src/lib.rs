@@ -63,7 +63,7 @@ pub use digest::sha256;
 pub use failure::MeshFailure;
 pub use implicit::{ImplicitShape, Parameter};
 pub use inspect::{inspect, inspect_deeply};
-pub use load::{FormatHint, Input, extension, load, load_with};
+pub use load::{FormatHint, Input, InputFile, extension, load, load_with};
 pub use lod::{LodOutcome, LodSpec, TileErrors, lod};
 pub use mend::{MendSpec, WeldTolerance, mend};
 pub use mesh::{mesh, needs_budget};

@@ -39,8 +39,21 @@ pub struct Input {
     pub n_bytes: u64,
     /// Their SHA-256, in hexadecimal.
     pub sha256: String,
+    /// The files beside it that were read, in the order of reading.
+    pub files: Vec<InputFile>,
     /// Irregularities in the bytes.
     pub warnings: Vec<Warning>,
+}
+
+/// A file that an input names and that was read: a buffer, a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputFile {
+    /// Its path below the folder of the input.
+    pub path: String,
+    /// The number of bytes.
+    pub n_bytes: u64,
+    /// Their SHA-256, in hexadecimal.
+    pub sha256: String,
 }
 
 /// Reads any format that Chordal knows: the one given, else that of the extension, else that of the content.
@@ -85,6 +98,7 @@ fn load_from(
     if let Some(surface) = limits.surface {
         check_surface(surface, format)?;
     }
+    let mut files: Vec<InputFile> = Vec::new();
     let (mut shape, warnings) = if format == Format::Star {
         script::shape(bytes, hint.set, limits)?
     } else {
@@ -93,7 +107,17 @@ fn load_from(
             return Err(ReadError::new("unknown-parameter", FileLocation::File, message));
         }
         let loaded = match open {
-            Some(open) => chordal_io::read_with(bytes, format, open, limits)?,
+            Some(open) => {
+                let mut recorded = |path: &str| {
+                    let bytes = open(path)?;
+                    if files.iter().all(|file| file.path != path) {
+                        let n_bytes = bytes.len() as u64;
+                        files.push(InputFile { path: path.to_owned(), n_bytes, sha256: sha256(&bytes) });
+                    }
+                    Ok(bytes)
+                };
+                chordal_io::read_with(bytes, format, &mut recorded, limits)?
+            }
             None => chordal_io::read(bytes, format, limits)?,
         };
         (loaded.content.into(), loaded.warnings)
@@ -106,7 +130,7 @@ fn load_from(
             return Err(ReadError::new("no-field", FileLocation::File, message));
         }
     }
-    Ok(Input { shape, format, n_bytes: bytes.len() as u64, sha256: sha256(bytes), warnings })
+    Ok(Input { shape, format, n_bytes: bytes.len() as u64, sha256: sha256(bytes), files, warnings })
 }
 
 /// Only OBJ keeps polygons; triangles of other files are faceted as they are.

@@ -1,7 +1,7 @@
 //! `MeshOutcome`: triangles or polylines at the precision of their format, with their certificate.
 use crate::report::Certificate;
 use chordal::budget::Bound;
-use chordal_io::{Format, Polylines, Scene, WriteError, write, write_polylines};
+use chordal_io::{FileSet, Format, Polylines, Scene, WriteError, write, write_files, write_polylines};
 use std::io::Write;
 
 /// A tessellation at the precision of its format, as a reader of the file gets it.
@@ -55,6 +55,23 @@ impl MeshOutcome {
             Tessellation::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
             Tessellation::Polylines(polylines) => {
                 write_polylines(polylines, Some(&certificate), self.format, out)
+            }
+        }
+    }
+
+    /// Writes the same as a document called `stem`, with what it names in files beside it where the format has
+    /// such files: see [`write_files`].
+    ///
+    /// # Errors
+    /// When the format cannot hold it.
+    pub fn write_files(&self, stem: &str) -> Result<FileSet<'_>, WriteError> {
+        let certificate = self.certificate.to_value();
+        match &self.made {
+            Tessellation::Triangles(scene) => write_files(scene, Some(&certificate), self.format, stem),
+            Tessellation::Polylines(_) => {
+                let mut document = Vec::new();
+                self.write(&mut document)?;
+                Ok(FileSet { document, beside: Vec::new() })
             }
         }
     }

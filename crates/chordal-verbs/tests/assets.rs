@@ -4,8 +4,9 @@ use chordal::{Job, Mesh};
 use chordal_io::{Conformance, Content, Format, Frame, ImageContent, Limits, MATERIAL, Scene, read};
 use chordal_verbs::{
     BudgetSpec, FormatHint, Input, LodSpec, MendSpec, Shape, Tessellation, TileErrors, load, load_with, lod,
-    mend, mesh,
+    mend, mesh, sha256,
 };
+use serde_json::Value;
 
 /// A ball in two materials, one with a texture, shown twice, with a camera, an animation and extras.
 const PAINTED: &[u8] = include_bytes!("../../../tests/web/painted.gltf");
@@ -58,10 +59,10 @@ fn meshing_and_mending_change_nothing_but_triangles() {
     }
 }
 
-#[test]
-fn levels_have_the_materials_of_all_parts() {
+/// Levels for a screen, in one file.
+fn spec() -> LodSpec {
     let chordal::View::MinDistance(lens) = "1920x1080 fov=45 dist=4".parse().unwrap() else { unreachable!() };
-    let spec = LodSpec {
+    LodSpec {
         pixels: "1px".parse().expect("pixels"),
         lens,
         nearest: None,
@@ -70,10 +71,14 @@ fn levels_have_the_materials_of_all_parts() {
         normals: chordal_verbs::Normals::Auto,
         errors: TileErrors::Scaled,
         tile_triangles: None,
-    };
-    let made = lod(painted(), &spec, &Job::default()).expect("levels");
+    }
+}
+
+#[test]
+fn levels_have_the_materials_of_all_parts() {
+    let made = lod(painted(), &spec(), &Job::default()).expect("levels");
     let mut bytes = Vec::new();
-    made.write(&mut bytes).expect("written");
+    made.write(Format::Glb, &mut bytes).expect("written");
     let found = read(&bytes, Format::Glb, &Limits::default()).expect("read");
     let Content::Scene(first) = found.content else { panic!("no scene") };
     is_painted(&first);
@@ -117,8 +122,14 @@ fn weights_of_joints_are_blended_where_vertices_go() {
     let sheet = Mesh::new(positions, faces).and_then(|mesh| mesh.with_attribute(attribute)).expect("a mesh");
     let scene = Scene::from_mesh("sheet", sheet, Frame::default());
     let shape = Shape::Scene(scene);
-    let input =
-        Input { shape, format: Format::Glb, n_bytes: 0, sha256: "0".repeat(64), warnings: Vec::new() };
+    let input = Input {
+        shape,
+        format: Format::Glb,
+        n_bytes: 0,
+        sha256: "0".repeat(64),
+        files: Vec::new(),
+        warnings: Vec::new(),
+    };
     let spec = BudgetSpec { length: Some("0.01".parse().expect("a length")), ..BudgetSpec::default() };
     let made = mesh(input, &spec, Format::Glb, &Job::default()).expect("simplified");
     let Tessellation::Triangles(scene) = &made.made else { panic!("no triangles") };
@@ -159,4 +170,99 @@ fn characters_keep_their_skins_and_animations() {
         let is_weights = |attribute: &Attribute| matches!(&attribute.semantic, Semantic::Blended(name) if name.starts_with("weights of joints"));
         assert!(after.parts.iter().all(|part| part.mesh.attributes().iter().any(is_weights)), "{name}");
     }
+}
+
+/// The text of a GLB.
+fn text_of(glb: &[u8]) -> Value {
+    let length = u32::from_le_bytes(glb[12..16].try_into().expect("four bytes")) as usize;
+    serde_json::from_slice(&glb[20..20 + length]).expect("JSON")
+}
+
+/// A tile of the lower half, in the material without a picture, holds neither the other material nor its
+/// texture; the picture stands once beside all tiles.
+#[test]
+fn tiles_share_pictures_and_hold_what_their_faces_use() {
+    let spec =
+        LodSpec { length: Some("0.5%".parse().expect("a length")), tile_triangles: Some(60), ..spec() };
+    let made = lod(painted(), &spec, &Job::default()).expect("levels");
+    let files = made.tileset().expect("files");
+    let (tiles, pictures): (Vec<_>, Vec<_>) =
+        files.beside.iter().partition(|file| file.name.ends_with(".glb"));
+    assert_eq!(pictures.iter().map(|file| &*file.name).collect::<Vec<_>>(), ["image_0.png"]);
+    let before = scene(PAINTED, Format::Gltf);
+    assert_eq!(before.assets.images[0].content, ImageContent::Bytes((&*pictures[0].bytes).into()));
+    let whole = &before.assets.materials;
+    let (mut n_plain, mut n_painted) = (0, 0);
+    for tile in tiles {
+        let text = text_of(&tile.bytes);
+        let of_faces: Vec<usize> = text["meshes"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .flat_map(|mesh| mesh["primitives"].as_array().expect("primitives"))
+            .map(|primitive| primitive["material"].as_u64().expect("a material") as usize)
+            .collect();
+        let materials = text["materials"].as_array().expect("materials");
+        // Each material is used, and is one of the whole as far as its name says.
+        assert!((0..materials.len()).all(|k| of_faces.contains(&k)), "{}: {of_faces:?}", tile.name);
+        assert!(materials.iter().all(|m| whole.iter().any(|other| other["name"] == m["name"])), "{text}");
+        let names_texture = materials.iter().any(|material| material.to_string().contains("Texture"));
+        assert_eq!(text.get("images").is_some(), names_texture, "{}", tile.name);
+        if names_texture {
+            assert_eq!(text["images"][0]["uri"], "image_0.png");
+            assert!(text["images"][0].get("bufferView").is_none());
+            n_painted += 1;
+        } else {
+            assert_eq!((text.get("textures"), text.get("samplers")), (None, None));
+            n_plain += 1;
+        }
+    }
+    assert!(n_plain > 0 && n_painted > 1, "{n_plain} {n_painted}");
+}
+
+#[test]
+fn levels_are_a_gltf_of_one_file_or_of_several() {
+    let made = lod(painted(), &spec(), &Job::default()).expect("levels");
+    let [mut glb, mut gltf] = [Vec::new(), Vec::new()];
+    made.write(Format::Glb, &mut glb).expect("written");
+    made.write(Format::Gltf, &mut gltf).expect("written");
+    let shown = |bytes: &[u8], format| match read(bytes, format, &Limits::default()).expect("read").content {
+        Content::Scene(scene) => scene,
+        _ => panic!("no scene"),
+    };
+    assert_eq!(shown(&gltf, Format::Gltf), shown(&glb, Format::Glb));
+    let files = made.write_files("balls").expect("written");
+    let names: Vec<&str> = files.beside.iter().map(|file| &*file.name).collect();
+    assert_eq!(names, ["balls.bin", "balls_image_0.png"]);
+    assert!(made.write(Format::Obj, &mut Vec::new()).is_err());
+}
+
+/// The digests of files beside an input, in the order of reading, each once.
+#[test]
+fn files_beside_an_input_are_in_its_certificate() {
+    let inner = scene(PAINTED, Format::Gltf);
+    let files = chordal_io::glb::write_files(&inner, None, "ball").expect("written");
+    let mut asked = 0;
+    let mut open = |path: &str| {
+        asked += 1;
+        let file = files.beside.iter().find(|file| file.name == path);
+        file.map(|file| file.bytes.to_vec()).ok_or_else(|| "no such file".to_owned())
+    };
+    let mut text: Value = serde_json::from_slice(&files.document).expect("JSON");
+    let again = text["images"][0].clone();
+    let missing = serde_json::json!({ "uri": "away.png", "mimeType": "image/png" });
+    text["images"].as_array_mut().expect("images").extend([again, missing]);
+    let document = text.to_string();
+    let hint = FormatHint { name: Some("ball.gltf"), ..FormatHint::default() };
+    let input = load_with(document.as_bytes(), hint, &mut open, &Limits::default()).expect("read");
+    let certificate = chordal_verbs::report::Certificate::from_input(&input).to_value();
+    let said = |k: usize| {
+        let file = &files.beside[k];
+        serde_json::json!({ "path": file.name, "sha256": sha256(&file.bytes) })
+    };
+    assert_eq!(certificate["input"]["files"], serde_json::json!([said(0), said(1)]));
+    assert_eq!(input.files[0].n_bytes, files.beside[0].bytes.len() as u64);
+    assert_eq!(asked, 4);
+    let alone = chordal_verbs::report::Certificate::from_input(&painted()).to_value();
+    assert_eq!(alone["input"].get("files"), None);
 }

@@ -31,9 +31,8 @@ fn loaded(bytes: &[u8], format: Format) -> chordal_verbs::Input {
 fn tiles(bytes: &[u8], format: Format, spec: &LodSpec) -> Vec<(Vec<Mesh>, f64)> {
     let made = lod(loaded(bytes, format), spec, &Job::default()).expect("levels");
     let files = made.tileset().expect("files");
-    let content =
-        |name: &str| files.iter().find(|(other, _)| other == name).map(|(_, bytes)| bytes.as_slice());
-    let list: Value = serde_json::from_slice(content("tileset.json").expect("the list")).unwrap();
+    let content = |name: &str| files.beside.iter().find(|file| file.name == name).map(|file| &*file.bytes);
+    let list: Value = serde_json::from_slice(&files.document).unwrap();
     assert!(list["root"]["transform"].is_null(), "coordinates are about zero");
     let mut open = vec![&list["root"]];
     let mut found = Vec::new();
@@ -155,12 +154,12 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
         lod(loaded(text.as_bytes(), Format::Obj), &spec("0.002", 400), &Job::default()).expect("levels");
     let files = made.tileset().expect("files");
     let read = |name: &str| -> Mesh {
-        let bytes = &files.iter().find(|(other, _)| other == name).expect("a file").1;
+        let bytes = &files.beside.iter().find(|file| file.name == name).expect("a file").bytes;
         let Shape::Scene(scene) = loaded(bytes, Format::Glb).shape else { panic!("triangles") };
         assert_eq!(scene.parts.len(), 1);
         scene.parts.into_iter().next().unwrap().mesh
     };
-    let list: Value = serde_json::from_slice(&files.last().unwrap().1).unwrap();
+    let list: Value = serde_json::from_slice(&files.document).unwrap();
     let mut n_mixed = 0;
     for round in 0..12 {
         // Children in the place of a tile by chance, more and more often.

@@ -23,7 +23,14 @@ const FORMATS: [(Format, &str); 7] = [
 ];
 
 fn input(shape: Shape) -> Input {
-    Input { shape, format: Format::Bpt, n_bytes: 0, sha256: "0".repeat(64), warnings: Vec::new() }
+    Input {
+        shape,
+        format: Format::Bpt,
+        n_bytes: 0,
+        sha256: "0".repeat(64),
+        files: Vec::new(),
+        warnings: Vec::new(),
+    }
 }
 
 /// One bent patch of about unit size at a place.

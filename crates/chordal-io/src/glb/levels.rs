@@ -1,9 +1,10 @@
 //! `GlbLevel`: several levels of detail in one GLB, by `MSFT_lod`.
 use super::document::{GltfDocument, GltfPart, plain_for};
-use super::write::write_file;
+use super::write::{pack_beside, pack_embedded, write_file};
 use super::{LOD, node_list};
-use crate::{Scene, WriteError};
-use serde_json::{Value, json};
+use crate::side_file::side_stem;
+use crate::{FileSet, Scene, SceneAssets, WriteError};
+use serde_json::{Map, Value, json};
 use std::io::Write;
 
 /// One level of detail.
@@ -53,6 +54,48 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
     if let [only] = levels {
         return super::write(only.scene, only.certificate, out);
     }
+    let assets = levels[0].scene.assets_for_gltf(&plain_for);
+    with_levels(levels, &assets, |document, json| write_file(document, json, out))
+}
+
+/// Writes the same as [`write_levels`] as a glTF of JSON alone, as [`super::write_embedded`] does.
+///
+/// # Errors
+/// As for [`write_levels`], but there is no limit of 4 GiB.
+pub fn write_levels_embedded(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), WriteError> {
+    check(levels)?;
+    if let [only] = levels {
+        return super::write_embedded(only.scene, only.certificate, out);
+    }
+    let assets = levels[0].scene.assets_for_gltf(&plain_for);
+    with_levels(levels, &assets, |document, json| pack_embedded(document, json, out))
+}
+
+/// Writes the same as [`write_levels`] as a glTF of JSON with files beside it, as [`super::write_files`] does.
+///
+/// # Errors
+/// As for [`write_levels`], but there is no limit of 4 GiB.
+pub fn write_levels_files<'a>(levels: &[GlbLevel<'a>], stem: &str) -> Result<FileSet<'a>, WriteError> {
+    check(levels)?;
+    if let [only] = levels {
+        return super::write_files(only.scene, only.certificate, stem);
+    }
+    let stem = side_stem(stem);
+    let prefix = format!("{stem}_");
+    let first: &'a Scene = levels[0].scene;
+    let assets = first.assets_for_gltf(&plain_for).with_pictures_beside(&prefix);
+    let pack = |document: &GltfDocument<'_>, json| pack_beside(document, json, &stem);
+    let mut files: FileSet<'a> = with_levels(levels, &assets, pack)?;
+    files.beside.extend(first.assets.picture_files(&prefix));
+    Ok(files)
+}
+
+/// Makes the document of all levels for a writer.
+fn with_levels<T>(
+    levels: &[GlbLevel<'_>],
+    assets: &SceneAssets,
+    write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<T, WriteError>,
+) -> Result<T, WriteError> {
     let shapes = levels
         .iter()
         .map(|level| {
@@ -60,8 +103,7 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
             level.scene.parts.iter().map(shape).collect::<Result<Vec<_>, _>>()
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let assets = levels[0].scene.assets_for_gltf(plain_for);
-    let mut document = GltfDocument::new(&assets);
+    let mut document = GltfDocument::new(assets);
     let mut list = Vec::new();
     let mut tops = Vec::new();
     for ((i, level), shapes) in levels.iter().enumerate().zip(&shapes) {
@@ -86,7 +128,7 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
     let certificate = json!({ "levels": certificates });
     let nodes = node_list::NodeList { list, roots: vec![0], first: 1 };
     let json = document.json(&nodes, Some(&certificate), Some(LOD));
-    write_file(&document, json, out)
+    write(&document, json)
 }
 
 fn check(levels: &[GlbLevel<'_>]) -> Result<(), WriteError> {

@@ -23,12 +23,12 @@ mod transform;
 mod triangles;
 mod write;
 
-pub use levels::{GlbLevel, write_levels};
+pub use levels::{GlbLevel, write_levels, write_levels_embedded, write_levels_files};
 
 pub use read::read;
 pub(crate) use read::{looks_like_json, read_with};
 pub use split::split;
-pub use write::{write, write_embedded};
+pub use write::{write, write_embedded, write_files};
 
 /// The first four bytes of a GLB file, `glTF`.
 pub(crate) const MAGIC: u32 = 0x4654_6C67;

@@ -1,8 +1,10 @@
 //! The GLB writer.
 use super::document::{GltfDocument, GltfPart, plain_for};
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
-use crate::{CoordinateOverflow, Scene, WriteError};
+use crate::side_file::{side_stem, uri_of};
+use crate::{CoordinateOverflow, FileSet, Scene, SceneAssets, SideFile, WriteError};
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 use std::io::Write;
 
 /// Writes a scene as GLB 2.0, the same bytes for the same scene.
@@ -49,16 +51,38 @@ pub fn write_embedded(
     certificate: Option<&Value>,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    with_document(scene, certificate, |document, mut json| {
-        let mut bytes = Vec::new();
-        document.streams.iter().try_for_each(|stream| stream.write(&mut bytes))?;
-        if let Some(buffer) = json.get_mut("buffers").and_then(|buffers| buffers.get_mut(0)) {
-            buffer["uri"] =
-                Value::String("data:application/octet-stream;base64,".to_owned() + &base64(&bytes));
-        }
-        serde_json::to_writer(&mut *out, &json).map_err(std::io::Error::from)?;
-        Ok(())
-    })
+    with_document(scene, certificate, |document, json| pack_embedded(document, json, out))
+}
+
+/// Writes the same as [`write`] as a glTF of JSON with files beside it: its buffer, called `stem` with `.bin`,
+/// and each picture once, called `stem` with `_image_0.png` and so on. In these names, what some system does
+/// not allow is an underscore.
+///
+/// # Errors
+/// As for [`write`], but there is no limit of 4 GiB.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::{Frame, Scene, glb};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let scene = Scene::from_mesh("triangle", mesh, Frame::default());
+/// let files = glb::write_files(&scene, None, "triangle")?;
+/// assert_eq!(files.beside[0].name, "triangle.bin");
+/// assert_eq!(files.beside[0].bytes.len(), 3 * 12 + 8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_files<'a>(
+    scene: &'a Scene,
+    certificate: Option<&Value>,
+    stem: &str,
+) -> Result<FileSet<'a>, WriteError> {
+    let stem = side_stem(stem);
+    let prefix = format!("{stem}_");
+    let assets = scene.assets_for_gltf(&plain_for).with_pictures_beside(&prefix);
+    let pack = |document: &GltfDocument<'_>, json| pack_beside(document, json, &stem);
+    let mut files: FileSet<'a> = with_assets(scene, &assets, certificate, pack)?;
+    files.beside.extend(scene.assets.picture_files(&prefix));
+    Ok(files)
 }
 
 /// Makes the document of a scene for a writer.
@@ -67,13 +91,22 @@ fn with_document(
     certificate: Option<&Value>,
     write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
+    with_assets(scene, &scene.assets_for_gltf(&plain_for), certificate, write)
+}
+
+/// The same with these assets.
+fn with_assets<T>(
+    scene: &Scene,
+    assets: &SceneAssets,
+    certificate: Option<&Value>,
+    write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<T, WriteError>,
+) -> Result<T, WriteError> {
     let shapes = scene
         .parts
         .iter()
         .map(|part| GltfPart::from_part(part, &scene.frame))
         .collect::<Result<Vec<_>, _>>()?;
-    let assets = scene.assets_for_gltf(plain_for);
-    let mut document = GltfDocument::new(&assets);
+    let mut document = GltfDocument::new(assets);
     for (part, shape) in scene.parts.iter().zip(&shapes) {
         document.add_part(part, shape)?;
     }
@@ -81,6 +114,50 @@ fn with_document(
     document.add_animations(scene, nodes.first);
     let json = document.json(&nodes, certificate, None);
     write(&document, json)
+}
+
+/// Writes the JSON with the buffer in it.
+pub(super) fn pack_embedded(
+    document: &GltfDocument<'_>,
+    mut json: Map<String, Value>,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    set_buffer_uri(&mut json, || {
+        Ok("data:application/octet-stream;base64,".to_owned() + &base64(&buffer_of(document)?))
+    })?;
+    serde_json::to_writer(&mut *out, &json).map_err(std::io::Error::from)?;
+    Ok(())
+}
+
+/// The JSON, and the buffer beside it. Pictures are where the assets of the document say.
+pub(super) fn pack_beside(
+    document: &GltfDocument<'_>,
+    mut json: Map<String, Value>,
+    stem: &str,
+) -> Result<FileSet<'static>, WriteError> {
+    let name = format!("{stem}.bin");
+    set_buffer_uri(&mut json, || Ok(uri_of(&name)))?;
+    let mut beside = Vec::new();
+    if json.contains_key("buffers") {
+        beside.push(SideFile { name, bytes: Cow::Owned(buffer_of(document)?) });
+    }
+    Ok(FileSet { document: Value::Object(json).to_string().into_bytes(), beside })
+}
+
+fn set_buffer_uri(
+    json: &mut Map<String, Value>,
+    uri: impl FnOnce() -> Result<String, WriteError>,
+) -> Result<(), WriteError> {
+    if let Some(buffer) = json.get_mut("buffers").and_then(|buffers| buffers.get_mut(0)) {
+        buffer["uri"] = Value::String(uri()?);
+    }
+    Ok(())
+}
+
+fn buffer_of(document: &GltfDocument<'_>) -> Result<Vec<u8>, WriteError> {
+    let mut bytes = Vec::new();
+    document.streams.iter().try_for_each(|stream| stream.write(&mut bytes))?;
+    Ok(bytes)
 }
 
 /// The bytes in base64, padded (RFC 4648, section 4).

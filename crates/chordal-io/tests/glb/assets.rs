@@ -7,14 +7,14 @@ use chordal_io::{
 use serde_json::{Value, json};
 
 /// A picture of one pixel.
-const PNG: &[u8] = &[
+pub(super) const PNG: &[u8] = &[
     0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1A, b'\n', 0, 0, 0, 13, b'I', b'H', b'D', b'R', 0, 0, 0, 1, 0, 0,
     0, 1, 8, 0, 0, 0, 0, 0x3A, 0x7E, 0x9B, 0x55, 0, 0, 0, 10, b'I', b'D', b'A', b'T', 0x78, 0xDA, 0x63, 0xF8,
     0x0F, 0, 1, 1, 1, 0, 0x1B, 0xB6, 0xEE, 0x56, 0, 0, 0, 0, b'I', b'E', b'N', b'D', 0xAE, 0x42, 0x60, 0x82,
 ];
 
 /// Two primitives of one mesh in two materials with a texture, a camera, a light, an animation, extras.
-fn furnished() -> (Value, Vec<u8>) {
+pub(super) fn furnished() -> (Value, Vec<u8>) {
     let (mut json, mut bin) = triangle();
     let mut view = |bytes: &[u8]| {
         bin.resize(bin.len().next_multiple_of(4), 0);

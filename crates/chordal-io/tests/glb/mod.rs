@@ -4,6 +4,7 @@ mod build;
 mod data;
 mod deformation;
 mod errors;
+mod files;
 mod hostile_container;
 mod hostile_objects;
 mod levels;

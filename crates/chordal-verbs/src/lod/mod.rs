@@ -1,4 +1,4 @@
-//! `lod`: levels of detail of any surface, each with its own bound, as one GLB or as 3D Tiles.
+//! `lod`: levels of detail of any surface, each with its own bound, as one glTF or as 3D Tiles.
 mod tileset;
 
 use crate::file_rows::to_file_rows;
@@ -22,7 +22,7 @@ use chordal::lod::selection::{HYSTERESIS, SwitchDistances};
 use chordal::lod::{self, LodSource, LodSteps};
 use chordal::math::{Box3, lesser};
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::{Format, Frame, Scene, SceneAssets, WriteError, glb};
+use chordal_io::{FileSet, Format, Frame, Scene, SceneAssets, WriteError, glb};
 use serde_json::{Value, json};
 use std::io::Write;
 use tileset::TileHierarchy;
@@ -201,6 +201,9 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let counted = CountedTriangles::from_scene(&first.scene, Format::Glb)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
+    if spec.tile_triangles.is_some() {
+        certificate.notes.extend(tileset::unused_note(&first.scene)?);
+    }
     let levels = made.counts();
     let errors: Vec<f64> = levels.iter().map(|level| level.at_most).collect();
     let switches = SwitchDistances::new(&errors, spec.lens, spec.pixels);
@@ -446,29 +449,50 @@ impl LodOutcome {
         LevelsFacts { pixels: self.spec.pixels.get(), view, hysteresis: HYSTERESIS, levels, shown }
     }
 
-    /// Writes all levels as one GLB with `MSFT_lod`.
+    /// Writes all levels as one glTF with `MSFT_lod`, binary or as JSON with all in it.
     ///
     /// # Errors
-    /// As for [`glb::write_levels`]; [`WriteError::Unsupported`] where the finest level is cut in space.
-    pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+    /// As for [`glb::write_levels`]; [`WriteError::Unsupported`] for other formats than glTF, and where the
+    /// finest level is cut in space.
+    pub fn write(&self, format: Format, out: &mut dyn Write) -> Result<(), WriteError> {
+        let certificates = self.level_certificates();
+        let levels = self.gltf_levels(&certificates)?;
+        match format {
+            Format::Glb => glb::write_levels(&levels, out),
+            Format::Gltf => glb::write_levels_embedded(&levels, out),
+            other => Err(WriteError::Unsupported(format!("{other} holds no levels of detail"))),
+        }
+    }
+
+    /// Writes all levels as a glTF called `stem` with its buffer and pictures beside it.
+    ///
+    /// # Errors
+    /// As for [`Self::write`].
+    pub fn write_files(&self, stem: &str) -> Result<FileSet<'static>, WriteError> {
+        let certificates = self.level_certificates();
+        let levels = self.gltf_levels(&certificates)?;
+        glb::write_levels_files(&levels, stem).map(FileSet::into_owned)
+    }
+
+    /// The extras of each level, where each is one mesh.
+    fn level_certificates(&self) -> Vec<Value> {
+        let LodLayout::Levels(made) = &self.made else { return Vec::new() };
+        made.iter().map(|level| file_extras(&self.certificate, level)).collect()
+    }
+
+    fn gltf_levels<'a>(&'a self, certificates: &'a [Value]) -> Result<Vec<glb::GlbLevel<'a>>, WriteError> {
         let LodLayout::Levels(made) = &self.made else {
             return Err(WriteError::Unsupported(
                 "what is cut in space is a tileset, not one file".to_owned(),
             ));
         };
-        let certificates: Vec<Value> =
-            made.iter().map(|level| file_extras(&self.certificate, level)).collect();
-        let levels: Vec<glb::GlbLevel<'_>> = made
-            .iter()
-            .zip(&certificates)
-            .zip(self.coverages(made.len()))
-            .map(|((level, certificate), coverage)| glb::GlbLevel {
-                scene: &level.scene,
-                certificate: Some(certificate),
-                coverage,
-            })
-            .collect();
-        glb::write_levels(&levels, out)
+        let levels = made.iter().zip(certificates).zip(self.coverages(made.len()));
+        let level = |((level, certificate), coverage): ((&'a LevelMesh, &'a Value), f64)| glb::GlbLevel {
+            scene: &level.scene,
+            certificate: Some(certificate),
+            coverage,
+        };
+        Ok(levels.map(level).collect())
     }
 
     /// The fraction of the screen that the bounding sphere covers where each level gives way to the next:

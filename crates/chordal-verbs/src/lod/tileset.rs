@@ -7,15 +7,17 @@ use crate::report::LevelFacts;
 use crate::simplify::{add, summary_notes};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, JobError, Reference, RefusalCode, Tolerance};
-use chordal::explicit::Topology;
+use chordal::explicit::{InvalidMesh, Topology};
 use chordal::lod::selection::SwitchDistances;
 use chordal::lod::tiling::TilingOptions;
 use chordal::lod::{self, ReductionStats};
 use chordal::math::{Box3, add_up, greater, mul_up};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::tiles::{self, Tile, Tileset};
-use chordal_io::{Axis, Format, Frame, WriteError, glb, snap};
+use chordal_io::{Axis, FileSet, Format, Frame, ImageContent, Scene, SideFile, WriteError, glb, snap};
 use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// A finest level that is cut in space, with all coarser levels.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,27 +144,30 @@ fn reach(numbers: &[f64]) -> f64 {
 }
 
 impl LodOutcome {
-    /// The files of a tileset of 3D Tiles 1.1 by name, `tileset.json` last. With up to `spec.tile_triangles`
-    /// in the finest level, it has one tile a level, each the child of the next coarser one. Above that, the
-    /// finest level is cut in space ([`chordal::lod::tiling::tree`]), and tiles meet without cracks whichever are
-    /// shown.
+    /// The files of a tileset of 3D Tiles 1.1: `tileset.json` is the document, and beside it are the tiles, and
+    /// each picture once that tiles show. With up to `spec.tile_triangles` in the finest level, it has one tile
+    /// a level, each the child of the next coarser one. Above that, the finest level is cut in space
+    /// ([`chordal::lod::tiling::tree`]), and tiles meet without cracks whichever are shown. A tile holds the
+    /// materials that its own faces have.
     ///
     /// # Errors
     /// As for [`glb::write`] and [`tiles::write`].
-    pub fn tileset(&self) -> Result<Vec<(String, Vec<u8>)>, MeshFailure> {
-        let mut files = Vec::new();
+    pub fn tileset(&self) -> Result<FileSet<'_>, MeshFailure> {
+        let mut files = TileFiles::default();
         let root = match &self.made {
             LodLayout::Levels(levels) => self.as_chain(levels, &mut files)?,
             LodLayout::Cut(cut) => self.as_tree(cut, &mut files)?,
         };
         let tileset = self.tileset_from_root(root);
-        let bytes = tiles::write(&tileset).map_err(|error| WriteError::Unsupported(error.to_string()))?;
-        files.push(("tileset.json".to_owned(), bytes));
-        Ok(files)
+        let document = tiles::write(&tileset).map_err(|error| WriteError::Unsupported(error.to_string()))?;
+        let TileFiles { files: mut beside, shown } = files;
+        let all = self.made.finest().map(|level| level.scene.assets.picture_files(PICTURES));
+        beside.extend(all.into_iter().flatten().filter(|file| shown.contains(&file.name)));
+        Ok(FileSet { document, beside })
     }
 
     /// One tile a level.
-    fn as_chain(&self, levels: &[LevelMesh], files: &mut OutputFiles) -> Result<Tile, MeshFailure> {
+    fn as_chain(&self, levels: &[LevelMesh], files: &mut TileFiles<'_>) -> Result<Tile, MeshFailure> {
         let mut bounds = Box3::EMPTY;
         let mut tree: Option<Tile> = None;
         for (k, level) in levels.iter().enumerate() {
@@ -174,7 +179,7 @@ impl LodOutcome {
     }
 
     /// One tile a region.
-    fn as_tree(&self, cut: &TileHierarchy, files: &mut OutputFiles) -> Result<Tile, MeshFailure> {
+    fn as_tree(&self, cut: &TileHierarchy, files: &mut TileFiles<'_>) -> Result<Tile, MeshFailure> {
         // Children come after their parents, so that in reverse order every tile finds its children made.
         let mut done: Vec<Option<(Tile, Box3)>> = cut.tiles.iter().map(|_| None).collect();
         for (k, tile) in cut.tiles.iter().enumerate().rev() {
@@ -209,11 +214,16 @@ impl LodOutcome {
         &self,
         level: &LevelMesh,
         name: &str,
-        files: &mut OutputFiles,
+        files: &mut TileFiles<'_>,
     ) -> Result<Box3, MeshFailure> {
         let mut bytes = Vec::new();
-        glb::write(&level.scene, Some(&file_extras(&self.certificate, level)), &mut bytes)?;
-        files.push((name.to_owned(), bytes));
+        let scene = tile_scene(&level.scene).map_err(unsupported)?;
+        glb::write(&scene, Some(&file_extras(&self.certificate, level)), &mut bytes)?;
+        files.shown.extend(scene.assets.images.iter().filter_map(|image| match &image.content {
+            ImageContent::Uri(uri) => Some(uri.clone()),
+            ImageContent::Bytes(_) => None,
+        }));
+        files.files.push(SideFile { name: name.to_owned(), bytes: Cow::Owned(bytes) });
         Ok(tiles::content_bounds(&level.scene)?)
     }
 
@@ -275,8 +285,38 @@ impl LodOutcome {
     }
 }
 
-/// Files by name.
-type OutputFiles = Vec<(String, Vec<u8>)>;
+/// The tiles that are written.
+#[derive(Default)]
+struct TileFiles<'a> {
+    files: Vec<SideFile<'a>>,
+    /// The pictures that they name.
+    shown: BTreeSet<String>,
+}
+
+/// What the names of pictures begin with: nothing, as they stand in a folder of their own.
+const PICTURES: &str = "";
+
+/// A level as it is written: with the materials of its own faces, and pictures in files.
+fn tile_scene(scene: &Scene) -> Result<Cow<'_, Scene>, InvalidMesh> {
+    if scene.assets.images.is_empty() {
+        return scene.with_used_materials();
+    }
+    let mut beside = scene.clone();
+    *beside.assets = scene.assets.with_pictures_beside(PICTURES);
+    let used = match beside.with_used_materials()? {
+        Cow::Owned(used) => Some(used),
+        Cow::Borrowed(_) => None,
+    };
+    Ok(Cow::Owned(used.unwrap_or(beside)))
+}
+
+/// What is said of materials that no face has: no tile holds them.
+pub(super) fn unused_note(scene: &Scene) -> Result<Option<Message>, MeshFailure> {
+    let all = scene.assets.materials.len();
+    let used = scene.with_used_materials().map_err(unsupported)?.assets.materials.len();
+    let note = || format!("tiles hold the materials that faces have: {} of {all} are left out", all - used);
+    Ok((used < all).then(|| note().into()))
+}
 
 /// The largest geometric error of several tiles.
 fn largest_error(tiles: &[Tile]) -> f64 {

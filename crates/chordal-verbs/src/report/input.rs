@@ -1,6 +1,6 @@
 //! What the report says of the input: its kind and format, the oddities of its file, its frame.
 use super::message_text::message_text;
-use crate::Input;
+use crate::{Input, InputFile};
 use chordal::budget::advice::Message;
 use chordal_io::{Axis, Frame, Warning};
 use serde::Serialize;
@@ -14,6 +14,9 @@ pub struct InputFacts {
     pub format: String,
     /// The SHA-256 of the bytes, in hexadecimal.
     pub sha256: String,
+    /// The files beside it that were read, in the order of reading; only where there are some.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<InputFileFacts>,
     /// Irregularities in the bytes.
     pub warnings: Vec<WarningFacts>,
 }
@@ -24,8 +27,24 @@ impl InputFacts {
             kind: input.shape.kind(),
             format: input.format.to_string(),
             sha256: input.sha256.clone(),
+            files: input.files.iter().map(InputFileFacts::new).collect(),
             warnings: input.warnings.iter().map(WarningFacts::new).collect(),
         }
+    }
+}
+
+/// A file beside the input that was read with it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct InputFileFacts {
+    /// Its path below the folder of the input.
+    pub path: String,
+    /// The SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+impl InputFileFacts {
+    fn new(file: &InputFile) -> Self {
+        Self { path: file.path.clone(), sha256: file.sha256.clone() }
     }
 }
 

@@ -38,7 +38,7 @@ pub use distance_grid::{DistanceGridFacts, SolidFacts};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use field::FieldFacts;
 pub use findings::{FindingFacts, cures_of_all};
-pub use input::{FrameFacts, InputFacts, WarningFacts};
+pub use input::{FrameFacts, InputFacts, InputFileFacts, WarningFacts};
 pub use inspection::{EmbeddedCertificate, GeometrySizes, Inspection, PartFacts};
 pub use levels::{LevelChoiceFacts, LevelFacts, LevelsFacts};
 use message_text::{message_option, message_text, message_texts};

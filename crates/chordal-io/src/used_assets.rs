@@ -1,0 +1,208 @@
+//! Assets without what nothing uses: the materials that faces have, and the textures and pictures that these
+//! name.
+use crate::assets::collect_extensions;
+use crate::{MATERIAL, Scene, SceneAssets};
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
+use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+/// By old number the new one; `None` for what is left out.
+type Renumbering = Vec<Option<usize>>;
+
+impl SceneAssets {
+    /// The same assets with these materials alone and what they name: other materials (`MSFT_lod`), textures,
+    /// samplers and pictures. What is kept stays in its order and is numbered anew. Also returns the new number
+    /// of each old material.
+    ///
+    /// Textures are found as glTF's texture infos: members called `…Texture` with an `index`. Where a material
+    /// has an extension that may name them in another way, all textures and pictures are kept.
+    ///
+    /// ```
+    /// use chordal_io::SceneAssets;
+    /// use serde_json::json;
+    /// let textured = |index| json!({ "normalTexture": { "index": index } });
+    /// let assets = SceneAssets {
+    ///     materials: vec![json!({}), textured(1)],
+    ///     textures: vec![json!({ "name": "bark" }), json!({ "name": "leaf" })],
+    ///     ..SceneAssets::default()
+    /// };
+    /// let (used, numbers) = assets.with_materials(&[1].into());
+    /// assert_eq!(numbers, [None, Some(0)]);
+    /// assert_eq!(used.materials, [textured(0)]);
+    /// assert_eq!(used.textures, [json!({ "name": "leaf" })]);
+    /// ```
+    #[must_use]
+    pub fn with_materials(&self, used: &BTreeSet<usize>) -> (Self, Vec<Option<usize>>) {
+        let mut assets = self.clone();
+        let materials = renumbering(self.materials.len(), &self.closure(used));
+        assets.materials = kept(&self.materials, &materials);
+        assets.materials.iter_mut().for_each(|material| {
+            levels_of(material).into_iter().flatten().for_each(|at| renumber(at, &materials));
+        });
+        if !assets.materials.iter().all(names_textures_as_known) {
+            return (assets, materials);
+        }
+        let mut textures = BTreeSet::new();
+        each_texture(&mut assets.materials, &mut |at| textures.extend(number(at)));
+        let textures = renumbering(self.textures.len(), &textures);
+        each_texture(&mut assets.materials, &mut |at| renumber(at, &textures));
+        assets.textures = kept(&self.textures, &textures);
+        let (mut images, mut samplers) = (BTreeSet::new(), BTreeSet::new());
+        assets.textures.iter_mut().for_each(|texture| {
+            sources_of(texture).into_iter().for_each(|at| images.extend(number(at)));
+            samplers.extend(texture.get("sampler").and_then(number));
+        });
+        let images = renumbering(self.images.len(), &images);
+        let samplers = renumbering(self.samplers.len(), &samplers);
+        assets.textures.iter_mut().for_each(|texture| {
+            sources_of(texture).into_iter().for_each(|at| renumber(at, &images));
+            texture.get_mut("sampler").into_iter().for_each(|at| renumber(at, &samplers));
+        });
+        assets.images = kept(&self.images, &images);
+        assets.samplers = kept(&self.samplers, &samplers);
+        (assets, materials)
+    }
+
+    /// These materials with those that they name as their own levels of detail.
+    fn closure(&self, used: &BTreeSet<usize>) -> BTreeSet<usize> {
+        let mut all = BTreeSet::new();
+        let mut open: Vec<usize> = used.iter().copied().collect();
+        while let Some(idx) = open.pop() {
+            let Some(material) = self.materials.get(idx) else { continue };
+            if all.insert(idx) {
+                let levels = material.pointer("/extensions/MSFT_lod/ids").and_then(Value::as_array);
+                open.extend(levels.into_iter().flatten().filter_map(number));
+            }
+        }
+        all
+    }
+}
+
+impl Scene {
+    /// The same scene with the materials that its faces have alone, and what those name: see
+    /// [`SceneAssets::with_materials`]. Groups of faces are numbered like them.
+    ///
+    /// # Errors
+    /// None for meshes that exist: the type is that of building one.
+    pub fn with_used_materials(&self) -> Result<Cow<'_, Self>, InvalidMesh> {
+        let n_names = self.groups.get(MATERIAL).map_or(0, |names| names.len().saturating_sub(1));
+        let n_materials = self.assets.materials.len().max(n_names);
+        let mut used = BTreeSet::new();
+        for part in &self.parts {
+            let groups = part.mesh.attributes().iter().filter(|attribute| is_material(attribute));
+            used.extend(groups.flat_map(|groups| groups.values.iter().filter_map(|x| material_of(*x))));
+        }
+        used.retain(|material| *material < n_materials);
+        let (assets, mut numbers) = self.assets.with_materials(&used);
+        if assets == *self.assets && used.len() >= n_names {
+            return Ok(Cow::Borrowed(self));
+        }
+        let mut scene = self.clone();
+        scene.assets = Box::new(assets);
+        if self.assets.materials.is_empty() {
+            numbers = renumbering(n_materials, &used);
+        }
+        if let Some(names) = scene.groups.get_mut(MATERIAL) {
+            let all = std::mem::take(names);
+            let is_kept =
+                |i: &usize| i.checked_sub(1).is_none_or(|i| numbers.get(i).is_some_and(Option::is_some));
+            *names = all.into_iter().enumerate().filter(|(i, _)| is_kept(i)).map(|(_, name)| name).collect();
+        }
+        for part in &mut scene.parts {
+            part.mesh = with_groups(&part.mesh, &numbers)?;
+        }
+        Ok(Cow::Owned(scene))
+    }
+}
+
+/// The same mesh with its groups of materials numbered anew.
+fn with_groups(mesh: &Mesh, numbers: &Renumbering) -> Result<Mesh, InvalidMesh> {
+    let mut out = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec())?;
+    if let Some(ids) = mesh.position_id() {
+        out = out.with_position_id(ids.to_vec())?;
+    }
+    for attribute in mesh.attributes() {
+        let mut attribute = attribute.clone();
+        if is_material(&attribute) {
+            let new = |x: f64| material_of(x).and_then(|old| *numbers.get(old)?);
+            attribute.values.iter_mut().for_each(|x| *x = new(*x).map_or(0.0, |new| (new + 1) as f64));
+        }
+        out = out.with_attribute(attribute)?;
+    }
+    Ok(out)
+}
+
+fn is_material(attribute: &Attribute) -> bool {
+    let is_kind = matches!(&attribute.semantic, Semantic::Group(kind) if kind == MATERIAL);
+    is_kind && attribute.domain == Domain::Face && attribute.width == 1
+}
+
+/// The material of a group: 0 is none.
+fn material_of(group: f64) -> Option<usize> {
+    (group as usize).checked_sub(1)
+}
+
+fn number(at: &Value) -> Option<usize> {
+    usize::try_from(at.as_u64()?).ok()
+}
+
+fn renumbering(n: usize, used: &BTreeSet<usize>) -> Renumbering {
+    let mut next = 0..;
+    (0..n).map(|old| if used.contains(&old) { next.next() } else { None }).collect()
+}
+
+fn kept<T: Clone>(list: &[T], numbers: &Renumbering) -> Vec<T> {
+    list.iter().zip(numbers).filter(|(_, new)| new.is_some()).map(|(item, _)| item.clone()).collect()
+}
+
+/// What names something that is not there is left as it is.
+fn renumber(at: &mut Value, numbers: &Renumbering) {
+    if let Some(new) = number(at).and_then(|old| *numbers.get(old)?) {
+        *at = json!(new);
+    }
+}
+
+/// Where a material names others as its levels of detail.
+fn levels_of(material: &mut Value) -> Option<impl Iterator<Item = &mut Value>> {
+    Some(material.pointer_mut("/extensions/MSFT_lod/ids")?.as_array_mut()?.iter_mut())
+}
+
+/// Where a texture names images: in `source`, its own and that of its extensions.
+fn sources_of(texture: &mut Value) -> Vec<&mut Value> {
+    let Some(members) = texture.as_object_mut() else { return Vec::new() };
+    let mut found = Vec::new();
+    for (key, value) in members {
+        match (key.as_str(), value) {
+            ("source", value) => found.push(value),
+            ("extensions", Value::Object(extensions)) => {
+                found.extend(extensions.values_mut().filter_map(|extension| extension.get_mut("source")));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Visits where materials name textures. Extras are data of others.
+fn each_texture(materials: &mut [Value], visit: &mut impl FnMut(&mut Value)) {
+    for material in materials {
+        let Some(members) = material.as_object_mut() else { continue };
+        for (key, value) in members.iter_mut().filter(|(key, _)| *key != "extras") {
+            if let Some(index) = value.get_mut("index").filter(|_| key.ends_with("Texture")) {
+                visit(index);
+            }
+            each_texture(std::slice::from_mut(value), visit);
+        }
+    }
+}
+
+/// Whether all extensions of a material are those whose textures are texture infos: Khronos' own, and levels.
+fn names_textures_as_known(material: &Value) -> bool {
+    let mut names = Vec::new();
+    collect_extensions(material, &mut names);
+    names.iter().all(|name| {
+        name.starts_with("KHR_materials_") || name == "KHR_texture_transform" || name == "MSFT_lod"
+    })
+}
