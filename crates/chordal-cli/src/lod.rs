@@ -13,7 +13,7 @@ use crate::summary::SummaryLines;
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Length, Pixels, View};
-use chordal_verbs::report::{LevelFacts, LevelsFacts, Report};
+use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
 use chordal_verbs::{LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
 use std::path::Path;
@@ -139,6 +139,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let one_file = (!as_tiles).then(prepare).transpose()?;
     let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
+    let input_triangles = input.shape.n_triangles();
     // A folder is made when there is an input.
     let target =
         one_file.map_or_else(|| OutputTarget::prepare_in(&args.output.output, LIST, existing), Ok)?;
@@ -165,7 +166,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     } else {
         target.write(&mut |out| outcome.write(out))?
     };
-    let run = execution::facts("lod", name, &target, bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("lod", name, &target, bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -14,7 +14,7 @@ use crate::summary::{self, plural};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
-use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts};
+use chordal_verbs::report::{FindingFacts, RepairFacts, Report, RunFacts, ValidityFacts};
 use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance, mend};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::fmt::Write;
@@ -100,12 +100,13 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     let input = load::read(&args.input, &console)?;
+    let input_triangles = input.shape.n_triangles();
     let name = source.name();
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
         .map_err(|failure| execution::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = execution::facts("mend", name, &target, bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("mend", name, &target, bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -145,6 +145,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
+    let input_triangles = input.shape.n_triangles();
     if let Some(level) = args.result.level {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| execution::fault(&source.name(), &failure, ""))?;
@@ -169,7 +170,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     };
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = execution::facts("mesh", name, &target, bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("mesh", name, &target, bytes) };
     print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }

@@ -128,7 +128,11 @@ fn write_error_text(error: &WriteError) -> String {
     }
 }
 
-fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
+/// Refuses an output that is the input.
+///
+/// # Errors
+/// Then.
+pub fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
     let InputSource::File(input) = input else { return Ok(()) };
     if !is_same_file(input, output) {
         return Ok(());
@@ -148,7 +152,11 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
-fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
+/// Refuses what should not be replaced.
+///
+/// # Errors
+/// When a link, a folder or a device has the name, or a file that stays.
+pub fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
     let name = path.display();
     let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
     let kind = metadata.file_type();
