@@ -165,7 +165,7 @@ fn region(text: &str) -> Result<Box3, String> {
 }
 
 /// `512M`, `8G`, `1000000`: powers of 1024, as memory comes.
-fn bytes(text: &str) -> Result<u64, String> {
+pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let wrong = || format!("a number of bytes reads like 512M or 8G, not '{text}'");
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let power = match &text[digits.len()..].to_ascii_uppercase()[..] {

@@ -13,7 +13,7 @@ use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
-use chordal_verbs::report::{DistanceGridFacts, Report};
+use chordal_verbs::report::{DistanceGridFacts, Report, RunFacts};
 use chordal_verbs::{BakeSpec, bake};
 use clap::Args;
 
@@ -66,6 +66,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     let input = load::read(&args.input, &console)?;
+    let input_triangles = input.shape.n_triangles();
     let name = source.name();
     let spec = BakeSpec { cells: args.cells as usize, band: args.band };
     let outcome = bake(input, &spec, to, &job)
@@ -75,7 +76,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
         console.warn(&name, &[&facts.solid.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = execution::facts("bake", name, target.name(), bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("bake", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -1,5 +1,7 @@
 //! The command line: all verbs, and the exit codes.
 use crate::bake::BakeArgs;
+use crate::batch::BatchArgs;
+use crate::convert::ConvertArgs;
 use crate::deviation::DeviationArgs;
 use crate::inspect::InspectArgs;
 use crate::lod::LodArgs;
@@ -26,7 +28,7 @@ pub struct Cli {
 const EXIT_CODES: &str = "\
 Exit codes:
     0  done
-    1  a check failed
+    1  a check failed, or some files of a batch did not go well
     2  the command line makes no sense
     3  the input cannot be read or is not supported
     4  the output cannot be written
@@ -50,8 +52,12 @@ pub enum Verb {
     Mend(MendArgs),
     /// Sample the distance to triangles on a lattice, negative inside
     Bake(BakeArgs),
+    /// Write the same shape in another format, and say what that does not hold
+    Convert(ConvertArgs),
     /// Take a picture
     Render(RenderArgs),
+    /// Do one of these with many files, and go on where it was stopped
+    Batch(BatchArgs),
     /// Show in a browser how many segments a curve needs until it looks smooth
     Studio(StudioArgs),
     /// Print the completions of a shell

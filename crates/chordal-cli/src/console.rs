@@ -51,6 +51,16 @@ impl Console {
         }
     }
 
+    /// Something that went wrong while other things go on.
+    pub fn failure(&self, text: &str) {
+        self.message(Verbosity::Errors, text);
+    }
+
+    /// Whether progress can be shown on stderr.
+    pub fn shows_progress(&self) -> bool {
+        self.level != Verbosity::Errors && io::stderr().is_terminal()
+    }
+
     /// Something that only those who asked for more want to know.
     pub fn detail(&self, text: &str) {
         self.message(Verbosity::More, text);
@@ -82,7 +92,7 @@ impl Console {
 
     /// The job with a bar on stderr, when that is a terminal and something may be said.
     pub fn progress(&self, job: Job) -> Job {
-        if self.level == Verbosity::Errors || !io::stderr().is_terminal() {
+        if !self.shows_progress() {
             return job;
         }
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());

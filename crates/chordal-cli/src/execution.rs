@@ -7,10 +7,16 @@ use crate::signal;
 use chordal::Job;
 use chordal_verbs::MeshFailure;
 use chordal_verbs::report::RunFacts;
+use std::path::Path;
 
 /// A job that obeys the command line and signals.
 pub fn job(input: &InputArgs, output: Option<&OutputArgs>, console: &Console) -> Job {
-    let mut job = Job::default().with_threads(output.map_or(0, |args| args.threads));
+    job_on_threads(input, output.map_or(0, |args| args.threads), console)
+}
+
+/// The same on so many threads; 0 means all.
+pub fn job_on_threads(input: &InputArgs, threads: usize, console: &Console) -> Job {
+    let mut job = Job::default().with_threads(threads);
     job.memory_limit = input.memory_limit().unwrap_or(job.memory_limit);
     signal::install(job.cancel_flag());
     console.progress(job)
@@ -28,7 +34,12 @@ pub fn facts(verb: &'static str, input: String, output: String, bytes: u64) -> R
 
 /// Whether a summary can go to stdout.
 pub fn stdout(output: &OutputArgs, console: &ConsoleArgs) -> Result<StdoutUse, Fault> {
-    match (output.output.as_os_str() == "-", console.json) {
+    stdout_for(&output.output, console)
+}
+
+/// The same for an output of that name.
+pub fn stdout_for(output: &Path, console: &ConsoleArgs) -> Result<StdoutUse, Fault> {
+    match (output.as_os_str() == "-", console.json) {
         (true, true) => Err(Fault::usage("--json and '-o -' both write to stdout: choose one")),
         (true, false) => Ok(StdoutUse::HoldsData),
         (false, _) => Ok(StdoutUse::Free),

@@ -57,7 +57,8 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     } else {
         inspect(&input).spelled(&CommandLine)
     };
-    let run = RunFacts { input: Some(name.clone()), ..report.run };
+    let input_triangles = input.shape.n_triangles();
+    let run = RunFacts { input: Some(name.clone()), input_triangles, ..report.run };
     report.run = clock.fill(run, &job);
     console.result(&report.to_value(), &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;
     check(&name, report.certificate.valid.as_ref(), &args.require)

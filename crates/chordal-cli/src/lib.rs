@@ -4,10 +4,12 @@
 //! same.
 mod args;
 mod bake;
+mod batch;
 mod beside;
 mod cli;
 mod clock;
 mod console;
+mod convert;
 mod deviation;
 mod docs;
 mod execution;
@@ -35,6 +37,7 @@ mod summary;
 mod volume;
 mod volume_text;
 
+use batch::BatchCommand;
 pub use beside::read_beside;
 use clap::Parser;
 use clap::error::ErrorKind;
@@ -51,6 +54,12 @@ use std::io::Write;
 /// It belongs to a process of its own: it writes to stdout and stderr, and from the first verb on SIGINT and
 /// SIGTERM end the process with 130.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let program: Vec<OsString> = std::env::current_exe().ok().map(OsString::from).into_iter().collect();
+    run_started_by(args, &program)
+}
+
+/// The same, where other words than the path of this program start the command again, as `batch` does.
+pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsString]) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(error) => return refuse_arguments(&error),
@@ -63,7 +72,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Verb::Deviation(args) => deviation::run(&args),
         Verb::Mend(args) => mend::run(&args),
         Verb::Bake(args) => bake::run(&args),
+        Verb::Convert(args) => convert::run(&args),
         Verb::Render(args) => render::run(&args),
+        Verb::Batch(args) => batch::run(&args, BatchCommand { program, check: &check_words }),
         Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
         Verb::Man { output } => docs::man(&output),
@@ -82,6 +93,8 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Deviation(args) => args.console.json,
         Verb::Mend(args) => args.console.json,
         Verb::Bake(args) => args.console.json,
+        Verb::Convert(args) => args.console.json,
+        Verb::Batch(args) => args.console.json,
         Verb::Render(args) => args.console.json,
         Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }
@@ -110,6 +123,11 @@ fn refuse_arguments(error: &clap::Error) -> u8 {
         let _ = error.print();
         return Exit::Usage as u8;
     }
+    let _ = write!(std::io::stderr(), "{}", Fault::usage(sentence_of(error)));
+    Exit::Usage as u8
+}
+
+fn sentence_of(error: &clap::Error) -> String {
     let shown = error.to_string();
     let sentence: Vec<&str> = shown
         .trim_start_matches("error: ")
@@ -117,7 +135,15 @@ fn refuse_arguments(error: &clap::Error) -> u8 {
         .take_while(|line| !line.trim().is_empty())
         .map(str::trim)
         .collect();
-    let sentence = sentence.join(" ") + " (see --help)";
-    let _ = write!(std::io::stderr(), "{}", Fault::usage(sentence));
-    Exit::Usage as u8
+    sentence.join(" ") + " (see --help)"
+}
+
+/// Refuses words that are no command line.
+fn check_words(words: Vec<OsString>) -> Result<(), Fault> {
+    Cli::try_parse_from(words).map(drop).map_err(|error| match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            Fault::usage("--help and --version are no options for a batch: ask the verb for them")
+        }
+        _ => Fault::usage(sentence_of(&error)),
+    })
 }

@@ -1,5 +1,5 @@
 //! Reads the shapes that arguments name.
-use crate::args::InputArgs;
+use crate::args::{InputArgs, PolygonSurfaceArg};
 use crate::beside::read_beside;
 use crate::console::Console;
 use crate::fault::Fault;
@@ -12,6 +12,26 @@ use chordal_verbs::{FormatHint, Input, load_with};
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
     RawInput::read(args)?.load(args, console)
+}
+
+/// Reads what `args` name for a format that may hold polygons: those that were cut into triangles are read
+/// again as polygons, and `prefers` says of the polygons and the triangles whether these are kept.
+pub fn read_polygons(
+    args: &InputArgs,
+    console: &Console,
+    prefers: impl Fn(&Input, &Input) -> bool,
+) -> Result<Input, Fault> {
+    let raw = RawInput::read(args)?;
+    let input = raw.parse(args)?;
+    let was_cut = input.format == Format::Obj && input.warnings.iter().any(|w| w.code == "polygons-cut");
+    if was_cut && args.surface.is_none() {
+        let args = InputArgs { surface: Some(PolygonSurfaceArg::CatmullClark), ..args.clone() };
+        // What is no cage stays triangles.
+        if let Some(polygons) = raw.parse(&args).ok().filter(|polygons| prefers(polygons, &input)) {
+            return Ok(raw.tell(polygons, console));
+        }
+    }
+    Ok(raw.tell(input, console))
 }
 
 /// Reads another shape with the arguments of the first: what is said of fields or polygons holds if it is
@@ -85,6 +105,16 @@ impl RawInput {
     }
 
     fn load(&self, args: &InputArgs, console: &Console) -> Result<Input, Fault> {
+        self.parse(args).map(|input| self.tell(input, console))
+    }
+
+    /// Tells the warnings.
+    fn tell(&self, input: Input, console: &Console) -> Input {
+        console.warn(&self.name, &input.warnings);
+        input
+    }
+
+    fn parse(&self, args: &InputArgs) -> Result<Input, Fault> {
         let name = &self.name;
         let limits = limits(args);
         let mut open = |path: &str| match &self.source {
@@ -94,7 +124,6 @@ impl RawInput {
         let mut input = load_with(&self.bytes, self.hint(args), &mut open, &limits)
             .spelled(&CommandLine)
             .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
-        console.warn(name, &input.warnings);
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
         frame.up = args.up.or(frame.up);

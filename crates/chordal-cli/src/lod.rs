@@ -16,7 +16,7 @@ use chordal::budget::advice::Spell;
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Length, Pixels, View};
 use chordal_io::{Format, picture_extensions};
-use chordal_verbs::report::{LevelFacts, LevelsFacts, Report};
+use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
 use chordal_verbs::{Input, LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
 use std::io::Write;
@@ -142,6 +142,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let output = LodOutput::prepare(args, form, &source)?;
     let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
+    let input_triangles = input.shape.n_triangles();
     // A folder is made when there is an input.
     let output = output.open(args, &input)?;
     let own = args.view.has_distance.then_some(args.view.closest.distance);
@@ -164,7 +165,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         .map_err(|failure| execution::fault(&name, &failure, ""))?;
     let written = output.name();
     let bytes = output.write(args, &outcome, &name)?;
-    let run = execution::facts("lod", name, written, bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("lod", name, written, bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

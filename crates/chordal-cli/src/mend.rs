@@ -15,7 +15,7 @@ use crate::summary::{self, plural};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
-use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts};
+use chordal_verbs::report::{FindingFacts, RepairFacts, Report, RunFacts, ValidityFacts};
 use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance, mend};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::fmt::Write;
@@ -106,6 +106,7 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     args.set.check(&target, to)?;
     let input = load::read(&args.input, &console)?;
+    let input_triangles = input.shape.n_triangles();
     let name = source.name();
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
@@ -113,7 +114,7 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let (places, one) =
         ((&target, args.input.input.as_path()), &mut |out: &mut dyn io::Write| outcome.write(out));
     let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
-    let run = execution::facts("mend", name, target.name(), bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("mend", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -153,6 +153,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let places = (&target, args.input.input.as_path());
     let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
+    let input_triangles = input.shape.n_triangles();
     if let Some(level) = args.result.level {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| execution::fault(&source.name(), &failure, ""))?;
@@ -179,7 +180,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
 
-    let run = execution::facts("mesh", name, target.name(), bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("mesh", name, target.name(), bytes) };
     print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }

@@ -98,7 +98,11 @@ pub fn unwritable(name: &str, error: &WriteError) -> Fault {
     Fault::output("unwritable", format!("{name}: {text}"))
 }
 
-fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
+/// Refuses an output that is the input.
+///
+/// # Errors
+/// Then.
+pub fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
     let InputSource::File(input) = input else { return Ok(()) };
     if !is_same_file(input, output) {
         return Ok(());

@@ -19,6 +19,19 @@ pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     Err(Fault::usage(format!("{format} is only read; what can be written is {}", known())))
 }
 
+/// Any format that is written: `--to`, else what the name says.
+pub fn writable_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
+    let name = path.display().to_string();
+    let known = formats::writable_names;
+    let format = to.or_else(|| extension(&name).and_then(Format::from_extension)).ok_or_else(|| {
+        Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
+    })?;
+    if format.holds_triangles() || format.holds_polylines() || format.holds_volumes() {
+        return Ok(format);
+    }
+    Err(Fault::usage(format!("{format} is only read; what can be written is {}", known())))
+}
+
 /// The format of a lattice, by what is said or by the name.
 pub fn volume_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();

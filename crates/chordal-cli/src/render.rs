@@ -14,7 +14,7 @@ use chordal::budget::advice::Spell;
 use chordal::budget::camera::Screen;
 use chordal::budget::{Length, Pixels, View};
 use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
-use chordal_verbs::report::Report;
+use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -113,6 +113,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     let input = load::read(&args.input, &console)?;
+    let input_triangles = input.shape.n_triangles();
 
     let name = source.name();
     let options = RenderOptions {
@@ -129,7 +130,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let outcome = outcome.spelled(&CommandLine).map_err(|failure| execution::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = execution::facts("render", name, target.name(), bytes);
+    let run = RunFacts { input_triangles, ..execution::facts("render", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     let Screen { width_px, height_px } = outcome.camera.screen;

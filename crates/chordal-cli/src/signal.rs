@@ -1,7 +1,9 @@
-//! What Ctrl-C and SIGTERM do: stop the job, remove what is unfinished, exit with 130.
+//! What Ctrl-C and SIGTERM do: stop the job, remove what is unfinished, end processes that were started, exit
+//! with 130.
 use crate::fault::Exit;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -54,6 +56,56 @@ pub fn without_interruption<T>(commit: impl FnOnce() -> T) -> T {
     done
 }
 
+/// A process that was started, which its waiter and the handler share.
+pub type SharedChild = Arc<Mutex<Child>>;
+
+/// What a signal ends and removes. The handler holds the lock until the exit, so that nothing is started
+/// after it.
+static STARTED: Mutex<StartedChildren> = Mutex::new(StartedChildren { running: Vec::new(), folder: None });
+
+struct StartedChildren {
+    running: Vec<SharedChild>,
+    /// Where the processes write, and nothing else stands.
+    folder: Option<PathBuf>,
+}
+
+fn started() -> MutexGuard<'static, StartedChildren> {
+    STARTED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Names the folder that a signal removes once the processes are ended.
+pub fn set_work_folder(folder: Option<PathBuf>) {
+    started().folder = folder;
+}
+
+/// Starts a process that a signal ends.
+///
+/// # Errors
+/// When it cannot be started.
+pub fn start_child(command: &mut Command) -> io::Result<SharedChild> {
+    let mut all = started();
+    let child = Arc::new(Mutex::new(command.spawn()?));
+    all.running.push(Arc::clone(&child));
+    Ok(child)
+}
+
+/// Says that a process is over.
+pub fn forget_child(child: &SharedChild) {
+    started().running.retain(|other| !Arc::ptr_eq(other, child));
+}
+
+/// Ends all processes, waits for their end, and removes what they wrote.
+fn end_children(all: &mut StartedChildren) {
+    for child in &all.running {
+        let mut child = child.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+    if let Some(folder) = all.folder.take() {
+        let _ = std::fs::remove_dir_all(folder);
+    }
+}
+
 /// Installs the handler. It does not wait for the job, which could be in a long step or in a blocking read.
 ///
 /// A second handler, or a system without signals, is no reason to fail: then the system's own handling stays,
@@ -64,6 +116,8 @@ pub fn install(cancel: Arc<AtomicBool>) {
         let all = unfinished();
         // What was made last may stand in what was made before.
         all.iter().rev().for_each(|output| (output.remove)(&output.path));
+        let mut children = started();
+        end_children(&mut children);
         let _ = writeln!(std::io::stderr(), "chordal: interrupted");
         std::process::exit(Exit::Interrupted as i32);
     });

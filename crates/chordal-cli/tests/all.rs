@@ -1,9 +1,11 @@
 //! The integration tests of chordal-cli, one module a file of this folder, in one program:
 //! the library is linked once and not once a file.
 mod bake;
+mod batch;
 mod budget;
 mod cage;
 mod common;
+mod convert;
 mod deviation;
 mod drawing;
 mod files;

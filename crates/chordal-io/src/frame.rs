@@ -18,6 +18,17 @@ pub enum TextureOrigin {
     UpperLeft,
 }
 
+impl Axis {
+    /// Its letter, as in "z".
+    #[must_use]
+    pub fn letter(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
+}
+
 /// What is known of the coordinate space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {

@@ -6,6 +6,9 @@ use std::ffi::OsString;
 ///
 /// It is meant for a process of its own: SIGINT and SIGTERM are the command's from then on.
 #[pyfunction]
-pub(crate) fn command(py: Python<'_>, args: Vec<OsString>) -> u8 {
-    py.detach(|| chordal_cli::run(args))
+pub(crate) fn command(py: Python<'_>, args: Vec<OsString>) -> PyResult<u8> {
+    // The program of this process is the interpreter, which takes more words to become the command.
+    let interpreter: OsString = py.import("sys")?.getattr("executable")?.extract()?;
+    let program = [interpreter, "-m".into(), "chordal".into()];
+    Ok(py.detach(|| chordal_cli::run_started_by(args, &program)))
 }

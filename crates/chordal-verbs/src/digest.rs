@@ -1,13 +1,38 @@
 //! The digest that ties a certificate to the bytes it describes.
 use sha2::{Digest, Sha256};
+use std::io::{self, Read};
 
 /// SHA-256 in lower-case hexadecimal.
 ///
 /// Source: FIPS 180-4.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// The same of all that a reader gives, held in memory a piece at a time.
+///
+/// # Errors
+/// When the reader fails.
+pub fn sha256_of(reader: &mut dyn Read) -> io::Result<String> {
+    let mut piece = vec![0; PIECE];
+    let mut digest = Sha256::new();
+    loop {
+        match reader.read(&mut piece) {
+            Ok(0) => return Ok(hexadecimal(&digest.finalize())),
+            Ok(n) => digest.update(&piece[..n]),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// Bytes that are read at once; chosen, so that calls of the system cost little beside the digest.
+const PIECE: usize = 1 << 18;
+
+fn hexadecimal(bytes: &[u8]) -> String {
     let digits = |byte: u8| [byte >> 4, byte & 15].map(|d| char::from(b"0123456789abcdef"[d as usize]));
-    Sha256::digest(bytes).iter().flat_map(|byte| digits(*byte)).collect()
+    bytes.iter().flat_map(|byte| digits(*byte)).collect()
 }
 
 #[cfg(test)]
@@ -15,5 +40,7 @@ mod tests {
     #[test]
     fn digests_as_the_standard_says() {
         assert_eq!(super::sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        let long = vec![7; 3 * super::PIECE + 1];
+        assert_eq!(super::sha256_of(&mut &long[..]).unwrap(), super::sha256(&long));
     }
 }

@@ -18,6 +18,14 @@ pub fn output_names() -> String {
     Format::all().filter(written).map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
 }
 
+/// The names of all formats that can be written.
+#[must_use]
+pub fn writable_names() -> String {
+    let written =
+        |format: &Format| format.holds_triangles() || format.holds_polylines() || format.holds_volumes();
+    Format::all().filter(written).map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
+}
+
 /// Refuses a format that cannot hold the shape, in a sentence with an alternative.
 pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
     match shape {

@@ -21,6 +21,7 @@
 mod bake;
 mod cage;
 mod cage_size;
+mod convert;
 mod deviation;
 mod digest;
 mod failure;
@@ -51,6 +52,7 @@ mod shape;
 mod simplify;
 mod spec;
 mod spell;
+mod straight;
 mod volume;
 
 pub use bake::{BakeOutcome, BakeSpec, bake};
@@ -58,8 +60,9 @@ pub use cage::{ControlMesh, RefineOutcome, refine, refined_cage};
 pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
+pub use convert::{ConvertOutcome, ConvertedShape, convert, needs_mesh, polygons_lose_no_more};
 pub use deviation::{DeviationSpec, deviation};
-pub use digest::sha256;
+pub use digest::{sha256, sha256_of};
 pub use failure::MeshFailure;
 pub use implicit::{ImplicitShape, Parameter};
 pub use inspect::{inspect, inspect_deeply};

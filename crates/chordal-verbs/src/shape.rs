@@ -62,6 +62,13 @@ impl Shape {
         }
     }
 
+    /// The number of triangles; `None` for other shapes. A part that is shown several times counts once.
+    #[must_use]
+    pub fn n_triangles(&self) -> Option<u64> {
+        let Self::Scene(scene) = self else { return None };
+        Some(scene.parts.iter().map(|part| part.mesh.faces().len() as u64).sum())
+    }
+
     /// The frame of the shape.
     #[must_use]
     pub fn frame(&self) -> &Frame {

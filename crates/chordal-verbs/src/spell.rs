@@ -1,6 +1,8 @@
 //! `Spell` for what the verbs return: a shell has the settings in its messages and certificates spelled.
 use crate::report::{Certificate, FindingFacts, Report, WarningFacts};
-use crate::{BakeOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome};
+use crate::{
+    BakeOutcome, ConvertOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome,
+};
 use chordal::budget::advice::{Spell, Spelling};
 
 /// The warnings; they go on into the certificates of what is made of the input.
@@ -21,7 +23,7 @@ macro_rules! by_certificate {
     )*};
 }
 
-by_certificate! { BakeOutcome LodOutcome MeshOutcome RefineOutcome RenderOutcome }
+by_certificate! { BakeOutcome ConvertOutcome LodOutcome MeshOutcome RefineOutcome RenderOutcome }
 
 impl Spell for MeshFailure {
     fn spell(&mut self, spelling: &dyn Spelling) {

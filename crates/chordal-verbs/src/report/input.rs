@@ -84,10 +84,6 @@ pub struct FrameFacts {
 
 impl FrameFacts {
     pub(crate) fn new(frame: &Frame) -> Self {
-        let up = frame.up.map(|axis| match axis {
-            Axis::Y => "y",
-            Axis::Z => "z",
-        });
-        Self { up, metres_per_unit: frame.metres_per_unit }
+        Self { up: frame.up.map(Axis::letter), metres_per_unit: frame.metres_per_unit }
     }
 }

@@ -109,6 +109,9 @@ pub struct RunFacts {
     pub output: Option<String>,
     /// The size of the output.
     pub bytes: Option<u64>,
+    /// The triangles of the input; `None` for other shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input_triangles: Option<u64>,
     /// Seconds from the first byte read to the last byte written.
     pub seconds: Option<f64>,
     /// The peak memory of the process.

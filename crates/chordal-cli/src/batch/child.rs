@@ -1,0 +1,90 @@
+//! One run of a verb in a process of its own, so that nothing that happens to it happens to the others.
+use crate::signal;
+use std::io::{self, Read};
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::PoisonError;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How a process ended, and what it said.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ChildEnd {
+    /// Its exit code; none where it was ended from outside.
+    pub exit: Option<i32>,
+    /// Why there is none, in a sentence.
+    pub why: Option<String>,
+    /// What went to stdout.
+    pub stdout: Vec<u8>,
+    /// What went to stderr.
+    pub stderr: Vec<u8>,
+}
+
+/// Runs a command to its end, or for so long at most.
+///
+/// # Errors
+/// When it cannot be started.
+pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<ChildEnd> {
+    let started = Instant::now();
+    let child =
+        signal::start_child(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()))?;
+    let lock = || child.lock().unwrap_or_else(PoisonError::into_inner);
+    let stdout = lock().stdout.take();
+    let stderr = lock().stderr.take();
+    let (sender, receiver) = channel();
+    let mut end = ChildEnd::default();
+    let status = thread::scope(|scope| {
+        let other = sender.clone();
+        let stdout = scope.spawn(move || drain(stdout, &sender));
+        let stderr = scope.spawn(move || drain(stderr, &other));
+        // Both are closed once the process is over: until then nobody holds its lock, so that a signal can
+        // end it.
+        for _ in 0..2 {
+            let left = timeout.map(|timeout| timeout.saturating_sub(started.elapsed()));
+            let waited = match left {
+                Some(left) => receiver.recv_timeout(left),
+                None => receiver.recv().map_err(RecvTimeoutError::from),
+            };
+            if waited == Err(RecvTimeoutError::Timeout) {
+                // It may have ended by itself in this moment.
+                let _ = lock().kill();
+                let limit = timeout.unwrap_or_default().as_secs_f64();
+                end.why = Some(format!("stopped after {limit} s, which is the limit (--timeout)"));
+                break;
+            }
+        }
+        end.stdout = stdout.join().unwrap_or_default();
+        end.stderr = stderr.join().unwrap_or_default();
+        lock().wait()
+    });
+    signal::forget_child(&child);
+    let status = status?;
+    if end.why.is_none() {
+        end.exit = status.code();
+        end.why = if end.exit.is_none() { Some(signal_text(status)) } else { None };
+    }
+    Ok(end)
+}
+
+/// Reads to the end, and says so.
+fn drain(source: Option<impl Read>, sender: &Sender<()>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if let Some(mut source) = source {
+        // What was read before an error is all that there is.
+        let _ = source.read_to_end(&mut bytes);
+    }
+    let _ = sender.send(());
+    bytes
+}
+
+#[cfg(unix)]
+fn signal_text(status: ExitStatus) -> String {
+    use std::os::unix::process::ExitStatusExt;
+    let by = status.signal().map_or_else(String::new, |number| format!(" by signal {number}"));
+    format!("the process was ended{by}, as when memory runs out")
+}
+
+#[cfg(not(unix))]
+fn signal_text(_: ExitStatus) -> String {
+    "the process was ended from outside".to_owned()
+}

@@ -1,0 +1,290 @@
+//! `chordal batch`: one verb over many files, each in a process of its own.
+mod child;
+mod glob;
+mod inputs;
+mod manifest;
+mod plan;
+mod tally;
+mod verb;
+mod work;
+
+use crate::args::{ConsoleArgs, bytes};
+use crate::console::{Console, StdoutUse, print, printable};
+use crate::fault::{Exit, Fault, plainly};
+use crate::memory;
+use crate::output::OverwritePolicy;
+use crate::signal;
+use clap::Args;
+use inputs::BatchInputs;
+use manifest::{MANIFEST, Manifest, ManifestEntries};
+use plan::{BatchItem, OutputNaming, plan};
+use std::ffi::OsString;
+use std::fmt::Write;
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::thread;
+use std::time::{Duration, Instant};
+use verb::BatchVerb;
+use work::{BatchWork, child_words};
+
+/// `chordal batch`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Options of the verb stand after '--', those of the batch before. Patterns: '*' is any part of a name, '?' one character,
+'**' any folders; quote them, or let the shell expand them. A folder stands for all files below it whose extension is
+known. Outputs have the inputs' places below DIR.
+
+DIR/manifest.jsonl has one line for each file: hashes, words, exit code, bound, error. A file that was done with the same
+bytes and words is skipped, so that a batch that was stopped goes on where it was. Exit code 1 says that some files did
+not go well; the others are done.
+
+Examples:
+  chordal batch lod 'assets/**/*.glb' -o out -- --px 1
+  chordal batch mesh parts -o web --to glb --jobs 4 -- --tol 0.1%
+  chordal batch convert scans/*.ply -o printed --to 3mf -- --unit mm
+  chordal batch inspect models -o reports -- --require solid")]
+pub struct BatchArgs {
+    /// What to do with each file
+    #[arg(value_name = "VERB")]
+    pub verb: BatchVerb,
+
+    /// Files, folders and patterns
+    #[arg(value_name = "IN", required = true)]
+    pub inputs: Vec<PathBuf>,
+
+    /// The folder for the outputs and the manifest; it is made if it is missing
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+
+    /// The extension of the outputs, as in glb, ply or 3mf, instead of the usual one of the verb
+    #[arg(long, value_name = "EXTENSION")]
+    pub to: Option<String>,
+
+    /// The folder that the places of the inputs are counted from, instead of the one where this runs
+    #[arg(long, value_name = "FOLDER")]
+    pub base: Option<PathBuf>,
+
+    /// Keep the extension of the input in the name of the output: a.obj.glb
+    #[arg(long)]
+    pub keep_extension: bool,
+
+    /// How many files are done at once; as many as there are cores unless said
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub jobs: Option<u64>,
+
+    /// The most seconds that one file may take
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub timeout: Option<Duration>,
+
+    /// The most memory for all files that are done at once, as in 8G; half of the machine's unless said. Each
+    /// gets its share
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub max_memory: Option<u64>,
+
+    /// Say what would be done, and do nothing
+    #[arg(long)]
+    pub dry_run: bool,
+
+    /// Do again what was done before
+    #[arg(long)]
+    pub redo: bool,
+
+    /// Replace files that have the name of an output and that no batch wrote
+    #[arg(long)]
+    pub force: bool,
+
+    /// Options of the verb
+    #[arg(last = true, value_name = "OPTIONS", allow_hyphen_values = true)]
+    pub options: Vec<String>,
+
+    #[command(flatten)]
+    pub console: ConsoleArgs,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let wrong = || "a number of seconds is above 0, as in 60 or 0.5".to_owned();
+    let seconds: f64 = text.parse().map_err(|_| wrong())?;
+    if seconds > 0.0 { Duration::try_from_secs_f64(seconds).map_err(|_| wrong()) } else { Err(wrong()) }
+}
+
+/// What the command that a batch is part of does for it.
+#[derive(Clone, Copy)]
+pub struct BatchCommand<'a> {
+    /// The words that start it again.
+    pub program: &'a [OsString],
+    /// Refuses words that make no sense to it.
+    pub check: &'a dyn Fn(Vec<OsString>) -> Result<(), Fault>,
+}
+
+/// Where the outputs stand and what is known of them.
+const WORK: &str = ".chordal-batch";
+
+/// Finds the files, does them, and says what it came to.
+pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
+    let started = Instant::now();
+    let console = Console::new(&args.console);
+    let naming = OutputNaming {
+        to: args.to.as_deref().map(|to| args.verb.extension_for(to)).transpose()?,
+        keeps_extension: args.keep_extension,
+    };
+    let inputs = BatchInputs::expand(&args.inputs, args.base.as_deref(), &args.output)?;
+    if inputs.left_out > 0 {
+        let n = inputs.left_out;
+        console
+            .warn("folders", &[format!("files whose extension is of no known format were left out ({n}x)")]);
+    }
+    let items = plan(inputs, args.verb, &naming)?;
+    let jobs = args.jobs.map_or_else(cores, |jobs| usize::try_from(jobs).unwrap_or(usize::MAX));
+    let jobs = jobs.min(items.len()).max(1);
+    let share = args.share(jobs);
+    args.check_words(&items, &share, command)?;
+    let cancel = Arc::new(AtomicBool::new(false));
+    let lock = if args.dry_run { None } else { Some(FolderLock::take(&args.output)?) };
+    signal::install(Arc::clone(&cancel));
+    let entries = ManifestEntries::read(&args.output)?;
+    if entries.n_wrong > 0 {
+        let n = entries.n_wrong;
+        console.warn(MANIFEST, &[format!("lines that are no entries were left where they are ({n}x)")]);
+    }
+    let work = BatchWork {
+        program: command.program,
+        verb: args.verb,
+        words: std::iter::once(args.verb.name().to_owned()).chain(args.options.iter().cloned()).collect(),
+        share,
+        folder: &args.output,
+        work_folder: lock.as_ref().map_or_else(PathBuf::new, |lock| lock.work_folder.clone()),
+        timeout: args.timeout,
+        existing: if args.force { OverwritePolicy::Replace } else { OverwritePolicy::Keep },
+        redo: args.redo,
+        entries: &entries,
+        cancel: &cancel,
+        console: &console,
+    };
+    if args.dry_run {
+        return print(&printable(&list(&work, &items)));
+    }
+    let manifest = Manifest::open(&args.output, &entries)?;
+    let tally = work.run(&items, jobs, manifest)?;
+    drop(lock);
+    let path = args.output.join(MANIFEST).display().to_string();
+    let seconds = started.elapsed().as_secs_f64();
+    let text = tally.text(&args.output.display().to_string(), seconds);
+    console.result(&tally.to_value(&path, seconds), &text, StdoutUse::Free)?;
+    if tally.not_well() == 0 {
+        return Ok(());
+    }
+    let message = format!("{} of {} files did not go well: {path} says why", tally.not_well(), tally.files);
+    Err(Fault { reported: true, ..Fault::new(Exit::CheckFailed, "some-failed", message) })
+}
+
+impl BatchArgs {
+    /// The options for a share of the threads and of the memory, where the words of the verb do not have them.
+    fn share(&self, jobs: usize) -> Vec<String> {
+        let says = |name: &str| self.options.iter().any(|word| word.split('=').next() == Some(name));
+        let mut share = Vec::new();
+        if !self.verb.is_report() && !says("--threads") {
+            share.extend(["--threads".to_owned(), (cores() / jobs).max(1).to_string()]);
+        }
+        if let Some(all) = self.max_memory.or_else(memory::default_limit).filter(|_| !says("--max-memory")) {
+            share.extend(["--max-memory".to_owned(), (all / jobs as u64).max(1).to_string()]);
+        }
+        share
+    }
+
+    /// Refuses options that the verb does not take, once and not for every file.
+    fn check_words(&self, items: &[BatchItem], share: &[String], command: BatchCommand) -> Result<(), Fault> {
+        for word in &self.options {
+            let name = word.split('=').next().unwrap_or_default();
+            if ["--to", "--output", "-o"].contains(&name) {
+                let message = format!("{name} is an option of the batch: it stands before the '--'");
+                return Err(Fault::usage(message));
+            }
+        }
+        let Some(item) = items.first() else { return Ok(()) };
+        let mut words: Vec<OsString> = vec!["chordal".into()];
+        words.extend(child_words(self.verb, &item.file.path, &item.output));
+        words.extend(share.iter().chain(&self.options).map(OsString::from));
+        (command.check)(words)
+    }
+}
+
+fn cores() -> usize {
+    thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// What would be done.
+fn list(work: &BatchWork, items: &[BatchItem]) -> String {
+    let mut text = String::new();
+    for item in items {
+        let how = if work.is_done(item).is_some() { "skip" } else { "do  " };
+        let (input, output) = (item.file.path.display(), work.folder.join(&item.output));
+        // Writing to a text does not fail.
+        let _ = writeln!(text, "{how} {input} -> {}", output.display());
+    }
+    text
+}
+
+/// The right to work in a folder. The system takes it back when the process ends, however that ends.
+#[derive(Debug)]
+struct FolderLock {
+    /// Open as long as the right is held.
+    _file: File,
+    /// Where processes write, empty at first.
+    work_folder: PathBuf,
+}
+
+impl FolderLock {
+    fn take(folder: &Path) -> Result<Self, Fault> {
+        let own = folder.join(WORK);
+        let failed = |error: std::io::Error| {
+            Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error)))
+        };
+        fs::create_dir_all(&own).map_err(failed)?;
+        let file = File::options()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(own.join("lock"))
+            .map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let message = format!("{}: another batch works in this folder", folder.display());
+                return Err(Fault::output("locked", message));
+            }
+            Err(TryLockError::Error(error)) => return Err(failed(error)),
+        }
+        // What a kill left. Its processes may still end there, so that this run has a folder of its own.
+        for entry in fs::read_dir(&own).map_err(failed)?.flatten() {
+            if entry.file_name() != "lock" {
+                let _ = fs::remove_dir_all(entry.path());
+            }
+        }
+        let work_folder = own.join(std::process::id().to_string());
+        fs::create_dir_all(&work_folder).map_err(failed)?;
+        signal::set_work_folder(Some(work_folder.clone()));
+        Ok(Self { _file: file, work_folder })
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        signal::set_work_folder(None);
+        let _ = fs::remove_dir_all(&self.work_folder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_of_time_is_a_number_of_seconds() {
+        assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));
+        for text in ["", "0", "-1", "inf", "nan", "1h", "1e300"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The verbs that a batch runs: which outputs they write, and which options they share.
+use crate::fault::Fault;
+use chordal_io::Format;
+use chordal_verbs::extension;
+use clap::ValueEnum;
+use std::path::Path;
+
+/// A verb that reads one file and writes one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BatchVerb {
+    /// Triangles or polylines; .glb unless --to says otherwise
+    Mesh,
+    /// Levels of detail; .glb
+    Lod,
+    /// Cured triangles; in the format of the input, or .glb
+    Mend,
+    /// Distances on a lattice; .nrrd
+    Bake,
+    /// Pictures; .png
+    Render,
+    /// The same shapes; .glb
+    Convert,
+    /// Reports; .json
+    Inspect,
+}
+
+impl BatchVerb {
+    /// Its word on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mesh => "mesh",
+            Self::Lod => "lod",
+            Self::Mend => "mend",
+            Self::Bake => "bake",
+            Self::Render => "render",
+            Self::Convert => "convert",
+            Self::Inspect => "inspect",
+        }
+    }
+
+    /// Whether its result is its report.
+    pub fn is_report(self) -> bool {
+        self == Self::Inspect
+    }
+
+    /// The extension of the output for an input, where nobody says it.
+    pub fn usual_extension(self, input: &Path) -> String {
+        match self {
+            Self::Mesh | Self::Lod | Self::Convert => "glb".to_owned(),
+            Self::Bake => "nrrd".to_owned(),
+            Self::Render => "png".to_owned(),
+            Self::Inspect => "json".to_owned(),
+            Self::Mend => {
+                let name = input.to_string_lossy();
+                let own = extension(&name).and_then(Format::from_extension);
+                own.filter(|format| format.holds_triangles()).unwrap_or(Format::Glb).to_string()
+            }
+        }
+    }
+
+    /// The extension for what `--to` says.
+    ///
+    /// # Errors
+    /// When that is nothing that the verb writes.
+    pub fn extension_for(self, to: &str) -> Result<String, Fault> {
+        let name = self.name();
+        let refuse = |which: &str| Err(Fault::usage(format!("--to {to}: {name} writes {which}")));
+        let format = to.parse::<Format>().ok();
+        let is_held = |holds: &[fn(Format) -> bool]| {
+            format.filter(|format| holds.iter().any(|holds| holds(*format))).map(|format| format.to_string())
+        };
+        let mesh: [fn(Format) -> bool; 3] =
+            [Format::holds_triangles, Format::holds_polylines, Format::holds_volumes];
+        let lower = to.trim_start_matches('.').to_ascii_lowercase();
+        let (found, which) = match self {
+            Self::Render => return if lower == "png" { Ok(lower) } else { refuse("png") },
+            Self::Inspect => return if lower == "json" { Ok(lower) } else { refuse("json") },
+            Self::Lod => return if lower == "glb" { Ok(lower) } else { refuse("glb") },
+            Self::Bake => (is_held(&mesh[2..]), "npy and nrrd"),
+            Self::Mesh => (is_held(&mesh[..2]), "formats of triangles and of polylines"),
+            Self::Mend => (is_held(&mesh[..1]), "formats of triangles"),
+            Self::Convert => (is_held(&mesh), "formats that are not only read"),
+        };
+        found.map_or_else(|| refuse(which), Ok)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_have_extensions_that_their_verb_writes() {
+        assert_eq!(BatchVerb::Mend.usual_extension(Path::new("a/b.STL")), "stl");
+        assert_eq!(BatchVerb::Mend.usual_extension(Path::new("a.star")), "glb");
+        assert_eq!(BatchVerb::Convert.extension_for(".PLY").ok().as_deref(), Some("ply"));
+        assert_eq!(BatchVerb::Bake.extension_for("npy").ok().as_deref(), Some("npy"));
+        for (verb, to) in [
+            (BatchVerb::Bake, "obj"),
+            (BatchVerb::Mesh, "nrrd"),
+            (BatchVerb::Render, "jpg"),
+            (BatchVerb::Lod, "obj"),
+            (BatchVerb::Convert, "nii"),
+            (BatchVerb::Mend, "../x"),
+        ] {
+            assert!(verb.extension_for(to).is_err(), "{to}");
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! The work of a batch: each file in a process, some of them at once, each result recorded and put in its
+//! place.
+use super::child::{self, ChildEnd};
+use super::manifest::{Manifest, ManifestEntries, ManifestEntry};
+use super::plan::BatchItem;
+use super::tally::{BatchProgress, BatchTally};
+use super::verb::BatchVerb;
+use crate::console::Console;
+use crate::fault::{Exit, Fault, plainly};
+use crate::input::InputSource;
+use crate::output::{OverwritePolicy, refuse_input, refuse_occupied};
+use chordal_verbs::sha256_of;
+use serde_json::Value;
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Files whose errors are told as they end; the manifest has all.
+const MOST_TOLD: u64 = 10;
+
+/// What holds for all files of a batch.
+#[derive(Debug)]
+pub struct BatchWork<'a> {
+    /// The words that start this command again.
+    pub program: &'a [OsString],
+    /// The verb.
+    pub verb: BatchVerb,
+    /// The verb with its options, as the manifest has it.
+    pub words: Vec<String>,
+    /// The share of threads and of memory that each process gets, as options.
+    pub share: Vec<String>,
+    /// Where the outputs stand.
+    pub folder: &'a Path,
+    /// Where processes write before that.
+    pub work_folder: PathBuf,
+    /// How long one may take.
+    pub timeout: Option<Duration>,
+    /// What happens to files that have the name of an output and are none.
+    pub existing: OverwritePolicy,
+    /// Whether files are done again that were done before.
+    pub redo: bool,
+    /// What was done before.
+    pub entries: &'a ManifestEntries,
+    /// Set when somebody asks to stop.
+    pub cancel: &'a AtomicBool,
+    /// Who is told.
+    pub console: &'a Console,
+}
+
+/// How one file ended.
+enum ItemEnd {
+    /// It was done before.
+    Skipped(ManifestEntry),
+    /// It was done now; what it made is at that path, if it made anything.
+    Done(Box<ManifestEntry>, Option<PathBuf>),
+    /// Somebody asked to stop.
+    Interrupted,
+}
+
+/// What the threads share.
+struct BatchState {
+    manifest: Manifest,
+    tally: BatchTally,
+    progress: BatchProgress,
+    /// Why no further file is begun.
+    fault: Option<Fault>,
+}
+
+impl BatchWork<'_> {
+    /// Does all items, so many at once, and returns the counts.
+    ///
+    /// # Errors
+    /// When the manifest cannot be written, or somebody asked to stop.
+    pub fn run(&self, items: &[BatchItem], jobs: usize, manifest: Manifest) -> Result<BatchTally, Fault> {
+        let sizes: Vec<u64> =
+            items.iter().map(|item| fs::metadata(&item.file.path).map_or(0, |found| found.len())).collect();
+        let state = Mutex::new(BatchState {
+            manifest,
+            tally: BatchTally { files: items.len() as u64, ..BatchTally::default() },
+            progress: BatchProgress::new(sizes.iter().sum(), self.console.shows_progress()),
+            fault: None,
+        });
+        let next = AtomicUsize::new(0);
+        thread::scope(|scope| {
+            for _ in 0..jobs.min(items.len()) {
+                scope.spawn(|| {
+                    while lock(&state).fault.is_none() {
+                        let number = next.fetch_add(1, Ordering::Relaxed);
+                        let Some(item) = items.get(number) else { return };
+                        let end = self.item(number, item);
+                        let mut state = lock(&state);
+                        if let Err(fault) = self.record(item, end, sizes[number], &mut state) {
+                            state.fault.get_or_insert(fault);
+                        }
+                    }
+                });
+            }
+        });
+        let state = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        state.progress.finish();
+        state.fault.map_or(Ok(state.tally), Err)
+    }
+
+    /// Whether a file was done before, with the same bytes, words and version, and its output is still there.
+    pub fn is_done(&self, item: &BatchItem) -> Option<&ManifestEntry> {
+        let entry = self.entries.by_input.get(&item.input_name).filter(|_| !self.redo)?;
+        let is_same = entry.exit == Some(0)
+            && entry.words == self.words
+            && entry.version == VERSION
+            && entry.output == item.output_name;
+        let has = |path: &Path, sha256: &Option<String>| sha256.is_some() && digest(path).ok() == *sha256;
+        let output = self.folder.join(&item.output);
+        (is_same && has(&item.file.path, &entry.input_sha256) && has(&output, &entry.output_sha256))
+            .then_some(entry)
+    }
+
+    fn item(&self, number: usize, item: &BatchItem) -> ItemEnd {
+        if let Some(entry) = self.is_done(item) {
+            return ItemEnd::Skipped(entry.clone());
+        }
+        let started = Instant::now();
+        let mut entry = ManifestEntry {
+            input: item.input_name.clone(),
+            version: VERSION.to_owned(),
+            words: self.words.clone(),
+            output: item.output_name.clone(),
+            ..ManifestEntry::default()
+        };
+        let fail = |mut entry: ManifestEntry, fault: &Fault| {
+            entry.input_sha256 = digest(&item.file.path).ok();
+            entry.exit = Some(fault.exit as i32);
+            entry.code = Some(fault.code.to_owned());
+            entry.error = Some(fault.lines.join("; "));
+            entry.seconds = started.elapsed().as_secs_f64();
+            ItemEnd::Done(Box::new(entry), None)
+        };
+        let is_ours = self.entries.outputs.contains(&item.output_name);
+        let existing = if is_ours { OverwritePolicy::Replace } else { self.existing };
+        let output = self.folder.join(&item.output);
+        let input = InputSource::File(item.file.path.clone());
+        if let Err(fault) = refuse_input(&output, &input).and_then(|()| refuse_occupied(&output, existing)) {
+            return fail(entry, &fault);
+        }
+        let made = self.work_folder.join(format!("{number}.{}", item.extension));
+        let end = match child::run(&mut self.command(item, &made), self.timeout) {
+            Ok(end) => end,
+            Err(error) => {
+                let message = format!("the command cannot be started: {}", plainly(&error));
+                return fail(entry, &Fault::output("not-started", message));
+            }
+        };
+        if self.cancel.load(Ordering::Relaxed) || end.exit == Some(Exit::Interrupted as i32) {
+            return ItemEnd::Interrupted;
+        }
+        if self.verb.is_report()
+            && is_report(&end.stdout)
+            && let Err(error) = fs::write(&made, &end.stdout)
+        {
+            return fail(
+                entry,
+                &Fault::output("unwritable", format!("{}: {}", made.display(), plainly(&error))),
+            );
+        }
+        describe(&mut entry, &end);
+        // What a process that was ended has left is no output.
+        entry.output_sha256 = end.exit.and_then(|_| digest(&made).ok());
+        entry.input_sha256 = entry.input_sha256.take().or_else(|| digest(&item.file.path).ok());
+        if entry.exit == Some(0) && entry.output_sha256.is_none() {
+            return fail(entry, &Fault::output("no-output", "the verb ended well and wrote no output"));
+        }
+        entry.seconds = started.elapsed().as_secs_f64();
+        let made = entry.output_sha256.is_some().then_some(made);
+        ItemEnd::Done(Box::new(entry), made)
+    }
+
+    fn command(&self, item: &BatchItem, made: &Path) -> Command {
+        let mut words = self.program.iter();
+        let mut command = Command::new(words.next().cloned().unwrap_or_default());
+        command.args(words).args(child_words(self.verb, &item.file.path, made));
+        command.args(&self.share).args(&self.words[1..]);
+        command
+    }
+
+    /// Writes the line of a file, and then gives its output its name: a kill between the two leaves a line
+    /// without an output, which is done again.
+    fn record(
+        &self,
+        item: &BatchItem,
+        end: ItemEnd,
+        bytes: u64,
+        state: &mut BatchState,
+    ) -> Result<(), Fault> {
+        let (entry, is_skipped) = match end {
+            ItemEnd::Interrupted => return Err(Fault::interrupted()),
+            ItemEnd::Skipped(entry) => (Box::new(entry), true),
+            ItemEnd::Done(mut entry, made) => {
+                state.manifest.append(&entry)?;
+                let put = made.map_or(Ok(()), |made| put_in_place(&made, &self.folder.join(&item.output)));
+                if let Err(fault) = put {
+                    entry.output_sha256 = None;
+                    entry.exit = Some(fault.exit as i32);
+                    entry.code = Some(fault.code.to_owned());
+                    entry.error = Some(fault.lines.join("; "));
+                    state.manifest.append(&entry)?;
+                }
+                (entry, false)
+            }
+        };
+        state.tally.add(&entry, is_skipped);
+        state.progress.advance(bytes, is_skipped, &state.tally);
+        let seconds = entry.seconds;
+        state.progress.aside(|| match &entry.error {
+            _ if is_skipped => self.console.detail(&format!("{}: was done before", entry.input)),
+            Some(error) if state.tally.not_well() <= MOST_TOLD => self.console.failure(&told(&entry, error)),
+            Some(error) => self.console.detail(&told(&entry, error)),
+            None => self.console.detail(&format!("{} -> {}: {seconds:.2} s", entry.input, entry.output)),
+        });
+        Ok(())
+    }
+}
+
+/// The version of this program, which its outputs depend on.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The words of the verb for one file, without those that are the same for all.
+pub fn child_words(verb: BatchVerb, input: &Path, output: &Path) -> Vec<OsString> {
+    // A name that begins like an option.
+    let is_dashed = input.as_os_str().as_encoded_bytes().starts_with(b"-");
+    let input = if is_dashed { Path::new(".").join(input) } else { input.to_owned() };
+    let mut words: Vec<OsString> = vec![verb.name().into(), input.into(), "--json".into()];
+    if !verb.is_report() {
+        words.extend(["-o".into(), output.into()]);
+    }
+    words
+}
+
+/// The sentence, which names the file as the verb does.
+fn told(entry: &ManifestEntry, error: &str) -> String {
+    if error.contains(&entry.input) { error.to_owned() } else { format!("{}: {error}", entry.input) }
+}
+
+fn lock(state: &Mutex<BatchState>) -> MutexGuard<'_, BatchState> {
+    state.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn digest(path: &Path) -> io::Result<String> {
+    sha256_of(&mut File::open(path)?)
+}
+
+/// Whether a process said what it found.
+fn is_report(stdout: &[u8]) -> bool {
+    let report: Option<Value> = serde_json::from_slice(stdout).ok();
+    report.is_some_and(|report| report.get("certificate").is_some())
+}
+
+/// What the process says of its file.
+fn describe(entry: &mut ManifestEntry, end: &ChildEnd) {
+    let report: Value = serde_json::from_slice(&end.stdout).unwrap_or_default();
+    let text = |place: &str| report.pointer(place).and_then(Value::as_str).map(str::to_owned);
+    let count = |place: &str| report.pointer(place).and_then(Value::as_u64);
+    entry.exit = end.exit;
+    entry.input_sha256 = text("/certificate/input/sha256");
+    entry.bound = report.pointer("/certificate/bound/at_most").and_then(Value::as_f64);
+    entry.triangles_in = count("/run/input_triangles");
+    entry.triangles_out = count("/certificate/output/triangles");
+    entry.code = text("/error/code");
+    if end.exit == Some(0) {
+        return;
+    }
+    let messages = report.pointer("/error/messages").and_then(Value::as_array);
+    let messages: Vec<&str> = messages.into_iter().flatten().filter_map(Value::as_str).collect();
+    let said = (!messages.is_empty()).then(|| messages.join("; "));
+    entry.error = end.why.clone().or(said).or_else(|| last_line(&end.stderr));
+    entry.error.get_or_insert_with(|| format!("it ended with {}", end.exit.unwrap_or_default()));
+}
+
+/// The last sentence on stderr.
+fn last_line(stderr: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(stderr);
+    let line = text.lines().rev().find(|line| !line.trim().is_empty())?;
+    Some(line.strip_prefix("chordal: ").unwrap_or(line).to_owned())
+}
+
+fn put_in_place(made: &Path, output: &Path) -> Result<(), Fault> {
+    let folder = output.parent().unwrap_or(Path::new("."));
+    let done = fs::create_dir_all(folder).and_then(|()| fs::rename(made, output));
+    done.map_err(|error| Fault::output("unwritable", format!("{}: {}", output.display(), plainly(&error))))
+}

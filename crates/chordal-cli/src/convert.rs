@@ -1,0 +1,136 @@
+//! `chordal convert`
+use crate::args::{ConsoleArgs, InputArgs};
+use crate::clock::Clock;
+use crate::console::Console;
+use crate::execution;
+use crate::fault::Fault;
+use crate::input::InputSource;
+use crate::inspect_text::quoted;
+use crate::load;
+use crate::output::{OutputTarget, OverwritePolicy};
+use crate::output_format::writable_format;
+use crate::output_set::OutputSetArgs;
+use crate::spelling::CommandLine;
+use crate::summary::{self, SummaryLines};
+use chordal::budget::advice::Spell;
+use chordal_io::Format;
+use chordal_verbs::report::{Report, RunFacts};
+use chordal_verbs::{Shape, convert, needs_mesh, polygons_lose_no_more};
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// `chordal convert`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Nothing is made simpler, merged or repaired. The bound is the rounding to the format, and what the format does not hold
+is listed. Smooth shapes become triangles by `mesh`, which takes a budget.
+
+Examples:
+  chordal convert part.stl part.3mf --unit mm
+  chordal convert scene.gltf scene.glb
+  chordal convert quads.obj quads.ply
+  chordal convert samples.npy samples.nrrd
+  chordal convert part.obj -o - --to stl > part.stl")]
+pub struct ConvertArgs {
+    /// The file to write; '-' writes to stdout. -o says it, too
+    #[arg(value_name = "OUT", index = 2, required_unless_present = "output_option")]
+    pub output: Option<PathBuf>,
+
+    /// The file to write, as other verbs have it
+    #[arg(
+        short = 'o',
+        long = "output",
+        value_name = "OUT",
+        conflicts_with = "output",
+        help_heading = "Output"
+    )]
+    pub output_option: Option<PathBuf>,
+
+    /// The format of the output, instead of what its name says
+    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
+    pub to: Option<Format>,
+
+    /// Replace the output if it exists
+    #[arg(long, help_heading = "Output")]
+    pub force: bool,
+
+    /// Threads to use; 0 means all. The result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Output")]
+    pub threads: usize,
+
+    #[command(flatten)]
+    pub set: OutputSetArgs,
+
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub console: ConsoleArgs,
+}
+
+/// Reads, converts, writes, reports.
+pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
+    let clock = Clock::start();
+    let console = Console::new(&args.console);
+    // One of the two is there, by the rules of the arguments.
+    let output = args.output.as_ref().or(args.output_option.as_ref());
+    let output = output.ok_or_else(|| Fault::usage("there is no output: name a file"))?;
+    let to = writable_format(output, args.to)?;
+    let stdout = execution::stdout_for(output, &args.console)?;
+    let source = InputSource::from_arg(&args.input.input);
+    let job = execution::job_on_threads(&args.input, args.threads, &console);
+    let existing = if args.force { OverwritePolicy::Replace } else { OverwritePolicy::Keep };
+    let target = OutputTarget::prepare(output, existing, &source)?;
+    args.set.check(&target, to)?;
+    let prefers = |polygons: &_, triangles: &_| polygons_lose_no_more(polygons, triangles, to);
+    let input = load::read_polygons(&args.input, &console, prefers)?;
+    let input_triangles = input.shape.n_triangles();
+    let name = source.name();
+    if needs_mesh(&input.shape, to) {
+        return Err(Fault::usage(mesh_advice(&input.shape, &name, output)));
+    }
+    let outcome =
+        convert(input, to).spelled(&CommandLine).map_err(|failure| execution::fault(&name, &failure, ""))?;
+    let (places, one) =
+        ((&target, args.input.input.as_path()), &mut |out: &mut dyn Write| outcome.write(out));
+    let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let run = RunFacts { input_triangles, ..execution::facts("convert", name, target.name(), bytes) };
+    let report = Report::new(outcome.certificate, clock.fill(run, &job));
+    console.result(&report.to_value(), &summary_text(&report), stdout)
+}
+
+/// The verb that makes of the shape what the format holds, and its budget.
+fn mesh_advice(shape: &Shape, input: &str, output: &Path) -> String {
+    let output = quoted(&output.display().to_string());
+    let command = format!("chordal mesh {} -o {output}", quoted(input));
+    match shape {
+        Shape::Volume(_) => {
+            format!("{input}: a volume becomes the triangles of a surface of its samples: {command}")
+        }
+        Shape::Cage(_) => format!(
+            "{input}: this format holds no polygons: {command} --tol 0.1% makes triangles of the smooth surface, \
+             and --level 0 in its place those of the polygons"
+        ),
+        Shape::Drawing(_) | Shape::Curves(_) => {
+            format!("{input}: curves become polylines or triangles within a budget: {command} --tol 0.1%")
+        }
+        _ => format!("{input}: {} become triangles within a budget: {command} --tol 0.1%", kind(shape)),
+    }
+}
+
+fn kind(shape: &Shape) -> &'static str {
+    if matches!(shape, Shape::Field(_)) { "fields" } else { shape.kind() }
+}
+
+/// What every verb says of a result, and what the format does not hold.
+fn summary_text(report: &Report) -> String {
+    let (certificate, run) = (&report.certificate, &report.run);
+    let mut lines = SummaryLines::of_run(run);
+    if let Some(output) = &certificate.output {
+        summary::add_output(&mut lines, output);
+    }
+    lines.add_if("bound", certificate.bound.as_ref().map(summary::bound));
+    certificate.notes.iter().for_each(|note| lines.add("note", &**note));
+    lines.finish_run(run)
+}

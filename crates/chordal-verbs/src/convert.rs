@@ -1,0 +1,359 @@
+//! `convert`: the same shape in another format, with a note for everything that it does not hold.
+use crate::finish::finish_triangles;
+use crate::pass_through::pass_through;
+use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts};
+use crate::request::MeshRequest;
+use crate::straight::{line_losses, straight_lines};
+use crate::{Input, MeshFailure, Shape, Tessellation, formats};
+use chordal::Mesh;
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::{Bound, Budget, Reference};
+use chordal::explicit::Semantic;
+use chordal::implicit::Affine3;
+use chordal_io::{
+    FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, WriteError, losses,
+    losses_of_polygons, write, write_files, write_polygons, write_polylines, write_volume,
+};
+use serde_json::Value;
+use std::io::Write;
+
+/// A shape in the form in which its format holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ConvertedShape {
+    /// Triangles.
+    Triangles(Scene),
+    /// Polygons of any number of corners.
+    Polygons(Polygons),
+    /// Polylines.
+    Polylines(Polylines),
+    /// Samples on a lattice.
+    Volume(Volume),
+}
+
+/// A converted shape with its bound and certificate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvertOutcome {
+    /// The shape to write.
+    pub made: ConvertedShape,
+    /// The output format.
+    pub format: Format,
+    /// The distance to the input's shape: the rounding to the format.
+    pub bound: Bound,
+    /// The bound and more, for the file and the report.
+    pub certificate: Certificate,
+}
+
+impl ConvertOutcome {
+    /// Writes the shape, and the certificate where the format can carry it. Samples keep the certificate that
+    /// they came with: they are the same to the bit, so that it still holds.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+        let certificate = self.certificate.to_value();
+        match &self.made {
+            ConvertedShape::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
+            ConvertedShape::Polygons(polygons) => {
+                write_polygons(polygons, Some(&certificate), self.format, out)
+            }
+            ConvertedShape::Polylines(polylines) => {
+                write_polylines(polylines, Some(&certificate), self.format, out)
+            }
+            ConvertedShape::Volume(volume) => {
+                let kept = volume.certificate.as_ref();
+                write_volume(volume, Some(kept.unwrap_or(&certificate)), self.format, out)
+            }
+        }
+    }
+
+    /// Writes the same as a document and files beside it, whose names begin with `stem`, where the format has
+    /// such files.
+    ///
+    /// # Errors
+    /// As for [`Self::write`].
+    pub fn write_files(&self, stem: &str) -> Result<FileSet<'_>, WriteError> {
+        if let ConvertedShape::Triangles(scene) = &self.made {
+            return write_files(scene, Some(&self.certificate.to_value()), self.format, stem);
+        }
+        let mut document = Vec::new();
+        self.write(&mut document)?;
+        Ok(FileSet { document, beside: Vec::new() })
+    }
+}
+
+/// The same shape in another format: triangles, polygons, straight lines or samples, as they are. Nothing is
+/// made simpler, merged or repaired, and no normals are made.
+///
+/// The bound is the rounding to the format, transforms that it has no nodes for included; 0 where it keeps
+/// every digit. [`Certificate::notes`] names what the format does not hold. Time is linear in the shape.
+///
+/// # Errors
+/// When the format does not hold the shape, or would hold only a mesh of it, which takes a budget; see
+/// [`needs_mesh`]. When a coordinate does not fit the format.
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{FormatHint, convert, load};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 0.1 0\nf 1 2 3\n";
+/// let input = load(obj, FormatHint { name: Some("triangle.obj"), ..FormatHint::default() }, &Default::default())?;
+/// let outcome = convert(input, Format::Stl)?;
+/// assert!((1e-10..1e-8).contains(&outcome.bound.at_most().unwrap())); // 0.1 in single precision
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn convert(mut input: Input, to: Format) -> Result<ConvertOutcome, MeshFailure> {
+    check_format(&input.shape, to).map_err(MeshFailure::Usage)?;
+    let mut certificate = Certificate::from_input(&input);
+    certificate.notes.extend(polygons_note(&input, to));
+    certificate.notes.extend(left_out_certificate(&mut input.shape));
+    let place = input.shape.hull()?;
+    let (made, bound) = match input.shape {
+        Shape::Scene(scene) => {
+            certificate.notes.extend(frame_losses(&scene, to));
+            certificate.notes.extend(structure_losses(&scene, to));
+            let (scene, bound) = pass_through(scene, to, &mut certificate.notes)?;
+            let request = MeshRequest::new(Budget::default(), to, place);
+            let outcome = finish_triangles(scene, bound, &request, certificate)?;
+            let Tessellation::Triangles(scene) = outcome.made else {
+                return Err(MeshFailure::Usage(needs_mesh_message("triangles")));
+            };
+            let (bound, certificate) = (outcome.bound, outcome.certificate);
+            return Ok(ConvertOutcome {
+                made: ConvertedShape::Triangles(scene),
+                format: to,
+                bound,
+                certificate,
+            });
+        }
+        Shape::Cage(polygons) => {
+            let lost = losses_of_polygons(&polygons, to);
+            certificate.notes.extend(lost.iter().map(|lost| lost.to_string().into()));
+            certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&polygons.cage)));
+            (ConvertedShape::Polygons(polygons), Bound::exact(Reference::InputTriangles))
+        }
+        Shape::Drawing(drawing) => {
+            certificate.notes.extend(line_losses(&drawing, to));
+            let (lines, slack) = straight_lines(&drawing.lines).ok_or_else(needs_polylines)?;
+            let polylines = Polylines::Plane(drawing.with_lines(lines));
+            (ConvertedShape::Polylines(polylines), Bound::proved(0.0, slack, Reference::Curves))
+        }
+        Shape::Curves(curves) => {
+            certificate.notes.extend(line_losses(&curves, to));
+            let (lines, slack) = straight_lines(&curves.lines).ok_or_else(needs_polylines)?;
+            let polylines = Polylines::Space(curves.with_lines(lines));
+            (ConvertedShape::Polylines(polylines), Bound::proved(0.0, slack, Reference::Curves))
+        }
+        Shape::Volume(sampled) => {
+            certificate.notes.extend(volume_losses(&sampled.volume, to));
+            (ConvertedShape::Volume(sampled.volume), Bound::exact(Reference::Trilinear))
+        }
+        Shape::Patches { .. } | Shape::Field(_) => {
+            return Err(MeshFailure::Usage(needs_mesh_message(input.shape.kind())));
+        }
+    };
+    if let ConvertedShape::Polylines(polylines) = &made {
+        certificate.output = Some(Output::Polylines(PolylineFacts::from_polylines(polylines)));
+    }
+    certificate.bound = Some(BoundFacts::new(&bound));
+    Ok(ConvertOutcome { made, format: to, bound, certificate })
+}
+
+/// Whether the format holds only what `mesh` makes of the shape: triangles of patches, fields, cages, volumes
+/// and outlines, polylines of curves that bend.
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{FormatHint, load, needs_mesh};
+/// let svg = b"<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L1 0L1 1Z'/></svg>";
+/// let drawing = load(svg, FormatHint::default(), &Default::default())?.shape;
+/// assert!(!needs_mesh(&drawing, Format::Json) && needs_mesh(&drawing, Format::Glb));
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+#[must_use]
+pub fn needs_mesh(shape: &Shape, to: Format) -> bool {
+    match shape {
+        Shape::Scene(_) => false,
+        Shape::Patches { .. } | Shape::Volume(_) => to.holds_triangles(),
+        Shape::Field(implicit) => {
+            to.holds_triangles() || to.holds_polylines() && !implicit.field.tape().axes()[2]
+        }
+        Shape::Cage(_) => to.holds_triangles() && !to.holds_polygons(),
+        Shape::Drawing(drawing) => {
+            to.holds_triangles() || to.holds_polylines() && straight_lines(&drawing.lines).is_none()
+        }
+        Shape::Curves(curves) => to.holds_polylines() && straight_lines(&curves.lines).is_none(),
+    }
+}
+
+/// Whether polygons in a file of the format lose no more than the triangles that a reader cut them into.
+/// `polygons` and `triangles` are the same file, read as a cage and as triangles.
+///
+/// In an OBJ they would: its tags would turn plain polygons into a cage for whoever reads them.
+#[must_use]
+pub fn polygons_lose_no_more(polygons: &Input, triangles: &Input, to: Format) -> bool {
+    let (Shape::Cage(cage), Shape::Scene(scene)) = (&polygons.shape, &triangles.shape) else { return false };
+    if !to.holds_polygons() || to == Format::Obj {
+        return false;
+    }
+    // A cage has no normals of its own.
+    let has_normals = scene.parts.iter().any(|part| part.mesh.attribute(&Semantic::Normal).is_some());
+    let lost = losses_of_polygons(cage, to).len() + usize::from(has_normals);
+    losses(scene, to).is_ok_and(|of_triangles| lost <= of_triangles.len())
+}
+
+/// The refusal of a shape that has to be meshed first.
+fn needs_mesh_message(kind: &str) -> Message {
+    format!("{kind} become triangles or polylines within a budget, and a conversion has none: mesh them")
+        .into()
+}
+
+fn needs_polylines() -> MeshFailure {
+    MeshFailure::Usage(
+        "curves that bend become polylines within a budget, and a conversion has none: mesh them".into(),
+    )
+}
+
+/// Refuses a format that cannot hold the shape as it is.
+fn check_format(shape: &Shape, to: Format) -> Result<(), Message> {
+    if !to.holds_triangles() && !to.holds_polylines() && !to.holds_volumes() {
+        return Err(format!("{to} is only read; what can be written is {}", formats::writable_names()).into());
+    }
+    if needs_mesh(shape, to) {
+        return Err(needs_mesh_message(shape.kind()));
+    }
+    let (what, holds): (_, fn(Format) -> bool) = match shape {
+        Shape::Scene(_) => ("triangles", Format::holds_triangles),
+        Shape::Cage(_) => ("polygons", Format::holds_polygons),
+        Shape::Volume(_) => ("volumes", Format::holds_volumes),
+        Shape::Curves(_) if to == Format::Svg => {
+            return Err("these curves are in space, which svg cannot hold: write json".into());
+        }
+        Shape::Drawing(_) | Shape::Curves(_) => ("polylines", Format::holds_polylines),
+        Shape::Patches { .. } | Shape::Field(_) => {
+            let kind = shape.kind();
+            return Err(format!(
+                "{to} does not hold {kind}, and no format that is written does: mesh them to one of {}",
+                formats::mesh_names()
+            )
+            .into());
+        }
+    };
+    if holds(to) {
+        return Ok(());
+    }
+    let names: Vec<String> = Format::all().filter(|format| holds(*format)).map(|f| f.to_string()).collect();
+    Err(format!("{to} does not hold {what}; {} do", names.join(", ")).into())
+}
+
+/// What is said where a reader cut polygons that the format could have held.
+fn polygons_note(input: &Input, to: Format) -> Option<Message> {
+    let was_cut = input.warnings.iter().any(|warning| warning.code == "polygons-cut");
+    (was_cut && input.format == Format::Obj && to.holds_polygons()).then(|| {
+        Message::from("polygons were cut into triangles, which keep their attributes: ")
+            .value(Setting::Surface, "catmull-clark")
+            .words(" keeps the polygons")
+    })
+}
+
+/// Takes the certificate of the input out, and says what it promised: the new one begins at the numbers of
+/// the input. That of samples stays.
+fn left_out_certificate(shape: &mut Shape) -> Option<Message> {
+    let certificate = match shape {
+        Shape::Scene(scene) => scene.certificate.take(),
+        Shape::Cage(polygons) => polygons.certificate.take(),
+        Shape::Drawing(drawing) => drawing.certificate.take(),
+        Shape::Curves(curves) => curves.certificate.take(),
+        Shape::Patches { .. } | Shape::Field(_) | Shape::Volume(_) => None,
+    }?;
+    let at_most = certificate.pointer("/bound/at_most").and_then(Value::as_f64);
+    let promised = at_most.map_or(String::new(), |most| format!(", of a bound of at most {most},"));
+    Some(
+        format!("the certificate of the input{promised} was left out: this one begins at its numbers").into(),
+    )
+}
+
+/// What a format without nodes does not say of the space of a scene.
+fn frame_losses(scene: &Scene, to: Format) -> Vec<Message> {
+    if to.has_nodes() {
+        return Vec::new();
+    }
+    let unit = scene.frame.metres_per_unit.map(|metres| format!("{to} holds no unit: one is {metres} m"));
+    let up = scene.frame.up.map(|up| format!("{to} does not say which axis is up: it is {}", up.letter()));
+    unit.into_iter().chain(up).map(Message::from).collect()
+}
+
+/// What formats without nodes, without parts or without vertices of their own do not hold of a scene.
+fn structure_losses(scene: &Scene, to: Format) -> Vec<Message> {
+    let mut lost = Vec::new();
+    let mut count = |n: usize, what: String| {
+        if n > 0 {
+            lost.push(Message::from(format!("{what} ({n}x)")));
+        }
+    };
+    let plain = Node::default();
+    let says_more = |node: &&Node| {
+        let part = node.part.and_then(|part| scene.parts.get(part));
+        node.matrix != plain.matrix
+            || !node.children.is_empty()
+            || !node.properties.is_empty()
+            || part.is_none_or(|part| part.name != node.name)
+    };
+    if !to.has_nodes() {
+        let n = scene.nodes.iter().filter(says_more).count();
+        count(n, format!("{to} holds no nodes: the triangles stand where these place them"));
+    }
+    if matches!(to, Format::Ply | Format::Off | Format::Stl) {
+        let n = scene.parts.iter().filter(|part| !part.name.is_empty()).count();
+        count(n, format!("{to} holds no names of parts"));
+    }
+    if to.vertex_rows() == VertexRows::Soup {
+        let n = scene.parts.iter().map(|part| n_unused(&part.mesh)).sum();
+        count(n, format!("{to} holds no vertices beside those of its triangles"));
+    }
+    lost
+}
+
+/// Vertices that no face names.
+fn n_unused(mesh: &Mesh) -> usize {
+    let mut used = vec![false; mesh.positions().len()];
+    mesh.faces().as_flattened().iter().for_each(|vertex| used[*vertex as usize] = true);
+    used.iter().filter(|used| !**used).count()
+}
+
+/// What a format does not hold of a volume.
+fn volume_losses(volume: &Volume, to: Format) -> Vec<Message> {
+    let mut lost = Vec::new();
+    let mut add = |is_lost: bool, what: String| {
+        if is_lost {
+            lost.push(Message::from(what));
+        }
+    };
+    let frame = volume.frame;
+    if to == Format::Npy {
+        let affine = volume.grid.affine();
+        let is_plain = *affine == Affine3::IDENTITY || is_reversed(affine);
+        add(
+            !is_plain,
+            "npy holds no place and no step of a lattice: those of the input were left out".into(),
+        );
+        add(!volume.name.is_empty(), "npy holds no name".into());
+        add(volume.space.is_some(), "npy does not say what the axes of space are".into());
+        add(volume.certificate.is_some(), "npy holds no certificate: that of the input was left out".into());
+    }
+    if let Some(metres) = frame.metres_per_unit {
+        let is_held = to == Format::Nrrd && NRRD_UNITS.contains(&metres);
+        add(!is_held, format!("{to} does not hold the unit: one is {metres} m"));
+    }
+    if let Some(up) = frame.up {
+        add(true, format!("{to} does not say which axis is up: it is {}", up.letter()));
+    }
+    lost
+}
+
+/// The units that NRRD's writer has names for, in metres: metre, centimetre, millimetre, micrometre.
+const NRRD_UNITS: [f64; 4] = [1.0, 0.01, 0.001, 1e-6];
+
+/// Whether lattice index (k, j, i) is the point (i, j, k), as for arrays whose last index runs fastest.
+fn is_reversed(affine: &Affine3) -> bool {
+    let rows = [[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
+    Affine3::new(rows).is_ok_and(|reversed| *affine == reversed)
+}
