@@ -103,7 +103,7 @@ impl FolderWalk {
         }
         let parts: Vec<&OsStr> = input.components().map(Component::as_os_str).collect();
         let is_wild = |part: &&OsStr| part.to_str().is_some_and(has_wildcard);
-        let n_fixed = parts.iter().position(|part| is_wild(part)).unwrap_or(parts.len());
+        let n_fixed = parts.iter().position(is_wild).unwrap_or(parts.len());
         let start: PathBuf = parts[..n_fixed].iter().collect();
         self.expand_parts(&start, &parts[n_fixed..])?;
         Ok(start)
@@ -131,10 +131,13 @@ impl FolderWalk {
                 EntryKind::Folder if pattern == "**" && matches("*", name) && !self.is_output(&path) => {
                     self.expand_parts(&path, parts)?;
                 }
-                EntryKind::Folder if !rest.is_empty() && pattern != "**" && matches(pattern, name) => {
-                    if !self.is_output(&path) {
-                        self.expand_parts(&path, rest)?;
-                    }
+                EntryKind::Folder
+                    if !rest.is_empty()
+                        && pattern != "**"
+                        && matches(pattern, name)
+                        && !self.is_output(&path) =>
+                {
+                    self.expand_parts(&path, rest)?;
                 }
                 EntryKind::File if rest.is_empty() && pattern != "**" && matches(pattern, name) => {
                     self.found.insert(path);

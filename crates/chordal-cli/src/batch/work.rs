@@ -56,7 +56,7 @@ pub struct BatchWork<'a> {
 /// How one file ended.
 enum ItemEnd {
     /// It was done before.
-    Skipped(ManifestEntry),
+    Skipped(Box<ManifestEntry>),
     /// It was done now; what it made is at that path, if it made anything.
     Done(Box<ManifestEntry>, Option<PathBuf>),
     /// Somebody asked to stop.
@@ -122,7 +122,7 @@ impl BatchWork<'_> {
 
     fn item(&self, number: usize, item: &BatchItem) -> ItemEnd {
         if let Some(entry) = self.is_done(item) {
-            return ItemEnd::Skipped(entry.clone());
+            return ItemEnd::Skipped(Box::new(entry.clone()));
         }
         let started = Instant::now();
         let mut entry = ManifestEntry {
@@ -198,7 +198,7 @@ impl BatchWork<'_> {
     ) -> Result<(), Fault> {
         let (entry, is_skipped) = match end {
             ItemEnd::Interrupted => return Err(Fault::interrupted()),
-            ItemEnd::Skipped(entry) => (Box::new(entry), true),
+            ItemEnd::Skipped(entry) => (entry, true),
             ItemEnd::Done(mut entry, made) => {
                 state.manifest.append(&entry)?;
                 let put = made.map_or(Ok(()), |made| put_in_place(&made, &self.folder.join(&item.output)));
