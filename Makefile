@@ -96,6 +96,7 @@ test-web: tested need-wasm need-node tests/web/node_modules
 	$(TESTED) lod tests/web/painted.gltf --px 1 -o $(TARGET)/web/painted_levels.glb --force -q
 	$(TESTED) mend tests/web/painted.gltf --drop-unused -o $(TARGET)/web/painted_mended.glb --force -q
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
+	node tests/web/meshopt.mjs crates/chordal-io/tests/data/meshopt_streams.json
 
 # Patches, a cage and a mesh that is cut in space as tilesets, and one that is cut so that levels do not match, which the
 # judges of viewers have to see.
