@@ -102,6 +102,7 @@ test-web: tested need-wasm need-node tests/web/node_modules
 	$(TESTED) lod tests/web/painted.gltf --tol 0.5% --tile-triangles 60 -o $(TARGET)/web/painted_tiles/ --force -q
 	node tests/web/tileset.mjs $(TARGET)/web/painted_tiles
 	node tests/web/validate.mjs $(TARGET)/web/*.glb $(TARGET)/web/painted_tiles/*.glb
+	node tests/web/meshopt.mjs crates/chordal-io/tests/data/meshopt_streams.json
 
 # Patches, a cage and a mesh that is cut in space as tilesets, and one that is cut so that levels do not match, which the
 # judges of viewers have to see.

@@ -1,5 +1,6 @@
 //! `AccessorRows`: the rows of an accessor, decoded from their bytes.
 use super::format::{AccessorFormat, ComponentType};
+use super::meshopt::BROKEN_STREAM;
 use super::model::{GltfModel, item};
 
 /// An accessor whose bytes are all present.
@@ -98,6 +99,23 @@ impl<'m> AccessorRows<'m> {
         (0..n).map(|i| self.sparse.as_ref().map_or(0, |sparse| sparse.index(i)))
     }
 
+    /// Checks that sparse rows are in range and in order; otherwise it is unclear what they replace.
+    pub fn check_sparse(&self) -> Result<(), AccessorError> {
+        let mut next = 0;
+        for (i, index) in self.sparse_indices().enumerate() {
+            if index < next {
+                let what = format!("sparse index {i} is {index}, not above the one before");
+                return unreadable("ACCESSOR_SPARSE_INDICES_NON_INCREASING", what);
+            }
+            if index >= self.count {
+                let what = format!("sparse index {i} is {index}, there are {} rows", self.count);
+                return unreadable("ACCESSOR_SPARSE_INDEX_OOB", what);
+            }
+            next = index + 1;
+        }
+        Ok(())
+    }
+
     /// Visits the rows in order, with their raw numbers.
     pub fn each(&self, mut visit: impl FnMut(u64, &[f64])) {
         let n = self.format.kind.n_components();
@@ -182,29 +200,22 @@ fn bytes<'m>(
         let what = format!("bufferView {view} has no valid buffer, byteOffset and byteLength");
         return unreadable("UNDEFINED_PROPERTY", what);
     };
-    if found.compressed {
-        let what = format!("bufferView {view} is compressed by EXT_meshopt_compression, which is not read");
-        return unreadable("unsupported-extension", what);
-    }
     let end = offset.saturating_add(length);
     if end > n_view {
         let what = format!("the rows end at byte {end} of bufferView {view}, which has {n_view}");
         return unreadable("ACCESSOR_TOO_LONG", what);
     }
-    let Some(source) = item(&model.buffers, Some(buffer)) else {
-        return unreadable("UNRESOLVED_REFERENCE", format!("there is no buffer {buffer}"));
-    };
-    let Some(data) = source.data.as_deref() else {
-        return unreadable(
-            "external-buffer",
-            match source.uri {
-                Some(uri) if uri.contains("://") => format!("buffer {buffer} is {uri:?}: no network"),
-                Some(uri) => {
-                    format!("buffer {buffer} is in another file, {uri:?}, and no other file was opened")
-                }
-                None => format!("buffer {buffer} has no data"),
-            },
-        );
+    let (data, start, owner) = match &found.packed {
+        None => (buffer_data(model, buffer)?, start, format!("buffer {buffer}")),
+        Some(packed) => match (&packed.bytes, &packed.layout) {
+            (Some(bytes), _) => (bytes.as_slice(), 0, "what it unpacks to".to_owned()),
+            (None, layout) => {
+                // Where the buffer of the stream is missing, this says so.
+                layout.map(|layout| buffer_data(model, layout.buffer)).transpose()?;
+                let what = format!("bufferView {view} by {} could not be unpacked", packed.extension);
+                return unreadable(BROKEN_STREAM, what);
+            }
+        },
     };
     let range = usize::try_from(start.saturating_add(offset)).ok().and_then(|start| {
         let rest = data.get(start..)?;
@@ -213,8 +224,25 @@ fn bytes<'m>(
     match range {
         Some(rest) => Ok(rest),
         None => {
-            let what = format!("bufferView {view} passes the {} bytes of buffer {buffer}", data.len());
+            let what = format!("bufferView {view} passes the {} bytes of {owner}", data.len());
             unreadable("BUFFER_VIEW_TOO_LONG", what)
         }
     }
+}
+
+/// The bytes of a buffer.
+fn buffer_data<'m>(model: &'m GltfModel<'_>, buffer: usize) -> Result<&'m [u8], AccessorError> {
+    let Some(source) = item(&model.buffers, Some(buffer)) else {
+        return unreadable("UNRESOLVED_REFERENCE", format!("there is no buffer {buffer}"));
+    };
+    source.data.as_deref().ok_or_else(|| AccessorError {
+        code: "external-buffer",
+        what: match source.uri {
+            Some(uri) if uri.contains("://") => format!("buffer {buffer} is {uri:?}: no network"),
+            Some(uri) => {
+                format!("buffer {buffer} is in another file, {uri:?}, and no other file was opened")
+            }
+            None => format!("buffer {buffer} has no data"),
+        },
+    })
 }

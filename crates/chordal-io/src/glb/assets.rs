@@ -188,7 +188,7 @@ impl<'a> AssetReader<'a> {
         for (name, value) in all {
             if KEPT_EXTENSIONS.contains(&&**name) {
                 kept.insert(name.to_string(), value.to_value());
-            } else if &**name != super::LOD {
+            } else if ![super::LOD, super::INSTANCING].contains(&&**name) {
                 self.count_dropped(format!("extension {name}"), format!("{pointer}/{name}"));
             }
         }

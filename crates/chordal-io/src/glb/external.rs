@@ -37,7 +37,8 @@ pub(super) fn open_files(
     };
     for (i, buffer) in model.buffers.iter_mut().enumerate() {
         let Some(buffer) = buffer else { continue };
-        if let Some(uri) = external(buffer.uri).filter(|_| buffer.data.is_none()) {
+        // What a fallback buffer holds comes from compressed views.
+        if let Some(uri) = external(buffer.uri).filter(|_| buffer.data.is_none() && !buffer.is_fallback) {
             buffer.data = Some(Cow::Owned(fetch(uri, &format!("/buffers/{i}/uri"))?));
         }
     }

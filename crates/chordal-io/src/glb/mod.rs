@@ -7,12 +7,15 @@ pub(crate) mod deformation;
 mod document;
 mod external;
 mod format;
+mod instances;
 mod json;
 mod levels;
 mod lint;
 mod lod_nodes;
+mod meshopt;
 mod model;
 mod node_list;
+mod packed_views;
 mod parts;
 mod read;
 mod report;
@@ -39,5 +42,7 @@ pub(crate) const BIN_CHUNK: u32 = 0x004E_4942;
 /// Bytes that may be decoded and checked for each byte of a file: one becomes eight at most, and few of them
 /// are read twice.
 const DECODED_PER_BYTE: u64 = 64;
+/// The extension by which a node shows its mesh at many places.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// The extension by which a node names its lower levels of detail.
 const LOD: &str = "MSFT_lod";

@@ -1,5 +1,6 @@
 //! `GltfModel`: a parsed glTF file; each field is valid, or `None` where the file errs.
 use super::format::{AccessorFormat, AccessorType, ComponentType};
+use super::meshopt::MeshoptLayout;
 
 /// The objects of a file by their lists; an item that is no object is `None`.
 #[derive(Default)]
@@ -28,12 +29,19 @@ impl GltfModel<'_> {
         data.filter_map(|buffer| buffer.data.as_ref()).map(|data| data.len()).sum()
     }
 
-    /// The bytes of a view, where they are there and plain.
+    /// The bytes of a view, where they are there; unpacked, if it is compressed.
     pub fn view_bytes(&self, view: Option<usize>) -> Option<&[u8]> {
-        let GltfBufferView { buffer, offset, length, compressed, .. } = item(&self.views, view)?;
-        let data = item(&self.buffers, *buffer)?.data.as_deref().filter(|_| !compressed)?;
-        let start = usize::try_from((*offset)?).ok()?;
-        data.get(start..)?.get(..usize::try_from((*length)?).ok()?)
+        let GltfBufferView { buffer, offset, length, packed, .. } = item(&self.views, view)?;
+        match packed {
+            Some(packed) => packed.bytes.as_deref(),
+            None => self.buffer_bytes((*buffer)?, (*offset)?, (*length)?),
+        }
+    }
+
+    /// A range of a buffer, where it is there.
+    pub fn buffer_bytes(&self, buffer: usize, offset: u64, length: u64) -> Option<&[u8]> {
+        let data = item(&self.buffers, Some(buffer))?.data.as_deref()?;
+        data.get(usize::try_from(offset).ok()?..)?.get(..usize::try_from(length).ok()?)
     }
 }
 
@@ -44,6 +52,8 @@ pub(super) struct GltfBuffer<'a> {
     pub uri: Option<&'a str>,
     /// The bytes, where the file holds them.
     pub data: Option<std::borrow::Cow<'a, [u8]>>,
+    /// Whether it is only for readers that cannot decode the compressed views on it.
+    pub is_fallback: bool,
 }
 
 /// A range of a buffer.
@@ -54,8 +64,18 @@ pub(super) struct GltfBufferView {
     pub length: Option<u64>,
     pub stride: Option<u64>,
     pub target: Option<u64>,
-    /// Whether an extension compresses it.
-    pub compressed: bool,
+    /// How an extension compresses it.
+    pub packed: Option<Box<GltfPackedView>>,
+}
+
+/// What an extension says of a compressed view.
+pub(super) struct GltfPackedView {
+    /// The name of the extension.
+    pub extension: &'static str,
+    /// Where the stream is; `None` where the extension errs.
+    pub layout: Option<MeshoptLayout>,
+    /// The bytes of the view, once they are decoded.
+    pub bytes: Option<Vec<u8>>,
 }
 
 /// A typed, strided view of rows of numbers.
@@ -152,6 +172,8 @@ pub(super) struct GltfNode<'a> {
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
     pub weights: Option<Vec<f64>>,
+    /// The accessors of `EXT_mesh_gpu_instancing`.
+    pub instances: Option<GltfAttributes<'a>>,
 }
 
 /// A skin: joints and their matrices.

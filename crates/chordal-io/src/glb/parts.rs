@@ -174,7 +174,7 @@ impl<'m> PartReader<'m> {
             };
             return Err(at(unreadable, &pointer, "POSITION"));
         }
-        check_sparse(&rows).map_err(|error| at(error, &pointer, "POSITION"))?;
+        rows.check_sparse().map_err(|error| at(error, &pointer, "POSITION"))?;
         let first = draft.positions.len();
         // Indices can name each of 2³² − 1 positions.
         if rows.count > self.limits.rows || first as u64 + rows.count >= u64::from(u32::MAX) {
@@ -254,7 +254,7 @@ impl<'m> PartReader<'m> {
             Ok(rows)
                 if rows.count == count as u64
                     && planned.accepts_width(rows.format.kind.n_components())
-                    && check_sparse(&rows).is_ok() =>
+                    && rows.check_sparse().is_ok() =>
             {
                 rows
             }
@@ -293,7 +293,7 @@ impl<'m> PartReader<'m> {
             return Ok(PrimitiveIndices::Range(first_idx, count as u32));
         };
         let rows = AccessorRows::new(self.model, accessor).map_err(|error| at(error, pointer, "indices"))?;
-        check_sparse(&rows).map_err(|error| at(error, pointer, "indices"))?;
+        rows.check_sparse().map_err(|error| at(error, pointer, "indices"))?;
         let format = rows.format;
         if format.kind.n_components() != 1 || format.component.range().0 != 0.0 || format.normalized {
             let code = "MESH_PRIMITIVE_INDICES_ACCESSOR_INVALID_FORMAT";
@@ -426,23 +426,6 @@ fn exact_ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
         same.iter().for_each(|i| ids[*i as usize] = same[0]);
     }
     is_tied.then_some(ids)
-}
-
-/// Checks that sparse rows are in range and in order; otherwise it is unclear what they replace.
-fn check_sparse(rows: &AccessorRows<'_>) -> Result<(), AccessorError> {
-    let mut next = 0;
-    for (i, index) in rows.sparse_indices().enumerate() {
-        if index < next {
-            let what = format!("sparse index {i} is {index}, not above the one before");
-            return Err(AccessorError { code: "ACCESSOR_SPARSE_INDICES_NON_INCREASING", what });
-        }
-        if index >= rows.count {
-            let what = format!("sparse index {i} is {index}, there are {} rows", rows.count);
-            return Err(AccessorError { code: "ACCESSOR_SPARSE_INDEX_OOB", what });
-        }
-        next = index + 1;
-    }
-    Ok(())
 }
 
 fn at(error: AccessorError, pointer: &str, key: &str) -> ReadError {

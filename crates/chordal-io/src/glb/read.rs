@@ -7,7 +7,8 @@ use super::model::{GltfModel, item};
 use super::parts::PartReader;
 use super::report::GlbWarnings;
 use super::tolerance::{ForgivenIssues, mend_roots};
-use super::{DECODED_PER_BYTE, LOD, container, deformation, external, transform};
+use super::{DECODED_PER_BYTE, INSTANCING, LOD};
+use super::{container, deformation, external, instances, meshopt, packed_views, transform};
 use crate::assets::SceneAssets;
 use crate::files::FileOpener;
 use crate::text::is_space;
@@ -20,8 +21,8 @@ use serde_json::Value;
 /// most.
 const OBJECT_BYTES: u64 = 512;
 
-/// Extensions that do not change the triangles; `*` matches any ending.
-const HARMLESS: [&str; 14] = [
+/// Extensions that are read, or do not change the triangles; `*` matches any ending.
+const HARMLESS: [&str; 17] = [
     "KHR_mesh_quantization",
     "KHR_materials_*",
     "KHR_texture_*",
@@ -34,6 +35,9 @@ const HARMLESS: [&str; 14] = [
     "EXT_mesh_manifold",
     "MSFT_texture_dds",
     LOD,
+    INSTANCING,
+    meshopt::NAMES[0],
+    meshopt::NAMES[1],
     "ADOBE_materials_*",
     "AGI_*",
 ];
@@ -56,12 +60,16 @@ const HARMLESS: [&str; 14] = [
 /// detail by `MSFT_lod` the first is read, and the others are counted. The certificate is that of the first,
 /// where [`super::write_levels`] wrote one for each.
 ///
+/// Views that are compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are unpacked. A node
+/// with `EXT_mesh_gpu_instancing` gets a child for each instance, without a name, which shows the node's part;
+/// the node itself shows none.
+///
 /// Linear in the size of the file and of what is decoded from it; the latter stays below [`Limits::bytes`].
 ///
 /// # Errors
 /// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is exceeded,
-/// an unknown extension is required (Draco, meshopt), the triangles need another file, or an error of
-/// gltf-validator.
+/// an unknown extension is required (Draco), a compressed view is broken, the triangles need another file, or
+/// an error of gltf-validator.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -108,6 +116,7 @@ pub(crate) fn read_with(
         external::open_files(&mut model, &mut lint, open, limits, &mut report)?;
         budget = self::budget(bytes.len() + model.n_external(), limits);
     }
+    budget = packed_views::unpack(&mut model, &mut lint, budget)?;
     check_zeros(&model, limits, budget)?;
     lint::link(&mut lint, &mut model);
     let forgiven = ForgivenIssues::judge(lint.issues, limits, &mut report)?;
@@ -116,6 +125,7 @@ pub(crate) fn read_with(
     let mut assets = AssetReader::new(&json, &model, budget);
     let mut scene = read_scene(&model, &lower, &mut assets, &mut placing);
     let (kept, numbers) = keep_first_levels(&mut scene, &model, &lower);
+    budget = instances::place(&mut scene, &model, &numbers, (limits, budget), &mut placing)?;
     count_unseen(&scene, &kept, &mut placing);
     scene.assets = Box::new(assets.assets(|node| numbers.get(node).copied().flatten())?);
     let (mut materials, groups) = assets.materials();
@@ -252,7 +262,7 @@ fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnin
         return true;
     }
     let is_about_data = |code: &&str| {
-        ["ACCESSOR_", "BUFFER_", "GLB_"].iter().any(|kind| code.starts_with(kind))
+        ["ACCESSOR_", "BUFFER_", "GLB_", meshopt::BROKEN_STREAM].iter().any(|kind| code.starts_with(kind))
             && !code.contains("ANIMATION")
     };
     let mut kept = Box::<SceneAssets>::default();

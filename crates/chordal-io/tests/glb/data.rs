@@ -13,7 +13,6 @@ const REFUSED: &[(&str, &str)] = &[
     ("corner/trimesh/models/cube.glb", "GLB_CHUNK_LENGTH_UNALIGNED"),
     ("gltf/khronos/testdata/Box/glTF_Binary/Box_Draco.glb", "unsupported-extension"),
     ("gltf/khronos/testdata/CesiumMan/glTF_Binary/CesiumMan.glb", "ACCESSOR_WEIGHTS_NON_NORMALIZED"),
-    ("gltf/meshoptimizer/demo/pirate.glb", "unsupported-extension"),
 ];
 
 #[test]

@@ -97,9 +97,10 @@ impl<'a> GltfLint<'a> {
         }
         self.name(map);
         self.extensions(map, ExtensionHost::Other);
+        let is_fallback = self.is_fallback(map);
         // A uri that is not a string still means that the buffer is not the BIN chunk.
         let uri = uri.or_else(|| map.get("uri").map(|_| ""));
-        GltfBuffer { byte_length, uri, data }
+        GltfBuffer { byte_length, uri, data, is_fallback }
     }
 
     /// The first buffer of a GLB file is its BIN chunk, unless it has a URI.
@@ -109,6 +110,7 @@ impl<'a> GltfLint<'a> {
         }
         match bin {
             Some(bin) => buffer.data = Some(Cow::Borrowed(bin)),
+            None if buffer.is_fallback => {}
             None => {
                 self.issue_here("BUFFER_MISSING_GLB_DATA", "the buffer means a BIN chunk, and there is none")
             }
@@ -166,9 +168,9 @@ impl<'a> GltfLint<'a> {
         let offset = self.integer(map, "byteOffset", IntegerRule::default()).or(0);
         self.name(map);
         self.extensions(map, ExtensionHost::Other);
-        let extensions = map.get("extensions");
-        let compressed = extensions.and_then(|all| all.get("EXT_meshopt_compression")).is_some();
-        GltfBufferView { buffer, offset, length, stride, target, compressed }
+        let mut view = GltfBufferView { buffer, offset, length, stride, target, packed: None };
+        view.packed = self.packed_view(map, &view);
+        view
     }
 
     pub(super) fn link_views(&mut self, model: &GltfModel<'_>) {
@@ -193,6 +195,7 @@ impl<'a> GltfLint<'a> {
                 });
             });
         }
+        self.link_packed_views(model);
     }
 
     /// Records the use of a view, and reports a view with another use before.

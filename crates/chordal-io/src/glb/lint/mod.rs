@@ -17,10 +17,12 @@ mod images;
 mod materials;
 mod meshes;
 mod nodes;
+mod packed_views;
 mod root;
 mod skins;
 mod uri;
 
+pub(super) use nodes::is_unit_quaternion;
 pub(super) use root::{link, parse};
 
 /// One step of a JSON pointer.
@@ -162,7 +164,7 @@ impl<'a> GltfLint<'a> {
     }
 
     /// Reports an issue at a stored pointer.
-    fn issue_at(&mut self, code: &'static str, pointer: &str, message: impl FnOnce() -> String) {
+    pub fn issue_at(&mut self, code: &'static str, pointer: &str, message: impl FnOnce() -> String) {
         if !self.count_repeat(code) {
             let place = FileLocation::Pointer(pointer.to_owned());
             self.issues.push(Warning { code, count: 1, place, message: message().into() });

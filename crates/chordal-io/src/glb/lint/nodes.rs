@@ -1,8 +1,9 @@
 //! Rules for nodes and scenes.
 use super::extensions::ExtensionHost;
 use super::{ANY, GltfLint};
+use crate::glb::INSTANCING;
 use crate::glb::json::JsonValue;
-use crate::glb::model::{GltfModel, GltfNode, GltfScene, item};
+use crate::glb::model::{GltfAttributes, GltfModel, GltfNode, GltfScene, item};
 use crate::glb::transform::{is_identity, is_trs};
 
 /// How far the length of a quaternion may be from one: the validator's constant, for quaternions of bytes.
@@ -53,7 +54,22 @@ impl<'a> GltfLint<'a> {
             let light = lint.index(value, "light", true);
             lint.extension_reference(["KHR_lights_punctual", "lights"], light, "light".into());
         });
-        GltfNode { name, children, mesh, skin, matrix, translation, rotation, scale, weights }
+        let instances = self.instances(map);
+        GltfNode { name, children, mesh, skin, matrix, translation, rotation, scale, weights, instances }
+    }
+
+    /// The accessors of `EXT_mesh_gpu_instancing`, which the validator does not know.
+    fn instances(&mut self, map: &'a JsonValue) -> Option<GltfAttributes<'a>> {
+        let found = map.get("extensions")?.get(INSTANCING).filter(|x| matches!(x, JsonValue::Object(_)))?;
+        self.within("extensions", |lint| {
+            lint.within(INSTANCING, |lint| {
+                let attributes = lint.object(found, "attributes", true)?;
+                lint.within("attributes", |lint| {
+                    let names = attributes.entries().iter().map(|(name, _)| &**name);
+                    Some(names.map(|name| (name, lint.reference(attributes, name, "accessors"))).collect())
+                })
+            })
+        })
     }
 
     pub(super) fn scene(&mut self, map: &'a JsonValue) -> GltfScene {
@@ -125,6 +141,11 @@ pub(super) fn is_unit(vector: &[f64], tolerance: f64) -> bool {
     let off = (vector.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs();
     // The validator has another issue for NaN.
     off.is_nan() || off <= tolerance
+}
+
+/// Whether four numbers are a unit quaternion, as far as the validator asks.
+pub(in crate::glb) fn is_unit_quaternion(numbers: &[f64; 4]) -> bool {
+    is_unit(numbers, UNIT_QUATERNION)
 }
 
 /// The nodes that are their own ancestors. Each node has at most one parent, so walking up finds each cycle

@@ -1,0 +1,181 @@
+//! Reads `EXT_mesh_gpu_instancing`: a node that shows its mesh many times gets a child for each time.
+//!
+//! Source: J. Cooke, D. McCurdy and A. Kapoulkine, *EXT_mesh_gpu_instancing*, Khronos Group, 2022.
+use super::INSTANCING;
+use super::accessor_rows::{AccessorError, AccessorRows};
+use super::format::{AccessorFormat, AccessorType, ComponentType};
+use super::lint::is_unit_quaternion;
+use super::model::{GltfAttributes, GltfModel};
+use super::report::GlbWarnings;
+use super::transform::compose;
+use crate::{Conformance, FileLocation, Limits, Node, ReadError, Scene};
+use serde_json::json;
+
+/// The most bytes that a node takes, and that its properties add where it has some. Derived: a node is about
+/// 300 bytes with its place in the list of its parent; three lists of JSON numbers are below 2,000.
+const NODE_BYTES: u64 = 512;
+const PROPERTY_BYTES: u64 = 2048;
+
+/// The transforms of the instances of one node.
+#[derive(Default)]
+struct InstanceRows<'m> {
+    count: Option<u64>,
+    translation: Option<AccessorRows<'m>>,
+    rotation: Option<AccessorRows<'m>>,
+    scale: Option<AccessorRows<'m>>,
+}
+
+/// Adds the instances that nodes of the file ask for to a scene, each as a child that shows the node's part;
+/// `number_of` has the number in the scene of each node that was kept. At most `left` bytes may be taken;
+/// returns how many are left.
+///
+/// # Errors
+/// At an attribute whose format, count or numbers cannot place a mesh, and where a limit is passed.
+pub(super) fn place(
+    scene: &mut Scene,
+    model: &GltfModel<'_>,
+    number_of: &[Option<usize>],
+    limits: (&Limits, u64),
+    report: &mut GlbWarnings,
+) -> Result<u64, ReadError> {
+    let (limits, mut left) = limits;
+    for (i, node) in model.nodes.iter().enumerate() {
+        let attributes = node.as_ref().and_then(|node| node.instances.as_ref());
+        let (Some(attributes), Some(at)) = (attributes, number_of.get(i).copied().flatten()) else {
+            continue;
+        };
+        let pointer = format!("/nodes/{i}/extensions/{INSTANCING}");
+        let Some(part) = scene.nodes[at].part.filter(|_| !attributes.is_empty()) else {
+            let what = "a node without a mesh, or without places for it, has no instances";
+            report.add("instances-ignored", FileLocation::Pointer(pointer), what);
+            continue;
+        };
+        let pointer = format!("{pointer}/attributes");
+        let rows = InstanceRows::new(model, attributes, &pointer, report)?;
+        let count = rows.count.unwrap_or(0);
+        let refused =
+            |code, what: String| Err(ReadError::new(code, FileLocation::Pointer(pointer.clone()), what));
+        if count.saturating_add(scene.nodes.len() as u64) > limits.rows {
+            return refused(
+                "too-many-rows",
+                format!("{count} instances pass the limit of {} nodes", limits.rows),
+            );
+        }
+        for row in 0..count {
+            let instance = rows.node(row, part, &pointer, (limits, &mut *report))?;
+            let bytes = NODE_BYTES + if instance.properties.is_empty() { 0 } else { PROPERTY_BYTES };
+            let Some(rest) = left.checked_sub(bytes) else {
+                return refused("too-large", format!("{count} instances take more memory than the limit"));
+            };
+            left = rest;
+            let child = scene.nodes.len();
+            scene.nodes[at].children.push(child);
+            scene.nodes.push(instance);
+        }
+        scene.nodes[at].part = None;
+    }
+    Ok(left)
+}
+
+impl<'m> InstanceRows<'m> {
+    fn new(
+        model: &'m GltfModel<'_>,
+        attributes: &GltfAttributes<'_>,
+        pointer: &str,
+        report: &mut GlbWarnings,
+    ) -> Result<Self, ReadError> {
+        let mut out = Self::default();
+        for (name, accessor) in attributes {
+            let place = || FileLocation::Pointer(format!("{pointer}/{name}"));
+            let refused = |AccessorError { code, what }| ReadError::new(code, place(), what);
+            let Some(accessor) = accessor else {
+                let what = "there is no accessor with this number".to_owned();
+                return Err(refused(AccessorError { code: "UNRESOLVED_REFERENCE", what }));
+            };
+            let rows = AccessorRows::new(model, *accessor).map_err(refused)?;
+            rows.check_sparse().map_err(refused)?;
+            let count = *out.count.get_or_insert(rows.count);
+            if count != rows.count {
+                let what = format!("{} rows where other attributes have {count}", rows.count);
+                return Err(refused(AccessorError { code: "instances-unequal", what }));
+            }
+            let slot = match *name {
+                "TRANSLATION" => &mut out.translation,
+                "ROTATION" => &mut out.rotation,
+                "SCALE" => &mut out.scale,
+                _ => {
+                    let what = "attributes of instances beside their places were not kept";
+                    report.add("instance-attribute-skipped", place(), what);
+                    continue;
+                }
+            };
+            if !is_allowed(name, rows.format) {
+                let what = format!("{name} of instances cannot be {}", rows.format);
+                return Err(refused(AccessorError { code: "instances-format", what }));
+            }
+            *slot = Some(rows);
+        }
+        Ok(out)
+    }
+
+    /// The node of one instance.
+    fn node(
+        &self,
+        row: u64,
+        part: usize,
+        pointer: &str,
+        how: (&Limits, &mut GlbWarnings),
+    ) -> Result<Node, ReadError> {
+        let (limits, report) = how;
+        let numbers = |rows: &Option<AccessorRows<'m>>, usual: [f64; 4]| match rows {
+            None => usual,
+            Some(rows) => std::array::from_fn(|k| {
+                if k < rows.format.kind.n_components() { rows.normalized(row, k) } else { 0.0 }
+            }),
+        };
+        let [x, y, z, _] = numbers(&self.translation, [0.0; 4]);
+        let [sx, sy, sz, _] = numbers(&self.scale, [1.0; 4]);
+        let turned = numbers(&self.rotation, [0.0, 0.0, 0.0, 1.0]);
+        if [x, y, z, sx, sy, sz].iter().chain(&turned).any(|x| !x.is_finite()) {
+            let place = FileLocation::Pointer(pointer.to_owned());
+            let what = format!("instance {row} is placed by numbers that are not finite");
+            return Err(ReadError::new("ACCESSOR_INVALID_FLOAT", place, what));
+        }
+        let length = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !is_unit_quaternion(&turned) {
+            let place = FileLocation::Pointer(format!("{pointer}/ROTATION"));
+            let what = format!("the quaternion of instance {row} is not normalized");
+            if limits.conformance == Conformance::Strict || length == 0.0 {
+                return Err(ReadError::new("ROTATION_NON_UNIT", place, what));
+            }
+            report.add("ROTATION_NON_UNIT", place, what);
+        }
+        // Quantized quaternions are a little off, which would shear the mesh.
+        let rotation = turned.map(|x| x / length);
+        let (translation, scale) = ([x, y, z], [sx, sy, sz]);
+        let matrix = compose(translation, rotation, scale);
+        let mut node = Node { matrix, part: Some(part), ..Node::default() };
+        if scale.contains(&0.0) {
+            // No writer finds a rotation in such a matrix.
+            node.properties.insert("translation".to_owned(), json!(translation));
+            node.properties.insert("rotation".to_owned(), json!(rotation));
+            node.properties.insert("scale".to_owned(), json!(scale));
+        }
+        Ok(node)
+    }
+}
+
+/// Whether an attribute may have a format.
+fn is_allowed(name: &str, format: AccessorFormat) -> bool {
+    use AccessorType::{Vec3, Vec4};
+    use ComponentType::{F32, I8, I16};
+    let formats: &[AccessorFormat] = match name {
+        "ROTATION" => &[
+            AccessorFormat::plain(Vec4, F32),
+            AccessorFormat::normalized(Vec4, I8),
+            AccessorFormat::normalized(Vec4, I16),
+        ],
+        _ => &[AccessorFormat::plain(Vec3, F32)],
+    };
+    formats.contains(&format)
+}

@@ -1,0 +1,208 @@
+//! The codecs of `EXT_meshopt_compression` and `KHR_meshopt_compression`: a view's bytes from a stream.
+//!
+//! There are three bitstreams: vertices of any stride, triangles by their indices, and other indices, each in
+//! versions 0 and 1. Vertices may pass a filter afterwards. The codecs are written in safe Rust after the
+//! descriptions of the formats, since the original library is C++, and since a file is hostile: a stream that
+//! ends too early, has bytes left over or asks for what it never wrote is an error, and only the caller
+//! allocates.
+//!
+//! Both names are read alike: version 1 of the vertex codec and the colour filter, which are defined by
+//! `KHR_meshopt_compression` alone, are also decoded where a file calls them `EXT_meshopt_compression`.
+//!
+//! Sources: A. Kapoulkine and J. St. Pierre, *EXT_meshopt_compression*, Khronos Group, 2021; A. Kapoulkine,
+//! J. St. Pierre, A. Knyazev and D. McCurdy, *KHR_meshopt_compression*, Khronos Group, 2025; version 0 of the
+//! index codec: A. Kapoulkine, *meshoptimizer* (MIT), `indexcodec.cpp`, 2016–2025.
+mod filters;
+mod indices;
+mod vertices;
+
+/// The names of the extension, in the order in which they are looked for.
+pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// The code of a stream that cannot be decoded.
+pub(super) const BROKEN_STREAM: &str = "meshopt-stream";
+
+/// The bitstream of a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MeshoptMode {
+    Attributes,
+    Triangles,
+    Indices,
+}
+
+impl MeshoptMode {
+    /// Converts from its name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "ATTRIBUTES" => Self::Attributes,
+            "TRIANGLES" => Self::Triangles,
+            "INDICES" => Self::Indices,
+            _ => return None,
+        })
+    }
+}
+
+/// What is done with each row of attributes once it is decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MeshoptFilter {
+    None,
+    Octahedral,
+    Quaternion,
+    Exponential,
+    Color,
+}
+
+impl MeshoptFilter {
+    /// Converts from its name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "NONE" => Self::None,
+            "OCTAHEDRAL" => Self::Octahedral,
+            "QUATERNION" => Self::Quaternion,
+            "EXPONENTIAL" => Self::Exponential,
+            "COLOR" => Self::Color,
+            _ => return None,
+        })
+    }
+
+    /// Whether rows of that many bytes can pass it.
+    fn accepts(self, stride: u64) -> bool {
+        match self {
+            Self::None | Self::Exponential => true,
+            Self::Octahedral | Self::Color => stride == 4 || stride == 8,
+            Self::Quaternion => stride == 8,
+        }
+    }
+}
+
+/// Where the stream of a view is, and what it holds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeshoptLayout {
+    pub buffer: usize,
+    pub offset: u64,
+    pub length: u64,
+    pub stride: u64,
+    pub count: u64,
+    pub mode: MeshoptMode,
+    pub filter: MeshoptFilter,
+}
+
+impl MeshoptLayout {
+    /// The rule of the extension that a layout breaks: the member and what is wrong with it.
+    pub fn broken_rule(&self) -> Option<(&'static str, String)> {
+        let Self { stride, count, .. } = *self;
+        if self.mode == MeshoptMode::Attributes {
+            if stride % 4 != 0 || !(4..=256).contains(&stride) {
+                return Some(("byteStride", format!("{stride} is no multiple of 4 from 4 to 256")));
+            }
+            if !self.filter.accepts(stride) {
+                return Some(("filter", format!("the filter is not one for rows of {stride} bytes")));
+            }
+            return None;
+        }
+        if stride != 2 && stride != 4 {
+            return Some(("byteStride", format!("indices have 2 or 4 bytes and not {stride}")));
+        }
+        if self.filter != MeshoptFilter::None {
+            return Some(("filter", "indices have no filter".to_owned()));
+        }
+        if self.mode == MeshoptMode::Triangles && count % 3 != 0 {
+            return Some(("count", format!("{count} indices make no whole triangles")));
+        }
+        None
+    }
+
+    /// The bytes that it decodes to.
+    pub fn n_bytes(&self) -> u64 {
+        self.count.saturating_mul(self.stride)
+    }
+}
+
+/// Decodes a stream into as many zeros as its layout has bytes. The layout breaks no rule.
+///
+/// Linear in what is decoded, whatever the stream is.
+///
+/// # Errors
+/// What is wrong with the stream, as the end of a sentence.
+pub(super) fn decode(layout: &MeshoptLayout, stream: &[u8], out: &mut [u8]) -> Result<(), String> {
+    // Strides are 256 at most.
+    let stride = layout.stride as usize;
+    match layout.mode {
+        MeshoptMode::Attributes => {
+            vertices::decode(stream, stride, out)?;
+            match layout.filter {
+                MeshoptFilter::None => Ok(()),
+                MeshoptFilter::Octahedral => filters::octahedral(out, stride),
+                MeshoptFilter::Quaternion => filters::quaternion(out),
+                MeshoptFilter::Exponential => {
+                    filters::exponential(out);
+                    Ok(())
+                }
+                MeshoptFilter::Color => filters::color(out, stride),
+            }
+        }
+        MeshoptMode::Triangles => indices::triangles(stream, stride, out),
+        MeshoptMode::Indices => indices::sequence(stream, stride, out),
+    }
+}
+
+/// The rest of a stream, read from its front.
+struct PackedBytes<'a>(&'a [u8]);
+
+impl<'a> PackedBytes<'a> {
+    /// The next bytes.
+    fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
+        let (taken, rest) = self.0.split_at_checked(n).ok_or_else(too_short)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    /// The next byte.
+    fn byte(&mut self) -> Result<u8, String> {
+        let (first, rest) = self.0.split_first().ok_or_else(too_short)?;
+        self.0 = rest;
+        Ok(*first)
+    }
+
+    /// The next number in unsigned LEB128: seven bits a byte, the lowest first, at most 32 bits.
+    fn leb128(&mut self) -> Result<u32, String> {
+        let mut value = 0;
+        for shift in [0, 7, 14, 21, 28] {
+            let byte = self.byte()?;
+            let bits = u32::from(byte & 0x7F);
+            if shift == 28 && bits > 0xF {
+                break;
+            }
+            value |= bits << shift;
+            if byte & 0x80 == 0 {
+                return Ok(value);
+            }
+        }
+        Err("a number has more than 32 bits".to_owned())
+    }
+
+    /// Checks that nothing is left.
+    fn end(&self) -> Result<(), String> {
+        if self.0.is_empty() { Ok(()) } else { Err(format!("{} bytes are left over", self.0.len())) }
+    }
+}
+
+fn too_short() -> String {
+    "the stream ends too early".to_owned()
+}
+
+/// Splits a stream into its header, its body and its tail; checks the header, whose low four bits are the
+/// version.
+fn split(stream: &[u8], header: u8, n_tail: impl Fn(u8) -> usize) -> Result<(u8, &[u8], &[u8]), String> {
+    let (first, rest) = stream.split_first().ok_or_else(too_short)?;
+    let version = first & 0x0F;
+    if first & 0xF0 != header || version > 1 {
+        return Err(format!(
+            "the stream begins with {first:#04x} and not with {header:#04x} or {:#04x}",
+            header + 1
+        ));
+    }
+    let n_body = rest.len().checked_sub(n_tail(version)).ok_or_else(too_short)?;
+    let (body, tail) = rest.split_at(n_body);
+    Ok((version, body, tail))
+}
