@@ -1,5 +1,5 @@
 //! The index codecs: triangles by edges and vertices that came shortly before, and plain lists of indices.
-use super::{PackedBytes, split};
+use super::packed_bytes::{PackedBytes, split};
 
 /// The length of the table of codes at the end of a list of triangles: defined by the format.
 const TABLE: usize = 16;

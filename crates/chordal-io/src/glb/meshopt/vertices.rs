@@ -1,5 +1,5 @@
 //! The vertex codec: rows of bytes as differences to the row before, packed in groups of sixteen.
-use super::{PackedBytes, split};
+use super::packed_bytes::{PackedBytes, split};
 
 /// Rows in a group. This and the next two: defined by the format.
 const GROUP: usize = 16;
