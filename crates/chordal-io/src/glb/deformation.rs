@@ -273,10 +273,12 @@ pub(super) fn skin_sets(mesh: &Mesh) -> Vec<SkinSet> {
         let rest: f64 = stored[1..].iter().map(|weight| f64::from(*weight)).sum();
         stored[0] = (1.0 - rest) as f32;
         for (s, set) in sets.iter_mut().enumerate() {
-            for k in s * IN_A_SET..(s + 1) * IN_A_SET {
-                let weight = stored.get(k).copied().unwrap_or(0.0);
+            let mut rows = found.iter().zip(&stored).skip(s * IN_A_SET);
+            for _ in 0..IN_A_SET {
                 // A joint without weight is the first, as the validator wants it.
-                set.joints.push(if weight > 0.0 { found[k].0 } else { 0 });
+                let row = rows.next().filter(|(_, weight)| **weight > 0.0);
+                let (joint, weight) = row.map_or((0, 0.0), |((joint, _), weight)| (*joint, *weight));
+                set.joints.push(joint);
                 set.weights.push(weight);
             }
         }

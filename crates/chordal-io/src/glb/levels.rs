@@ -54,7 +54,7 @@ pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), 
     if let [only] = levels {
         return super::write(only.scene, only.certificate, out);
     }
-    let assets = levels[0].scene.assets_for_gltf(&plain_for);
+    let assets = levels[0].scene.assets_for_gltf(plain_for);
     with_levels(levels, &assets, |document, json| write_file(document, json, out))
 }
 
@@ -67,7 +67,7 @@ pub fn write_levels_embedded(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Re
     if let [only] = levels {
         return super::write_embedded(only.scene, only.certificate, out);
     }
-    let assets = levels[0].scene.assets_for_gltf(&plain_for);
+    let assets = levels[0].scene.assets_for_gltf(plain_for);
     with_levels(levels, &assets, |document, json| pack_embedded(document, json, out))
 }
 
@@ -83,7 +83,7 @@ pub fn write_levels_files<'a>(levels: &[GlbLevel<'a>], stem: &str) -> Result<Fil
     let stem = side_stem(stem);
     let prefix = format!("{stem}_");
     let first: &'a Scene = levels[0].scene;
-    let assets = first.assets_for_gltf(&plain_for).with_pictures_beside(&prefix);
+    let assets = first.assets_for_gltf(plain_for).with_pictures_beside(&prefix);
     let pack = |document: &GltfDocument<'_>, json| pack_beside(document, json, &stem);
     let mut files: FileSet<'a> = with_levels(levels, &assets, pack)?;
     files.beside.extend(first.assets.picture_files(&prefix));

@@ -78,7 +78,7 @@ pub fn write_files<'a>(
 ) -> Result<FileSet<'a>, WriteError> {
     let stem = side_stem(stem);
     let prefix = format!("{stem}_");
-    let assets = scene.assets_for_gltf(&plain_for).with_pictures_beside(&prefix);
+    let assets = scene.assets_for_gltf(plain_for).with_pictures_beside(&prefix);
     let pack = |document: &GltfDocument<'_>, json| pack_beside(document, json, &stem);
     let mut files: FileSet<'a> = with_assets(scene, &assets, certificate, pack)?;
     files.beside.extend(scene.assets.picture_files(&prefix));
@@ -91,7 +91,7 @@ fn with_document(
     certificate: Option<&Value>,
     write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
-    with_assets(scene, &scene.assets_for_gltf(&plain_for), certificate, write)
+    with_assets(scene, &scene.assets_for_gltf(plain_for), certificate, write)
 }
 
 /// The same with these assets.
