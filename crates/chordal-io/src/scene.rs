@@ -17,8 +17,9 @@ pub struct Part {
     /// Whether vertices are tied by the file's own position indices (OBJ, PLY, OFF). False where the format has
     /// none (STL, glTF) and bit-identical positions tie them.
     pub indexed: bool,
-    /// What glTF says of the mesh beside: extras, and the weights of its morph targets.
-    pub properties: Map<String, Value>,
+    /// What glTF says of the mesh beside: extras, and the weights of its morph targets. In a box, since a file may
+    /// have a hundred thousand parts and few of them have any.
+    pub properties: Option<Box<Map<String, Value>>>,
 }
 
 /// A node of the scene graph: a transform, children, and maybe a part that it shows.

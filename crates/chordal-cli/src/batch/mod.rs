@@ -141,7 +141,7 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
     let share = args.share(jobs);
     args.check_words(&items, &share, command)?;
     let cancel = Arc::new(AtomicBool::new(false));
-    let lock = if args.dry_run { None } else { Some(FolderLock::take(&args.output)?) };
+    let lock = if args.dry_run { None } else { Some(BatchLock::take(&args.output)?) };
     signal::install(Arc::clone(&cancel));
     let entries = ManifestEntries::read(&args.output)?;
     if entries.n_wrong > 0 {
@@ -228,14 +228,14 @@ fn list(work: &BatchWork, items: &[BatchItem]) -> String {
 
 /// The right to work in a folder. The system takes it back when the process ends, however that ends.
 #[derive(Debug)]
-struct FolderLock {
+struct BatchLock {
     /// Open as long as the right is held.
     _file: File,
     /// Where processes write, empty at first.
     work_folder: PathBuf,
 }
 
-impl FolderLock {
+impl BatchLock {
     fn take(folder: &Path) -> Result<Self, Fault> {
         let own = folder.join(WORK);
         let failed = |error: std::io::Error| {
@@ -269,7 +269,7 @@ impl FolderLock {
     }
 }
 
-impl Drop for FolderLock {
+impl Drop for BatchLock {
     fn drop(&mut self) {
         signal::set_work_folder(None);
         let _ = fs::remove_dir_all(&self.work_folder);

@@ -1,7 +1,7 @@
 //! `AttributePlan`: the attributes that the part of a mesh gets, decided before any is read.
 use super::deformation::{SkinPlan, common_targets, has_width, morph_semantic};
 use super::format::AccessorType;
-use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
+use super::model::{GltfMesh, GltfModel, item};
 use chordal::explicit::Semantic;
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ impl<'m> AttributePlan<'m> {
         let mut found: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::new();
         let mut order = Vec::new();
         let mut n_drawn = 0;
-        for primitive in mesh.primitives.iter().filter(|primitive| is_drawn(primitive)) {
+        for primitive in mesh.primitives.iter().filter(|primitive| primitive.is_drawn()) {
             n_drawn += 1;
             for (name, accessor) in &primitive.attributes {
                 let width = item(&model.accessors, *accessor)
@@ -106,20 +106,10 @@ impl PlannedAttribute<'_> {
 
 /// The numbers a vertex of a morph target's attribute, by the first primitive with triangles.
 fn width_of_target(model: &GltfModel<'_>, mesh: &GltfMesh<'_>, target: usize, name: &str) -> usize {
-    let first = mesh.primitives.iter().find(|primitive| is_drawn(primitive));
+    let first = mesh.primitives.iter().find(|primitive| primitive.is_drawn());
     let attributes = first.and_then(|primitive| primitive.targets.as_ref()?.get(target));
     let accessor = attributes.and_then(|list| list.iter().find(|(known, _)| *known == name)?.1);
     item(&model.accessors, accessor).and_then(|accessor| accessor.kind).map_or(0, AccessorType::n_components)
-}
-
-/// Whether a primitive has triangles.
-pub(super) fn is_drawn(primitive: &GltfPrimitive<'_>) -> bool {
-    primitive.mode.is_some_and(|mode| mode >= 4) && position_of(&primitive.attributes).is_some()
-}
-
-/// The accessor of the positions.
-pub(super) fn position_of(attributes: &GltfAttributes<'_>) -> Option<usize> {
-    attributes.iter().find(|(name, _)| *name == "POSITION").and_then(|(_, accessor)| *accessor)
 }
 
 /// The semantic of an attribute; `None` for positions, and for attributes that only skins use.

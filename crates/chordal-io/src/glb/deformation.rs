@@ -1,7 +1,6 @@
 //! Attributes that deform a mesh: how much its vertices follow the joints of a skin, and how far morph
 //! targets move them.
 use super::accessor_rows::AccessorRows;
-use super::attribute_plan::is_drawn;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive};
 use super::report::GlbWarnings;
 use crate::{FileLocation, Scene};
@@ -28,7 +27,7 @@ pub(super) struct SkinPlan {
 impl SkinPlan {
     /// The sets that all primitives with triangles have, and the joints in them.
     pub fn from_mesh(model: &GltfModel<'_>, mesh: &GltfMesh<'_>) -> Self {
-        let drawn = || mesh.primitives.iter().filter(|primitive| is_drawn(primitive));
+        let drawn = || mesh.primitives.iter().filter(|primitive| primitive.is_drawn());
         let has = |set: usize| drawn().all(|primitive| accessors_of(primitive, set).is_some());
         let n_sets = if drawn().next().is_none() { 0 } else { (0..).take_while(|set| has(*set)).count() };
         let mut n_joints = 0;
@@ -143,7 +142,7 @@ pub(super) fn has_width(name: &str, width: usize) -> bool {
 
 /// The attributes of morph targets that all primitives with triangles have: target, name.
 pub(super) fn common_targets<'m>(mesh: &'m GltfMesh<'_>) -> Vec<(usize, &'m str)> {
-    let drawn = || mesh.primitives.iter().filter(|primitive| is_drawn(primitive));
+    let drawn = || mesh.primitives.iter().filter(|primitive| primitive.is_drawn());
     let targets = |primitive: &'m GltfPrimitive<'_>| primitive.targets.as_deref().unwrap_or_default();
     let Some(first) = drawn().next() else { return Vec::new() };
     let has = |(target, name): &(usize, &str)| {
@@ -171,8 +170,10 @@ pub(super) fn settle(scene: &mut Scene, report: &mut GlbWarnings) {
     };
     let mut n_lost = 0;
     for (part, n_targets) in scene.parts.iter_mut().zip(&n_targets) {
-        if n_weights(&part.properties).is_some_and(|n| n == 0 || n != *n_targets) {
-            part.properties.shift_remove("weights");
+        if let Some(properties) = &mut part.properties
+            && n_weights(properties).is_some_and(|n| n == 0 || n != *n_targets)
+        {
+            properties.shift_remove("weights");
             n_lost += 1;
         }
     }

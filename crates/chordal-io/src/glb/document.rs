@@ -190,7 +190,7 @@ impl<'a> GltfDocument<'a> {
             }
             primitives.push(primitive);
         }
-        let mut object = part.properties.clone();
+        let mut object = part.properties.as_deref().cloned().unwrap_or_default();
         if targets.is_empty() {
             object.shift_remove("weights");
         }

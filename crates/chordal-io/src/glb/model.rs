@@ -160,6 +160,18 @@ pub(super) struct GltfPrimitive<'a> {
     pub draco: bool,
 }
 
+impl GltfPrimitive<'_> {
+    /// The accessor of the positions.
+    pub fn position(&self) -> Option<usize> {
+        self.attributes.iter().find(|(name, _)| *name == "POSITION").and_then(|(_, accessor)| *accessor)
+    }
+
+    /// Whether it has triangles.
+    pub fn is_drawn(&self) -> bool {
+        self.mode.is_some_and(|mode| mode >= 4) && self.position().is_some()
+    }
+}
+
 /// A node of the scene graph.
 #[derive(Default)]
 pub(super) struct GltfNode<'a> {

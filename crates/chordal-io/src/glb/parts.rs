@@ -1,6 +1,6 @@
 //! `PartReader`: reads meshes of the file into parts: vertices, triangles, attributes.
 use super::accessor_rows::{AccessorError, AccessorRows};
-use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning, position_of};
+use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning};
 use super::deformation::SkinPlan;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
@@ -84,7 +84,7 @@ impl<'m> PartReader<'m> {
         }
         let skin = SkinPlan::from_mesh(self.model, mesh);
         let counts = mesh.primitives.iter().filter_map(|primitive| {
-            item(&self.model.accessors, position_of(&primitive.attributes)).and_then(|rows| rows.count)
+            item(&self.model.accessors, primitive.position()).and_then(|rows| rows.count)
         });
         let n_vertices = counts.fold(0_u64, u64::saturating_add);
         if n_vertices.saturating_mul(8 * skin.n_joints as u64) > self.left / 2 {
@@ -102,7 +102,7 @@ impl<'m> PartReader<'m> {
         primitive: &'m GltfPrimitive<'m>,
         pointer: &str,
     ) -> Result<(), ReadError> {
-        let position = position_of(&primitive.attributes);
+        let position = primitive.position();
         let place = || FileLocation::Pointer(pointer.to_owned());
         let Some(mode) = primitive.mode else {
             return Err(ReadError::new("VALUE_NOT_IN_RANGE", place(), "mode is none of 0 to 6"));

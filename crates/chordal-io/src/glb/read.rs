@@ -143,7 +143,7 @@ pub(crate) fn read_with(
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     if are_sound {
         for (part, properties) in scene.parts.iter_mut().zip(properties) {
-            part.properties = properties;
+            part.properties = Some(properties).filter(|map| !map.is_empty()).map(Box::new);
         }
     }
     report.append(parts.report);

@@ -1,5 +1,5 @@
 //! Files as gltfpack writes them: compressed, quantized, with the mesh at many places.
-use super::super::build::{glb_of, put, scene_of};
+use super::super::build::{glb_of, put, scene_of, strict};
 use super::{attribute, encode};
 use chordal::Mesh;
 use chordal::explicit::Semantic;
@@ -122,7 +122,7 @@ fn instances_that_are_packed() {
 fn data_rules_hold_for_what_is_unpacked() {
     let (json, bin) = taken_apart(EXT);
     let refused = |json: &Value, code: &str, place: &str| {
-        let error = glb::read(&glb_of(&json.to_string(), &bin), &Limits::default()).map(|_| ());
+        let error = glb::read(&glb_of(&json.to_string(), &bin), &strict()).map(|_| ());
         let error = error.expect_err("accepted");
         assert_eq!((error.code, &error.place), (code, &FileLocation::Pointer(place.to_owned())), "{error}");
     };
@@ -158,7 +158,7 @@ fn the_fallback_is_not_looked_at() {
     for view in json["bufferViews"].as_array_mut().expect("views") {
         view["byteOffset"] = json!(0);
     }
-    let error = glb::read(&glb_of(&json.to_string(), &bin), &Limits::default()).map(|_| ());
+    let error = glb::read(&glb_of(&json.to_string(), &bin), &strict()).map(|_| ());
     assert_eq!(error.expect_err("accepted").code, "BUFFER_VIEW_TOO_LONG", "views still lie in their buffer");
     put(&mut json, "/buffers/1/byteLength", json!(100_000));
     put(&mut json, "/buffers/1/uri", json!("nowhere.bin"));
@@ -195,7 +195,7 @@ fn a_broken_view_that_no_triangle_needs_is_forgiven() {
     let times = json["bufferViews"][4]["extensions"]["EXT_meshopt_compression"]["byteOffset"].clone();
     bin[times.as_u64().expect("an offset") as usize] = 0;
     let file = glb_of(&json.to_string(), &bin);
-    let error = glb::read(&file, &Limits::default()).map(|_| ()).expect_err("accepted");
+    let error = glb::read(&file, &strict()).map(|_| ()).expect_err("accepted");
     let place = "/bufferViews/4/extensions/EXT_meshopt_compression";
     let found = (error.code, error.place);
     assert_eq!(found, ("meshopt-stream", FileLocation::Pointer(place.to_owned())));

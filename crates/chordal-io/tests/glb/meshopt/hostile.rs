@@ -1,5 +1,5 @@
 //! Broken streams end in an error with the view's pointer, or in bytes; never in a panic.
-use super::super::build::{glb_of, put};
+use super::super::build::{glb_of, put, strict};
 use super::{PackedRows, attribute, encode, known_streams};
 use chordal_io::{Conformance, FileLocation, Limits, glb};
 use chordal_testkit::Random;
@@ -199,7 +199,7 @@ fn extensions_that_say_something_wrong() {
         let mut json = seed.document(name);
         put(&mut json, &pointer, value.clone());
         let file = glb_of(&json.to_string(), &seed.stream);
-        let error = glb::read(&file, &Limits::default()).map(|_| ()).expect_err(&pointer);
+        let error = glb::read(&file, &strict()).map(|_| ()).expect_err(&pointer);
         let found = (error.code, &error.place);
         assert_eq!(found, (code, &FileLocation::Pointer(place)), "{pointer} = {value}: {error}");
         // Whether it is forgiven or not: no panic, and no bytes that nobody wrote.
@@ -212,7 +212,7 @@ fn extensions_that_say_something_wrong() {
     let mut json = seed.document(name);
     put(&mut json, "/extensionsUsed", json!([name, "KHR_meshopt_compression"]));
     put(&mut json, "/bufferViews/0/extensions", both);
-    let error = glb::read(&glb_of(&json.to_string(), &seed.stream), &Limits::default()).map(|_| ());
+    let error = glb::read(&glb_of(&json.to_string(), &seed.stream), &strict()).map(|_| ());
     assert_eq!(error.expect_err("accepted").code, "UNEXPECTED_EXTENSION_OBJECT");
     for (mode, stride, count, key) in
         [("TRIANGLES", 4, 5, "count"), ("TRIANGLES", 1, 12, "byteStride"), ("INDICES", 8, 6, "byteStride")]
