@@ -9,7 +9,7 @@ use crate::inspect_text::quoted;
 use crate::load;
 use crate::output::{OutputTarget, OverwritePolicy};
 use crate::output_format::writable_format;
-use crate::output_set::OutputSetArgs;
+use crate::output_set::{OutputSetArgs, SetPlace};
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
 use chordal::budget::advice::Spell;
@@ -92,9 +92,10 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     }
     let outcome =
         convert(input, to).spelled(&CommandLine).map_err(|failure| execution::fault(&name, &failure, ""))?;
-    let (places, one) =
-        ((&target, args.input.input.as_path()), &mut |out: &mut dyn Write| outcome.write(out));
-    let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let one = &mut |out: &mut dyn Write| outcome.write(out);
+    let input = &*args.input.input;
+    let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
+    let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
     let run = RunFacts { input_triangles, ..execution::facts("convert", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -9,7 +9,7 @@ use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
 use crate::output::{OutputTarget, parent};
 use crate::output_folder::{FolderPlace, OutputFolder};
-use crate::output_set::OutputSetArgs;
+use crate::output_set::{OutputSetArgs, SetPlace};
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use chordal::budget::advice::Spell;
@@ -273,8 +273,10 @@ impl OpenOutput {
             }
             Self::OneFile(target, format) => {
                 let one = &mut |out: &mut dyn Write| outcome.write(format, out);
-                let places = (&target, args.input.input.as_path());
-                args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))
+                let console = &Console::new(&args.console);
+                let place =
+                    SetPlace { target: &target, input: &args.input.input, console, names_files: false };
+                args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))
             }
         }
     }

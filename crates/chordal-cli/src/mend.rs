@@ -9,7 +9,7 @@ use crate::load;
 use crate::numbers::grouped;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
-use crate::output_set::OutputSetArgs;
+use crate::output_set::{OutputSetArgs, SetPlace};
 use crate::spelling::CommandLine;
 use crate::summary::{self, plural};
 use chordal::budget::Length;
@@ -111,9 +111,10 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
         .map_err(|failure| execution::fault(&name, &failure, ""))?;
-    let (places, one) =
-        ((&target, args.input.input.as_path()), &mut |out: &mut dyn io::Write| outcome.write(out));
-    let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let one = &mut |out: &mut dyn io::Write| outcome.write(out);
+    let input = &*args.input.input;
+    let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
+    let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
     let run = RunFacts { input_triangles, ..execution::facts("mend", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));

@@ -8,7 +8,7 @@ use crate::input::InputSource;
 use crate::load;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
-use crate::output_set::OutputSetArgs;
+use crate::output_set::{OutputSetArgs, SetPlace};
 use crate::spelling::CommandLine;
 use crate::summary;
 use crate::volume::VolumeArgs;
@@ -150,7 +150,12 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     args.set.check(&target, to)?;
-    let places = (&target, args.input.input.as_path());
+    let place = |names_files: bool| SetPlace {
+        target: &target,
+        input: &args.input.input,
+        console: &console,
+        names_files,
+    };
     let mut input = load::read(&args.input, &console)?;
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
@@ -158,7 +163,8 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| execution::fault(&source.name(), &failure, ""))?;
         let one = &mut |out: &mut dyn Write| outcome.write(out);
-        let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+        let place = place(outcome.names_files());
+        let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
         let run = execution::facts("mesh", source.name(), target.name(), bytes);
         return print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout);
     }
@@ -178,7 +184,8 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         }
     };
     let one = &mut |out: &mut dyn Write| outcome.write(out);
-    let bytes = args.set.write(places, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
+    let place = place(outcome.names_files());
+    let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
 
     let run = RunFacts { input_triangles, ..execution::facts("mesh", name, target.name(), bytes) };
     print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;

@@ -4,6 +4,7 @@
 //! They are refused together where one of them should not be written, before any is renamed. Where they replace
 //! older ones, the older document goes first: a kill between the renames leaves no document whose files are
 //! another's. A rename that fails undoes those before it.
+use crate::console::Console;
 use crate::fault::{Fault, plainly};
 use crate::output::{
     self, OutputTarget, OutputWriter, OverwritePolicy, TempOutput, is_same_file, keep_permissions,
@@ -64,13 +65,20 @@ impl OutputSetArgs {
     /// When the output cannot, or should not, be written; then whatever had the names before still has them.
     pub fn write<'a>(
         &self,
-        (target, input): (&OutputTarget, &Path),
+        to: &SetPlace<'_>,
         certificate: &Certificate,
         one: OutputWriter,
         several: impl FnOnce(&str) -> Result<FileSet<'a>, WriteError>,
     ) -> Result<u64, Fault> {
-        let OutputTarget::File { path, existing } = target else { return target.write(one) };
-        if !self.separate {
+        let SetPlace { target, input, console, names_files } = *to;
+        let OutputTarget::File { path, existing } = target else {
+            if names_files {
+                let message = "the looks of materials were left out: they stand in files beside an OBJ";
+                console.warn(&target.name(), &[message]);
+            }
+            return target.write(one);
+        };
+        if !self.separate && !names_files {
             return target.write(one);
         }
         let stem = path.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
@@ -81,6 +89,18 @@ impl OutputSetArgs {
         read.push(input.to_owned());
         write_set(path, *existing, &set, &read)
     }
+}
+
+/// Where a verb writes what it made.
+pub struct SetPlace<'a> {
+    /// The document.
+    pub target: &'a OutputTarget,
+    /// The file that was read.
+    pub input: &'a Path,
+    /// What is left out is told there.
+    pub console: &'a Console,
+    /// Whether the document names files beside it without being asked to.
+    pub names_files: bool,
 }
 
 /// A file that was written aside.

@@ -169,3 +169,30 @@ fn the_output_has_two_names_and_one_place() {
     let piped = run(&["convert", &input, "-", "--to", "off", "-q"]);
     assert!(piped.stdout.starts_with("OFF"), "{piped:?}");
 }
+
+#[test]
+fn an_obj_brings_its_materials_in_files_beside_it() {
+    let folder = Folder::new("convert-materials");
+    let painted = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/web/painted.gltf");
+    let output = folder.text("ball.obj");
+    let made = run(&["convert", painted, &output, "--json"]);
+    assert_eq!(made.code, 0, "{made:?}");
+    let text = fs::read_to_string(&output).unwrap();
+    assert!(text.contains("\nmtllib ball.mtl\n") && text.contains("\nusemtl "), "{}", &text[..200]);
+    let library = fs::read_to_string(folder.path("ball.mtl")).unwrap();
+    let picture = library.lines().find_map(|line| line.strip_prefix("map_Kd ")).expect("a picture");
+    let found = fs::read(folder.path(picture.split_whitespace().last().unwrap())).expect("the picture");
+    assert!(found.starts_with(b"\x89PNG"));
+    // The way back: the same two materials, and the same picture.
+    let certificate = convert(&folder, "ball.obj", "again.glb", &[]);
+    assert!(!notes(&certificate).contains("looks"), "{certificate:#}");
+    let again = fs::read(folder.path("again.glb")).unwrap();
+    assert!(again.windows(found.len()).any(|bytes| bytes == found), "the picture is in the GLB");
+    // Neither a library that stands there is replaced unasked, nor is one lost on stdout without a word.
+    assert_eq!(run(&["convert", painted, &output]).code, 4);
+    fs::remove_file(&output).unwrap();
+    assert_eq!(run(&["convert", painted, &output]).code, 4);
+    assert!(!folder.path("ball.obj").exists());
+    let piped = run(&["convert", painted, "-", "--to", "obj"]);
+    assert!(piped.code == 0 && piped.stderr.contains("the looks of materials were left out"), "{piped:?}");
+}

@@ -85,6 +85,8 @@ pub enum PositionPrecision {
 /// How a format holds polygons of any number of corners.
 pub(crate) struct PolygonFormat {
     pub write: fn(&Polygons, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
+    /// Writes a document of a stem with files beside it; none where all is in one file.
+    pub write_files: Option<PolygonSetWriter>,
     /// Whether texture coordinates, groups and subdivision tags are kept too.
     pub is_cage: bool,
 }
@@ -121,6 +123,7 @@ pub(crate) enum FormatReader {
     WithOthers(FileSetReader),
 }
 
+type PolygonSetWriter = for<'a> fn(&'a Polygons, Option<&Value>, &str) -> Result<FileSet<'a>, WriteError>;
 type FileSetWriter = for<'a> fn(&'a Scene, Option<&Value>, &str) -> Result<FileSet<'a>, WriteError>;
 type FileSetReader = fn(&[u8], Option<&mut FileOpener<'_>>, &Limits) -> Result<ReadOutcome, ReadError>;
 type PolylineWriter = fn(&Polylines, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>;
@@ -189,10 +192,14 @@ static TABLE: [FormatRow; 16] = [
         read: Some(FormatReader::WithOthers(obj::read_with)),
         triangles: Some(TriangleFormat {
             write: obj::write,
-            write_files: None,
+            write_files: Some(obj::write_files),
             rows: VertexRows::Positions,
             precision: PositionPrecision::Double,
-            polygons: Some(PolygonFormat { write: obj::write_polygons, is_cage: true }),
+            polygons: Some(PolygonFormat {
+                write: obj::write_polygons,
+                write_files: Some(obj::write_polygons_files),
+                is_cage: true,
+            }),
             has_parts: true,
             has_nodes: false,
             wants_normals: true,
@@ -208,7 +215,7 @@ static TABLE: [FormatRow; 16] = [
             write_files: None,
             rows: VertexRows::Mesh,
             precision: PositionPrecision::Double,
-            polygons: Some(PolygonFormat { write: ply::write_polygons, is_cage: false }),
+            polygons: Some(PolygonFormat { write: ply::write_polygons, write_files: None, is_cage: false }),
             has_parts: false,
             has_nodes: false,
             wants_normals: false,
@@ -254,7 +261,7 @@ static TABLE: [FormatRow; 16] = [
             write_files: None,
             rows: VertexRows::Positions,
             precision: PositionPrecision::Double,
-            polygons: Some(PolygonFormat { write: off::write_polygons, is_cage: false }),
+            polygons: Some(PolygonFormat { write: off::write_polygons, write_files: None, is_cage: false }),
             has_parts: false,
             has_nodes: false,
             wants_normals: false,

@@ -61,7 +61,7 @@ pub use scene::{Content, Node, Part, ReadOutcome, Scene};
 pub use side_file::{FileSet, SideFile, picture_extensions};
 pub use snap::{CoordinateOverflow, SnappedMesh, snap, worst_snap};
 pub use volume::Volume;
-pub use write::{write, write_files, write_polygons, write_polylines, write_volume};
+pub use write::{write, write_files, write_polygons, write_polygons_files, write_polylines, write_volume};
 
 /// Runs the example of the page in `docs/` with the tests.
 #[cfg(doctest)]

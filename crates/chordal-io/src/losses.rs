@@ -42,8 +42,14 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
     }
+    // What its material library cannot say.
+    if format == Format::Obj {
+        let beside = crate::obj::side_files(scene, "");
+        beside.iter().flat_map(|beside| &beside.lost).for_each(|lost| count(lost.message.to_string()));
+    } else {
+        scene.assets.materials.iter().for_each(|_| count(format!("{title} holds no looks of materials")));
+    }
     for (list, what) in [
-        (&scene.assets.materials, "looks of materials"),
         (&scene.assets.cameras, "cameras"),
         (&scene.assets.animations, "animations"),
         (&scene.assets.skins, "skins"),

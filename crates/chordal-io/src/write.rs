@@ -75,6 +75,25 @@ pub fn write_polygons(
     (held.write)(polygons, certificate, out)
 }
 
+/// Writes polygons as several files, as [`write_files`] does triangles.
+///
+/// # Errors
+/// As for [`write_polygons`].
+pub fn write_polygons_files<'a>(
+    polygons: &'a Polygons,
+    certificate: Option<&Value>,
+    format: Format,
+    stem: &str,
+) -> Result<FileSet<'a>, WriteError> {
+    let held = format.row().triangles.as_ref().and_then(|held| held.polygons.as_ref());
+    if let Some(write_files) = held.and_then(|held| held.write_files) {
+        return write_files(polygons, certificate, stem);
+    }
+    let mut document = Vec::new();
+    write_polygons(polygons, certificate, format, &mut document)?;
+    Ok(FileSet { document, beside: Vec::new() })
+}
+
 /// Writes polylines.
 ///
 /// # Errors

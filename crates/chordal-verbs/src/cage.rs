@@ -13,7 +13,7 @@ use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{
     FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, snap, write, write_files,
-    write_polygons,
+    write_polygons, write_polygons_files,
 };
 use std::io::Write;
 
@@ -108,12 +108,20 @@ impl RefineOutcome {
             ControlMesh::Triangles(scene) => {
                 write_files(scene, Some(&self.certificate.to_value()), self.format, stem)
             }
-            ControlMesh::Polygons(_) => {
-                let mut document = Vec::new();
-                self.write(&mut document)?;
-                Ok(FileSet { document, beside: Vec::new() })
+            ControlMesh::Polygons(polygons) => {
+                write_polygons_files(polygons, Some(&self.certificate.to_value()), self.format, stem)
             }
         }
+    }
+
+    /// Whether the format names files beside it for what the mesh has: an OBJ its materials.
+    #[must_use]
+    pub fn names_files(&self) -> bool {
+        let assets = match &self.made {
+            ControlMesh::Triangles(scene) => &scene.assets,
+            ControlMesh::Polygons(polygons) => &polygons.assets,
+        };
+        self.format == Format::Obj && !assets.materials.is_empty()
     }
 }
 

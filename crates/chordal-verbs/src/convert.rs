@@ -12,7 +12,8 @@ use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
 use chordal_io::{
     FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, WriteError, losses,
-    losses_of_polygons, write, write_files, write_polygons, write_polylines, write_volume,
+    losses_of_polygons, write, write_files, write_polygons, write_polygons_files, write_polylines,
+    write_volume,
 };
 use serde_json::Value;
 use std::io::Write;
@@ -72,12 +73,29 @@ impl ConvertOutcome {
     /// # Errors
     /// As for [`Self::write`].
     pub fn write_files(&self, stem: &str) -> Result<FileSet<'_>, WriteError> {
-        if let ConvertedShape::Triangles(scene) = &self.made {
-            return write_files(scene, Some(&self.certificate.to_value()), self.format, stem);
+        let certificate = Some(self.certificate.to_value());
+        match &self.made {
+            ConvertedShape::Triangles(scene) => write_files(scene, certificate.as_ref(), self.format, stem),
+            ConvertedShape::Polygons(polygons) => {
+                write_polygons_files(polygons, certificate.as_ref(), self.format, stem)
+            }
+            _ => {
+                let mut document = Vec::new();
+                self.write(&mut document)?;
+                Ok(FileSet { document, beside: Vec::new() })
+            }
         }
-        let mut document = Vec::new();
-        self.write(&mut document)?;
-        Ok(FileSet { document, beside: Vec::new() })
+    }
+
+    /// Whether the format names files beside it for what the shape has: an OBJ its materials.
+    #[must_use]
+    pub fn names_files(&self) -> bool {
+        let has_materials = match &self.made {
+            ConvertedShape::Triangles(scene) => !scene.assets.materials.is_empty(),
+            ConvertedShape::Polygons(polygons) => !polygons.assets.materials.is_empty(),
+            _ => false,
+        };
+        self.format == Format::Obj && has_materials
     }
 }
 

@@ -75,4 +75,11 @@ impl MeshOutcome {
             }
         }
     }
+
+    /// Whether the format names files beside it for what was made: an OBJ its materials.
+    #[must_use]
+    pub fn names_files(&self) -> bool {
+        let Tessellation::Triangles(scene) = &self.made else { return false };
+        self.format == Format::Obj && !scene.assets.materials.is_empty()
+    }
 }

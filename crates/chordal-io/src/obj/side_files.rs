@@ -2,9 +2,12 @@
 use super::gltf_to_mtl::MtlWriter;
 use super::names::{ObjNames, UniqueNames, one_line};
 use super::pictures::{file_name, media_type};
-use crate::{ImageContent, Polygons, Scene, SceneAssets, SceneImage, Warning};
+use super::{write_polygons_with_library, write_with_library};
+use crate::{FileSet, ImageContent, Polygons, Scene, SceneAssets, SceneImage, SideFile, Warning, WriteError};
 use serde_json::Value;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::sync::Arc;
 
 /// The files that belong beside an OBJ.
@@ -49,6 +52,43 @@ pub fn side_files(scene: &Scene, stem: &str) -> Option<ObjSideFiles> {
 #[must_use]
 pub fn side_files_of_polygons(polygons: &Polygons, stem: &str) -> Option<ObjSideFiles> {
     of_materials(&polygons.groups, &polygons.assets, stem)
+}
+
+/// Writes a scene and the files beside it, all of whose names begin with `stem`.
+///
+/// # Errors
+/// As for [`super::write`].
+pub(crate) fn write_files<'a>(
+    scene: &'a Scene,
+    certificate: Option<&Value>,
+    stem: &str,
+) -> Result<FileSet<'a>, WriteError> {
+    file_set(side_files(scene, stem), |library, out| write_with_library(scene, certificate, library, out))
+}
+
+/// As [`write_files`], for a cage.
+///
+/// # Errors
+/// As for [`super::write_polygons`].
+pub(crate) fn write_polygons_files<'a>(
+    polygons: &'a Polygons,
+    certificate: Option<&Value>,
+    stem: &str,
+) -> Result<FileSet<'a>, WriteError> {
+    file_set(side_files_of_polygons(polygons, stem), |library, out| {
+        write_polygons_with_library(polygons, certificate, library, out)
+    })
+}
+
+fn file_set(
+    beside: Option<ObjSideFiles>,
+    write: impl FnOnce(Option<&str>, &mut dyn Write) -> Result<(), WriteError>,
+) -> Result<FileSet<'static>, WriteError> {
+    let mut document = Vec::new();
+    write(beside.as_ref().map(|beside| &*beside.library), &mut document)?;
+    let file = |(name, bytes): (String, Arc<[u8]>)| SideFile { name, bytes: Cow::Owned(bytes.to_vec()) };
+    let files = beside.map(|beside| beside.files).unwrap_or_default();
+    Ok(FileSet { document, beside: files.into_iter().map(file).collect() })
 }
 
 fn of_materials(
