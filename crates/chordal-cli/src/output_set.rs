@@ -73,7 +73,7 @@ impl OutputSetArgs {
         let SetPlace { target, input, console, names_files } = *to;
         let OutputTarget::File { path, existing } = target else {
             if names_files {
-                let message = "the looks of materials were left out: they stand in files beside an OBJ";
+                let message = "the materials of an OBJ are in files beside it, which stdout cannot hold: they were left out";
                 console.warn(&target.name(), &[message]);
             }
             return target.write(one);

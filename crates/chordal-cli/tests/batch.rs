@@ -352,3 +352,28 @@ fn a_loop_of_links_ends() {
     // A link to nothing is an input that cannot be read, and is not passed over.
     assert_eq!((done.code, summary(&done)), (1, [2, 1, 0, 0, 1, 0]));
 }
+
+/// An OBJ of a batch has its materials beside it, as outside of one.
+#[test]
+fn files_beside_an_output_come_along() {
+    let folder = Folder::new("batch-beside");
+    let painted = include_str!("../../../tests/web/painted.gltf");
+    fs::create_dir(folder.path("in")).unwrap();
+    folder.file("in/a ball.gltf", painted);
+    folder.file("in/another.gltf", painted);
+    let words = ["convert", "in", "-o", "out", "--to", "obj", "--base", "in", "--json"];
+    let done = batch(&folder, &words);
+    assert_eq!((done.code, summary(&done)), (0, [2, 2, 0, 0, 0, 0]), "{done:?}");
+    for stem in ["a ball", "another"] {
+        let text = fs::read_to_string(folder.path("out").join(format!("{stem}.obj"))).unwrap();
+        let library = text.lines().find_map(|line| line.strip_prefix("mtllib ")).expect("a library");
+        let library = fs::read_to_string(folder.path("out").join(library)).expect("the library");
+        let picture = library.lines().find_map(|line| line.strip_prefix("map_Kd ")).expect("a picture");
+        let picture = picture.split_whitespace().last().unwrap();
+        assert!(fs::read(folder.path("out").join(picture)).unwrap().starts_with(b"\x89PNG"));
+    }
+    // Nothing is done again, and nothing is left where processes write.
+    assert_eq!(summary(&batch(&folder, &words)), [2, 0, 0, 0, 0, 2]);
+    let left: Vec<_> = fs::read_dir(folder.path("out/.chordal-batch")).unwrap().flatten().collect();
+    assert!(left.iter().all(|entry| entry.file_name() == "lock"), "{left:?}");
+}

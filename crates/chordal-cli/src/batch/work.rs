@@ -140,14 +140,20 @@ impl BatchWork<'_> {
             entry.seconds = started.elapsed().as_secs_f64();
             ItemEnd::Done(Box::new(entry), None)
         };
-        let is_ours = self.entries.outputs.contains(&item.output_name);
-        let existing = if is_ours { OverwritePolicy::Replace } else { self.existing };
         let output = self.folder.join(&item.output);
         let input = InputSource::File(item.file.path.clone());
-        if let Err(fault) = refuse_input(&output, &input).and_then(|()| refuse_occupied(&output, existing)) {
+        let refused =
+            refuse_input(&output, &input).and_then(|()| refuse_occupied(&output, self.existing(item)));
+        if let Err(fault) = refused {
             return fail(entry, &fault);
         }
-        let made = self.work_folder.join(format!("{number}.{}", item.extension));
+        // A folder of its own, where files beside the output get the names that it says.
+        let staging = self.work_folder.join(number.to_string());
+        let made = staging.join(item.output.file_name().unwrap_or_default());
+        if let Err(error) = fs::create_dir_all(&staging) {
+            let message = format!("{}: {}", staging.display(), plainly(&error));
+            return fail(entry, &Fault::output("unwritable", message));
+        }
         let end = match child::run(&mut self.command(item, &made), self.timeout) {
             Ok(end) => end,
             Err(error) => {
@@ -179,6 +185,12 @@ impl BatchWork<'_> {
         ItemEnd::Done(Box::new(entry), made)
     }
 
+    /// What happens to files that have the names of an item's.
+    fn existing(&self, item: &BatchItem) -> OverwritePolicy {
+        let is_ours = self.entries.outputs.contains(&item.output_name);
+        if is_ours { OverwritePolicy::Replace } else { self.existing }
+    }
+
     fn command(&self, item: &BatchItem, made: &Path) -> Command {
         let mut words = self.program.iter();
         let mut command = Command::new(words.next().cloned().unwrap_or_default());
@@ -201,7 +213,8 @@ impl BatchWork<'_> {
             ItemEnd::Skipped(entry) => (entry, true),
             ItemEnd::Done(mut entry, made) => {
                 state.manifest.append(&entry)?;
-                let put = made.map_or(Ok(()), |made| put_in_place(&made, &self.folder.join(&item.output)));
+                let output = self.folder.join(&item.output);
+                let put = made.map_or(Ok(()), |made| put_in_place(&made, &output, self.existing(item)));
                 if let Err(fault) = put {
                     entry.output_sha256 = None;
                     entry.exit = Some(fault.exit as i32);
@@ -287,8 +300,29 @@ fn last_line(stderr: &[u8]) -> Option<String> {
     Some(line.strip_prefix("chordal: ").unwrap_or(line).to_owned())
 }
 
-fn put_in_place(made: &Path, output: &Path) -> Result<(), Fault> {
+/// Gives an output its name, after the files beside it: a library of materials, a buffer, pictures.
+fn put_in_place(made: &Path, output: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
     let folder = output.parent().unwrap_or(Path::new("."));
-    let done = fs::create_dir_all(folder).and_then(|()| fs::rename(made, output));
-    done.map_err(|error| Fault::output("unwritable", format!("{}: {}", output.display(), plainly(&error))))
+    let staging = made.parent().unwrap_or(Path::new("."));
+    let failed = |path: &Path| {
+        let name = path.display().to_string();
+        move |error: io::Error| Fault::output("unwritable", format!("{name}: {}", plainly(&error)))
+    };
+    fs::create_dir_all(folder).map_err(failed(folder))?;
+    let mut beside = Vec::new();
+    for entry in fs::read_dir(staging).map_err(failed(staging))? {
+        let path = entry.map_err(failed(staging))?.path();
+        if path != made {
+            beside.push((folder.join(path.file_name().unwrap_or_default()), path));
+        }
+    }
+    beside.sort();
+    beside.iter().try_for_each(|(to, _)| refuse_occupied(to, existing))?;
+    for (to, path) in &beside {
+        fs::rename(path, to).map_err(failed(to))?;
+    }
+    fs::rename(made, output).map_err(failed(output))?;
+    // Empty by now, and of no use.
+    let _ = fs::remove_dir(staging);
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! The container: a header, a JSON chunk, and maybe a BIN chunk.
+use super::leniency::is_tolerated_code;
 use super::report::GlbWarnings;
-use super::tolerance::is_tolerated_code;
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
 use crate::{FileLocation, Limits, ReadError};
 

@@ -9,6 +9,7 @@ mod external;
 mod format;
 mod instances;
 mod json;
+mod leniency;
 mod levels;
 mod lint;
 mod lod_nodes;
@@ -21,7 +22,7 @@ mod read;
 mod report;
 mod split;
 mod streams;
-mod tolerance;
+
 mod transform;
 mod triangles;
 mod write;

@@ -1,12 +1,12 @@
 //! The GLB reader.
 use super::assets::AssetReader;
 use super::json::{self, JsonValue};
+use super::leniency::{ForgivenIssues, mend_roots};
 use super::lint::{self, GltfLint};
 use super::lod_nodes::LodNodes;
 use super::model::{GltfModel, item};
 use super::parts::PartReader;
 use super::report::GlbWarnings;
-use super::tolerance::{ForgivenIssues, mend_roots};
 use super::{DECODED_PER_BYTE, INSTANCING, LOD};
 use super::{container, deformation, external, instances, meshopt, packed_views, transform};
 use crate::assets::SceneAssets;
