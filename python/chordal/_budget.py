@@ -15,7 +15,7 @@ Length = SupportsFloat | str
 Share = SupportsFloat | str
 
 
-class Wanted(TypedDict):
+class BudgetArguments(TypedDict):
     """A budget as the compiled part takes it."""
 
     length: tuple[str, str] | None
@@ -27,7 +27,7 @@ class Wanted(TypedDict):
     require: str | None
 
 
-def wanted(
+def budget_arguments(
     *,
     tol: Length | None,
     rel: Share | None,
@@ -39,11 +39,11 @@ def wanted(
     spacing: str = "fewest",
     require: str | None = None,
     counted: str,
-) -> Wanted:
+) -> BudgetArguments:
     """The budget of these arguments, if they belong together. `counted` names the count that the caller has."""
     if tol is not None and rel is not None:
         raise BudgetError("tol, rel: give one of them, they are both a length")
-    found: Wanted = {
+    found: BudgetArguments = {
         "length": _tol(tol) or _rel(rel),
         "pixels": _pixels(pixels, view),
         "angle_deg": None if angle is None else number("angle", angle),

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any, Final, TypedDict, final, type_check_only
 
-from chordal._budget import Wanted
+from chordal._budget import BudgetArguments
 
 __all__ = ["Array", "Cage", "MOST_BYTES", "Outcome", "Rule", "Source", "VERSION", "command", "language", "script", "view"]
 
@@ -31,7 +31,7 @@ class Tags(TypedDict):
     creasing: str
 
 @type_check_only
-class Asked(TypedDict):
+class DeviationArguments(TypedDict):
     relative: float
     absolute: str | None
     max: str | None
@@ -80,13 +80,13 @@ class Source:
     def name(self) -> str | None: ...
     def inspect(self) -> str: ...
     def deviation(
-        self, other: Source | Outcome, asked: Asked, progress: Callable[[str, int, int], object] | None
+        self, other: Source | Outcome, arguments: DeviationArguments, progress: Callable[[str, int, int], object] | None
     ) -> str: ...
     def surface(self, meant: Meant) -> Source: ...
     def cage(self) -> Cage: ...
     def bake(self, cells: int, band: float | None) -> tuple[Source, str]: ...
     def mesh(
-        self, wanted: Wanted, format: str, progress: Callable[[str, int, int], object] | None
+        self, arguments: BudgetArguments, format: str, progress: Callable[[str, int, int], object] | None
     ) -> Outcome: ...
 
 @final
@@ -97,7 +97,7 @@ class Outcome:
     def report(self) -> str: ...
     def array(self, name: str) -> Array: ...
     def deviation(
-        self, other: Source | Outcome, asked: Asked, progress: Callable[[str, int, int], object] | None
+        self, other: Source | Outcome, arguments: DeviationArguments, progress: Callable[[str, int, int], object] | None
     ) -> str: ...
     def bake(self, cells: int, band: float | None) -> tuple[Source, str]: ...
     def remake(self, format: str) -> Outcome: ...

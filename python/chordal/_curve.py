@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal, SupportsFloat, SupportsIndex
 from chordal import _chordal
 from chordal._arguments import function, text
 from chordal._arrays import coordinates
-from chordal._budget import Length, Share, wanted
+from chordal._budget import Length, Share, budget_arguments
 from chordal._polylines import Polylines
 from chordal._view import View
 
@@ -82,7 +82,7 @@ class Curve:
                [0.5 , 0.75],
                [1.  , 0.  ]])
         """
-        budget = wanted(
+        budget = budget_arguments(
             tol=tol, rel=rel, pixels=pixels, view=view, segments=segments, spacing=spacing, counted="segments"
         )
         return Polylines.of(self._source.mesh(budget, "json", function("progress", progress)))

@@ -76,12 +76,12 @@ def measured(
     share = number("relative", relative)
     if share < 0:
         raise BudgetError(f"relative: 0 or more, not {share}")
-    asked: _chordal.Asked = {
+    arguments: _chordal.DeviationArguments = {
         "relative": share,
         "absolute": None if absolute is None else length("absolute", absolute),
         "max": None if max is None else length("max", max),
     }
-    report: dict[str, Any] = json.loads(one.deviation(second, asked, function("progress", progress)))
+    report: dict[str, Any] = json.loads(one.deviation(second, arguments, function("progress", progress)))
     facts = report["deviation"]
     return Deviation(
         bound=bound_of(report["certificate"]["bound"]),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIn
 from chordal import _chordal, _files
 from chordal._arguments import function, text
 from chordal._arrays import coordinates, indices
-from chordal._budget import Length, Share, wanted
+from chordal._budget import Length, Share, budget_arguments
 from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
 from chordal._mesh import Mesh
@@ -181,7 +181,7 @@ class Shape:
         >>> shape.mesh(rel="0.1%")
         <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
         """
-        budget = wanted(
+        budget = budget_arguments(
             tol=tol,
             rel=rel,
             pixels=pixels,
@@ -245,7 +245,7 @@ class Shape:
         >>> len(lines), lines[0].closed, lines.bound.at_most <= 0.01
         (1, True, True)
         """
-        budget = wanted(
+        budget = budget_arguments(
             tol=tol, rel=rel, pixels=pixels, view=view, segments=segments, spacing=spacing, counted="segments"
         )
         if self.kind not in ("curves", "drawing"):

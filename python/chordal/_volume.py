@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 from chordal import _chordal
 from chordal._arguments import function, text
 from chordal._arrays import coordinates
-from chordal._budget import Length, Share, Wanted, wanted
+from chordal._budget import BudgetArguments, Length, Share, budget_arguments
 from chordal._mesh import Mesh
 from chordal._shape import Shape
 
@@ -76,7 +76,7 @@ class Volume(Shape):
         budget = (
             _NO_BUDGET
             if nothing
-            else wanted(
+            else budget_arguments(
                 tol=tol,
                 rel=rel,
                 pixels=pixels,
@@ -90,7 +90,7 @@ class Volume(Shape):
         return Mesh.of(source.mesh(budget, "ply", function("progress", progress)))
 
 
-_NO_BUDGET: Wanted = {
+_NO_BUDGET: BudgetArguments = {
     "length": None,
     "pixels": None,
     "angle_deg": None,
