@@ -1,5 +1,5 @@
 //! `AttributePlan`: the attributes that the part of a mesh gets, decided before any is read.
-use super::deformation::{SkinPlan, common_targets, has_width, morph_semantic};
+use super::deformation::{CommonTarget, SkinPlan, common_targets, has_width, morph_semantic};
 use super::format::AccessorType;
 use super::model::{GltfMesh, GltfModel, item};
 use chordal::explicit::Semantic;
@@ -74,8 +74,9 @@ impl<'m> AttributePlan<'m> {
                 streams.push(PlannedAttribute { source: StreamSource::Attribute(name), semantic, width });
             }
         }
-        for (target, name) in common_targets(mesh) {
-            let width = width_of_target(model, mesh, target, name);
+        for CommonTarget { target, name, accessor } in common_targets(mesh) {
+            let kind = item(&model.accessors, accessor).and_then(|accessor| accessor.kind);
+            let width = kind.map_or(0, AccessorType::n_components);
             if width > 0 && has_width(name, width) {
                 let (source, semantic) = (StreamSource::Target(target, name), morph_semantic(target, name));
                 streams.push(PlannedAttribute { source, semantic, width });
@@ -102,14 +103,6 @@ impl PlannedAttribute<'_> {
     pub fn accepts_width(&self, width: usize) -> bool {
         width == self.width || (matches!(self.semantic, Semantic::Color(_)) && width == 3)
     }
-}
-
-/// The numbers a vertex of a morph target's attribute, by the first primitive with triangles.
-fn width_of_target(model: &GltfModel<'_>, mesh: &GltfMesh<'_>, target: usize, name: &str) -> usize {
-    let first = mesh.primitives.iter().find(|primitive| primitive.is_drawn());
-    let attributes = first.and_then(|primitive| primitive.targets.as_ref()?.get(target));
-    let accessor = attributes.and_then(|list| list.iter().find(|(known, _)| *known == name)?.1);
-    item(&model.accessors, accessor).and_then(|accessor| accessor.kind).map_or(0, AccessorType::n_components)
 }
 
 /// The semantic of an attribute; `None` for positions, and for attributes that only skins use.

@@ -1,19 +1,23 @@
 //! Attributes that deform a mesh: how much its vertices follow the joints of a skin, and how far morph
 //! targets move them.
 use super::accessor_rows::AccessorRows;
-use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive};
+use super::model::{GltfMesh, GltfModel, GltfPrimitive};
 use super::report::GlbWarnings;
-use crate::{FileLocation, Scene};
+use crate::{FileLocation, Part, Scene};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::{Map, Value};
 use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Joints whose weights are in one attribute: as many as an attribute has numbers.
 const JOINTS: usize = 16;
 
 /// Joints of one set, as glTF defines it.
 const IN_A_SET: usize = 4;
+
+/// The most sets that are read: 32 joints a vertex. Chosen: exporters write one or two.
+const MOST_SETS: usize = 8;
 
 /// The weights of a skin as they are read: one number for each joint, so that they can be blended.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,19 +29,26 @@ pub(super) struct SkinPlan {
 }
 
 impl SkinPlan {
-    /// The sets that all primitives with triangles have, and the joints in them.
-    pub fn from_mesh(model: &GltfModel<'_>, mesh: &GltfMesh<'_>) -> Self {
+    /// The sets that all primitives with triangles have, and the joints in them. `charge` is told how many bytes
+    /// are read for that, since a file may name the same ones again and again.
+    pub fn from_mesh<E>(
+        model: &GltfModel<'_>,
+        mesh: &GltfMesh<'_>,
+        mut charge: impl FnMut(u64) -> Result<(), E>,
+    ) -> Result<Self, E> {
         let drawn = || mesh.primitives.iter().filter(|primitive| primitive.is_drawn());
         let has = |set: usize| drawn().all(|primitive| accessors_of(primitive, set).is_some());
-        let n_sets = if drawn().next().is_none() { 0 } else { (0..).take_while(|set| has(*set)).count() };
+        let n_sets =
+            if drawn().next().is_none() { 0 } else { (0..MOST_SETS).take_while(|set| has(*set)).count() };
         let mut n_joints = 0;
         for (primitive, set) in drawn().flat_map(|primitive| (0..n_sets).map(move |set| (primitive, set))) {
             let Some(rows) = accessors_of(primitive, set).and_then(|pair| SkinRows::new(model, pair)) else {
-                return Self::default();
+                return Ok(Self::default());
             };
+            charge(rows.joints.count.saturating_mul(IN_A_SET as u64 * 2))?;
             rows.each(|_, joint, _| n_joints = n_joints.max(joint + 1));
         }
-        if n_joints == 0 { Self::default() } else { Self { n_sets, n_joints } }
+        Ok(if n_joints == 0 { Self::default() } else { Self { n_sets, n_joints } })
     }
 
     /// The attributes that hold the weights: for each its semantic and its width.
@@ -140,24 +151,37 @@ pub(super) fn has_width(name: &str, width: usize) -> bool {
     }
 }
 
-/// The attributes of morph targets that all primitives with triangles have: target, name.
-pub(super) fn common_targets<'m>(mesh: &'m GltfMesh<'_>) -> Vec<(usize, &'m str)> {
+/// An attribute of a morph target that all primitives with triangles have.
+pub(super) struct CommonTarget<'m> {
+    pub target: usize,
+    pub name: &'m str,
+    /// That of the first primitive.
+    pub accessor: Option<usize>,
+}
+
+/// The attributes of morph targets that all primitives with triangles have, and that the first one has itself;
+/// none where some target would have no attribute, which cannot be written.
+pub(super) fn common_targets<'m>(mesh: &'m GltfMesh<'_>) -> Vec<CommonTarget<'m>> {
     let drawn = || mesh.primitives.iter().filter(|primitive| primitive.is_drawn());
-    let targets = |primitive: &'m GltfPrimitive<'_>| primitive.targets.as_deref().unwrap_or_default();
     let Some(first) = drawn().next() else { return Vec::new() };
-    let has = |(target, name): &(usize, &str)| {
-        let names = |attributes: &GltfAttributes<'_>| attributes.iter().any(|(known, _)| known == name);
-        drawn().all(|primitive| targets(primitive).get(*target).is_some_and(names))
-    };
-    let named = |(target, attributes): (usize, &'m GltfAttributes<'m>)| {
-        attributes.iter().map(move |(name, _)| (target, *name))
-    };
-    let has_base = |(_, name): &(usize, &str)| first.attributes.iter().any(|(known, _)| known == name);
-    let named = targets(first).iter().enumerate().flat_map(named);
-    let common: Vec<_> = named.filter(|target| has_base(target) && has(target)).collect();
-    // A target without any attribute cannot be written.
-    let is_whole = |target| common.iter().any(|(known, _)| *known == target);
-    if (0..targets(first).len()).all(is_whole) { common } else { Vec::new() }
+    let bases: BTreeSet<&str> = first.attributes.iter().map(|(name, _)| *name).collect();
+    // How many primitives have it, and the accessor of the first.
+    let mut found: BTreeMap<(usize, &str), (usize, Option<usize>)> = BTreeMap::new();
+    for primitive in drawn() {
+        for (target, attributes) in primitive.targets.iter().flatten().enumerate() {
+            for (name, accessor) in attributes {
+                found.entry((target, *name)).or_insert((0, *accessor)).0 += 1;
+            }
+        }
+    }
+    let n_drawn = drawn().count();
+    found.retain(|(_, name), (n, _)| *n == n_drawn && bases.contains(name));
+    let targets: BTreeSet<usize> = found.keys().map(|(target, _)| *target).collect();
+    if targets.len() < first.targets.as_ref().map_or(0, Vec::len) {
+        return Vec::new();
+    }
+    let common = found.into_iter();
+    common.map(|((target, name), (_, accessor))| CommonTarget { target, name, accessor }).collect()
 }
 
 /// Takes out what names weights of joints or morph targets that no mesh has.
@@ -234,6 +258,14 @@ fn weights_of(mesh: &Mesh) -> Vec<(usize, usize, &Attribute)> {
 /// Whether a mesh follows joints or has morph targets.
 pub(crate) fn is_deformed(mesh: &Mesh) -> bool {
     mesh.attributes().iter().any(|attribute| matches!(attribute.semantic, Semantic::Blended(_)))
+}
+
+impl Part {
+    /// Whether morph targets move its vertices.
+    #[must_use]
+    pub fn has_morph_targets(&self) -> bool {
+        !targets_of(&self.mesh).is_empty()
+    }
 }
 
 /// Whether a mesh follows joints.

@@ -3,6 +3,7 @@ use super::report::GlbWarnings;
 use crate::{Conformance, FileLocation, Limits, Node, ReadError, Warning};
 use chordal::math::{greater, lesser};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// Errors about what is computed anew or left out when a file is written, so that no triangle and no look
 /// depends on them.
@@ -146,6 +147,8 @@ pub(super) fn mend_roots(nodes: &mut [Node], roots: &mut Vec<usize>) -> bool {
         }
     }
     roots.retain(|root| !is_covered[*root]);
-    let cut = roots.iter().filter_map(|root| Some((*root, parent[*root]?)));
-    cut.map(|(root, parent)| nodes[parent].children.retain(|child| *child != root)).count() > 0
+    let is_cut = |node: usize| is_root[node] && !is_covered[node];
+    let parents = roots.iter().filter_map(|root| parent[*root]).collect::<BTreeSet<_>>();
+    parents.iter().for_each(|parent| nodes[*parent].children.retain(|child| !is_cut(*child)));
+    !parents.is_empty()
 }

@@ -59,7 +59,7 @@ impl<'m> PartReader<'m> {
             return Ok(Part::default());
         };
         let mut plan = AttributePlan::from_mesh(self.model, mesh);
-        self.plan_skin(&mut plan, mesh, mesh_idx);
+        self.plan_skin(&mut plan, mesh, mesh_idx)?;
         let has_targets = mesh.primitives.iter().any(|primitive| primitive.targets.is_some());
         if has_targets && !plan.streams.iter().any(|s| matches!(s.source, StreamSource::Target(..))) {
             let place = FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
@@ -78,22 +78,28 @@ impl<'m> PartReader<'m> {
     }
 
     /// Plans the weights of joints, unless they would take most of what may be decoded.
-    fn plan_skin(&mut self, plan: &mut AttributePlan<'m>, mesh: &GltfMesh<'_>, mesh_idx: usize) {
+    fn plan_skin(
+        &mut self,
+        plan: &mut AttributePlan<'m>,
+        mesh: &GltfMesh<'_>,
+        mesh_idx: usize,
+    ) -> Result<(), ReadError> {
         if self.model.skins.is_empty() {
-            return;
+            return Ok(());
         }
-        let skin = SkinPlan::from_mesh(self.model, mesh);
+        let pointer = format!("/meshes/{mesh_idx}");
+        let skin = SkinPlan::from_mesh(self.model, mesh, |n| self.charge(n, &pointer))?;
         let counts = mesh.primitives.iter().filter_map(|primitive| {
             item(&self.model.accessors, primitive.position()).and_then(|rows| rows.count)
         });
         let n_vertices = counts.fold(0_u64, u64::saturating_add);
         if n_vertices.saturating_mul(8 * skin.n_joints as u64) > self.left / 2 {
-            let place = FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
             let what = "weights of so many joints pass the limits and were not kept";
-            self.report.add("skins-ignored", place, what);
+            self.report.add("skins-ignored", FileLocation::Pointer(pointer), what);
         } else {
             plan.add_skin(skin);
         }
+        Ok(())
     }
 
     fn primitive(
@@ -192,6 +198,9 @@ impl<'m> PartReader<'m> {
         rows.each(|_, row| draft.positions.push([0, 1, 2].map(|k| rows.decode(row[k]) + 0.0)));
         let mut named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         named.remove("POSITION");
+        let by_name = |attributes: &'m GltfAttributes<'m>| attributes.iter().copied().collect();
+        let targets: Vec<BTreeMap<&str, Option<usize>>> =
+            primitive.targets.iter().flatten().map(by_name).collect();
         let PartDraft { plan, streams, .. } = draft;
         for (planned, values) in plan.streams.iter().zip(streams.iter_mut()) {
             match planned.source {
@@ -200,9 +209,7 @@ impl<'m> PartReader<'m> {
                     self.stream(planned, values, accessor, count, &format!("{pointer}/{name}"))?;
                 }
                 StreamSource::Target(target, name) => {
-                    let attributes = primitive.targets.as_ref().and_then(|targets| targets.get(target));
-                    let accessor =
-                        attributes.and_then(|list| list.iter().find(|(known, _)| *known == name)?.1);
+                    let accessor = targets.get(target).and_then(|attributes| *attributes.get(name)?);
                     let pointer = format!("{whole}/targets/{target}/{name}");
                     self.stream(planned, values, accessor, count, &pointer)?;
                 }

@@ -105,8 +105,8 @@ pub(crate) fn read_with(
     };
     let json = parse_json(&chunks, limits)?;
     check_rows(&json, limits)?;
-    let mut budget = budget(bytes.len(), limits);
-    let mut lint = GltfLint::new(&json, budget);
+    let mut quota = decode_quota(bytes.len(), limits);
+    let mut lint = GltfLint::new(&json, quota);
     let Some(mut model) = lint::parse(&mut lint, &json, chunks.bin) else {
         let issue = lint.issues.swap_remove(0);
         return Err(ReadError::new(issue.code, issue.place, issue.message));
@@ -114,18 +114,18 @@ pub(crate) fn read_with(
     check_extensions(&model, &mut report)?;
     if let Some(open) = open {
         external::open_files(&mut model, &mut lint, open, limits, &mut report)?;
-        budget = self::budget(bytes.len() + model.n_external(), limits);
+        quota = decode_quota(bytes.len() + model.n_external(), limits);
     }
-    budget = packed_views::unpack(&mut model, &mut lint, budget)?;
-    check_zeros(&model, limits, budget)?;
+    quota = packed_views::unpack(&mut model, &mut lint, quota)?;
+    check_zeros(&model, limits, quota)?;
     lint::link(&mut lint, &mut model);
     let forgiven = ForgivenIssues::judge(lint.issues, limits, &mut report)?;
     let lower = LodNodes::new(&json, &model)?;
     let mut placing = GlbWarnings::default();
-    let mut assets = AssetReader::new(&json, &model, budget);
+    let mut assets = AssetReader::new(&json, &model, quota);
     let mut scene = read_scene(&model, &lower, &mut assets, &mut placing);
     let (kept, numbers) = keep_first_levels(&mut scene, &model, &lower);
-    budget = instances::place(&mut scene, &model, &numbers, (limits, budget), &mut placing)?;
+    quota = instances::place(&mut scene, &model, &numbers, (limits, quota), &mut placing)?;
     count_unseen(&scene, &kept, &mut placing);
     scene.assets = Box::new(assets.assets(|node| numbers.get(node).copied().flatten())?);
     let (mut materials, groups) = assets.materials();
@@ -139,7 +139,7 @@ pub(crate) fn read_with(
     let properties: Vec<_> = kept.iter().map(|mesh| assets.mesh_properties(*mesh)).collect();
     report.append(assets.into_report());
     let are_sound = drop_unsound_assets(&mut scene, &forgiven.unsound, &mut report);
-    let mut parts = PartReader::new(&model, &groups, limits, budget);
+    let mut parts = PartReader::new(&model, &groups, limits, quota);
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     if are_sound {
         for (part, properties) in scene.parts.iter_mut().zip(properties) {
@@ -175,7 +175,7 @@ fn parse_json(chunks: &container::GlbChunks<'_>, limits: &Limits) -> Result<Json
 
 /// The most bytes that are decoded from a file and checked in it. A quarter of a GiB beside the share of its
 /// bytes is beyond the needs of an honest file, and keeps a small one from taking hours.
-fn budget(n_bytes: usize, limits: &Limits) -> u64 {
+fn decode_quota(n_bytes: usize, limits: &Limits) -> u64 {
     limits.bytes.min((1 << 28) + DECODED_PER_BYTE * n_bytes as u64)
 }
 
@@ -208,8 +208,8 @@ fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
 
 /// Checks rows that lie in no view. They are zeros that take no bytes of the file, so only limits keep them
 /// from growing.
-fn check_zeros(model: &GltfModel<'_>, limits: &Limits, budget: u64) -> Result<(), ReadError> {
-    let mut left = budget;
+fn check_zeros(model: &GltfModel<'_>, limits: &Limits, quota: u64) -> Result<(), ReadError> {
+    let mut left = quota;
     for (i, accessor) in model.accessors.iter().enumerate() {
         let Some((accessor, count)) = accessor.as_ref().and_then(|a| Some((a, a.count?))) else { continue };
         if accessor.view.is_some() {
@@ -222,7 +222,7 @@ fn check_zeros(model: &GltfModel<'_>, limits: &Limits, budget: u64) -> Result<()
             _ => {
                 let what = format!(
                     "{count} rows of zeros pass the limits of {} rows and {} bytes",
-                    limits.rows, budget
+                    limits.rows, quota
                 );
                 return Err(ReadError::new(
                     "too-many-rows",

@@ -1,7 +1,7 @@
 //! Skins and morph targets: vertices carry them, and files hold them again.
-use super::build::{glb_of, scene_of, strict};
+use super::build::{glb_of, scene_of, strict, triangle};
 use chordal::explicit::{Domain, Semantic};
-use chordal_io::{ReadError, ReadOutcome, Scene, glb};
+use chordal_io::{Conformance, Limits, ReadError, ReadOutcome, Scene, glb};
 use serde_json::{Value, json};
 
 /// Joints of the skin: more than one attribute holds.
@@ -213,4 +213,54 @@ fn targets_that_not_all_primitives_have_are_warned_of() {
     assert!(warnings.contains(&"morph-targets-ignored"), "{warnings:?}");
     assert!(scene.assets.animations.is_empty());
     again(&scene);
+}
+
+/// Each of these took time that grows with the square of the file.
+#[test]
+fn long_lists_of_targets_joints_and_roots_are_linear() {
+    // Chosen: a hundred thousand squared is hours, and as many in a row is a moment.
+    let n = 100_000;
+    let lenient = Limits { conformance: Conformance::Lenient, ..Limits::default() };
+    let ends = |json: &Value, bin: &[u8]| glb::read(&glb_of(&json.to_string(), bin), &lenient);
+    let (mut json, bin) = triangle();
+    json["meshes"][0]["primitives"][0]["targets"] = json!(vec![json!({ "POSITION": 0 }); n]);
+    let (scene, _) = scene_of(ends(&json, &bin).expect("read"));
+    assert_eq!(scene.parts[0].mesh.attributes().len(), n);
+    let names: serde_json::Map<String, Value> = (0..n).map(|i| (format!("_A{i}"), json!(0))).collect();
+    json["meshes"][0]["primitives"][0]["targets"] = json!([names]);
+    assert!(scene_of(ends(&json, &bin).expect("read")).0.parts[0].mesh.attributes().is_empty());
+    // Sets of joints, more than any skin has.
+    let (mut json, bin) = triangle();
+    json["skins"] = json!([{ "joints": [0] }]);
+    for set in 0..n {
+        for family in ["JOINTS", "WEIGHTS"] {
+            json["meshes"][0]["primitives"][0]["attributes"][format!("{family}_{set}")] = json!(0);
+        }
+    }
+    let _ = ends(&json, &bin);
+    // All children of a node that the scene does not show.
+    let (mut json, bin) = triangle();
+    let children: Vec<usize> = (1..n).collect();
+    let mut nodes = vec![json!({ "mesh": 0 }); n];
+    nodes[0] = json!({ "children": children });
+    json["nodes"] = json!(nodes);
+    json["scenes"] = json!([{ "nodes": children }]);
+    let (scene, warnings) = scene_of(ends(&json, &bin).expect("read"));
+    assert!(warnings.contains(&"SCENE_NON_ROOT_NODE"), "{warnings:?}");
+    assert_eq!((scene.roots.len(), scene.nodes[0].children.len()), (n - 1, 0));
+}
+
+/// Joints are read once before the vertices, which share them: that is charged, too, for each primitive.
+#[test]
+fn joints_that_are_named_again_and_again_are_refused_before_they_are_read_without_end() {
+    let (mut json, bin) = triangle();
+    let zeros =
+        |kind: &str, component: u32| json!({ "componentType": component, "count": 1_000_000, "type": kind });
+    json["accessors"] = json!([zeros("VEC3", 5126), zeros("VEC4", 5121), zeros("VEC4", 5126)]);
+    let primitive = json!({ "attributes": { "POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2 } });
+    json["meshes"] = json!([{ "primitives": vec![primitive; 10_000] }]);
+    json["skins"] = json!([{ "joints": [0] }]);
+    let lenient = Limits { conformance: Conformance::Lenient, ..Limits::default() };
+    let error = glb::read(&glb_of(&json.to_string(), &bin), &lenient).map(|_| ()).expect_err("accepted");
+    assert_eq!((error.code, error.place.to_string()), ("too-large", "/meshes/0".to_owned()), "{error}");
 }
