@@ -1,5 +1,5 @@
 //! `ReferenceSurface`: another surface, and the distance of points from it as a colour.
-use super::color::srgb_to_linear;
+use super::color_ramp::ColorRamp;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::greater;
@@ -13,10 +13,6 @@ pub struct ReferenceSurface<'a> {
     /// The distance with the last colour; points farther away have it too.
     pub most: f64,
 }
-
-/// Colours from distance 0 to the largest, in sRGB. Each is darker than the one before, so they differ in
-/// greyscale too.
-const COLORS: [[u8; 3]; 5] = [[240, 242, 243], [250, 213, 92], [237, 122, 46], [176, 42, 74], [62, 14, 92]];
 
 /// The tree over the other surface, and the scale.
 pub(super) struct HeatMap {
@@ -41,24 +37,10 @@ impl HeatMap {
     }
 }
 
-/// The colours in linear light.
-pub(super) struct ColorRamp([DVec3; COLORS.len()]);
-
-impl ColorRamp {
-    pub fn new() -> Self {
-        Self(COLORS.map(srgb_to_linear))
-    }
-
-    /// The colour at a fraction of the way from the first to the last, 0 to 1.
-    pub fn at(&self, share: f64) -> DVec3 {
-        let step = share * (COLORS.len() - 1) as f64;
-        let below = (step as usize).min(COLORS.len() - 2);
-        self.0[below].lerp(self.0[below + 1], step - below as f64)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::color::srgb_to_linear;
+    use super::super::color_ramp::COLORS;
     use super::*;
 
     #[test]

@@ -1,6 +1,7 @@
 //! Pictures of shapes: ray-traced, and the same on every machine.
 mod camera;
 mod color;
+mod color_ramp;
 mod drawing;
 mod field;
 mod heat_map;

@@ -1,7 +1,7 @@
 //! Pictures of what a graphics processor shades: how many lanes are launched for each pixel.
 use super::color::linear_to_srgb;
+use super::color_ramp::ColorRamp;
 use super::frame;
-use super::heat_map::ColorRamp;
 use super::options::{Background, CullMode, RenderOptions, Viewpoint};
 use super::picture::Picture;
 use super::trace::backdrop;
