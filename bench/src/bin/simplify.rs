@@ -49,7 +49,7 @@ fn ours(mesh: &Mesh, aim: Aim, job: &Job) -> Made {
 /// each twice as far off, until [`LEAST`].
 fn our_levels(mesh: &Mesh, job: &Job) -> (f64, Vec<Mesh>) {
     let half = ours(mesh, Aim::Count(mesh.faces().len() / 2), job).declared.expect("proved");
-    let steps = LodSteps { enough: LEAST, ..LodSteps::from_finest(Tolerance::new(half).expect("a length")) };
+    let steps = LodSteps { stop_at_triangles: LEAST, ..LodSteps::from_finest(Tolerance::new(half).expect("a length")) };
     let start = Instant::now();
     let levels = lod::chain(LodSource::Triangles(mesh, Topology::Indices), &steps, job).expect("proved");
     (start.elapsed().as_secs_f64(), levels.into_iter().map(|level| level.mesh).collect())

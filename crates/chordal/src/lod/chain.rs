@@ -43,13 +43,13 @@ pub struct LodSteps {
     /// The ratio of the errors of successive levels, > 1. 2 halves the triangles of a smooth surface.
     pub factor: f64,
     /// A level with at most this many triangles is the last.
-    pub enough: usize,
+    pub stop_at_triangles: usize,
     /// If the finest level has more triangles than this, it is the only level: [`tree`](super::tiling::tree) is to
     /// split it in space and make coarser ones of its own.
-    pub whole: usize,
+    pub max_untiled_triangles: usize,
     /// The fraction of the finest error that tessellating a smooth shape may use, between 0 and 1.
     /// Simplification gets the rest and makes better use of it.
-    pub share: f64,
+    pub tessellation_share: f64,
 }
 
 impl LodSteps {
@@ -57,7 +57,13 @@ impl LodSteps {
     /// Tessellation of a smooth shape gets half of the finest error.
     #[must_use]
     pub fn from_finest(finest: Tolerance) -> Self {
-        Self { finest, factor: 2.0, enough: 64, whole: usize::MAX, share: 0.5 }
+        Self {
+            finest,
+            factor: 2.0,
+            stop_at_triangles: 64,
+            max_untiled_triangles: usize::MAX,
+            tessellation_share: 0.5,
+        }
     }
 }
 
@@ -72,7 +78,7 @@ const MOST_STEPS: u32 = 48;
 /// simplified; the two proofs are added. Simplification continues from level to level, so all levels together
 /// take little longer than the coarsest alone. The error of each level is measured and proved against the
 /// initial triangles, never against the previous level. The first level is within `steps.finest`. The chain
-/// ends where `steps.enough` triangles are left, or where the error is the extent of the shape: at a distance
+/// ends where `steps.stop_at_triangles` triangles are left, or where the error is the extent of the shape: at a distance
 /// where that error is one pixel, the shape is one pixel, too.
 ///
 /// Cost: that of one [`simplify`](super::simplify()), and the proof for each level, 3.5 µs a triangle of the
@@ -91,7 +97,7 @@ const MOST_STEPS: u32 = 48;
 /// let cell = |i: u32, j: u32| { let a = 33 * i + j; [[a, a + 33, a + 34], [a, a + 34, a + 1]] };
 /// let roof = Mesh::new(positions, (0..32).flat_map(|i| (0..32).flat_map(move |j| cell(i, j))).collect())?;
 /// let source = LodSource::Triangles(&roof, Topology::Indices);
-/// let steps = LodSteps { enough: 4, ..LodSteps::from_finest(Tolerance::new(0.1)?) };
+/// let steps = LodSteps { stop_at_triangles: 4, ..LodSteps::from_finest(Tolerance::new(0.1)?) };
 /// let levels = chain(source, &steps, &Job::default()).expect("proved");
 /// assert!(levels.len() > 3 && levels[0].error() <= 0.1);
 /// assert!(levels.windows(2).all(|w| w[0].error() < w[1].error()));
@@ -105,9 +111,11 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
             format!("errors grow by a factor larger than 1, not {}", steps.factor),
         );
     }
-    if !(steps.share > 0.0 && steps.share < 1.0) {
-        let message =
-            format!("triangles of something smooth have a share between 0 and 1, not {}", steps.share);
+    if !(steps.tessellation_share > 0.0 && steps.tessellation_share < 1.0) {
+        let message = format!(
+            "triangles of something smooth have a share between 0 and 1, not {}",
+            steps.tessellation_share
+        );
         return refuse(RefusalCode::Budget, message);
     }
     let (made, topology): (Bounded<Cow<'_, Mesh>>, Topology) = match &mut source {
@@ -116,7 +124,7 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
             (Bounded { shape: Cow::Borrowed(*mesh), bound }, *topology)
         }
         LodSource::Smooth(make) => {
-            let share = Tolerance::new(steps.finest.get() * steps.share).unwrap_or(steps.finest);
+            let share = Tolerance::new(steps.finest.get() * steps.tessellation_share).unwrap_or(steps.finest);
             (make(share)?.map(Cow::Owned), Topology::Indices)
         }
     };
@@ -168,7 +176,7 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
             levels.extend(level.filter(is_new));
             let is_last = |level: &LodLevel| {
                 let n = level.mesh.faces().len();
-                n <= steps.enough || (n > steps.whole && levels.len() == 1)
+                n <= steps.stop_at_triangles || (n > steps.max_untiled_triangles && levels.len() == 1)
             };
             let few = levels.last().is_some_and(is_last);
             match Tolerance::new(error.get() * steps.factor) {

@@ -149,6 +149,11 @@ impl ErrorMonitor {
         })
     }
 
+    /// The vertices of a face of the original.
+    pub fn original_corners(&self, face: u32) -> [u32; 3] {
+        self.corners[face as usize]
+    }
+
     /// Whether a change keeps the surface close enough to the original, as far as a check tells. The new
     /// assignment of the samples is kept for [`SamplesByFace::commit`].
     pub fn allows(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {

@@ -11,6 +11,7 @@ use crate::explicit::{Attribute, DisjointSets, Domain, InvalidMesh, Mesh, Topolo
 use crate::math::{Box3, difference, exponent, greater, length, lesser, power_of_two};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::AddAssign;
 
 /// World → local: minus the middle of the mesh, times a power of two that scales the extent to 1 or less.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +58,14 @@ pub struct ReductionStats {
     /// Separate components that were removed, so small or so close to others that the budget covers their
     /// absence.
     pub dropped_components: u64,
+}
+
+impl AddAssign for ReductionStats {
+    fn add_assign(&mut self, other: Self) {
+        self.locked_vertices += other.locked_vertices;
+        self.collapsed_faces += other.collapsed_faces;
+        self.dropped_components += other.dropped_components;
+    }
 }
 
 #[derive(Clone)]
@@ -160,7 +169,8 @@ impl<'a> MeshReduction<'a> {
         };
         let made_at = |face: u32| tried.engine.face_cost[face as usize];
         for far in &places.violations[0] {
-            let corners = self.engine.surface.corners(far.face);
+            // Those of the original, of which earlier levels may have removed the face.
+            let corners = then.original_corners(far.face);
             // A face that was left out from the start has no vertices here.
             if corners[0] != NONE {
                 let costs = corners.map(|v| made_at(then.samples.holder(v)));

@@ -50,16 +50,16 @@ pub struct TilingOptions {
     /// The ratio of the additional errors of successive steps, > 1.
     pub factor: f64,
     /// The largest number of triangles of a tile, ≥ 1.
-    pub most: usize,
+    pub max_triangles: usize,
     /// A single tile for the whole mesh with at most this many triangles is the root.
-    pub enough: usize,
+    pub stop_at_triangles: usize,
 }
 
 impl TilingOptions {
     /// Tiles of up to 65,536 triangles, errors that start at `step` and double, until 64 triangles or fewer.
     #[must_use]
     pub fn from_step(step: Tolerance) -> Self {
-        Self { step, factor: 2.0, most: 1 << 16, enough: 64 }
+        Self { step, factor: 2.0, max_triangles: 1 << 16, stop_at_triangles: 64 }
     }
 }
 
@@ -108,7 +108,7 @@ const MOST_STEPS: u32 = 48;
 /// let cell = |i: u32, j: u32| { let a = 33 * i + j; [[a, a + 33, a + 34], [a, a + 34, a + 1]] };
 /// let roof = Mesh::new(positions, (0..32).flat_map(|i| (0..32).flat_map(move |j| cell(i, j))).collect())?;
 /// let roof = Bounded { shape: roof, bound: Bound::exact(Reference::InputTriangles) };
-/// let cuts = TilingOptions { most: 600, ..TilingOptions::from_step(Tolerance::new(0.1)?) };
+/// let cuts = TilingOptions { max_triangles: 600, ..TilingOptions::from_step(Tolerance::new(0.1)?) };
 /// let made = tree(&roof, Topology::Indices, &cuts, &Job::default())?;
 /// let leaves = made.tiles.iter().filter(|tile| tile.children.is_empty());
 /// assert_eq!(leaves.map(|tile| tile.mesh.faces().len()).sum::<usize>(), 2048);
@@ -127,7 +127,7 @@ pub fn tree(
             format!("errors grow by a factor larger than 1, not {}", cuts.factor),
         );
     }
-    if cuts.most == 0 {
+    if cuts.max_triangles == 0 {
         return refuse(RefusalCode::Budget, "a tile holds at least one triangle");
     }
     if finest.shape.faces().is_empty() {
@@ -140,7 +140,7 @@ pub fn tree(
         );
     }
     job.run(|| {
-        let parts = RegionTree::new(&finest.shape, topology, cuts.most);
+        let parts = RegionTree::new(&finest.shape, topology, cuts.max_triangles);
         let mut growing = TileTreeBuilder::new(TileTreeInput {
             regions: parts,
             bound: &finest.bound,
@@ -220,7 +220,7 @@ impl<'a> TileTreeBuilder<'a> {
     }
 
     fn run(&mut self) -> Result<(), JobError> {
-        let TilingOptions { step, factor, enough, .. } = *self.input.cuts;
+        let TilingOptions { step, factor, stop_at_triangles: enough, .. } = *self.input.cuts;
         let mut length = step;
         let extent = self.input.regions.extent();
         for _ in 0..MOST_STEPS {
@@ -245,7 +245,7 @@ impl<'a> TileTreeBuilder<'a> {
 
     /// Adds a tile above the current ones wherever a length gives fewer triangles.
     fn step(&mut self, length: Tolerance) -> Result<(), JobError> {
-        let most = self.input.cuts.most;
+        let most = self.input.cuts.max_triangles;
         // Two halves that are likely to fit into one tile, since each step leaves about half.
         let halves = |region: &usize| self.input.regions.regions[*region].halves;
         let fit = |[a, b]: [usize; 2]| {

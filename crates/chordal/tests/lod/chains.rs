@@ -73,3 +73,23 @@ fn every_level_of_drawn_meshes_is_within_its_bound() {
         some(names, 2).into_iter().filter_map(|name| data::obj(name).map(|mesh| (name, mesh))).collect(),
     );
 }
+
+/// Where an attempt deviates too much, the next one is more careful there, also in places whose faces earlier
+/// levels have removed: no level is left out because of a few places.
+#[test]
+fn no_level_of_a_rough_surface_is_left_out() {
+    for (name, mesh, share) in
+        [("rough", shapes::heights([90, 90], 0.002), 8e-4), ("torus", shapes::torus([120, 60], 0.004), 6e-4)]
+    {
+        let finest = Tolerance::new(share * mesh.bounds().diagonal()).expect("a length");
+        let source = LodSource::Triangles(&mesh, Topology::Positions);
+        let levels = chain(source, &LodSteps::from_finest(finest), &Job::default()).expect("levels");
+        let said: Vec<String> = levels
+            .iter()
+            .map(|level| format!("{} triangles at {:.3e}", level.mesh.faces().len(), level.error()))
+            .collect();
+        println!("{name}: {}", said.join(", "));
+        let ratios = levels.windows(2).map(|pair| pair[1].error() / pair[0].error());
+        assert!(levels.len() > 3 && ratios.clone().all(|ratio| ratio < 2.2), "{name}: {said:?}");
+    }
+}

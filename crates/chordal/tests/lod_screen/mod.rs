@@ -27,7 +27,7 @@ struct Shape {
 impl Shape {
     fn new(name: &str, mesh: Mesh) -> Self {
         let finest = Tolerance::new(0.002 * mesh.bounds().diagonal()).expect("a length");
-        let steps = LodSteps { enough: 24, ..LodSteps::from_finest(finest) };
+        let steps = LodSteps { stop_at_triangles: 24, ..LodSteps::from_finest(finest) };
         let source = LodSource::Triangles(&mesh, Topology::Positions);
         let levels = chain(source, &steps, &Job::default().with_threads(2)).expect("levels");
         Self { name: name.to_owned(), mesh, levels }

@@ -6,13 +6,13 @@ use chordal::check::{Goal, Validity, deviation, validity};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::tiling::{LodTile, LodTileTree, TilingOptions, tree};
 use chordal::{Bound, Bounded, Job, Mesh, Tolerance};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, is_long};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Tiles of so many triangles, the first above the leaves within a share of the diagonal.
 fn cuts(mesh: &Mesh, most: usize, share: f64) -> TilingOptions {
     TilingOptions {
-        most,
+        max_triangles: most,
         ..TilingOptions::from_step(Tolerance::new(share * mesh.bounds().diagonal()).expect("a length"))
     }
 }
@@ -170,7 +170,12 @@ fn two_balls_stay_two() {
 
 #[test]
 fn creases_and_thin_walls_hold() {
-    for (mesh, most) in [(shapes::gear(2, 8), 200), (shapes::tray(14, 0.01), 300)] {
+    // As files hold them: at full precision the flat sides of the gear are proved for minutes.
+    let single = |mesh: Mesh| {
+        let positions = mesh.positions().iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
+        if is_long() { mesh } else { mesh.with_positions(positions).expect("as many") }
+    };
+    for (mesh, most) in [(single(shapes::gear(2, 8)), 200), (shapes::tray(14, 0.01), 300)] {
         let made = made(&mesh, most, 1e-4);
         leaves_are(&made, &mesh);
         mixes(&made, &mesh, same);
@@ -392,7 +397,7 @@ fn refuses_what_it_cannot_do() {
     for factor in [1.0, 0.5, -2.0, f64::NAN] {
         assert_eq!(code(&exact(&mesh), &TilingOptions { factor, ..good }), RefusalCode::Budget);
     }
-    assert_eq!(code(&exact(&mesh), &TilingOptions { most: 0, ..good }), RefusalCode::Budget);
+    assert_eq!(code(&exact(&mesh), &TilingOptions { max_triangles: 0, ..good }), RefusalCode::Budget);
     assert_eq!(code(&exact(&Mesh::default()), &good), RefusalCode::Empty);
     let guess = Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::InputTriangles);
     assert_eq!(code(&Bounded { shape: mesh.clone(), bound: guess }, &good), RefusalCode::Unsupported);
