@@ -7,7 +7,7 @@
 use chordal::Mesh;
 use chordal::math::Box3;
 use chordal_io::tiles::{Tile, Tileset, aligned_box, content_bounds, write};
-use chordal_io::{Axis, Content, Format, Frame, Limits, Scene, glb, snap};
+use chordal_io::{Axis, Content, Format, Frame, Limits, Part, Scene, glb, snap};
 use std::error::Error;
 use std::path::Path;
 
@@ -66,16 +66,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// All levels in one GLB, each at half the share of the screen of the one before.
 fn write_beside(levels: &[Level], path: &Path) -> Result<(), Box<dyn Error>> {
     let frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0), ..Frame::default() };
-    let scene = |level: &Level| Scene::from_mesh("level", level.mesh.clone(), frame);
-    let scenes: Vec<Scene> = levels.iter().rev().map(scene).collect();
-    let mut coverage = 1.0;
-    let levels: Vec<glb::GlbLevel<'_>> = scenes
-        .iter()
-        .map(|scene| {
-            coverage /= 2.0;
-            glb::GlbLevel { scene, certificate: scene.certificate.as_ref(), coverage }
-        })
-        .collect();
+    let mut meshes = levels.iter().rev().map(|level| level.mesh.clone());
+    let finest = meshes.next().ok_or("no level")?;
+    let scene = Scene::from_mesh("level", finest, frame);
+    let coarser: Vec<Part> = meshes.map(|mesh| Part { mesh, ..Part::default() }).collect();
+    let coverages = (0..=coarser.len()).map(|k| 0.5_f64.powi(k as i32 + 1)).collect();
+    let levels =
+        glb::GlbLevels { coarser: &[coarser], coverages: &[coverages], ..glb::GlbLevels::one(&scene) };
     glb::write_levels(&levels, &mut std::fs::File::create(path)?)?;
     Ok(())
 }

@@ -4,7 +4,7 @@ use crate::error::{ReadError, WriteError};
 use crate::files::FileOpener;
 use crate::scene::{ReadOutcome, Scene};
 use crate::text::is_space;
-use crate::{FileSet, Limits, Polygons, Volume};
+use crate::{FileSet, Limits, Polygons, SceneAssets, Volume};
 use crate::{bpt, glb, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm};
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
@@ -100,6 +100,8 @@ pub(crate) struct TriangleFormat {
     pub precision: PositionPrecision,
     /// None where polygons are cut into triangles.
     pub polygons: Option<PolygonFormat>,
+    /// Whether materials are in files beside the document, which names them.
+    pub has_materials_beside: bool,
     /// Whether parts stay apart.
     pub has_parts: bool,
     /// Whether nodes place parts, so that instances share triangles.
@@ -172,6 +174,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     rows: VertexRows::Split,
     precision: PositionPrecision::SingleAboutOrigin,
     polygons: None,
+    has_materials_beside: false,
     has_parts: true,
     has_nodes: true,
     wants_normals: true,
@@ -200,12 +203,13 @@ static TABLE: [FormatRow; 16] = [
                 write_files: Some(obj::write_polygons_files),
                 is_cage: true,
             }),
+            has_materials_beside: true,
             has_parts: true,
             has_nodes: false,
             wants_normals: true,
             has_certificate: true,
             keeps: Some(obj::keeps),
-            changes: None,
+            changes: Some(obj::lost_looks),
         }),
         ..only_read(Format::Obj, "obj", obj::looks_like, obj::read)
     },
@@ -216,6 +220,7 @@ static TABLE: [FormatRow; 16] = [
             rows: VertexRows::Mesh,
             precision: PositionPrecision::Double,
             polygons: Some(PolygonFormat { write: ply::write_polygons, write_files: None, is_cage: false }),
+            has_materials_beside: false,
             has_parts: false,
             has_nodes: false,
             wants_normals: false,
@@ -232,6 +237,7 @@ static TABLE: [FormatRow; 16] = [
             rows: VertexRows::Soup,
             precision: PositionPrecision::Single,
             polygons: None,
+            has_materials_beside: false,
             has_parts: false,
             has_nodes: false,
             wants_normals: false,
@@ -262,6 +268,7 @@ static TABLE: [FormatRow; 16] = [
             rows: VertexRows::Positions,
             precision: PositionPrecision::Double,
             polygons: Some(PolygonFormat { write: off::write_polygons, write_files: None, is_cage: false }),
+            has_materials_beside: false,
             has_parts: false,
             has_nodes: false,
             wants_normals: false,
@@ -278,6 +285,7 @@ static TABLE: [FormatRow; 16] = [
             rows: VertexRows::Positions,
             precision: PositionPrecision::Double,
             polygons: None,
+            has_materials_beside: false,
             has_parts: true,
             has_nodes: true,
             wants_normals: false,
@@ -381,6 +389,14 @@ impl Format {
         self.row().triangles.as_ref().is_some_and(|format| format.write_files.is_some())
     }
 
+    /// Whether the format names files beside it for what these assets have: an OBJ its materials. A document
+    /// alone is then less than the whole.
+    #[must_use]
+    pub fn names_files(self, assets: &SceneAssets) -> bool {
+        let has_some = self.row().triangles.as_ref().is_some_and(|held| held.has_materials_beside);
+        has_some && !assets.materials.is_empty()
+    }
+
     /// Whether polygons of any number of corners can be written in it.
     #[must_use]
     pub fn holds_polygons(self) -> bool {
@@ -397,6 +413,12 @@ impl Format {
     #[must_use]
     pub fn holds_volumes(self) -> bool {
         self.row().volumes.is_some()
+    }
+
+    /// Whether parts stay apart, with their names.
+    #[must_use]
+    pub fn has_parts(self) -> bool {
+        self.row().triangles.as_ref().is_some_and(|format| format.has_parts)
     }
 
     /// Whether its nodes place parts, so that instances share triangles.

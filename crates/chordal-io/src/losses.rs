@@ -24,8 +24,15 @@ use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 /// ```
 pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError> {
     let mut lost: Vec<Warning> = Vec::new();
-    let Some(TriangleFormat { has_certificate, has_parts, keeps: Some(keeps), has_nodes, changes, .. }) =
-        &format.row().triangles
+    let Some(TriangleFormat {
+        has_certificate,
+        has_materials_beside,
+        has_parts,
+        keeps: Some(keeps),
+        has_nodes,
+        changes,
+        ..
+    }) = &format.row().triangles
     else {
         return Ok(lost);
     };
@@ -42,11 +49,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
     }
-    // What its material library cannot say.
-    if format == Format::Obj {
-        let beside = crate::obj::side_files(scene, "");
-        beside.iter().flat_map(|beside| &beside.lost).for_each(|lost| count(lost.message.to_string()));
-    } else {
+    if !has_materials_beside {
         scene.assets.materials.iter().for_each(|_| count(format!("{title} holds no looks of materials")));
     }
     for (list, what) in [

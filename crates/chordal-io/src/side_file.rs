@@ -107,7 +107,19 @@ const PICTURES: [(&str, &str); 6] = [
     ("image/vnd-ms.dds", "dds"),
 ];
 
-fn picture_extension(mime: Option<&str>) -> &'static str {
+/// The media type of a picture by its first bytes, of those that glTF and its extensions hold.
+pub(crate) fn picture_type(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0xFF, 0xD8, 0xFF, ..] => Some("image/jpeg"),
+        [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1A, b'\n', ..] => Some("image/png"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
+        [0xAB, b'K', b'T', b'X', b' ', b'2', b'0', 0xBB, b'\r', b'\n', 0x1A, b'\n', ..] => Some("image/ktx2"),
+        _ => None,
+    }
+}
+
+/// The extension of a picture of a media type.
+pub(crate) fn picture_extension(mime: Option<&str>) -> &'static str {
     PICTURES.iter().find(|(known, _)| Some(*known) == mime).map_or("img", |(_, extension)| extension)
 }
 

@@ -126,6 +126,9 @@ impl<'a> AssetReader<'a> {
             properties.shift_remove("scale");
         }
         let extensions = node.get("extensions").map_or(&[][..], JsonValue::entries);
+        if extensions.iter().any(|(name, _)| **name == *super::LOD) {
+            drop_coverages(&mut properties);
+        }
         let extensions = self.kept_extensions(extensions, &format!("/nodes/{i}/extensions"));
         if !extensions.is_empty() {
             properties.insert("extensions".to_owned(), Value::Object(extensions));
@@ -380,5 +383,13 @@ fn put(component: ComponentType, x: f64, bytes: &mut Vec<u8>) {
         ComponentType::U16 => bytes.extend((x as u16).to_le_bytes()),
         ComponentType::U32 => bytes.extend((x as u32).to_le_bytes()),
         ComponentType::F32 => bytes.extend((x as f32).to_le_bytes()),
+    }
+}
+
+/// Takes out the shares of the screen that go with lower levels, which are not read.
+fn drop_coverages(properties: &mut Map<String, Value>) {
+    let Some(extras) = properties.get_mut("extras").and_then(Value::as_object_mut) else { return };
+    if extras.shift_remove("MSFT_screencoverage").is_some() && extras.is_empty() {
+        properties.shift_remove("extras");
     }
 }

@@ -139,13 +139,23 @@ impl<'a> GltfDocument<'a> {
         }
     }
 
-    /// Adds the mesh of a part, in the order of the scene.
+    /// Adds the mesh of a part of the scene, in the scene's order.
     pub fn add_part(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<(), WriteError> {
+        let added = self.part_mesh(part, shape)?;
+        self.shown.push(added);
+        Ok(())
+    }
+
+    /// Adds the mesh of a part.
+    pub fn part_mesh(
+        &mut self,
+        part: &Part,
+        shape: &'a GltfPart<'_>,
+    ) -> Result<node_list::PartMesh, WriteError> {
         let empty = shape.mesh.faces().is_empty();
         let mesh = if empty { None } else { Some(self.add_mesh(part, shape)?) };
         let (has_skin, n_targets) = (has_skin(&shape.mesh), targets_of(&shape.mesh).len());
-        self.shown.push(node_list::PartMesh { mesh, origin: shape.origin, has_skin, n_targets });
-        Ok(())
+        Ok(node_list::PartMesh { mesh, origin: shape.origin, has_skin, n_targets })
     }
 
     fn add_mesh(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<usize, WriteError> {
@@ -253,19 +263,17 @@ impl<'a> GltfDocument<'a> {
         })
     }
 
-    /// The nodes of a scene whose parts were added last, after `n_before` other nodes.
-    pub fn nodes(&self, scene: &Scene, n_before: usize) -> Result<node_list::NodeList, WriteError> {
-        node_list::nodes(scene, &self.shown[self.shown.len() - scene.parts.len()..], n_before)
+    /// The nodes of the scene whose parts were added.
+    pub fn nodes(
+        &self,
+        scene: &Scene,
+        levels: &node_list::NodeLevels<'_>,
+    ) -> Result<node_list::NodeList, WriteError> {
+        node_list::nodes(scene, &self.shown, levels)
     }
 
-    /// The content of the JSON chunk; `certificate` becomes an extra, `extension` one that nodes use beside
-    /// those of the assets.
-    pub fn json(
-        &self,
-        nodes: &node_list::NodeList,
-        certificate: Option<&Value>,
-        extension: Option<&str>,
-    ) -> Map<String, Value> {
+    /// The content of the JSON chunk; `certificate` becomes an extra.
+    pub fn json(&self, nodes: &node_list::NodeList, certificate: Option<&Value>) -> Map<String, Value> {
         let mut root = Map::new();
         let mut asset =
             json!({ "version": "2.0", "generator": concat!("Chordal ", env!("CARGO_PKG_VERSION")) });
@@ -302,23 +310,17 @@ impl<'a> GltfDocument<'a> {
                 root.insert(name.to_owned(), json!(list));
             }
         }
-        self.insert_extensions(&mut root, nodes, extension);
+        self.insert_extensions(&mut root, nodes);
         root
     }
 
     /// The extensions of the file, and the names of all that it uses, each once.
-    fn insert_extensions(
-        &self,
-        root: &mut Map<String, Value>,
-        nodes: &node_list::NodeList,
-        extension: Option<&str>,
-    ) {
+    fn insert_extensions(&self, root: &mut Map<String, Value>, nodes: &node_list::NodeList) {
         if !self.assets.extensions.is_empty() {
             root.insert("extensions".to_owned(), json!(self.assets.extensions));
         }
         let mut used = self.assets.used_extensions();
         nodes.list.iter().for_each(|node| collect_extensions(node, &mut used));
-        used.extend(extension.map(str::to_owned));
         used.sort_unstable();
         used.dedup();
         if used.is_empty() {

@@ -10,12 +10,14 @@ mod format;
 mod instances;
 mod json;
 mod leniency;
+mod level_set;
 mod levels;
 mod lint;
 mod lod_nodes;
 mod meshopt;
 mod model;
 mod node_list;
+mod pack;
 mod packed_views;
 mod parts;
 mod read;
@@ -27,7 +29,8 @@ mod transform;
 mod triangles;
 mod write;
 
-pub use levels::{GlbLevel, write_levels, write_levels_embedded, write_levels_files};
+pub use level_set::GlbLevels;
+pub use levels::{write_levels, write_levels_embedded, write_levels_files};
 
 pub use read::read;
 pub(crate) use read::{looks_like_json, read_with};

@@ -1,5 +1,5 @@
 //! `NodeList`: the nodes of a GLB, which place its meshes.
-use super::transform;
+use super::{LOD, transform};
 use crate::forest::check_forest;
 use crate::{Axis, Frame, Node, Scene, WriteError};
 use serde_json::{Map, Value, json};
@@ -24,33 +24,112 @@ pub(super) struct NodeList {
     pub first: usize,
 }
 
+/// The coarser levels of the parts, which nodes name by `MSFT_lod`.
+pub(super) struct NodeLevels<'a> {
+    /// By part: its coarser meshes as they were written, the finest first. Empty where it has one level.
+    pub coarser: Vec<Vec<PartMesh>>,
+    /// By node: for each level of its part the least fraction of the screen.
+    pub coverages: &'a [Vec<f64>],
+}
+
 /// Lists the nodes of a scene, one for each in the same order. Before them come the nodes that rotate and
-/// scale the scene's frame, after them those that place a mesh about its origin where its node cannot. In the
-/// file they follow `n_before` other nodes.
-pub(super) fn nodes(scene: &Scene, shown: &[PartMesh], n_before: usize) -> Result<NodeList, WriteError> {
+/// scale the scene's frame, after them those that place a mesh about its origin where its node cannot, and
+/// those that show coarser levels.
+pub(super) fn nodes(
+    scene: &Scene,
+    shown: &[PartMesh],
+    levels: &NodeLevels<'_>,
+) -> Result<NodeList, WriteError> {
     check_forest(scene)?;
     let mut frame = frame_nodes(scene.frame)?;
     // A frame without content would be an empty node.
     if scene.roots.is_empty() {
         frame.clear();
     }
-    let first = n_before + frame.len();
+    let first = frame.len();
+    let is_animated = animated_nodes(scene);
     let mut extra = Vec::new();
+    let mut hosts = Vec::new();
     let mut list = Vec::with_capacity(scene.nodes.len());
     for (i, node) in scene.nodes.iter().enumerate() {
         let place = node.part.and_then(|p| shown.get(p));
-        let links = chain(node, place)
+        let coarser = node.part.and_then(|p| levels.coarser.get(p)).map_or(&[][..], |coarser| coarser);
+        let NodeChain { links, has_transform } = chain(node, place, coarser, is_animated[i])
             .ok_or_else(|| WriteError::Unsupported(format!("glTF cannot hold the transform of node {i}")))?;
         let next = first + scene.nodes.len() + extra.len();
         let mut links = links.into_iter().enumerate().map(|(k, link)| link.object(k + next, first));
         list.extend(links.next().map(|object| with_name(&node.name, object)));
+        let n_before = extra.len();
         extra.extend(links);
+        if !coarser.is_empty() {
+            // The last link shows the mesh.
+            let host = if extra.len() == n_before { i } else { scene.nodes.len() + extra.len() - 1 };
+            hosts.push(LevelHost { node: i, host, has_transform, coarser });
+        }
+    }
+    list.extend(extra);
+    for host in &hosts {
+        let coverages = levels.coverages.get(host.node).map_or(&[][..], |coverages| coverages);
+        host.add_levels(&scene.nodes[host.node].name, coverages, first, &mut list);
     }
     let mut roots = scene.roots.iter().map(|r| first + r).collect();
     for (i, node) in frame.iter_mut().enumerate().rev() {
-        node["children"] = json!(std::mem::replace(&mut roots, vec![n_before + i]));
+        node["children"] = json!(std::mem::replace(&mut roots, vec![i]));
     }
-    Ok(NodeList { list: [frame, list, extra].concat(), roots, first })
+    Ok(NodeList { list: [frame, list].concat(), roots, first })
+}
+
+/// By node: whether an animation moves it.
+fn animated_nodes(scene: &Scene) -> Vec<bool> {
+    let mut is_animated = vec![false; scene.nodes.len()];
+    let channels = scene.assets.animations.iter().filter_map(|animation| animation["channels"].as_array());
+    for channel in channels.flatten() {
+        let node = channel["target"]["node"].as_u64().and_then(|node| usize::try_from(node).ok());
+        if let Some(is_animated) = node.and_then(|node| is_animated.get_mut(node)) {
+            *is_animated = true;
+        }
+    }
+    is_animated
+}
+
+/// A node of the file whose mesh has coarser levels.
+struct LevelHost<'a> {
+    /// Its number in the scene.
+    node: usize,
+    /// The number in the list of the node that shows the mesh.
+    host: usize,
+    /// Whether that node also has the transform of the scene's node.
+    has_transform: bool,
+    coarser: &'a [PartMesh],
+}
+
+impl LevelHost<'_> {
+    /// Appends a node for each coarser level, placed as the finest, and names them.
+    fn add_levels(&self, name: &str, coverages: &[f64], first: usize, list: &mut Vec<Value>) {
+        let mut own = list[self.host].as_object().cloned().unwrap_or_default();
+        for key in ["name", "extras", "extensions", "children"] {
+            own.shift_remove(key);
+        }
+        if !self.has_transform {
+            own.shift_remove("translation");
+        }
+        let mut ids = Vec::with_capacity(self.coarser.len());
+        for (k, part) in self.coarser.iter().enumerate() {
+            let mut properties = own.clone();
+            if part.origin != [0.0; 3] {
+                properties.insert("translation".to_owned(), json!(part.origin));
+            }
+            properties.insert("mesh".to_owned(), json!(part.mesh));
+            if !part.has_skin {
+                properties.shift_remove("skin");
+            }
+            ids.push(first + list.len());
+            let name = if name.is_empty() { String::new() } else { format!("{name} level {}", k + 1) };
+            list.push(with_name(&name, Value::Object(properties)));
+        }
+        list[self.host]["extensions"] = json!({ LOD: { "ids": ids } });
+        list[self.host]["extras"]["MSFT_screencoverage"] = json!(coverages);
+    }
 }
 
 /// The nodes that map the scene's frame to glTF's, outermost first.
@@ -89,13 +168,27 @@ impl NodeLink<'_> {
     }
 }
 
-/// The glTF nodes for a node, outermost first; `None` when its transform has shear.
-fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a>>> {
+/// The glTF nodes for a node of the scene, outermost first.
+struct NodeChain<'a> {
+    links: Vec<NodeLink<'a>>,
+    /// Whether the last one has a transform of the node, and not just the origin of its mesh.
+    has_transform: bool,
+}
+
+/// The glTF nodes for a node; `None` when its transform has shear.
+fn chain<'a>(
+    node: &'a Node,
+    place: Option<&PartMesh>,
+    coarser: &[PartMesh],
+    is_animated: bool,
+) -> Option<NodeChain<'a>> {
     let mut properties = node.properties.clone();
     let transform = match transform::own_properties(&mut properties, &node.matrix) {
         Some(transform) => vec![transform],
         None => transform::node_properties(&node.matrix)?,
     };
+    // Whatever knows levels shows a coarser one in the place of the node and of all below it.
+    let is_replaceable = node.children.is_empty() && !is_animated && is_plain(&properties);
     let mut links: Vec<_> = transform
         .into_iter()
         .map(|properties| NodeLink { properties, children: &[], goes_on: false })
@@ -110,11 +203,19 @@ fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a
     if place.is_none_or(|place| place.mesh.is_none() || place.n_targets == 0) {
         inner.properties.shift_remove("weights");
     }
+    let mut has_transform = !inner.properties.is_empty();
     if let Some(PartMesh { mesh: Some(mesh), origin, .. }) = place {
         // An origin must not move the node's children, nor be applied before the node's own transform.
-        let own = *origin != [0.0; 3] && !(inner.properties.is_empty() && node.children.is_empty());
-        if own {
-            links.push(NodeLink { properties: Map::new(), children: &[], goes_on: false });
+        let has_origin =
+            std::iter::once(origin).chain(coarser.iter().map(|p| &p.origin)).any(|o| *o != [0.0; 3]);
+        let is_bare = inner.properties.is_empty() && node.children.is_empty();
+        if has_origin && !is_bare || !coarser.is_empty() && !is_replaceable {
+            let of_mesh = ["skin", "weights"];
+            let moved = of_mesh.map(|key| (key.to_owned(), inner.properties.shift_remove(key)));
+            let moved = moved.into_iter().filter_map(|(key, value)| Some((key, value?)));
+            let properties = Map::from_iter(moved);
+            links.push(NodeLink { properties, children: &[], goes_on: false });
+            has_transform = false;
         }
         let properties = &mut links.last_mut()?.properties;
         if *origin != [0.0; 3] {
@@ -124,7 +225,17 @@ fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a
     }
     let n_links = links.len();
     links.iter_mut().take(n_links - 1).for_each(|link| link.goes_on = true);
-    Some(links)
+    Some(NodeChain { links, has_transform })
+}
+
+/// Whether a node has nothing beside its mesh and its transform that would be missed with a coarser level in
+/// its place.
+fn is_plain(properties: &Map<String, Value>) -> bool {
+    properties.iter().all(|(key, value)| match key.as_str() {
+        "skin" => true,
+        "extras" => value.is_object(),
+        _ => false,
+    })
 }
 
 /// The object with its name first, unless the name is empty.

@@ -23,7 +23,7 @@ pub(crate) use detect::looks_like;
 pub use read::read;
 pub(crate) use read::read_with;
 pub use side_files::{ObjSideFiles, side_files, side_files_of_polygons};
-pub(crate) use side_files::{write_files, write_polygons_files};
+pub(crate) use side_files::{lost_looks, write_files, write_polygons_files};
 pub(crate) use write::keeps;
 pub use write::{write, write_with_library};
 pub use write_polygons::{write_polygons, write_polygons_with_library};

@@ -2,6 +2,7 @@
 use super::mtl_map::MtlMap;
 use super::mtl_notes::MtlNotes;
 use crate::files::{self, FileOpener};
+use crate::side_file::picture_type;
 use crate::{ImageContent, SceneAssets, SceneImage};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -114,7 +115,8 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
             return known.ok_or(None);
         }
         let found = self.files.read(&path).and_then(|bytes| {
-            let mime = media_type(&bytes).ok_or("it is no PNG, JPEG or WebP")?;
+            let mime = picture_type(&bytes).filter(|mime| *mime != "image/ktx2");
+            let mime = mime.ok_or("it is no PNG, JPEG or WebP")?;
             self.opened.push(OpenedPicture { path: path.clone(), mime, bytes: bytes.into(), image: None });
             Ok(self.opened.len() - 1)
         });
@@ -171,25 +173,12 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
     }
 }
 
-/// The media type of a picture that glTF can hold, by its first bytes.
-pub(super) fn media_type(bytes: &[u8]) -> Option<&'static str> {
-    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
-        Some("image/png")
-    } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
-        Some("image/jpeg")
-    } else if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
-        Some("image/webp")
-    } else {
-        None
-    }
-}
-
 fn is_gray(bytes: &[u8]) -> bool {
-    if media_type(bytes) == Some("image/png") {
+    if picture_type(bytes) == Some("image/png") {
         // The colour type of the header: 0 is gray, 4 gray with opacity (PNG specification, 11.2.1).
         return matches!(bytes.get(25), Some(0 | 4));
     }
-    if media_type(bytes) != Some("image/jpeg") {
+    if picture_type(bytes) != Some("image/jpeg") {
         return false;
     }
     // Segments of a marker and a length each, up to the frame header, which has the number of components at

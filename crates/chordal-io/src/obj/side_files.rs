@@ -1,23 +1,23 @@
 //! `ObjSideFiles`: the material library and the pictures that stand beside an OBJ.
 use super::gltf_to_mtl::MtlWriter;
 use super::names::{ObjNames, UniqueNames, one_line};
-use super::pictures::{file_name, media_type};
+use super::pictures::file_name;
 use super::{write_polygons_with_library, write_with_library};
+use crate::side_file::{picture_extension, picture_extensions, picture_type};
 use crate::{FileSet, ImageContent, Polygons, Scene, SceneAssets, SceneImage, SideFile, Warning, WriteError};
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::sync::Arc;
 
 /// The files that belong beside an OBJ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ObjSideFiles {
+pub struct ObjSideFiles<'a> {
     /// The name of the material library, for [`super::write_with_library`].
     pub library: String,
-    /// The name and the bytes of each file, the library first. Names are letters, digits, `.`, `_` and `-`,
-    /// without folders, each once where case does not count.
-    pub files: Vec<(String, Arc<[u8]>)>,
+    /// The files, the library first. Names are letters, digits, `.`, `_` and `-`, without folders, each once
+    /// where case does not count.
+    pub files: Vec<SideFile<'a>>,
     /// What of the materials no statement of a library says.
     pub lost: Vec<Warning>,
 }
@@ -44,13 +44,19 @@ pub struct ObjSideFiles {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
-pub fn side_files(scene: &Scene, stem: &str) -> Option<ObjSideFiles> {
+pub fn side_files<'a>(scene: &'a Scene, stem: &str) -> Option<ObjSideFiles<'a>> {
     of_materials(&scene.groups, &scene.assets, stem)
+}
+
+/// What of its materials no statement of a library says.
+pub(crate) fn lost_looks(scene: &Scene) -> Vec<String> {
+    let beside = side_files(scene, "");
+    beside.iter().flat_map(|beside| &beside.lost).map(|lost| lost.message.to_string()).collect()
 }
 
 /// As [`side_files`], for a cage.
 #[must_use]
-pub fn side_files_of_polygons(polygons: &Polygons, stem: &str) -> Option<ObjSideFiles> {
+pub fn side_files_of_polygons<'a>(polygons: &'a Polygons, stem: &str) -> Option<ObjSideFiles<'a>> {
     of_materials(&polygons.groups, &polygons.assets, stem)
 }
 
@@ -80,22 +86,20 @@ pub(crate) fn write_polygons_files<'a>(
     })
 }
 
-fn file_set(
-    beside: Option<ObjSideFiles>,
+fn file_set<'a>(
+    beside: Option<ObjSideFiles<'a>>,
     write: impl FnOnce(Option<&str>, &mut dyn Write) -> Result<(), WriteError>,
-) -> Result<FileSet<'static>, WriteError> {
+) -> Result<FileSet<'a>, WriteError> {
     let mut document = Vec::new();
     write(beside.as_ref().map(|beside| &*beside.library), &mut document)?;
-    let file = |(name, bytes): (String, Arc<[u8]>)| SideFile { name, bytes: Cow::Owned(bytes.to_vec()) };
-    let files = beside.map(|beside| beside.files).unwrap_or_default();
-    Ok(FileSet { document, beside: files.into_iter().map(file).collect() })
+    Ok(FileSet { document, beside: beside.map(|beside| beside.files).unwrap_or_default() })
 }
 
-fn of_materials(
+fn of_materials<'a>(
     groups: &BTreeMap<String, Vec<String>>,
-    assets: &SceneAssets,
+    assets: &'a SceneAssets,
     stem: &str,
-) -> Option<ObjSideFiles> {
+) -> Option<ObjSideFiles<'a>> {
     if assets.materials.is_empty() {
         return None;
     }
@@ -112,10 +116,10 @@ fn of_materials(
     }
     writer.count_pictures();
     let MtlWriter { text, is_used, lost, .. } = writer;
-    let mut files = vec![(library.clone(), text.into())];
+    let mut files = vec![SideFile { name: library.clone(), bytes: Cow::Owned(text) }];
     for ((image, name), is_used) in assets.images.iter().zip(names).zip(is_used) {
         if let (ImageContent::Bytes(bytes), true) = (&image.content, is_used) {
-            files.push((name, Arc::clone(bytes)));
+            files.push(SideFile { name, bytes: Cow::Borrowed(bytes) });
         }
     }
     Some(ObjSideFiles { library, files, lost })
@@ -128,26 +132,16 @@ fn picture_name(image: &SceneImage, stem: &str, taken: &mut UniqueNames) -> Stri
         ImageContent::Bytes(bytes) => bytes,
         ImageContent::Uri(uri) => return one_line(uri),
     };
-    let ending = match media_type(bytes).or(text("mimeType")) {
-        Some("image/png") => ".png",
-        Some("image/jpeg") => ".jpg",
-        Some("image/webp") => ".webp",
-        Some("image/ktx2") => ".ktx2",
-        Some("image/vnd-ms.dds") => ".dds",
-        _ => ".bin",
-    };
+    let ending = format!(".{}", picture_extension(picture_type(bytes).or(text("mimeType"))));
     let name = file_name(text("name").unwrap_or_default());
-    let known = [".png", ".jpg", ".jpeg", ".webp", ".ktx2", ".dds"];
-    let lower = name.to_ascii_lowercase();
-    let bare = known.iter().find(|ending| lower.ends_with(*ending)).map_or(name, |ending| {
-        // The ending is ASCII, so it has the same place in both.
-        &name[..name.len() - ending.len()]
-    });
+    let is_known =
+        |ending: &str| picture_extensions().chain(["jpeg"]).any(|known| known.eq_ignore_ascii_case(ending));
+    let bare = name.rsplit_once('.').filter(|(_, ending)| is_known(ending)).map_or(name, |(bare, _)| bare);
     // A picture that was written before has the stem already.
     let own = format!("{stem}_");
     let bare = bare.strip_prefix(&own).unwrap_or(bare);
     let bare = if bare.is_empty() { "picture".to_owned() } else { safe(bare) };
-    taken.unique(&format!("{own}{bare}"), ending)
+    taken.unique(&format!("{own}{bare}"), &ending)
 }
 
 /// The characters of a name; file systems take 255 bytes, and there are endings.

@@ -1,8 +1,11 @@
 //! Levels of detail in one GLB: the first is read, the others are counted, and circles of them are refused.
 use super::build::{glb_of, put, triangle};
 use chordal::Mesh;
-use chordal_io::glb::{self, GlbLevel, write_levels};
-use chordal_io::{Axis, Content, FileLocation, Frame, Limits, ReadError, Scene, Warning};
+use chordal_io::glb::{self, GlbLevels, write_levels};
+use chordal_io::{
+    Axis, Content, FileLocation, Frame, Limits, Node, PackedAccessor, Part, ReadError, Scene, SceneAssets,
+    Warning,
+};
 use serde_json::{Value, json};
 
 /// A strip of `n` triangles.
@@ -12,12 +15,17 @@ fn strip(n: u32) -> Mesh {
     Mesh::new(positions, faces).expect("valid")
 }
 
+const FRAME: Frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.5), texture_origin: None };
+
 fn scene(n: u32) -> Scene {
-    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.5), ..Frame::default() };
-    Scene::from_mesh(&format!("strip {n}"), strip(n), frame)
+    Scene::from_mesh(&format!("strip {n}"), strip(n), FRAME)
 }
 
-fn written(levels: &[GlbLevel<'_>]) -> Vec<u8> {
+fn part(n: u32) -> Part {
+    Part { name: format!("strip {n}"), mesh: strip(n), indexed: true, ..Part::default() }
+}
+
+fn written(levels: &GlbLevels<'_>) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_levels(levels, &mut bytes).expect("written");
     bytes
@@ -34,43 +42,50 @@ fn read(bytes: &[u8]) -> Result<(Scene, Vec<Warning>), ReadError> {
     Ok((scene, loaded.warnings))
 }
 
+/// The nodes that node `i` names as its levels, and its screen coverages.
+fn levels_of(json: &Value, i: usize) -> (Vec<Value>, Value) {
+    let node = &json["nodes"][i];
+    let ids = node["extensions"]["MSFT_lod"]["ids"].as_array().expect("ids");
+    let levels = ids.iter().map(|id| json["nodes"][id.as_u64().expect("id") as usize].clone());
+    (levels.collect(), node["extras"]["MSFT_screencoverage"].clone())
+}
+
 #[test]
 fn the_first_level_is_shown_and_the_others_stand_beside_it() {
-    let scenes = [scene(40), scene(10), scene(2)];
-    let certificates = [json!({ "bound": 0.1 }), json!({ "bound": 0.2 }), Value::Null];
-    let coverage = [0.5, 0.125, 0.0];
-    let levels: Vec<GlbLevel<'_>> = (0..3)
-        .map(|i| GlbLevel {
-            scene: &scenes[i],
-            certificate: Some(&certificates[i]).filter(|c| !c.is_null()),
-            coverage: coverage[i],
-        })
-        .collect();
+    let scene = scene(40);
+    let certificate = json!({ "levels": [{ "bound": 0.1 }, { "bound": 0.2 }, null] });
+    let coverages = [vec![0.5, 0.125, 0.0]];
+    let coarser = [vec![part(10), part(2)]];
+    let levels = GlbLevels {
+        scene: &scene,
+        coarser: &coarser,
+        coverages: &coverages,
+        certificate: Some(&certificate),
+    };
     let bytes = written(&levels);
     assert_eq!(bytes, written(&levels));
 
     let json = json_of(&bytes);
     assert_eq!(json["extensionsUsed"], json!(["MSFT_lod"]));
     assert_eq!(json.get("extensionsRequired"), None);
+    // Two nodes for the frame, then the one of the scene.
     assert_eq!(json["scenes"], json!([{ "nodes": [0] }]));
-    let top = &json["nodes"][0];
-    assert_eq!(top["extras"]["MSFT_screencoverage"], json!(coverage));
-    assert_eq!(json["asset"]["extras"]["chordal"]["levels"], json!(certificates));
-    let ids = top["extensions"]["MSFT_lod"]["ids"].as_array().expect("ids").clone();
-    let names: Vec<&Value> =
-        ids.iter().map(|id| &json["nodes"][id.as_u64().expect("id") as usize]["name"]).collect();
-    assert_eq!(names, ["level 1", "level 2"]);
+    let (named, shares) = levels_of(&json, 2);
+    assert_eq!(shares, json!(coverages[0]));
+    assert_eq!(json["asset"]["extras"]["chordal"], certificate);
+    let names: Vec<&Value> = named.iter().map(|node| &node["name"]).collect();
+    assert_eq!(names, ["strip 40 level 1", "strip 40 level 2"]);
 
-    // What is read is what the first level alone reads back as, below one more node.
+    // What is read is what the first level alone reads back as.
     let (found, warnings) = read(&bytes).expect("read");
     let mut alone = Vec::new();
-    glb::write(&scenes[0], None, &mut alone).expect("written");
+    glb::write(&scene, None, &mut alone).expect("written");
     let (expected, _) = read(&alone).expect("read");
-    assert_eq!(found.parts, expected.parts);
+    assert_eq!((&found.parts, found.nodes.len()), (&expected.parts, expected.nodes.len()));
     let placed = |scene: &Scene| scene.world_meshes().expect("placed")[0].1.clone().into_owned();
     assert_eq!(placed(&found), placed(&expected));
-    assert_eq!(found.nodes.len(), expected.nodes.len() + 1);
-    assert_eq!(found.certificate, Some(certificates[0].clone()));
+    assert!(found.nodes.iter().all(|node| !node.properties.contains_key("extras")), "{:?}", found.nodes);
+    assert_eq!(found.certificate, Some(certificate["levels"][0].clone()));
     let codes: Vec<_> = warnings.iter().map(|w| (w.code, w.count)).collect();
     assert_eq!(codes, [("lower-levels-skipped", 2)]);
 
@@ -82,31 +97,111 @@ fn the_first_level_is_shown_and_the_others_stand_beside_it() {
     assert_eq!([0, 1, 2].map(n_indices), [Some(120), Some(30), Some(6)]);
 }
 
+/// Two instances of one part share its levels. Where a node has children, is animated or shows something
+/// else, a child takes the mesh, so that no more than that is exchanged.
+#[test]
+fn each_instance_names_the_levels_of_its_part_in_its_own_place() {
+    let shift = |x: f64| {
+        let mut matrix = Node::default().matrix;
+        matrix[12] = x;
+        matrix
+    };
+    let node =
+        |name: &str, x: f64, part| Node { name: name.to_owned(), matrix: shift(x), part, ..Node::default() };
+    let camera = json!({ "camera": 0 }).as_object().cloned().expect("an object");
+    let extras = json!({ "extras": { "of": "ours" } }).as_object().cloned().expect("an object");
+    let nodes = vec![
+        Node { properties: extras, ..node("plain", 1.0, Some(0)) },
+        Node { children: vec![2], ..node("parent", 2.0, Some(0)) },
+        node("child", 3.0, Some(1)),
+        Node { properties: camera, ..node("camera", 4.0, Some(0)) },
+        node("moved", 5.0, Some(0)),
+    ];
+    let mut assets = SceneAssets::default();
+    assets.cameras.push(json!({ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }));
+    let rows = |numbers: &[f32], kind: &str| PackedAccessor {
+        properties:
+            json!({ "componentType": 5126, "count": 1, "type": kind, "min": numbers, "max": numbers })
+                .as_object()
+                .cloned()
+                .expect("an object"),
+        bytes: numbers.iter().flat_map(|x| x.to_le_bytes()).collect(),
+    };
+    assets.accessors = vec![rows(&[0.0], "SCALAR"), rows(&[7.0, 0.0, 0.0], "VEC3")];
+    assets.animations.push(json!({
+        "channels": [{ "sampler": 0, "target": { "node": 4, "path": "translation" } }],
+        "samplers": [{ "input": 0, "output": 1 }]
+    }));
+    let frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0), ..Frame::default() };
+    let scene = Scene {
+        parts: vec![part(40), part(6)],
+        nodes,
+        roots: vec![0, 1, 3, 4],
+        frame,
+        assets: Box::new(assets),
+        ..Scene::default()
+    };
+    let coarser = [vec![part(4)], Vec::new()];
+    let share = vec![0.5, 0.0];
+    let coverages = [share.clone(), share.clone(), Vec::new(), share.clone(), share.clone()];
+    let levels = GlbLevels { coarser: &coarser, coverages: &coverages, ..GlbLevels::one(&scene) };
+    let bytes = written(&levels);
+    let json = json_of(&bytes);
+    assert_eq!(json["meshes"].as_array().map(Vec::len), Some(3), "instances share their meshes");
+    let (named, shares) = levels_of(&json, 0);
+    assert_eq!((named.len(), &shares), (1, &json!(share)));
+    assert_eq!((&json["nodes"][0]["extras"]["of"], &json["nodes"][0]["mesh"]), (&json!("ours"), &json!(0)));
+    assert_eq!((&named[0]["translation"], &named[0]["mesh"]), (&json!([1.0, 0.0, 0.0]), &json!(2)));
+    assert_eq!(named[0].get("extras"), None);
+    for (i, children) in [(1, 2), (3, 1), (4, 1)] {
+        let outer = &json["nodes"][i];
+        assert_eq!((outer.get("mesh"), outer.get("extensions")), (None, None), "{outer}");
+        let inner = outer["children"].as_array().expect("children");
+        assert_eq!(inner.len(), children);
+        let host = inner.last().and_then(Value::as_u64).expect("a node") as usize;
+        let (named, shares) = levels_of(&json, host);
+        assert_eq!((named.len(), &shares), (1, &json!(share)));
+        assert_eq!((named[0].get("translation"), &named[0]["mesh"]), (None, &json!(2)));
+    }
+    // What is read shows the finest level of each instance at its place.
+    let (found, _) = read(&bytes).expect("read");
+    assert_eq!(found.nodes[0].properties["extras"], json!({ "of": "ours" }));
+    let left = |(_, mesh): &(&str, std::borrow::Cow<'_, Mesh>)| (mesh.bounds().min[0], mesh.faces().len());
+    let placed: Vec<_> = found.world_meshes().expect("placed").iter().map(left).collect();
+    assert_eq!(placed, [(1.0, 40), (5.0, 6), (2.0, 40), (4.0, 40), (5.0, 40)]);
+}
+
 #[test]
 fn a_single_level_is_a_plain_file() {
     let scene = scene(3);
     let certificate = json!({ "bound": 1 });
     let mut plain = Vec::new();
     glb::write(&scene, Some(&certificate), &mut plain).expect("written");
-    assert_eq!(written(&[GlbLevel { scene: &scene, certificate: Some(&certificate), coverage: 0.0 }]), plain);
+    assert_eq!(written(&GlbLevels { certificate: Some(&certificate), ..GlbLevels::one(&scene) }), plain);
 }
 
 #[test]
 fn levels_out_of_order_are_refused() {
     let scene = scene(3);
-    let level = |coverage| GlbLevel { scene: &scene, certificate: None, coverage };
-    for (levels, words) in [
-        (vec![], "no level"),
-        (vec![level(0.5), level(0.5)], "level 1 is not shown on less"),
-        (vec![level(0.25), level(0.5)], "level 1 is not shown on less"),
-        (vec![level(f64::NAN)], "level 0 is shown from NaN"),
-        (vec![level(0.5), level(-0.1)], "level 1 is shown from -0.1"),
-        (vec![level(1.5), level(0.1)], "level 0 is shown from 1.5"),
+    for (coverages, words) in [
+        (vec![], "0 screen coverages for 2 levels"),
+        (vec![0.5], "1 screen coverages for 2 levels"),
+        (vec![0.5, 0.5], "level 1 of node 0 is not shown on less"),
+        (vec![0.25, 0.5], "level 1 of node 0 is not shown on less"),
+        (vec![f64::NAN, 0.0], "level 0 of node 0 is shown from NaN"),
+        (vec![0.5, -0.1], "level 1 of node 0 is shown from -0.1"),
+        (vec![1.5, 0.1], "level 0 of node 0 is shown from 1.5"),
     ] {
+        let (coarser, coverages) = ([vec![part(1)]], [coverages]);
+        let levels = GlbLevels { coarser: &coarser, coverages: &coverages, ..GlbLevels::one(&scene) };
         let mut out = Vec::new();
         let error = write_levels(&levels, &mut out).expect_err("refused").to_string();
         assert!(error.contains(words) && out.is_empty(), "{error}");
     }
+    let (coarser, coverages) = ([vec![Part::default()]], [vec![0.5, 0.0]]);
+    let levels = GlbLevels { coarser: &coarser, coverages: &coverages, ..GlbLevels::one(&scene) };
+    let error = write_levels(&levels, &mut Vec::new()).expect_err("refused").to_string();
+    assert!(error.contains("level 1 of part 0 has no triangle"), "{error}");
 }
 
 /// The triangle under several nodes, of which each names the lower levels given.

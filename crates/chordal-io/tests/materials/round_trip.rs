@@ -13,7 +13,7 @@ fn written(scene: &Scene, stem: &str) -> (String, Files) {
     let beside = obj::side_files(scene, stem).expect("materials");
     let mut text = Vec::new();
     obj::write_with_library(scene, None, Some(&beside.library), &mut text).expect("written");
-    let files = Files(beside.files.iter().map(|(name, bytes)| (name.clone(), bytes.to_vec())).collect());
+    let files = Files(beside.files.iter().map(|file| (file.name.clone(), file.bytes.to_vec())).collect());
     (String::from_utf8(text).expect("text"), files)
 }
 
@@ -213,7 +213,7 @@ fn materials_of_gltf_get_a_name_each_and_what_mtl_lacks_is_told() {
     scene.assets.materials[3]["emissiveTexture"] = json!({ "index": last });
     let beside = obj::side_files(&scene, "../x y").expect("materials");
     assert_eq!(beside.library, "_x_y.mtl");
-    let library = std::str::from_utf8(&beside.files[0].1).expect("text");
+    let library = std::str::from_utf8(&beside.files[0].bytes).expect("text");
     let named: Vec<&str> = library.lines().filter(|line| line.starts_with("newmtl")).collect();
     assert_eq!(named, ["newmtl a", "newmtl a_2", "newmtl material_3", "newmtl A newmtl evil"]);
     let first: Vec<&str> = library.lines().take(9).collect();
@@ -223,7 +223,7 @@ fn materials_of_gltf_get_a_name_each_and_what_mtl_lacks_is_told() {
         ["newmtl a", "Kd 1 0.5 0", "d 1", "Ks 1 0.5 0", "Ns 30", "illum 2", "Pr 0.5", "Pm 1", ""],
         "{library}"
     );
-    let files: Vec<&str> = beside.files.iter().map(|(name, _)| name.as_str()).collect();
+    let files: Vec<&str> = beside.files.iter().map(|file| &*file.name).collect();
     assert!(files.contains(&"_x_y____.png"), "{files:?}");
     let lost: Vec<String> = beside.lost.iter().map(ToString::to_string).collect();
     for what in [
@@ -295,7 +295,7 @@ fn a_scene_without_materials_has_no_files_beside_it_and_others_name_them() {
     assert!(of_stl.iter().any(|one| one.message.to_string().contains("looks of materials")), "{of_stl:?}");
     let set = write_files(&scene, None, Format::Obj, "s").expect("written");
     let names: Vec<&str> = set.beside.iter().map(|file| &*file.name).collect();
-    assert_eq!(names, beside.files.iter().map(|(name, _)| &**name).collect::<Vec<_>>());
+    assert_eq!(names, beside.files.iter().map(|file| &*file.name).collect::<Vec<_>>());
     assert!(set.document.starts_with(b"mtllib s.mtl\n"));
 }
 
@@ -313,7 +313,7 @@ fn a_cage_is_written_with_its_library() {
     let beside = obj::side_files_of_polygons(&cage, "s").expect("materials");
     let mut out = Vec::new();
     obj::write_polygons_with_library(&cage, None, Some(&beside.library), &mut out).expect("written");
-    let files = Files(beside.files.iter().map(|(name, bytes)| (name.clone(), bytes.to_vec())).collect());
+    let files = Files(beside.files.iter().map(|file| (file.name.clone(), file.bytes.to_vec())).collect());
     let back = read(std::str::from_utf8(&out).expect("text"), &files);
     assert_eq!((&back.cage, &back.groups, &back.attributes), (&cage.cage, &cage.groups, &cage.attributes));
     assert_eq!(back.assets.materials.len(), 4);

@@ -4,6 +4,7 @@ use super::extensions::ExtensionHost;
 use super::{GltfLint, uri};
 use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfImage, GltfModel, item};
+use crate::side_file::picture_type;
 
 /// Why the first bytes of an image are invalid.
 enum ImageError {
@@ -104,15 +105,9 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// Detects the type by the first bytes.
+/// The type by the first bytes, of which the shortest picture has this many.
 fn type_of(bytes: &[u8]) -> Option<&'static str> {
-    match bytes.get(..14)? {
-        [0xFF, 0xD8, 0xFF, ..] => Some("image/jpeg"),
-        [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1A, b'\n', ..] => Some("image/png"),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', b'V', b'P'] => Some("image/webp"),
-        [0xAB, b'K', b'T', b'X', b' ', b'2', b'0', 0xBB, b'\r', b'\n', 0x1A, b'\n', ..] => Some("image/ktx2"),
-        _ => None,
-    }
+    bytes.get(..14).and_then(picture_type)
 }
 
 fn sniff_image(bytes: &[u8]) -> Result<&'static str, ImageError> {
