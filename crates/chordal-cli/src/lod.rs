@@ -17,7 +17,7 @@ use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Length, Pixels, View};
 use chordal_io::{Format, picture_extensions};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
-use chordal_verbs::{Input, LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
+use chordal_verbs::{Input, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::Path;
@@ -30,6 +30,7 @@ Each level is proved against the shape itself. Distances are those from the eye 
 Examples:
   chordal lod scan.ply --px 1 -o scan.glb
   chordal lod scan.ply --px 1 -o scan.gltf --separate
+  chordal lod city.glb --px 1 --merge -o city_levels.glb
   chordal lod cage.obj --px 1 --nearest 2 -o tiles/
   chordal lod model.star --px 1 --tol 0.01% --view \"3840x2160 fov=60\" -o tiles/ --json")]
 pub struct LodArgs {
@@ -65,6 +66,11 @@ pub struct LodArgs {
     /// match
     #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub tile_triangles: u64,
+
+    /// One mesh out of all parts, so that small ones can vanish into others. Unless said, each part has levels of its
+    /// own, and nodes, instances, skins and animations are kept
+    #[arg(long)]
+    pub merge: bool,
 
     /// Normals of triangles, as for mesh
     #[arg(long, value_name = "HOW", default_value = "auto")]
@@ -158,6 +164,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
             TileErrorsArg::Plain => TileErrors::Plain,
         },
         tile_triangles: (form == LodForm::Tiles).then_some(args.tile_triangles),
+        parts: if args.merge { LodParts::Merged } else { LodParts::Separate },
     };
     let name = source.name();
     let outcome = lod(input, &spec, &job)

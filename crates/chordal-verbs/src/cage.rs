@@ -121,7 +121,7 @@ impl RefineOutcome {
             ControlMesh::Triangles(scene) => &scene.assets,
             ControlMesh::Polygons(polygons) => &polygons.assets,
         };
-        self.format == Format::Obj && !assets.materials.is_empty()
+        self.format.names_files(assets)
     }
 }
 

@@ -90,12 +90,11 @@ impl ConvertOutcome {
     /// Whether the format names files beside it for what the shape has: an OBJ its materials.
     #[must_use]
     pub fn names_files(&self) -> bool {
-        let has_materials = match &self.made {
-            ConvertedShape::Triangles(scene) => !scene.assets.materials.is_empty(),
-            ConvertedShape::Polygons(polygons) => !polygons.assets.materials.is_empty(),
+        match &self.made {
+            ConvertedShape::Triangles(scene) => self.format.names_files(&scene.assets),
+            ConvertedShape::Polygons(polygons) => self.format.names_files(&polygons.assets),
             _ => false,
-        };
-        self.format == Format::Obj && has_materials
+        }
     }
 }
 
@@ -123,13 +122,13 @@ pub fn convert(mut input: Input, to: Format) -> Result<ConvertOutcome, MeshFailu
     let mut certificate = Certificate::from_input(&input);
     certificate.notes.extend(polygons_note(&input, to));
     certificate.notes.extend(left_out_certificate(&mut input.shape));
-    let place = input.shape.hull()?;
+    let bounds = input.shape.bounds()?;
     let (made, bound) = match input.shape {
         Shape::Scene(scene) => {
             certificate.notes.extend(frame_losses(&scene, to));
             certificate.notes.extend(structure_losses(&scene, to));
             let (scene, bound) = pass_through(scene, to, &mut certificate.notes)?;
-            let request = MeshRequest::new(Budget::default(), to, place);
+            let request = MeshRequest::new(Budget::default(), to, bounds);
             let outcome = finish_triangles(scene, bound, &request, certificate)?;
             let Tessellation::Triangles(scene) = outcome.made else {
                 return Err(MeshFailure::Usage(needs_mesh_message("triangles")));
@@ -319,7 +318,7 @@ fn structure_losses(scene: &Scene, to: Format) -> Vec<Message> {
         let n = scene.nodes.iter().filter(says_more).count();
         count(n, format!("{to} holds no nodes: the triangles stand where these place them"));
     }
-    if matches!(to, Format::Ply | Format::Off | Format::Stl) {
+    if !to.has_parts() {
         let n = scene.parts.iter().filter(|part| !part.name.is_empty()).count();
         count(n, format!("{to} holds no names of parts"));
     }

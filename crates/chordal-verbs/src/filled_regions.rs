@@ -21,7 +21,7 @@ pub(crate) struct FilledRegions {
     pub outlines: Vec<Outline>,
     pub frame: Frame,
     /// Their bounding box.
-    pub place: Box3,
+    pub bounds: Box3,
 }
 
 impl FilledRegions {
@@ -56,11 +56,11 @@ impl FilledRegions {
         }
         notes.push(MEANING.into());
         let contours = outlines.iter().flat_map(|outline| &outline.contours);
-        let place = contours.fold(Box3::EMPTY, |all, contour| {
+        let bounds = contours.fold(Box3::EMPTY, |all, contour| {
             let [[x, y], [right, top]] = contour.bounds();
             all.union(Box3 { min: [x, y, 0.0], max: [right, top, 0.0] })
         });
-        Ok(Self { outlines, frame, place })
+        Ok(Self { outlines, frame, bounds })
     }
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn fill(
 ) -> Result<(Scene, Bound, MeshRequest), MeshFailure> {
     let filling = FilledRegions::from_drawing(drawing, &mut certificate.notes)?;
     certificate.frame = FrameFacts::new(&filling.frame);
-    let request = MeshRequest::new(request.budget, request.to, filling.place);
+    let request = MeshRequest::new(request.budget, request.to, filling.bounds);
     let Bounded { shape: mesh, bound } = request.run(job, |budget| {
         let made = convert::outlines_to_mesh(&filling.outlines, budget, job);
         let best = match &made {

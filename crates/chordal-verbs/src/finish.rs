@@ -2,12 +2,8 @@
 use crate::file_rows::to_file_rows;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
-use crate::{MeshFailure, MeshOutcome, Tessellation, flatten};
-use chordal::Job;
-use chordal::budget::advice::Message;
-use chordal::budget::{Bound, Budget, JobError, PixelBudget, View};
-use chordal::check;
-use chordal::check::shading::MicroTriangles;
+use crate::{MeshFailure, MeshOutcome, Tessellation};
+use chordal::budget::Bound;
 use chordal_io::{Polylines, Scene, losses};
 
 const NOT_MET: &str = "the budget was not met: this is the best that was reached";
@@ -62,33 +58,4 @@ pub(crate) fn finish_polylines(
     let outcome =
         MeshOutcome { made: Tessellation::Polylines(polylines), format: asked.to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
-}
-
-/// A note where most triangles are smaller than a pixel at the budget's view: more than half, since every
-/// mesh has some at its poles and seams.
-pub(crate) fn too_fine_note(
-    scene: &Scene,
-    budget: &Budget,
-    job: &Job,
-) -> Result<Option<Message>, MeshFailure> {
-    let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
-    // A scene that cannot be merged, or is too large to check, gets no note.
-    let Ok(mesh) = flatten::one_mesh(scene) else { return Ok(None) };
-    let found = match check::shading::micro_triangles(&mesh, &view, job) {
-        Ok(found) => found,
-        Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
-        Err(JobError::Refused(_)) => return Ok(None),
-    };
-    let MicroTriangles { n_micro, n_triangles } = found;
-    let most = n_micro > n_triangles / 2;
-    let (of, at) = match view {
-        View::Camera(_) => ("triangles in view", "there"),
-        View::MinDistance(_) => ("triangles", "even where the eye is nearest and faces them"),
-    };
-    Ok(most.then(|| {
-        format!(
-            "{n_micro} of {n_triangles} {of} are smaller than a pixel {at}: more than the screen can show"
-        )
-        .into()
-    }))
 }

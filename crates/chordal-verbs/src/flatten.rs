@@ -1,10 +1,11 @@
 //! Applies the transforms of a scene, and bounds how far they stretch lengths and what their rounding costs.
 use crate::file_rows::unsupported;
 use chordal::Mesh;
+use chordal::budget::Tolerance;
 use chordal::budget::advice::Message;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
-use chordal::math::{Box3, add_up, greater, mul_up, sqrt_up, sub_down};
-use chordal_io::{Node, Part, Scene, WriteError};
+use chordal::math::{Box3, Interval, add_up, div_down, greater, mul_up, sqrt_up, sub_down};
+use chordal_io::{Format, Node, Part, Scene, WriteError, worst_snap};
 use std::borrow::Cow;
 
 /// A scene with its transforms applied, and a bound of the rounding.
@@ -29,9 +30,8 @@ impl TransformedScene {
 
     /// What is said of the parts that were left out.
     pub fn note(&self) -> Option<Message> {
-        (self.left_out > 0).then(|| {
-            format!("parts that stand nowhere in the scene were left out ({}x)", self.left_out).into()
-        })
+        (self.left_out > 0)
+            .then(|| format!("parts that no node shows were left out ({}x)", self.left_out).into())
     }
 }
 
@@ -225,6 +225,21 @@ pub(crate) fn pad_box(place: &Box3, off: f64) -> Box3 {
     Box3 { min: place.min.map(|x| sub_down(x, off)), max: place.max.map(|x| add_up(x, off)) }
 }
 
+/// The most that rounding to a format moves a point of a scene, given the stretch of each part.
+pub(crate) fn worst_rounding(scene: &Scene, stretch: &[f64], to: Format) -> f64 {
+    scene.parts.iter().zip(stretch).fold(0.0, |most, (part, stretch)| {
+        let lost = scaled_up(worst_snap(&part.mesh.bounds(), to), *stretch);
+        greater(lost, most)
+    })
+}
+
+/// A length of the scene in the coordinates of a part that is scaled by `stretch`; `None` where nothing is left of
+/// it.
+pub(crate) fn length_in_part(length: f64, stretch: f64) -> Option<Tolerance> {
+    let own = (stretch > 0.0).then(|| div_down(length, stretch));
+    own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok())
+}
+
 /// A length times a stretch, rounded up; a length of 0 stays 0 and a stretch of 1 changes nothing.
 pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
     if length == 0.0 || stretch == 0.0 {
@@ -238,10 +253,13 @@ pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
 
 /// One placement of a part.
 struct PartPlacement {
+    node: usize,
     part: usize,
     is_identity: bool,
     /// The number of transforms between the part and the scene.
     depth: u32,
+    /// The product of the transforms, as it is rounded.
+    matrix: Matrix4,
     /// The product of the transforms' absolute values: an upper bound of their exact product.
     magnitude: Matrix4,
     /// The largest factor by which the transforms together lengthen, rounded up.
@@ -250,16 +268,18 @@ struct PartPlacement {
 
 impl PartPlacement {
     /// Composes this placement with a node's matrix.
-    fn compose(&self, matrix: &Matrix4, part: usize) -> Self {
+    fn compose(&self, node: usize, matrix: &Matrix4, part: usize) -> Self {
         if *matrix == IDENTITY {
-            return Self { part, magnitude: self.magnitude, ..*self };
+            return Self { node, part, ..*self };
         }
         Self {
+            node,
             part,
             is_identity: false,
             depth: self.depth + 1,
+            matrix: product(&self.matrix, matrix),
             magnitude: product(&self.magnitude, &matrix.map(f64::abs)),
-            stretch: scaled_up(frobenius_norm(matrix), self.stretch),
+            stretch: scaled_up(largest_stretch(matrix), self.stretch),
         }
     }
 
@@ -294,16 +314,24 @@ pub(crate) const IDENTITY: Matrix4 =
 /// All placements, by walking the scene from its roots with an explicit stack. Readers make sure that nodes
 /// are a forest.
 fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
-    let outside = PartPlacement { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
+    let outside = PartPlacement {
+        node: 0,
+        part: 0,
+        is_identity: true,
+        depth: 0,
+        matrix: IDENTITY,
+        magnitude: IDENTITY,
+        stretch: 1.0,
+    };
     let mut found = Vec::new();
     let mut open: Vec<(usize, std::rc::Rc<PartPlacement>)> = Vec::new();
     let outside = std::rc::Rc::new(outside);
     open.extend(scene.roots.iter().map(|root| (*root, outside.clone())));
-    while let Some((node, parent)) = open.pop() {
-        let node = &scene.nodes[node];
-        let here = std::rc::Rc::new(parent.compose(&node.matrix, 0));
+    while let Some((index, parent)) = open.pop() {
+        let node = &scene.nodes[index];
+        let here = std::rc::Rc::new(parent.compose(index, &node.matrix, 0));
         if let Some(part) = node.part {
-            found.push(PartPlacement { part, ..parent.compose(&node.matrix, part) });
+            found.push(PartPlacement { part, ..*here });
         }
         open.extend(node.children.iter().map(|child| (*child, here.clone())));
     }
@@ -314,9 +342,42 @@ fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
     std::array::from_fn(|i| (0..4).map(|k| a[4 * k + i % 4] * b[i / 4 * 4 + k]).sum())
 }
 
-/// The Frobenius norm of the linear part: never less than the largest factor by which it lengthens.
-fn frobenius_norm(m: &Matrix4) -> f64 {
-    let squares =
-        [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));
-    sqrt_up(squares)
+/// An upper bound of the largest factor by which the linear part M lengthens: the root of the largest sum of
+/// absolute values in a row of MᵀM, which none of its eigenvalues exceeds. It is 1 for a rotation, but for
+/// rounding.
+fn largest_stretch(m: &Matrix4) -> f64 {
+    let dot = |a: usize, b: usize| -> f64 {
+        let terms = [0, 1, 2].map(|k| Interval::point(m[4 * a + k]) * Interval::point(m[4 * b + k]));
+        let sum = terms[0] + terms[1] + terms[2];
+        greater(sum.lo().abs(), sum.hi().abs())
+    };
+    let row = |a: usize| add_up(add_up(dot(a, 0), dot(a, 1)), dot(a, 2));
+    sqrt_up([1, 2].into_iter().fold(row(0), |most, a| greater(row(a), most)))
+}
+
+/// Where a node shows its part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NodePlacement {
+    /// The largest factor by which its transforms lengthen, rounded up.
+    pub stretch: f64,
+    /// The longest diagonal of the part's own box, in world coordinates.
+    pub size: f64,
+}
+
+/// By node: where it shows a part; `None` for other nodes, and for those that no scene shows.
+pub(crate) fn node_placements(scene: &Scene) -> Vec<Option<NodePlacement>> {
+    let mut found = vec![None; scene.nodes.len()];
+    for PartPlacement { node, part, matrix, stretch, .. } in part_placements(scene) {
+        let bounds = scene.parts[part].mesh.bounds();
+        let extent: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
+        let diagonal = |signs: [f64; 2]| {
+            let [x, y, z] = [extent[0], signs[0] * extent[1], signs[1] * extent[2]];
+            let along = [0, 1, 2].map(|row| matrix[row] * x + matrix[4 + row] * y + matrix[8 + row] * z);
+            along.iter().map(|x| x * x).sum::<f64>().sqrt()
+        };
+        let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(diagonal);
+        let size = diagonals.into_iter().fold(0.0, |most, size| greater(size, most));
+        found[node] = Some(NodePlacement { stretch, size });
+    }
+    found
 }

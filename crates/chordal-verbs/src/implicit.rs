@@ -32,7 +32,7 @@ impl ImplicitShape {
     /// A bounding box of the shape: the known extent of the field, clipped to the region. Infinite where
     /// neither gives one.
     #[must_use]
-    pub fn place(&self) -> Box3 {
+    pub fn bounds(&self) -> Box3 {
         let known = self.field.bounds();
         let Some(region) = self.region else { return known };
         let pick = |a: [f64; 3], b: [f64; 3], first: fn(f64, f64) -> bool| {

@@ -91,7 +91,7 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
     }
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let mut certificate = Certificate::from_input(&input);
-    let place = input.shape.hull()?;
+    let bounds = input.shape.bounds()?;
     let kind = input.shape.kind();
     let Shape::Scene(mut scene) = input.shape else {
         return Err(MeshFailure::Usage(formats::only_triangles("mended", kind)));
@@ -118,7 +118,7 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
         ));
     }
     let (scene, rounded) = pass_through(scene, to, &mut certificate.notes)?;
-    let request = MeshRequest::new(Budget::default(), to, place);
+    let request = MeshRequest::new(Budget::default(), to, bounds);
     finish_triangles(scene, bound.then(&rounded), &request, certificate)
 }
 

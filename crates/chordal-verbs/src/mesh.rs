@@ -1,10 +1,12 @@
 //! `mesh`: any shape into triangles, or curves into polylines, within a budget, as the result reads back from
 //! a format.
-use crate::finish::{finish_triangles, too_fine_note};
+use crate::drop_attributes::drop_normals;
+use crate::finish::finish_triangles;
+use crate::notes::too_fine_note;
 use crate::pass_through::pass_through;
 use crate::report::{BudgetFacts, Certificate};
 use crate::request::MeshRequest;
-use crate::simplify::{simplify_scene, without_normals};
+use crate::simplify::simplify_scene;
 use crate::{
     BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, Shape, cage, field, filled_regions, formats,
     isosurface, polylines,
@@ -48,7 +50,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
     certificate.notes.extend(note);
-    let request = MeshRequest::new(budget, to, input.shape.hull()?).with_spacing(spec.spacing);
+    let request = MeshRequest::new(budget, to, input.shape.bounds()?).with_spacing(spec.spacing);
     let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
             return polylines::flatten_drawing(drawing, &request, certificate, job);
@@ -80,7 +82,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         }
         Shape::Scene(mut scene) => {
             if has_new_normals(spec.normals) {
-                without_normals(&mut scene)?;
+                drop_normals(&mut scene)?;
             }
             if !spec.has_limit() {
                 let (mut scene, bound) = pass_through(scene, to, &mut certificate.notes)?;

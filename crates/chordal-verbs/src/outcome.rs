@@ -80,6 +80,6 @@ impl MeshOutcome {
     #[must_use]
     pub fn names_files(&self) -> bool {
         let Tessellation::Triangles(scene) = &self.made else { return false };
-        self.format == Format::Obj && !scene.assets.materials.is_empty()
+        self.format.names_files(&scene.assets)
     }
 }

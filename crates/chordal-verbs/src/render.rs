@@ -211,7 +211,7 @@ fn draw_filled_regions(
     let filling = FilledRegions::from_drawing(drawing, &mut certificate.notes)?;
     let camera = match asked.options.viewpoint {
         Viewpoint::Camera(camera) => camera,
-        Viewpoint::Automatic(screen) => camera_above(&filling.place, screen),
+        Viewpoint::Automatic(screen) => camera_above(&filling.bounds, screen),
     };
     let (budget, note) = match asked.fineness {
         Some(PictureTolerance::Length(length)) => {
@@ -236,9 +236,9 @@ fn draw_filled_regions(
 const FRAMED: f64 = 0.92;
 
 /// Parallel rays along −z onto the whole box.
-fn camera_above(place: &Box3, screen: Screen) -> Camera {
-    let middle = |k: usize| place.min[k] / 2.0 + place.max[k] / 2.0;
-    let size = |k: usize| place.max[k] - place.min[k];
+fn camera_above(bounds: &Box3, screen: Screen) -> Camera {
+    let middle = |k: usize| bounds.min[k] / 2.0 + bounds.max[k] / 2.0;
+    let size = |k: usize| bounds.max[k] - bounds.min[k];
     let aspect = f64::from(screen.height_px) / f64::from(screen.width_px.max(1));
     let by_width = size(0) * aspect;
     let height = greater(by_width, size(1));

@@ -15,7 +15,7 @@ pub(crate) struct MeshRequest {
     pub budget: Budget,
     pub to: Format,
     /// The bounding box of the shape.
-    pub place: Box3,
+    pub bounds: Box3,
     /// The same box, grown by the rounding of evaluated points.
     reach: Box3,
     /// How segment ends are spaced on curves.
@@ -23,8 +23,8 @@ pub(crate) struct MeshRequest {
 }
 
 impl MeshRequest {
-    pub fn new(budget: Budget, to: Format, place: Box3) -> Self {
-        Self { budget, to, place, reach: widen_box(&place), spacing: Spacing::default() }
+    pub fn new(budget: Budget, to: Format, bounds: Box3) -> Self {
+        Self { budget, to, bounds, reach: widen_box(&bounds), spacing: Spacing::default() }
     }
 
     /// Runs a conversion so that the budget holds for what a reader of the file gets. The possible rounding
@@ -47,7 +47,7 @@ impl MeshRequest {
 
     /// The same request for a box grown by the rounding of evaluated points.
     pub fn widened(self) -> Self {
-        Self { place: self.reach, ..self }
+        Self { bounds: self.reach, ..self }
     }
 
     pub fn with_spacing(self, spacing: Spacing) -> Self {
@@ -68,7 +68,7 @@ impl MeshRequest {
     /// # Errors
     /// When nothing is left of it, or the shape reaches the eye.
     pub fn reserve_rounding(&self, lost: f64) -> Result<Budget, MeshFailure> {
-        let Self { budget, to, place, .. } = self;
+        let Self { budget, to, bounds, .. } = self;
         if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
             return Ok(*budget);
         }
@@ -85,7 +85,7 @@ impl MeshRequest {
             inner.length = Some(left.map_err(|_| too_small(length.to_string(), format!("{lost:.3e}")))?);
         }
         if let Some(PixelBudget { pixels, view }) = budget.pixels {
-            let lost_px = view.pixels_of(lost, place).ok_or_else(|| {
+            let lost_px = view.pixels_of(lost, bounds).ok_or_else(|| {
                 MeshFailure::refused(
                     RefusalCode::TooClose,
                     "the shape comes so close to the eye that there is no bound in pixels",
@@ -127,7 +127,7 @@ impl MeshRequest {
     /// space.
     pub fn pixels_of(&self, bound: &Bound) -> Option<f64> {
         let view = self.budget.pixels?.view;
-        let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &self.place));
+        let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &self.bounds));
         match (bound.pixels, of_length) {
             (Some(a), Some(b)) => Some(lesser(a, b)),
             (a, b) => a.or(b),
@@ -137,11 +137,11 @@ impl MeshRequest {
     /// Whether a bound is within the length and the pixels of the budget. Where a measurement suffices and
     /// there is no proof, the measured error counts.
     pub fn lengths_are_met(&self, bound: &Bound) -> bool {
-        let Self { budget, place, .. } = self;
+        let Self { budget, bounds, .. } = self;
         let measured = budget.require == RequiredEvidence::Measured && bound.at_most().is_none();
         let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
         let pixels = match budget.pixels {
-            Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), place),
+            Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), bounds),
             _ => bound.pixels,
         };
         let within = |most: Option<f64>, limit: Option<f64>| {
@@ -154,8 +154,8 @@ impl MeshRequest {
 
 /// The box grown by the rounding of evaluated points, which may leave the hull of their control points: an
 /// evaluation has less than 32 roundings of half a step each.
-fn widen_box(place: &Box3) -> Box3 {
-    let reach = place.min.iter().chain(&place.max).fold(0.0, |most, x| greater(x.abs(), most));
+fn widen_box(bounds: &Box3) -> Box3 {
+    let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(x.abs(), most));
     let room = 16.0 * f64::EPSILON * reach;
-    Box3 { min: place.min.map(|x| x - room), max: place.max.map(|x| x + room) }
+    Box3 { min: bounds.min.map(|x| x - room), max: bounds.max.map(|x| x + room) }
 }

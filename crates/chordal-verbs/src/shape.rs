@@ -101,7 +101,7 @@ impl Shape {
     ///
     /// # Errors
     /// When the nodes of a scene are no tree, or take its coordinates out of range.
-    pub fn hull(&self) -> Result<Box3, WriteError> {
+    pub fn bounds(&self) -> Result<Box3, WriteError> {
         match self {
             Self::Patches { patches, .. } => {
                 Ok(patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(patch.bounds())))
@@ -114,8 +114,8 @@ impl Shape {
             Self::Cage(polygons) => Ok(Box3::from_points(polygons.cage.positions())),
             Self::Drawing(drawing) => Ok(hull_of(&drawing.lines)),
             Self::Curves(curves) => Ok(hull_of(&curves.lines)),
-            Self::Field(field) => Ok(field.place()),
-            Self::Volume(sampled) => Ok(sampled.place()),
+            Self::Field(field) => Ok(field.bounds()),
+            Self::Volume(sampled) => Ok(sampled.bounds()),
         }
     }
 
@@ -126,7 +126,7 @@ impl Shape {
     /// that of its control points; what a sample misses makes the result smaller, never larger.
     ///
     /// # Errors
-    /// As for [`Shape::hull`].
+    /// As for [`Shape::bounds`].
     pub fn diagonal(&self) -> Result<f64, WriteError> {
         match self {
             Self::Patches { patches, .. } => {
@@ -136,18 +136,18 @@ impl Shape {
                 // cover it.
                 Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
-            Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
+            Self::Scene(_) => Ok(diagonal_below(&self.bounds()?, 0.0)),
             Self::Cage(polygons) => Ok(diagonal_below(&cage_size::inner_box(polygons), 0.0)),
             Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
             // The box may be larger than the shape. The extent of its surface is known once it is meshed.
-            Self::Field(field) => Ok(diagonal_below(&field.place(), 0.0)),
+            Self::Field(field) => Ok(diagonal_below(&field.bounds(), 0.0)),
             Self::Volume(sampled) => {
-                let place = sampled.place();
-                let reach = place.min.iter().chain(&place.max);
+                let bounds = sampled.bounds();
+                let reach = bounds.min.iter().chain(&bounds.max);
                 let reach = reach.fold(0.0, |most: f64, x| greater(x.abs(), most));
                 // A corner is a sum of three products with less than 8 roundings of half a step each.
-                Ok(diagonal_below(&place, mul_up(8.0 * f64::EPSILON, reach)))
+                Ok(diagonal_below(&bounds, mul_up(8.0 * f64::EPSILON, reach)))
             }
         }
     }
@@ -261,6 +261,6 @@ mod tests {
         let shape = Shape::Patches { patches: vec![patch], frame: Frame::default() };
         assert!(shape.diagonal().unwrap() <= true_diagonal);
         assert!(shape.diagonal().unwrap() > true_diagonal * (1.0 - 1e-12));
-        assert_eq!(shape.hull().unwrap().max[2], 1.0);
+        assert_eq!(shape.bounds().unwrap().max[2], 1.0);
     }
 }

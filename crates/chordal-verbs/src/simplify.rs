@@ -2,6 +2,7 @@
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use crate::flatten::{self, MergedParts, TransformedScene};
+use crate::notes::{deformation_note, reduction_notes};
 use crate::report::{AttributeFacts, Certificate};
 use crate::request::MeshRequest;
 use chordal::budget::advice::Message;
@@ -9,7 +10,7 @@ use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, 
 use chordal::check::findings::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
-use chordal::math::{Box3, add_up, div_down, greater, lesser};
+use chordal::math::{Box3, add_up, greater, lesser};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{CoordinateOverflow, Part, Scene, snap, worst_snap};
 
@@ -37,12 +38,7 @@ pub(crate) fn simplify_scene(
             return Err(MeshFailure::TooWide(CoordinateOverflow { value }));
         }
     }
-    let is_deformed = |part: &Part| {
-        part.mesh.attributes().iter().any(|attribute| matches!(attribute.semantic, Semantic::Blended(_)))
-    };
-    if scene.parts.iter().any(is_deformed) {
-        notes.push("the bound is of meshes at rest: skins and morph targets move them afterwards".into());
-    }
+    notes.extend(deformation_note(&scene));
     let stretch = flatten::part_scales(&scene);
     // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
@@ -58,7 +54,7 @@ pub(crate) fn simplify_scene(
     let mut pixels = eye.map(|_| 0.0);
     for ((part, stretch), share) in scene.parts.iter_mut().zip(&stretch).zip(&shares) {
         let Some(made) = simplify_part(part, &share.budget, job)? else { continue };
-        add(&mut all, made.shape.stats);
+        all += made.shape.stats;
         let snapped = snap(&made.shape.mesh, *to)?;
         let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
         let before = std::mem::replace(&mut part.mesh, snapped.mesh);
@@ -87,7 +83,7 @@ pub(crate) fn simplify_scene(
     }
     let after: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     notes.push(format!("{before} triangles were simplified to {after}").into());
-    notes.extend(summary_notes(&all));
+    notes.extend(reduction_notes(&all));
     let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
     worst.pixels = pixels;
     Ok((scene, worst))
@@ -139,12 +135,9 @@ fn uniform_budgets(
     placed: f64,
     job: &Job,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
-    let MeshRequest { budget, to, place, .. } = request;
-    let length = length_for_all(budget, place)?;
-    let lost = scene.parts.iter().zip(stretch).fold(0.0, |most, (part, stretch)| {
-        let lost = flatten::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
-        greater(lost, most)
-    });
+    let MeshRequest { budget, to, bounds, .. } = request;
+    let length = length_for_all(budget, bounds)?;
+    let lost = flatten::worst_rounding(scene, stretch, *to);
     let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
     let left = match length {
         Some(length) => {
@@ -209,31 +202,8 @@ const ROOM_TO_THE_EYE: f64 = 1.125;
 /// A length of the scene as the budget of a part that is scaled by `stretch`; no limit where nothing is left
 /// of it.
 fn part_budget(length: Option<f64>, stretch: f64) -> Budget {
-    let own = length.filter(|_| stretch > 0.0).map(|length| div_down(length, stretch));
-    let length = own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok());
+    let length = length.and_then(|length| flatten::length_in_part(length, stretch));
     Budget { length, ..Budget::default() }
-}
-
-/// Drops the normals of a scene that will be recomputed, so that they preserve no edge.
-pub(crate) fn without_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
-    without(scene, |semantic| matches!(semantic, Semantic::Normal | Semantic::Tangent))
-}
-
-/// Drops attributes of a scene.
-pub(crate) fn without(scene: &mut Scene, is_dropped: impl Fn(&Semantic) -> bool) -> Result<(), MeshFailure> {
-    let has_some = |part: &&mut Part| part.mesh.attributes().iter().any(|a| is_dropped(&a.semantic));
-    for part in scene.parts.iter_mut().filter(has_some) {
-        let mesh = &part.mesh;
-        let mut bare = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec()).map_err(unsupported)?;
-        if let Some(id) = mesh.position_id() {
-            bare = bare.with_position_id(id.to_vec()).map_err(unsupported)?;
-        }
-        for attribute in mesh.attributes().iter().filter(|attribute| !is_dropped(&attribute.semantic)) {
-            bare = bare.with_attribute(attribute.clone()).map_err(unsupported)?;
-        }
-        part.mesh = bare;
-    }
-    Ok(())
 }
 
 /// Adds the attribute deviation between two meshes; returns a note where it is unknown. Lines between charts
@@ -258,14 +228,14 @@ fn measure_attributes(
 }
 
 /// The length that the budget allows everywhere.
-fn length_for_all(budget: &Budget, place: &Box3) -> Result<Option<Tolerance>, MeshFailure> {
+fn length_for_all(budget: &Budget, bounds: &Box3) -> Result<Option<Tolerance>, MeshFailure> {
     let close = || {
         MeshFailure::refused(
             RefusalCode::TooClose,
             "the shape comes so close to the eye that there is no bound in pixels",
         )
     };
-    let length = budget.length_in(place).ok_or_else(close)?;
+    let length = budget.length_in(bounds).ok_or_else(close)?;
     if length == f64::INFINITY {
         return Ok(None);
     }
@@ -335,30 +305,3 @@ fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, Mesh
 
 /// The attribute that holds the placement of a triangle.
 const PLACE: &str = "place";
-
-pub(crate) fn add(all: &mut ReductionStats, one: ReductionStats) {
-    all.locked_vertices += one.locked_vertices;
-    all.collapsed_faces += one.collapsed_faces;
-    all.dropped_components += one.dropped_components;
-}
-
-/// Notes on the course of a simplification.
-pub(crate) fn summary_notes(kept: &ReductionStats) -> Vec<Message> {
-    let mut notes: Vec<Message> = Vec::new();
-    if kept.locked_vertices > 0 {
-        notes.push(format!(
-            "where the mesh is not a manifold or wound against itself it stays as it is: {} vertices; mend takes such \
-             places apart",
-            kept.locked_vertices
-        ).into());
-    }
-    if kept.collapsed_faces > 0 {
-        let n = kept.collapsed_faces;
-        notes.push(format!("triangles with two corners at one position were left out ({n}x)").into());
-    }
-    if kept.dropped_components > 0 {
-        let n = kept.dropped_components;
-        notes.push(format!("separate pieces that the budget covers were left out ({n}x)").into());
-    }
-    notes
-}

@@ -17,7 +17,7 @@ pub struct VolumeShape {
 impl VolumeShape {
     /// The box of all samples.
     #[must_use]
-    pub fn place(&self) -> Box3 {
+    pub fn bounds(&self) -> Box3 {
         let last = self.volume.grid.size().map(|n| (n - 1) as f64);
         (0..8).fold(Box3::EMPTY, |all, corner| {
             let index = std::array::from_fn(|k| if corner >> k & 1 == 1 { last[k] } else { 0.0 });

@@ -3,8 +3,8 @@ use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::{Job, Mesh};
 use chordal_io::{Conformance, Content, Format, Frame, ImageContent, Limits, MATERIAL, Scene, read};
 use chordal_verbs::{
-    BudgetSpec, FormatHint, Input, LodSpec, MendSpec, Shape, Tessellation, TileErrors, load, load_with, lod,
-    mend, mesh, sha256,
+    BudgetSpec, FormatHint, Input, LodParts, LodSpec, MendSpec, Shape, Tessellation, TileErrors, load,
+    load_with, lod, mend, mesh, sha256,
 };
 use serde_json::Value;
 
@@ -71,6 +71,7 @@ fn spec() -> LodSpec {
         normals: chordal_verbs::Normals::Auto,
         errors: TileErrors::Scaled,
         tile_triangles: None,
+        parts: LodParts::Separate,
     }
 }
 
@@ -91,9 +92,14 @@ fn levels_have_the_materials_of_all_parts() {
         matches!(&first.assets.images[0].content, ImageContent::Bytes(bytes) if bytes.starts_with(b"\x89PNG"))
     );
     let notes: Vec<String> = made.certificate.notes.iter().map(ToString::to_string).collect();
-    assert!(notes.iter().any(|note| note.ends_with("left out are cameras, animations")), "{notes:?}");
+    assert!(!notes.iter().any(|note| note.contains("left out")), "{notes:?}");
+    assert_eq!((&first.assets, first.parts.len()), (&before.assets, before.parts.len()));
+    // An animated node gets a child that shows its part and names the levels.
+    let (kept, added) = first.nodes.split_at(before.nodes.len());
+    assert!(kept.iter().zip(&before.nodes).all(|(a, b)| (&a.name, a.matrix) == (&b.name, b.matrix)));
+    assert_eq!((added.len(), added[0].part), (1, Some(0)));
     let coarse = made.level(1).expect("a second level").0;
-    is_painted(coarse);
+    is_painted(&coarse);
 }
 
 #[test]

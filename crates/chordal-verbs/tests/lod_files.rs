@@ -5,7 +5,7 @@ use chordal::{Job, Mesh};
 use chordal_io::{Format, Limits};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::{Point, Triangles, norm, on};
-use chordal_verbs::{FormatHint, LodSpec, Normals, Shape, TileErrors, load, lod};
+use chordal_verbs::{FormatHint, LodParts, LodSpec, Normals, Shape, TileErrors, load, lod};
 use serde_json::Value;
 
 fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
@@ -19,6 +19,7 @@ fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
         normals: Normals::Auto,
         errors: TileErrors::Plain,
         tile_triangles: Some(tile_triangles),
+        parts: LodParts::Separate,
     }
 }
 

@@ -1,147 +1,22 @@
 //! Levels as 3D Tiles: a chain, or a tree of regions.
-use super::{LevelMesh, LevelShading, LodLayout, LodOutcome, TileErrors, counts, file_extras};
+use super::TileErrors;
+use super::level_mesh::LevelMesh;
+use super::outcome::{LodLayout, LodOutcome, file_extras};
+use super::scene_levels::SceneLevels;
+use super::tile_hierarchy::TileHierarchy;
 use crate::MeshFailure;
-use crate::file_rows::{to_file_rows, unsupported};
+use crate::file_rows::unsupported;
 use crate::flatten;
-use crate::report::LevelFacts;
-use crate::simplify::{add, summary_notes};
 use chordal::budget::advice::Message;
-use chordal::budget::{Bound, JobError, Reference, RefusalCode, Tolerance};
-use chordal::explicit::{InvalidMesh, Topology};
+use chordal::budget::{Bound, RefusalCode};
+use chordal::explicit::InvalidMesh;
 use chordal::lod::selection::SwitchDistances;
-use chordal::lod::tiling::TilingOptions;
-use chordal::lod::{self, ReductionStats};
 use chordal::math::{Box3, add_up, greater, mul_up};
-use chordal::{Bounded, Job, Mesh};
 use chordal_io::tiles::{self, Tile, Tileset};
-use chordal_io::{Axis, FileSet, Format, Frame, ImageContent, Scene, SideFile, WriteError, glb, snap};
+use chordal_io::{Axis, FileSet, Frame, ImageContent, Scene, SideFile, WriteError, glb};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-
-/// A finest level that is cut in space, with all coarser levels.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct TileHierarchy {
-    /// The finest level in one piece, as it is shown from near.
-    pub finest: LevelMesh,
-    /// Tiles as they will be written, parents before children.
-    tiles: Vec<LevelMesh>,
-    /// By tile: those that show the same region at a finer level.
-    children: Vec<Vec<usize>>,
-    roots: Vec<usize>,
-    /// The origin of all coordinates.
-    origin: [f64; 3],
-}
-
-impl TileHierarchy {
-    /// Cuts a mesh into tiles of at most so many triangles. Coordinates are in single precision relative to
-    /// one common origin, so that coordinates shared by two tiles are identical.
-    pub fn build(
-        finest: Bounded<Mesh>,
-        looks: &LevelShading,
-        (most, notes): (usize, &mut Vec<Message>),
-        job: &Job,
-    ) -> Result<Self, MeshFailure> {
-        let Bounded { shape: mesh, bound } = finest;
-        let origin = snap(&mesh, Format::Glb)?.origin;
-        let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
-        let local = mesh.with_positions(local).map_err(unsupported)?;
-        // Half a unit in the last place of each of three differences, and of each coordinate of the origin in
-        // metres: less than two units of the largest number.
-        let largest = reach(local.positions().as_flattened());
-        let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
-        let room = if origin == [0.0; 3] { 0.0 } else { room };
-        let snapped = snap(&local, Format::Stl)?;
-        let bound =
-            bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
-        let mut scene = looks.scene(snapped.mesh);
-        looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
-        let scene = to_file_rows(scene, Format::Glb)?;
-        let Some(part) = scene.parts.first() else {
-            return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
-        };
-        // A finest level without loss starts at about the resolution of single precision.
-        let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
-        let step =
-            step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
-        let step = step.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "the shape has no size"))?;
-        let cuts = TilingOptions { most, ..TilingOptions::from_step(step) };
-        let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
-        let made =
-            lod::tiling::tree(&made, Topology::Positions, &cuts, job).map_err(|stopped| match stopped {
-                JobError::Refused(refusal) => MeshFailure::Refused(refusal),
-                JobError::Cancelled => MeshFailure::Cancelled,
-            })?;
-        let mut kept = ReductionStats::default();
-        made.roots.iter().for_each(|root| add(&mut kept, made.tiles[*root].stats));
-        notes.extend(summary_notes(&kept));
-        let (mut tiles, mut children) = (Vec::new(), Vec::new());
-        for tile in made.tiles {
-            let snapped = snap(&tile.mesh, Format::Stl)?;
-            let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
-            let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
-            let scene = to_file_rows(looks.scene(snapped.mesh), Format::Glb)?;
-            let (triangles, vertices) = counts(&scene);
-            tiles.push(LevelMesh { scene, bound, triangles, vertices });
-            children.push(tile.children);
-        }
-        let (triangles, vertices) = counts(&scene);
-        let finest = LevelMesh { scene, bound, triangles, vertices };
-        Ok(Self { finest, tiles, children, roots: made.roots, origin })
-    }
-
-    /// The tiles that are shown for an allowed error: the coarsest within it, and leaves.
-    fn visible_tiles(&self, error: f64) -> Vec<usize> {
-        let mut open = self.roots.clone();
-        let mut shown = Vec::new();
-        while let Some(tile) = open.pop() {
-            if self.children[tile].is_empty() || self.tiles[tile].error() <= error {
-                shown.push(tile);
-            } else {
-                open.extend(&self.children[tile]);
-            }
-        }
-        shown
-    }
-
-    /// What is shown where all of the shape is equally far away, for each error that a tile has.
-    pub fn counts(&self) -> Vec<LevelFacts> {
-        let mut errors: Vec<f64> = self.tiles.iter().map(LevelMesh::error).collect();
-        errors.sort_by(f64::total_cmp);
-        errors.dedup();
-        let mut levels: Vec<LevelFacts> = Vec::new();
-        for error in errors {
-            let shown = self.visible_tiles(error);
-            let sum = |of: fn(&LevelMesh) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
-            let at_most = shown.iter().fold(0.0, |most, tile| greater(most, self.tiles[*tile].error()));
-            // One tile may compensate for the error of another.
-            let at_least = if let [one] = shown[..] { self.tiles[one].bound.at_least() } else { 0.0 };
-            let tiles = shown.len() as u64;
-            let level = LevelFacts {
-                triangles: sum(|tile| tile.triangles),
-                vertices: sum(|tile| tile.vertices),
-                at_least,
-                at_most,
-                evidence: self.finest.bound.evidence().as_str(),
-                distance: None,
-                tiles,
-            };
-            if levels.last().is_none_or(|finer| at_most > finer.at_most && level.triangles < finer.triangles)
-            {
-                levels.push(level);
-            }
-        }
-        levels
-    }
-}
-
-fn up(a: f64, b: f64) -> f64 {
-    if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) }
-}
-
-fn reach(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |most, x| greater(most, x.abs()))
-}
 
 impl LodOutcome {
     /// The files of a tileset of 3D Tiles 1.1: `tileset.json` is the document, and beside it are the tiles, and
@@ -161,19 +36,20 @@ impl LodOutcome {
         let tileset = self.tileset_from_root(root);
         let document = tiles::write(&tileset).map_err(|error| WriteError::Unsupported(error.to_string()))?;
         let TileFiles { files: mut beside, shown } = files;
-        let all = self.made.finest().map(|level| level.scene.assets.picture_files(PICTURES));
-        beside.extend(all.into_iter().flatten().filter(|file| shown.contains(&file.name)));
+        let all = self.made.finest_scene().assets.picture_files(PICTURES);
+        beside.extend(all.into_iter().filter(|file| shown.contains(&file.name)));
         Ok(FileSet { document, beside })
     }
 
     /// One tile a level.
-    fn as_chain(&self, levels: &[LevelMesh], files: &mut TileFiles<'_>) -> Result<Tile, MeshFailure> {
+    fn as_chain(&self, levels: &SceneLevels, files: &mut TileFiles<'_>) -> Result<Tile, MeshFailure> {
         let mut bounds = Box3::EMPTY;
         let mut tree: Option<Tile> = None;
-        for (k, level) in levels.iter().enumerate() {
+        for k in 0..levels.levels.len() {
+            let Some(level) = levels.level_mesh(k) else { continue };
             let name = format!("level_{k}.glb");
-            bounds = bounds.union(self.write_tile(level, &name, files)?);
-            tree = Some(self.tile(level, &bounds, &name, tree.take().into_iter().collect()));
+            bounds = bounds.union(self.write_tile(&level, &name, files)?);
+            tree = Some(self.tile(&level, &bounds, &name, tree.take().into_iter().collect()));
         }
         tree.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no level"))
     }
@@ -240,7 +116,7 @@ impl LodOutcome {
     }
 
     fn metres(&self) -> f64 {
-        self.made.finest().and_then(|level| level.scene.frame.metres_per_unit).unwrap_or(1.0)
+        self.made.finest_scene().frame.metres_per_unit.unwrap_or(1.0)
     }
 
     fn tileset_from_root(&self, root: Tile) -> Tileset {

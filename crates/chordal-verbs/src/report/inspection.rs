@@ -90,7 +90,7 @@ impl Inspection {
     #[must_use]
     pub fn from_input(input: &Input, counted: &Certificate) -> Self {
         // A scene whose transforms cannot be applied has no box.
-        let bounds = input.shape.hull().unwrap_or(Box3::EMPTY);
+        let bounds = input.shape.bounds().unwrap_or(Box3::EMPTY);
         let endless = bounds.min.iter().chain(&bounds.max).any(|x| !x.is_finite());
         let scene = match &input.shape {
             Shape::Scene(scene) => Some(scene),

@@ -1,0 +1,188 @@
+//! `SceneLevels`: each part of a scene in levels of detail, and which of them make a level of the whole.
+use super::LevelShading;
+use super::level_mesh::LevelMesh;
+use crate::MeshFailure;
+use crate::flatten;
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, Reference, RefusalCode};
+use chordal::lod::LodLevel;
+use chordal::math::greater;
+use chordal::{Bounded, Job};
+use chordal_io::{Part, Scene};
+use std::borrow::Cow;
+
+/// The parts of a scene in levels as they will be written.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SceneLevels {
+    /// The scene with the finest level of each part.
+    pub finest: Scene,
+    /// By part: its coarser levels, the finest first.
+    pub coarser: Vec<Vec<Part>>,
+    /// By part: the bounds of all its levels in its own coordinates, the finest first.
+    pub bounds: Vec<Vec<Bound>>,
+    /// The levels of the whole, the finest first.
+    pub levels: Vec<SceneLevel>,
+}
+
+/// A level of the whole.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SceneLevel {
+    /// By part: its level.
+    choice: Vec<usize>,
+    /// In the coordinates of the scene.
+    pub bound: Bound,
+    pub triangles: u64,
+    pub vertices: u64,
+}
+
+/// A scene, and its parts at full precision in levels.
+pub(super) struct LevelChains {
+    /// The nodes, and what the scene has beside its parts. Their meshes are ignored.
+    pub scene: Scene,
+    /// By part: its levels, the finest first, at least one.
+    pub chains: Vec<Vec<LodLevel>>,
+    /// How far transforms that were applied have moved a vertex.
+    pub moved_at_most: f64,
+    /// The tolerance of the finest level of the whole.
+    pub finest: f64,
+}
+
+/// A level of the whole that has more than this fraction of the triangles of the one before is left out.
+const WORTH_IT: f64 = 0.8;
+
+/// The most levels of the whole: 2⁴⁸ between the errors of the finest and the coarsest.
+const MOST_LEVELS: usize = 48;
+
+impl SceneLevels {
+    /// Rounds the levels of all parts to the precision of glTF, with their normals, and chooses the levels of
+    /// the whole: errors double from one to the next, and each part is in its coarsest level within them.
+    pub fn new(
+        source: LevelChains,
+        looks: &LevelShading,
+        notes: &mut Vec<Message>,
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        let LevelChains { scene: mut finest, chains, moved_at_most, finest: tolerance } = source;
+        let stretch = flatten::part_scales(&finest);
+        let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
+        let (mut coarser, mut bounds) = (Vec::new(), Vec::new());
+        for (part, chain) in finest.parts.iter_mut().zip(chains) {
+            let mut levels: Vec<Bounded<Part>> = Vec::new();
+            for level in chain {
+                let bound = if moved_at_most > 0.0 { level.bound.then(&moved) } else { level.bound };
+                let own = Part {
+                    name: part.name.clone(),
+                    mesh: level.mesh,
+                    indexed: part.indexed,
+                    properties: part.properties.clone(),
+                };
+                let level = looks.finish(own, bound, notes, job)?;
+                // Rounding may leave two levels alike.
+                let is_coarser = |finer: &Bounded<Part>| level.bound.at_most() > finer.bound.at_most();
+                if levels.last().is_none_or(is_coarser) {
+                    levels.push(level);
+                }
+            }
+            let mut meshes = Vec::with_capacity(levels.len());
+            let mut own = Vec::with_capacity(levels.len());
+            for Bounded { shape, bound } in levels {
+                meshes.push(shape);
+                own.push(bound);
+            }
+            if meshes.is_empty() {
+                return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"));
+            }
+            *part = meshes.remove(0);
+            coarser.push(meshes);
+            bounds.push(own);
+        }
+        let mut made = Self { finest, coarser, bounds, levels: Vec::new() };
+        made.choose_levels(&stretch, tolerance)?;
+        Ok(made)
+    }
+
+    fn choose_levels(&mut self, stretch: &[f64], finest: f64) -> Result<(), MeshFailure> {
+        let mut tolerance = finest;
+        for _ in 0..MOST_LEVELS {
+            let choice: Vec<usize> = (0..self.bounds.len())
+                .map(|part| {
+                    let fits = |bound: &Bound| error_in(bound, stretch[part]) <= tolerance;
+                    self.bounds[part].iter().rposition(fits).unwrap_or(0)
+                })
+                .collect();
+            let is_last = choice.iter().zip(&self.bounds).all(|(level, bounds)| level + 1 == bounds.len());
+            let level = self.scene_level(choice, stretch)?;
+            let is_new = |finer: &SceneLevel| {
+                let fewer = level.triangles as f64 <= WORTH_IT * finer.triangles as f64;
+                fewer && level.bound.at_most() > finer.bound.at_most()
+            };
+            if self.levels.last().is_none_or(is_new) {
+                self.levels.push(level);
+            }
+            if is_last {
+                break;
+            }
+            tolerance *= 2.0;
+        }
+        Ok(())
+    }
+
+    fn scene_level(&self, choice: Vec<usize>, stretch: &[f64]) -> Result<SceneLevel, MeshFailure> {
+        let is_alone = choice.len() == 1 && flatten::n_places(&self.finest) == 1 && stretch == [1.0];
+        let mut most = 0.0;
+        let (mut triangles, mut vertices) = (0, 0);
+        for (part, level) in choice.iter().enumerate() {
+            most = greater(error_in(&self.bounds[part][*level], stretch[part]), most);
+            let mesh = &self.part(part, *level).mesh;
+            triangles += mesh.faces().len() as u64;
+            vertices += mesh.positions().len() as u64;
+        }
+        if !most.is_finite() {
+            let message = "the transforms of the scene take its coordinates out of range";
+            return Err(MeshFailure::refused(RefusalCode::NotFinite, message));
+        }
+        // Another part may compensate for the error of one, so that only a single part has a lower bound.
+        let bound = match &choice[..] {
+            [level] if is_alone => self.bounds[0][*level].clone(),
+            _ => Bound::proved(0.0, most, Reference::InputTriangles),
+        };
+        Ok(SceneLevel { choice, bound, triangles, vertices })
+    }
+
+    fn part(&self, part: usize, level: usize) -> &Part {
+        match level.checked_sub(1) {
+            None => &self.finest.parts[part],
+            Some(k) => &self.coarser[part][k],
+        }
+    }
+
+    /// A level of the whole as it will be written.
+    pub fn level_mesh(&self, k: usize) -> Option<LevelMesh> {
+        let SceneLevel { bound, triangles, vertices, .. } = self.levels.get(k)?.clone();
+        Some(LevelMesh { scene: self.scene(k)?.into_owned(), bound, triangles, vertices })
+    }
+
+    /// A level of the whole as a scene.
+    pub fn scene(&self, k: usize) -> Option<Cow<'_, Scene>> {
+        let choice = &self.levels.get(k)?.choice;
+        if choice.iter().all(|level| *level == 0) {
+            return Some(Cow::Borrowed(&self.finest));
+        }
+        let parts = choice.iter().enumerate().map(|(part, level)| self.part(part, *level).clone());
+        let Scene { nodes, roots, frame, certificate, groups, assets, .. } = &self.finest;
+        Some(Cow::Owned(Scene {
+            parts: parts.collect(),
+            nodes: nodes.clone(),
+            roots: roots.clone(),
+            frame: *frame,
+            certificate: certificate.clone(),
+            groups: groups.clone(),
+            assets: assets.clone(),
+        }))
+    }
+}
+
+/// The upper end of a part's bound where its transforms lengthen it by `stretch`.
+fn error_in(bound: &Bound, stretch: f64) -> f64 {
+    flatten::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), stretch)
+}

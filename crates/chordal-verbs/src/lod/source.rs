@@ -1,0 +1,313 @@
+//! `LevelSource`: the triangles of any surface in levels at full precision.
+use super::scene_levels::LevelChains;
+use super::{LodParts, LodSpec, NAME};
+use crate::drop_attributes::{drop_attributes, drop_normals};
+use crate::flatten::{self, TransformedScene};
+use crate::merge::{MergedMesh, merge};
+use crate::notes::{deformation_note, reduction_notes};
+use crate::request::MeshRequest;
+use crate::{MeshFailure, Normals, Shape, cage, field, isosurface};
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, Budget, Failure, JobError, Reference, Refusal, RefusalCode, Tolerance};
+use chordal::explicit::{Attribute, Semantic, Topology};
+use chordal::lod::{self, LodLevel, LodSource, LodSteps, ReductionStats};
+use chordal::math::Box3;
+use chordal::{Bounded, Job, Mesh, convert};
+use chordal_io::{Format, Part, Scene, SceneAssets};
+
+/// How levels are made of any surface.
+pub(super) struct LevelSource<'a> {
+    pub spec: &'a LodSpec,
+    /// The tolerance of the finest level, rounding to the format included.
+    pub finest: Tolerance,
+    pub job: &'a Job,
+}
+
+/// Levels at full precision.
+pub(super) enum SourceLevels {
+    /// Each part in levels.
+    Chains(Box<LevelChains>),
+    /// A finest level that is to be cut in space.
+    TooLarge {
+        finest: Box<Bounded<Mesh>>,
+        /// The most triangles of a tile.
+        most: usize,
+        assets: Box<SceneAssets>,
+    },
+}
+
+impl SourceLevels {
+    /// What the scene has beside its meshes.
+    pub fn assets(&self) -> SceneAssets {
+        match self {
+            Self::Chains(chains) => (*chains.scene.assets).clone(),
+            Self::TooLarge { assets, .. } => (**assets).clone(),
+        }
+    }
+}
+
+/// The number of triangles at which a level is the last. Chosen: what a picture of a few pixels shows.
+const LAST_LEVEL: usize = 64;
+
+/// The least number at which a level of a part is the last: a tetrahedron.
+const LAST_LEVEL_OF_PART: usize = 4;
+
+/// The fraction of the finest error that meshing a field may use. Chosen: half of it takes several times as
+/// long to make and to prove.
+const SHARE_OF_FIELDS: f64 = 0.8;
+
+impl LevelSource<'_> {
+    /// Makes levels, and notes what they leave out.
+    pub fn levels(&self, shape: Shape, notes: &mut Vec<Message>) -> Result<SourceLevels, MeshFailure> {
+        let place = shape.bounds()?;
+        match shape {
+            Shape::Scene(scene) => self.of_scene(scene, place, notes),
+            shape => self.of_smooth_shape(&shape, place, notes),
+        }
+    }
+
+    fn most_of_a_tile(&self) -> usize {
+        self.spec.tile_triangles.map_or(usize::MAX, |most| usize::try_from(most).unwrap_or(usize::MAX))
+    }
+
+    fn of_scene(
+        &self,
+        mut scene: Scene,
+        place: Box3,
+        notes: &mut Vec<Message>,
+    ) -> Result<SourceLevels, MeshFailure> {
+        if !matches!(self.spec.normals, Normals::Auto | Normals::Keep) {
+            // Existing normals are to preserve no edge.
+            drop_normals(&mut scene)?;
+        }
+        if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
+            return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
+        }
+        if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, place)? {
+            if self.spec.tile_triangles.is_some() {
+                still(&mut scene, notes)?;
+            }
+            return self.of_parts(scene, place, notes);
+        }
+        still(&mut scene, notes)?;
+        self.of_merged_parts(scene, place, notes)
+    }
+
+    /// Whether the finest level is to be cut in space.
+    fn is_too_large(&self, scene: &Scene, place: Box3) -> Result<bool, MeshFailure> {
+        let most = self.most_of_a_tile();
+        let n_faces = |part: &Part| part.mesh.faces().len();
+        if scene.parts.iter().map(n_faces).sum::<usize>() <= most {
+            return Ok(false);
+        }
+        let lengths = self.part_lengths(scene, place)?;
+        let mut left = most;
+        for (part, length) in scene.parts.iter().zip(lengths) {
+            let finest = LodSteps { max_untiled_triangles: 0, ..LodSteps::from_finest(self.finest) };
+            let n = match length {
+                Some(length) => {
+                    let chain = part_chain(part, &LodSteps { finest: length, ..finest }, self.job)?;
+                    chain.first().map_or(0, |level| level.mesh.faces().len())
+                }
+                None => n_faces(part),
+            };
+            let Some(fewer) = left.checked_sub(n) else { return Ok(true) };
+            left = fewer;
+        }
+        Ok(false)
+    }
+
+    /// By part: the tolerance of its finest level in its own coordinates, less what rounding costs; `None` for one
+    /// that stays as it is.
+    fn part_lengths(&self, scene: &Scene, place: Box3) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
+        let stretch = flatten::part_scales(scene);
+        let lost = flatten::worst_rounding(scene, &stretch, Format::Glb);
+        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, place);
+        let left = request.reserve_rounding(lost)?.length.unwrap_or(self.finest);
+        let length = |(part, stretch): (&Part, &f64)| {
+            let stays = part.mesh.faces().is_empty() || part.has_morph_targets();
+            if stays { None } else { flatten::length_in_part(left.get(), *stretch) }
+        };
+        Ok(scene.parts.iter().zip(&stretch).map(length).collect())
+    }
+
+    /// Levels of each part, placed by the nodes of the scene.
+    fn of_parts(
+        &self,
+        scene: Scene,
+        place: Box3,
+        notes: &mut Vec<Message>,
+    ) -> Result<SourceLevels, MeshFailure> {
+        notes.extend(deformation_note(&scene));
+        if scene.parts.iter().any(Part::has_morph_targets) {
+            notes.push("meshes with morph targets have one level".into());
+        }
+        let lengths = self.part_lengths(&scene, place)?;
+        let n_parts = lengths.iter().flatten().count().max(1);
+        let stop_at_triangles = (LAST_LEVEL / n_parts).max(LAST_LEVEL_OF_PART);
+        let mut stats = ReductionStats::default();
+        let mut chains = Vec::with_capacity(scene.parts.len());
+        for (part, length) in scene.parts.iter().zip(lengths) {
+            let chain = match length {
+                Some(length) => {
+                    let steps = LodSteps { stop_at_triangles, ..LodSteps::from_finest(length) };
+                    part_chain(part, &steps, self.job)?
+                }
+                None => vec![LodLevel {
+                    mesh: part.mesh.clone(),
+                    bound: Bound::proved(0.0, 0.0, Reference::InputTriangles),
+                    stats: ReductionStats::default(),
+                }],
+            };
+            if let Some(coarsest) = chain.last() {
+                stats += coarsest.stats;
+            }
+            chains.push(chain);
+        }
+        notes.extend(reduction_notes(&stats));
+        let chains = LevelChains { scene, chains, moved_at_most: 0.0, finest: self.finest.get() };
+        Ok(SourceLevels::Chains(Box::new(chains)))
+    }
+
+    /// Levels of all parts as one mesh.
+    fn of_merged_parts(
+        &self,
+        scene: Scene,
+        place: Box3,
+        notes: &mut Vec<Message>,
+    ) -> Result<SourceLevels, MeshFailure> {
+        let placed = flatten::flatten(scene)?;
+        notes.extend(placed.note());
+        let TransformedScene { scene, moved_at_most, .. } = placed;
+        let Scene { frame, assets, .. } = &scene;
+        let template = Scene { assets: assets.clone(), ..Scene::from_mesh(NAME, Mesh::default(), *frame) };
+        let (mesh, topology) = merged_mesh(scene, notes)?;
+        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, place);
+        let inner = request.reserve_rounding(request.rounding())?;
+        let inner = request.with_budget(inner).reserve_rounding(moved_at_most)?;
+        let steps = self.steps(&inner);
+        let chain = lod::chain(LodSource::Triangles(&mesh, topology), &steps, self.job)?;
+        self.as_source(template, chain, moved_at_most, notes)
+    }
+
+    fn of_smooth_shape(
+        &self,
+        shape: &Shape,
+        place: Box3,
+        notes: &mut Vec<Message>,
+    ) -> Result<SourceLevels, MeshFailure> {
+        let template = Scene::from_mesh(NAME, Mesh::default(), *shape.frame());
+        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, place);
+        let inner = request.reserve_rounding(request.rounding())?;
+        let mut steps = self.steps(&inner);
+        if matches!(shape, Shape::Field(_) | Shape::Volume(_)) {
+            steps.tessellation_share = SHARE_OF_FIELDS;
+        }
+        let mut make = |length: Tolerance| tessellate(shape, length, place, notes, self.job);
+        let chain = lod::chain(LodSource::Smooth(&mut make), &steps, self.job)?;
+        self.as_source(template, chain, 0.0, notes)
+    }
+
+    fn steps(&self, budget: &Budget) -> LodSteps {
+        let finest = budget.length.unwrap_or(self.finest);
+        let max_untiled_triangles = self.most_of_a_tile();
+        LodSteps { max_untiled_triangles, stop_at_triangles: LAST_LEVEL, ..LodSteps::from_finest(finest) }
+    }
+
+    /// The levels of a single mesh.
+    fn as_source(
+        &self,
+        template: Scene,
+        mut chain: Vec<LodLevel>,
+        moved_at_most: f64,
+        notes: &mut Vec<Message>,
+    ) -> Result<SourceLevels, MeshFailure> {
+        if let Some(coarsest) = chain.last() {
+            notes.extend(reduction_notes(&coarsest.stats));
+        }
+        let most = self.most_of_a_tile();
+        if chain.first().is_none_or(|finest| finest.mesh.faces().len() <= most) {
+            let finest = self.finest.get();
+            let chains = LevelChains { scene: template, chains: vec![chain], moved_at_most, finest };
+            return Ok(SourceLevels::Chains(Box::new(chains)));
+        }
+        let LodLevel { mesh, bound, .. } = chain.remove(0);
+        let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
+        let bound = if moved_at_most > 0.0 { bound.then(&moved) } else { bound };
+        let finest = Box::new(Bounded { shape: mesh, bound });
+        Ok(SourceLevels::TooLarge { finest, most, assets: template.assets })
+    }
+}
+
+/// Leaves out what moves a scene, and what it has beside its materials: tiles and merged meshes hold none of it.
+fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
+    let dropped = scene.assets.beside_materials();
+    if !dropped.is_empty() {
+        let note = format!("these levels show triangles alone: left out are {}", dropped.join(", "));
+        notes.push(note.into());
+    }
+    *scene.assets = scene.assets.materials_only();
+    scene.nodes.iter_mut().for_each(|node| {
+        node.properties.retain(|key, _| ["translation", "rotation", "scale"].contains(&key.as_str()));
+    });
+    let is_blended = |attribute: &Attribute| matches!(attribute.semantic, Semantic::Blended(_));
+    if scene.parts.iter().any(|part| part.mesh.attributes().iter().any(is_blended)) {
+        notes.push("levels are of meshes at rest: skins and morph targets were left out".into());
+        drop_attributes(scene, |semantic| matches!(semantic, Semantic::Blended(_)))?;
+    }
+    Ok(())
+}
+
+/// The levels of one part.
+fn part_chain(part: &Part, steps: &LodSteps, job: &Job) -> Result<Vec<LodLevel>, MeshFailure> {
+    let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
+    Ok(lod::chain(LodSource::Triangles(&part.mesh, topology), steps, job)?)
+}
+
+/// All parts of a scene in world coordinates as one mesh, and how its rows are tied.
+fn merged_mesh(mut scene: Scene, notes: &mut Vec<Message>) -> Result<(Mesh, Topology), MeshFailure> {
+    if scene.parts.len() == 1 {
+        let part = scene.parts.remove(0);
+        let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
+        return Ok((part.mesh, topology));
+    }
+    let shown = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count();
+    notes.push(format!("{shown} parts were put together").into());
+    let meshes: Vec<&Mesh> = scene.parts.iter().map(|part| &part.mesh).collect();
+    let MergedMesh { mesh, is_partial } = merge(&meshes)?;
+    if is_partial {
+        notes.push("what only some of the parts carry at their vertices was left out".into());
+    }
+    Ok((mesh, Topology::Indices))
+}
+
+/// Triangles within a tolerance of a smooth shape, at full precision.
+fn tessellate(
+    shape: &Shape,
+    length: Tolerance,
+    place: Box3,
+    notes: &mut Vec<Message>,
+    job: &Job,
+) -> Result<Bounded<Mesh>, JobError> {
+    let budget = Budget::length(length);
+    // A format that keeps every digit.
+    let request = MeshRequest::new(budget, Format::Ply, place);
+    let made = match shape {
+        Shape::Patches { patches, .. } => {
+            return convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort);
+        }
+        Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),
+        Shape::Volume(sampled) => isosurface::mesh_volume(sampled, &request.widened(), notes, job),
+        Shape::Field(field) => field::mesh_field(field, &request.widened(), notes, job),
+        _ => Err(MeshFailure::refused(RefusalCode::Unsupported, "this shape has no levels")),
+    };
+    let unsupported = |message: Message| JobError::Refused(Refusal::new(RefusalCode::Unsupported, message));
+    let (scene, bound) = made.map_err(|failure| match failure {
+        MeshFailure::Cancelled => JobError::Cancelled,
+        MeshFailure::Refused(refusal) => JobError::Refused(refusal),
+        other => unsupported(other.message()),
+    })?;
+    let mesh = flatten::one_mesh(&scene).map(|mesh| mesh.into_owned());
+    let mesh = mesh.map_err(|error| unsupported(error.to_string().into()))?;
+    Ok(Bounded { shape: mesh, bound })
+}

@@ -1,0 +1,145 @@
+//! `TileHierarchy`: a finest level that is cut in space, and coarser tiles above it.
+use super::LevelShading;
+use super::level_mesh::{LevelMesh, counts};
+use crate::MeshFailure;
+use crate::file_rows::{to_file_rows, unsupported};
+use crate::notes::reduction_notes;
+use crate::report::LevelFacts;
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::{Bound, Reference, RefusalCode, Tolerance};
+use chordal::explicit::Topology;
+use chordal::lod::tiling::TilingOptions;
+use chordal::lod::{self, ReductionStats};
+use chordal::math::{add_up, greater, mul_up};
+use chordal::{Bounded, Job, Mesh};
+use chordal_io::{Format, snap};
+
+/// The most leaves of a tree of tiles. Chosen: each is a file, and all are in memory at once.
+const MOST_TILES: usize = 20_000;
+
+/// A finest level that is cut in space, with all coarser levels.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TileHierarchy {
+    /// The finest level in one piece, as it is shown from near.
+    pub finest: LevelMesh,
+    /// Tiles as they will be written, parents before children.
+    pub tiles: Vec<LevelMesh>,
+    /// By tile: those that show the same region at a finer level.
+    pub children: Vec<Vec<usize>>,
+    pub roots: Vec<usize>,
+    /// The origin of all coordinates.
+    pub origin: [f64; 3],
+}
+
+impl TileHierarchy {
+    /// Cuts a mesh into tiles of at most so many triangles. Coordinates are in single precision relative to
+    /// one common origin, so that coordinates shared by two tiles are identical.
+    pub fn build(
+        finest: Bounded<Mesh>,
+        looks: &LevelShading,
+        most: usize,
+        notes: &mut Vec<Message>,
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        let Bounded { shape: mesh, bound } = finest;
+        let n = mesh.faces().len();
+        if n / most > MOST_TILES {
+            let message = format!("{n} triangles in tiles of {most} are more than {MOST_TILES} files: let ");
+            let message = Message::from(message).setting(Setting::TileTriangles).words(" be larger");
+            return Err(MeshFailure::Usage(message));
+        }
+        let origin = snap(&mesh, Format::Glb)?.origin;
+        let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
+        let local = mesh.with_positions(local).map_err(unsupported)?;
+        // Half a unit in the last place of each of three differences, and of each coordinate of the origin in
+        // metres: less than two units of the largest number.
+        let largest = reach(local.positions().as_flattened());
+        let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
+        let room = if origin == [0.0; 3] { 0.0 } else { room };
+        let snapped = snap(&local, Format::Stl)?;
+        let bound =
+            bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
+        let mut scene = looks.scene(snapped.mesh);
+        looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
+        let scene = to_file_rows(scene, Format::Glb)?;
+        let Some(part) = scene.parts.first() else {
+            return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
+        };
+        // A finest level without loss starts at about the resolution of single precision.
+        let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
+        let step =
+            step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
+        let step = step.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "the shape has no size"))?;
+        let cuts = TilingOptions { max_triangles: most, ..TilingOptions::from_step(step) };
+        let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
+        let made = lod::tiling::tree(&made, Topology::Positions, &cuts, job)?;
+        let mut kept = ReductionStats::default();
+        made.roots.iter().for_each(|root| kept += made.tiles[*root].stats);
+        notes.extend(reduction_notes(&kept));
+        let (mut tiles, mut children) = (Vec::new(), Vec::new());
+        for tile in made.tiles {
+            let snapped = snap(&tile.mesh, Format::Stl)?;
+            let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
+            let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
+            let scene = to_file_rows(looks.scene(snapped.mesh), Format::Glb)?;
+            let (triangles, vertices) = counts(&scene);
+            tiles.push(LevelMesh { scene, bound, triangles, vertices });
+            children.push(tile.children);
+        }
+        let (triangles, vertices) = counts(&scene);
+        let finest = LevelMesh { scene, bound, triangles, vertices };
+        Ok(Self { finest, tiles, children, roots: made.roots, origin })
+    }
+
+    /// The tiles that are shown for an allowed error: the coarsest within it, and leaves.
+    fn visible_tiles(&self, error: f64) -> Vec<usize> {
+        let mut open = self.roots.clone();
+        let mut shown = Vec::new();
+        while let Some(tile) = open.pop() {
+            if self.children[tile].is_empty() || self.tiles[tile].error() <= error {
+                shown.push(tile);
+            } else {
+                open.extend(&self.children[tile]);
+            }
+        }
+        shown
+    }
+
+    /// What is shown where all of the shape is equally far away, for each error that a tile has.
+    pub fn counts(&self) -> Vec<LevelFacts> {
+        let mut errors: Vec<f64> = self.tiles.iter().map(LevelMesh::error).collect();
+        errors.sort_by(f64::total_cmp);
+        errors.dedup();
+        let mut levels: Vec<LevelFacts> = Vec::new();
+        for error in errors {
+            let shown = self.visible_tiles(error);
+            let sum = |of: fn(&LevelMesh) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
+            let at_most = shown.iter().fold(0.0, |most, tile| greater(most, self.tiles[*tile].error()));
+            // One tile may compensate for the error of another.
+            let at_least = if let [one] = shown[..] { self.tiles[one].bound.at_least() } else { 0.0 };
+            let tiles = shown.len() as u64;
+            let level = LevelFacts {
+                triangles: sum(|tile| tile.triangles),
+                vertices: sum(|tile| tile.vertices),
+                at_least,
+                at_most,
+                evidence: self.finest.bound.evidence().as_str(),
+                distance: None,
+                tiles,
+            };
+            if levels.last().is_none_or(|finer| at_most > finer.at_most && level.triangles < finer.triangles)
+            {
+                levels.push(level);
+            }
+        }
+        levels
+    }
+}
+
+fn up(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) }
+}
+
+fn reach(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |most, x| greater(most, x.abs()))
+}
