@@ -1,4 +1,4 @@
-"""`Field` and `Formula`: shapes as rules, and what can be asked of them."""
+"""`Field` and `Formula`: shapes as functions of a point, and what can be asked of them."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ if TYPE_CHECKING:
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
-def _rule(value: Any) -> Any:
+def _value(value: Any) -> Any:
     """What the compiled part knows of a value, or of those in a list."""
     if isinstance(value, (Field, Formula)):
-        return value._rule
+        return value._value
     if isinstance(value, (list, tuple)):
-        return [_rule(item) for item in value]
+        return [_value(item) for item in value]
     return value
 
 
 def called(name: str, *args: Any, **named: Any) -> Any:
     """What a function of the language makes of these arguments."""
-    return _made(_chordal.Rule.call(name, *map(_rule, args), **{key: _rule(arg) for key, arg in named.items()}))
+    return _made(_chordal.ScriptValue.call(name, *map(_value, args), **{key: _value(arg) for key, arg in named.items()}))
 
 
-def _made(made: _chordal.Rule | float) -> Any:
+def _made(made: _chordal.ScriptValue | float) -> Any:
     if isinstance(made, float):
         return made
     return Field(made) if made.is_shape else Formula(made)
 
 
 def _operated(operator: str, a: Any, b: Any) -> Any:
-    made = _chordal.Rule.operate(operator, _rule(a), _rule(b))
+    made = _chordal.ScriptValue.operate(operator, _value(a), _value(b))
     return NotImplemented if made is None else _made(made)
 
 
@@ -51,11 +51,11 @@ def _points(points: ArrayLike) -> NDArray[np.float64]:
     return found
 
 
-def _values(rule: _chordal.Rule, points: ArrayLike) -> NDArray[np.float64]:
+def _values(value: _chordal.ScriptValue, points: ArrayLike) -> NDArray[np.float64]:
     import numpy as np
 
     found = _points(points)
-    return np.frombuffer(rule.values(found.tobytes())).reshape(found.shape[:-1])
+    return np.frombuffer(value.values(found.tobytes())).reshape(found.shape[:-1])
 
 
 class Formula:
@@ -67,14 +67,14 @@ class Formula:
     array([-1.,  1.])
     """
 
-    __slots__ = ("_rule",)
+    __slots__ = ("_value",)
 
-    def __init__(self, rule: _chordal.Rule) -> None:
-        self._rule = rule
+    def __init__(self, value: _chordal.ScriptValue) -> None:
+        self._value = value
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
         """The values at points, whose last axis is 3 long."""
-        return _values(self._rule, points)
+        return _values(self._value, points)
 
     def __add__(self, other: Formula | float) -> Formula:
         return _operated("+", self, other)  # type: ignore[no-any-return]
@@ -107,11 +107,11 @@ class Formula:
         return _operated("abs", self, self)  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
-        return f"<Formula: {self._rule.terms} terms>"
+        return f"<Formula: {self._value.terms} terms>"
 
 
 class Field(Shape):
-    """A shape as a rule: a number for every point, negative inside. `|`, `&` and `-` combine shapes.
+    """A shape as a function: a number for every point, negative inside. `|`, `&` and `-` combine shapes.
 
     >>> from chordal import box, cylinder
     >>> block = box(2, 2, 1) - cylinder(0.4, 2)
@@ -121,47 +121,47 @@ class Field(Shape):
     ('lower bound', 'exact distance')
     """
 
-    __slots__ = ("_rule",)
+    __slots__ = ("_value",)
 
-    def __init__(self, rule: _chordal.Rule, source: _chordal.Source | None = None) -> None:
-        super().__init__(rule.source(None) if source is None else source)
-        self._rule = rule
+    def __init__(self, value: _chordal.ScriptValue, source: _chordal.Source | None = None) -> None:
+        super().__init__(value.source(None) if source is None else source)
+        self._value = value
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
         """The values at points, whose last axis is 3 long: negative inside, NaN where there is none."""
-        return _values(self._rule, points)
+        return _values(self._value, points)
 
     def gradient(self, points: ArrayLike) -> NDArray[np.float64]:
         """The gradients at points, in the shape of the points; at a kink that of one side."""
         import numpy as np
 
         found = _points(points)
-        return np.frombuffer(self._rule.gradients(found.tobytes())).reshape(found.shape)
+        return np.frombuffer(self._value.gradients(found.tobytes())).reshape(found.shape)
 
     @property
     def distance(self) -> tuple[str, str]:
         """What the value is worth as a distance outside and inside: "exact distance", "lower bound" or "sign"."""
-        return self._rule.distance
+        return self._value.distance
 
     @property
     def evidence(self) -> str:
         """What proofs about it are worth: "proved", "proved-if" or "measured"."""
-        return self._rule.evidence[0]
+        return self._value.evidence[0]
 
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What proofs about it assume, in sentences."""
-        return tuple(self._rule.evidence[1])
+        return tuple(self._value.evidence[1])
 
     @property
     def bounds(self) -> Box:
         """The lowest and highest corner of a box that holds the shape; infinite where none is known."""
-        (a, b, c), (d, e, f) = self._rule.bounds
+        (a, b, c), (d, e, f) = self._value.bounds
         return (a, b, c), (d, e, f)
 
     def within(self, low: Sequence[SupportsFloat], high: Sequence[SupportsFloat]) -> Field:
         """The same shape, cut off at a box for whatever is made of it."""
-        return Field(self._rule, self._rule.source(_box("box", (low, high))))
+        return Field(self._value, self._value.source(_box("box", (low, high))))
 
     def __or__(self, other: Field) -> Field:
         return _operated("|", self, other)  # type: ignore[no-any-return]
@@ -174,7 +174,7 @@ class Field(Shape):
 
     def __repr__(self) -> str:
         outside, inside = self.distance
-        return f"<Field: outside {outside}, inside {inside}, {self._rule.terms} terms>"
+        return f"<Field: outside {outside}, inside {inside}, {self._value.terms} terms>"
 
 
 def _box(name: str, value: Any) -> list[list[float]]:
@@ -215,13 +215,13 @@ def field(
         raise ValueError(f"lipschitz: a number that is not negative, not {slope}")
     if gradient is not None and not callable(gradient):
         raise TypeError("gradient: a function of points")
-    rule = _chordal.Rule.callable(
+    value = _chordal.ScriptValue.callable(
         _of_bytes(what, "function", lambda n: ((n,), (n, 1))),
         None if gradient is None else _of_bytes(gradient, "gradient", lambda n: ((n, 3),)),
         None if bounds is None else _box("bounds", bounds),
         slope,
     )
-    return Field(rule)
+    return Field(value)
 
 
 def _of_bytes(
@@ -256,10 +256,10 @@ def script(source: str, **parameters: SupportsFloat) -> Field:
     found = _text("source", source)
     if found is None:
         raise TypeError("source: a text, not None")
-    rule, _, oddities = _chordal.script(found, [(name, float(value)) for name, value in parameters.items()])
+    value, _, oddities = _chordal.script(found, [(name, float(value)) for name, value in parameters.items()])
     for line, message in oddities:
         warnings.warn(f"line {line}: {message}", stacklevel=2)
-    return Field(rule)
+    return Field(value)
 
 
 def param(name: str, default: SupportsFloat) -> float:

@@ -13,7 +13,7 @@ from chordal import _chordal
 from chordal._field import Field, Formula, called
 
 pi = math.pi
-x, y, z = (Formula(_chordal.Rule.axis(k)) for k in range(3))
+x, y, z = (Formula(_chordal.ScriptValue.axis(k)) for k in range(3))
 
 
 def sphere(radius: SupportsFloat) -> Field:

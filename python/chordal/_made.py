@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from chordal import _chordal, _files
@@ -46,21 +47,28 @@ class Made:
         return report
 
     def to_bytes(self, format: str) -> bytes:
-        """The file of that format, as `export` writes it."""
-        return self._for(format).write()
+        """The file of that format, as `export` writes it.
+
+        Gives a `UserWarning` where `export` would write files beside it, as an OBJ has its materials.
+        """
+        written = self._for(format)
+        if written.names_files:
+            warnings.warn("materials stand in files beside it, which export writes", stacklevel=2)
+        return written.write()
 
     def export(self, path: str | os.PathLike[str]) -> dict[str, Any]:
         """Write a file, in the format that its extension names, and return the report on what is in it.
 
         A file of that name is replaced, by a whole one and at the end. GLB and STL hold single precision. Their
         rounding counts against the budget, so for them the shape is meshed again, a little finer; the file is then
-        the same, byte for byte, as that of the command.
+        the same, byte for byte, as that of the command. An OBJ with materials gets a material library and pictures
+        beside it, whose names begin like its own; files of these names are replaced too.
         """
         extension = os.path.splitext(os.fspath(path))[1].lstrip(".")
         if not extension:
             raise ValueError(f"path: the name does not say the format: {_files.shown(path)}")
         written = self._for(extension)
-        content = written.write()
+        content = _write(written, path) if written.names_files else written.write()
         _files.replace(path, content)
         report: dict[str, Any] = json.loads(written.report)
         report["run"].update(output=_files.shown(path), bytes=len(content))
@@ -87,6 +95,15 @@ class Made:
         rows = ((type(self).__name__, self._size()), ("bound", self.bound.sentence()))
         cells = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in rows)
         return f"<table>{cells}</table>"
+
+
+def _write(written: _chordal.Outcome, path: str | os.PathLike[str]) -> bytes:
+    """Write the files beside a file, and give the content of that one."""
+    folder, name = os.path.split(os.fspath(path))
+    content, beside = written.write_files(os.path.splitext(name)[0])
+    for own, content_of_own in beside:
+        _files.replace(os.path.join(folder, own), content_of_own)
+    return content
 
 
 def counted(count: int, one: str, many: str) -> str:

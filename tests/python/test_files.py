@@ -71,6 +71,19 @@ def test_export_replaces_a_file_as_a_whole_and_keeps_its_mode(tmp_path: Path) ->
     assert [file.name for file in tmp_path.iterdir()] == ["a.obj"]
 
 
+def test_an_obj_has_its_materials_beside_it(tmp_path: Path) -> None:
+    painted = Path(__file__).parents[1] / "web" / "painted.gltf"
+    mesh = chordal.load(painted).mesh(tol="2%")
+    mesh.export(tmp_path / "a.obj")
+    names = sorted(file.name for file in tmp_path.iterdir())
+    assert names[:2] == ["a.mtl", "a.obj"] and len(names) == 3 and names[2].startswith("a_")
+    assert b"mtllib a.mtl" in (tmp_path / "a.obj").read_bytes()
+    assert (tmp_path / names[2]).read_bytes().startswith(b"\x89PNG")
+    assert names[2] in (tmp_path / "a.mtl").read_text()
+    with pytest.warns(UserWarning, match="materials stand in files beside it"):
+        assert b"mtllib" not in mesh.to_bytes("obj")
+
+
 def test_export_that_fails_leaves_everything_as_it_was(tmp_path: Path) -> None:
     mesh = chordal.load(TEAPOT).mesh(tol=0.1)
     old = tmp_path / "a.glb"

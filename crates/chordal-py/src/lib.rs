@@ -13,7 +13,7 @@ mod outcome;
 mod pool;
 mod python_leaf;
 mod rows;
-mod rule;
+mod script_value;
 mod source;
 mod spec;
 mod spelling;
@@ -28,7 +28,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _chordal {
     #[pymodule_export]
-    use super::rule::{Rule, language, script};
+    use super::script_value::{ScriptValue, language, script};
     #[pymodule_export]
     use super::{array::Array, cage::Cage, command::command, outcome::Outcome, source::Source, view::view};
     use chordal_io::Limits;

@@ -9,7 +9,7 @@ use crate::{failure, work};
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
-use chordal_io::Format;
+use chordal_io::{FileSet, Format};
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
     BakeSpec, BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, Tessellation, mesh, sha256,
@@ -176,4 +176,24 @@ impl Outcome {
         })?;
         Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
     }
+
+    /// Whether its format names files beside it for what was made: an OBJ its materials.
+    #[getter]
+    fn names_files(&self) -> bool {
+        self.filled.outcome.names_files()
+    }
+
+    /// The file as [`Self::write`] makes it, but naming files beside it, and the names and bytes of these. Names
+    /// begin with `stem`.
+    fn write_files<'py>(&self, py: Python<'py>, stem: String) -> PyResult<FileBytes<'py>> {
+        let outcome = Arc::clone(&self.filled.outcome);
+        let written =
+            work::run(py, None, move |_| outcome.write_files(&stem).map(|files| files.into_owned()))?;
+        let FileSet { document, beside } = written.map_err(|error| failure::write(py, &error))?;
+        let beside = beside.iter().map(|file| (file.name.clone(), PyBytes::new(py, &file.bytes)));
+        Ok((PyBytes::new(py, &document), beside.collect()))
+    }
 }
+
+/// The bytes of a file, and those beside it with their names.
+type FileBytes<'py> = (Bound<'py, PyBytes>, Vec<(String, Bound<'py, PyBytes>)>);

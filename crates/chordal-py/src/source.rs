@@ -4,7 +4,7 @@ use crate::curve::curves;
 use crate::deviation::{self, DeviationArguments, NamedInput, Other};
 use crate::outcome::{MeshOrder, Outcome};
 use crate::python_leaf::CallLog;
-use crate::rule::take_exception;
+use crate::script_value::take_exception;
 use crate::spec::{BudgetArguments, parse_argument};
 use crate::triangles::triangles;
 use crate::volume::{Meant, bake_input};

@@ -28,13 +28,13 @@
 //! ```
 //!
 //! Growing memory detaches views that JavaScript holds: make a new `Uint8Array` after every call.
+mod curve_join;
+mod curve_request;
 #[cfg(feature = "files")]
 mod mesh;
 #[cfg(feature = "files")]
 mod options;
 mod outcome;
-mod question;
-mod seam;
 #[cfg(feature = "files")]
 mod spelling;
 mod study;
@@ -102,7 +102,7 @@ questions! {
     /// How the error of one cubic falls with the number of segments.
     chordal_ladder: study::ladder;
     /// Two cubics made to meet smoothly, their joint, and the comb of their curvature.
-    chordal_seam: seam::seam;
+    chordal_seam: curve_join::curve_join;
 }
 
 /// 0, or the exit code that the command would have ended with.

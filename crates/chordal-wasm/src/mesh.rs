@@ -36,7 +36,12 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
 }
 
 fn mesh_outcome(made: MeshOutcome) -> Outcome {
-    let made = made.spelled(&AsCommand);
+    let mut made = made.spelled(&AsCommand);
+    if made.names_files() {
+        // One call gives one file.
+        let note = format!("{} has materials in files beside it: they were left out", made.format);
+        made.certificate.notes.push(note.into());
+    }
     let mut bytes = Vec::new();
     match made.write(&mut bytes) {
         Ok(()) => Outcome {

@@ -1,6 +1,6 @@
 //! What a page asks about one cubic: its polylines at a number of segments, and how the error falls with that
 //! number.
-use crate::question::{AnswerError, Question};
+use crate::curve_request::{CurveRequest, CurveRequestError};
 use chordal::budget::Bounded;
 use chordal::check::curves::{Gap, largest_gap};
 use chordal::convert::{curve_to_polyline, curve_to_polyline_evenly};
@@ -33,14 +33,15 @@ impl ChainSpacing {
     }
 
     /// The chain of at most `n` segments, which a single piece always has.
-    fn polyline(self, curve: &Curve<2>, n: u64) -> Result<Bounded<Polyline<2>>, AnswerError> {
+    fn polyline(self, curve: &Curve<2>, n: u64) -> Result<Bounded<Polyline<2>>, CurveRequestError> {
         self.approximate(curve, &Budget::segments(n)).map_err(|failure| failure.to_string())
     }
 }
 
 /// Answers `{"control", "segments", "pixels_per_unit", "pixels", "t", "near"}`.
-pub(crate) fn study(bytes: &[u8]) -> Result<Value, AnswerError> {
-    let asked = Question::parse(bytes, &["control", "segments", "pixels_per_unit", "pixels", "t", "near"])?;
+pub(crate) fn study(bytes: &[u8]) -> Result<Value, CurveRequestError> {
+    let asked =
+        CurveRequest::parse(bytes, &["control", "segments", "pixels_per_unit", "pixels", "t", "near"])?;
     let cubic = asked.cubic("control")?;
     let n = asked.segments("segments")?;
     let scale = asked.number("pixels_per_unit", SCALES)?;
@@ -62,13 +63,13 @@ pub(crate) fn study(bytes: &[u8]) -> Result<Value, AnswerError> {
 }
 
 /// Answers `{"control", "counts", "pixels_per_unit"}`.
-pub(crate) fn ladder(bytes: &[u8]) -> Result<Value, AnswerError> {
-    let asked = Question::parse(bytes, &["control", "counts", "pixels_per_unit"])?;
+pub(crate) fn ladder(bytes: &[u8]) -> Result<Value, CurveRequestError> {
+    let asked = CurveRequest::parse(bytes, &["control", "counts", "pixels_per_unit"])?;
     let cubic = asked.cubic("control")?;
     let counts = asked.counts("counts")?;
     let scale = asked.number("pixels_per_unit", SCALES)?;
     let curve = Curve::from(cubic);
-    let rungs = |chain: ChainSpacing| -> Result<Value, AnswerError> {
+    let rungs = |chain: ChainSpacing| -> Result<Value, CurveRequestError> {
         let rung = |n: &u64| {
             let made = chain.polyline(&curve, *n)?;
             let gap = largest_gap(&curve, &made.shape).map_or(0.0, |gap| gap.distance);
@@ -163,7 +164,7 @@ mod tests {
 
     const ARCH: &str = r#""control": [[0, 0], [0, 1], [1, 1], [1, 0]], "pixels_per_unit": 100"#;
 
-    fn asked(rest: &str) -> Result<Value, AnswerError> {
+    fn asked(rest: &str) -> Result<Value, CurveRequestError> {
         study(format!("{{{ARCH}, {rest}}}").as_bytes())
     }
 

@@ -1,4 +1,4 @@
-//! `Rule`: a shape or a formula of the language of shape scripts, as Python holds it.
+//! `ScriptValue`: a shape or a formula of the language of shape scripts, as Python holds it.
 use crate::python_leaf::{CallLog, PythonLeaf};
 use crate::source::Source;
 use crate::{failure, work};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// A shape or a formula.
 #[pyclass(frozen, module = "chordal._chordal")]
-pub(crate) struct Rule {
+pub(crate) struct ScriptValue {
     arg: Arg,
     /// The calls of the Python functions in it.
     calls: Vec<Arc<CallLog>>,
@@ -28,7 +28,7 @@ pub(crate) struct Rule {
 #[derive(IntoPyObject)]
 pub(crate) enum LanguageValue {
     Number(f64),
-    Rule(Rule),
+    ScriptValue(ScriptValue),
 }
 
 fn value_error(fault: CallError) -> PyErr {
@@ -38,9 +38,9 @@ fn value_error(fault: CallError) -> PyErr {
 /// A value for the language; the functions that it rests on are added to `calls`.
 fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<CallLog>>, lists: u32) -> PyResult<Arg> {
     let other = |name: &str| Ok(Arg::Other(name.to_owned()));
-    if let Ok(rule) = value.cast::<Rule>() {
-        calls.extend(rule.get().calls.iter().cloned());
-        return Ok(rule.get().arg.clone());
+    if let Ok(found) = value.cast::<ScriptValue>() {
+        calls.extend(found.get().calls.iter().cloned());
+        return Ok(found.get().arg.clone());
     }
     if value.is_none() {
         return other("nothing");
@@ -61,13 +61,13 @@ fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<CallLog>>, lists: u32) -
     }
 }
 
-impl Rule {
+impl ScriptValue {
     fn into_value(made: Arg, mut calls: Vec<Arc<CallLog>>) -> PyResult<LanguageValue> {
         calls.sort_by_key(|one| Arc::as_ptr(one) as usize);
         calls.dedup_by(|a, b| Arc::ptr_eq(a, b));
         match made {
             Arg::Number(value) => Ok(LanguageValue::Number(value)),
-            arg => Ok(LanguageValue::Rule(Self { arg, calls })),
+            arg => Ok(LanguageValue::ScriptValue(Self { arg, calls })),
         }
     }
 
@@ -107,7 +107,7 @@ fn bytes_of(numbers: impl Iterator<Item = f64>) -> Vec<u8> {
 }
 
 #[pymethods]
-impl Rule {
+impl ScriptValue {
     /// What a function of the language makes.
     #[staticmethod]
     #[pyo3(signature = (name, *args, **named))]
@@ -272,7 +272,7 @@ pub(crate) fn script(
     py: Python<'_>,
     text: String,
     set: Vec<(String, f64)>,
-) -> PyResult<(Rule, Vec<ParameterSetting>, Vec<LineWarning>)> {
+) -> PyResult<(ScriptValue, Vec<ParameterSetting>, Vec<LineWarning>)> {
     let options = chordal_script::RunOptions { set: set.into_iter().collect(), ..Default::default() };
     let made = work::run(py, None, move |job| chordal_script::run(&text, &options, job))?;
     let made = made.map_err(|error| {
@@ -283,5 +283,5 @@ pub(crate) fn script(
     })?;
     let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
     let warnings = made.warnings.iter().map(|warning| (warning.place.0, warning.message)).collect();
-    Ok((Rule { arg: Arg::shape(made.field), calls: Vec::new() }, parameters, warnings))
+    Ok((ScriptValue { arg: Arg::shape(made.field), calls: Vec::new() }, parameters, warnings))
 }

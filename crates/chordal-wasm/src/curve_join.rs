@@ -1,6 +1,6 @@
 //! What a page asks about two cubics: made to meet as smoothly as is wished, how they meet, and the comb of
 //! their curvature.
-use crate::question::{AnswerError, Leader, Question};
+use crate::curve_request::{CurveRequest, CurveRequestError, Leader};
 use chordal::Bezier;
 use chordal::check::curves::{Join, Tooth, curvature_comb, join};
 use chordal::explicit::CurveSegment;
@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 const TEETH: usize = 40;
 
 /// Answers `{"first", "second", "smoothness", "leader", "scale"}`.
-pub(crate) fn seam(bytes: &[u8]) -> Result<Value, AnswerError> {
-    let asked = Question::parse(bytes, &["first", "second", "smoothness", "leader", "scale"])?;
+pub(crate) fn curve_join(bytes: &[u8]) -> Result<Value, CurveRequestError> {
+    let asked = CurveRequest::parse(bytes, &["first", "second", "smoothness", "leader", "scale"])?;
     let curves = [asked.cubic("first")?, asked.cubic("second")?];
     let scale = asked.number("scale", [0.0, 1e3])?;
     let curves = match asked.smoothness("smoothness")? {

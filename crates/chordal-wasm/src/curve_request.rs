@@ -11,14 +11,14 @@ const MOST_COUNTS: usize = 256;
 const LARGEST: f64 = 1e6;
 
 /// A JSON object whose keys are known.
-pub(crate) struct Question(Map<String, Value>);
+pub(crate) struct CurveRequest(Map<String, Value>);
 
 /// What a value is, in one sentence, when it is not what it should be.
-pub(crate) type AnswerError = String;
+pub(crate) type CurveRequestError = String;
 
-impl Question {
+impl CurveRequest {
     /// An object with no other keys than these.
-    pub fn parse(bytes: &[u8], keys: &[&str]) -> Result<Self, AnswerError> {
+    pub fn parse(bytes: &[u8], keys: &[&str]) -> Result<Self, CurveRequestError> {
         let value = serde_json::from_slice(bytes).map_err(|error| format!("a question is JSON: {error}"))?;
         let Value::Object(all) = value else { return Err("a question is a JSON object".to_owned()) };
         match all.keys().find(|key| !keys.contains(&key.as_str())) {
@@ -32,19 +32,19 @@ impl Question {
     }
 
     /// A number from `low` to `high`.
-    pub fn number(&self, key: &str, [low, high]: [f64; 2]) -> Result<f64, AnswerError> {
+    pub fn number(&self, key: &str, [low, high]: [f64; 2]) -> Result<f64, CurveRequestError> {
         let value = self.get(key);
         let found = value.as_f64().filter(|number| *number >= low && *number <= high);
         found.ok_or_else(|| format!("{key} is a number from {low} to {high}, not {value}"))
     }
 
     /// A number of segments.
-    pub fn segments(&self, key: &str) -> Result<u64, AnswerError> {
+    pub fn segments(&self, key: &str) -> Result<u64, CurveRequestError> {
         segments(key, self.get(key))
     }
 
     /// Numbers of segments.
-    pub fn counts(&self, key: &str) -> Result<Vec<u64>, AnswerError> {
+    pub fn counts(&self, key: &str) -> Result<Vec<u64>, CurveRequestError> {
         let all = self.get(key).as_array().filter(|all| all.len() <= MOST_COUNTS);
         let all =
             all.ok_or_else(|| format!("{key} is a list of at most {MOST_COUNTS} numbers of segments"))?;
@@ -52,7 +52,7 @@ impl Question {
     }
 
     /// Four control points in the plane.
-    pub fn cubic(&self, key: &str) -> Result<Bezier<2>, AnswerError> {
+    pub fn cubic(&self, key: &str) -> Result<Bezier<2>, CurveRequestError> {
         let wrong =
             || format!("{key} is a list of four points [x, y] whose coordinates are at most {LARGEST}");
         let points = self.get(key).as_array().filter(|points| points.len() == 4).ok_or_else(wrong)?;
@@ -67,7 +67,7 @@ impl Question {
     }
 
     /// One of C0, C1, C2, or none.
-    pub fn smoothness(&self, key: &str) -> Result<Option<Continuity>, AnswerError> {
+    pub fn smoothness(&self, key: &str) -> Result<Option<Continuity>, CurveRequestError> {
         match self.get(key).as_str() {
             Some("none") => Ok(None),
             Some("C0") => Ok(Some(Continuity::C0)),
@@ -78,7 +78,7 @@ impl Question {
     }
 
     /// Whether the first or the second curve leads.
-    pub fn leader(&self, key: &str) -> Result<Leader, AnswerError> {
+    pub fn leader(&self, key: &str) -> Result<Leader, CurveRequestError> {
         match self.get(key).as_str() {
             Some("first") => Ok(Leader::First),
             Some("second") => Ok(Leader::Second),
@@ -94,7 +94,7 @@ pub(crate) enum Leader {
     Second,
 }
 
-fn segments(key: &str, value: &Value) -> Result<u64, AnswerError> {
+fn segments(key: &str, value: &Value) -> Result<u64, CurveRequestError> {
     let found = value.as_u64().filter(|n| (1..=MOST_SEGMENTS).contains(n));
     found.ok_or_else(|| format!("{key}: a number of segments is from 1 to {MOST_SEGMENTS}, not {value}"))
 }
