@@ -6,7 +6,7 @@ use crate::deviation_referee::triangles_of;
 use chordal::convert::field_to_mesh;
 use chordal::{Job, Mesh};
 use chordal_testkit::sampler::distance_to_triangle;
-use chordal_testkit::{Random, some};
+use chordal_testkit::{Random, is_long, some};
 
 fn changed(mesh: &Mesh, point: impl FnMut([f64; 3]) -> [f64; 3], keep: impl Fn([f64; 3]) -> bool) -> Mesh {
     let positions: Vec<[f64; 3]> = mesh.positions().to_vec();
@@ -102,7 +102,7 @@ fn damaged_meshes_have_two_ends_without_a_limit() {
         name.starts_with("tree 1") || trees() > 3 || name.starts_with("turned")
     }));
     let (mut reached, mut n) = (0, 0);
-    for shape in some(all, 6) {
+    for shape in some(all, 3) {
         let Ok(mesh) = field_to_mesh(&shape.field, &budget(0.06), &Job::default()) else { continue };
         let mesh = mesh.shape;
         let mut cases = damages(&mesh, &mut random);
@@ -114,6 +114,9 @@ fn damaged_meshes_have_two_ends_without_a_limit() {
         cases.push(("small", changed(&mesh, |p| p.map(|x| 0.6 * x), |_| true)));
         cases.push(("large", changed(&mesh, |p| p.map(|x| 1.5 * x), |_| true)));
         for (what, mesh) in cases {
+            if what == "torn" && shape.name == "sphere" && !is_long() {
+                continue; // its two ends take as long as all others together
+            }
             let found = deviation(&shape, &mesh, None);
             let [least, most] = [found.bound.at_least(), found.bound.at_most().expect("two ends")];
             let seen = judged(&shape, &mesh, &found, &mut random).expect("two ends") * most;
