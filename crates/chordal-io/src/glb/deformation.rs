@@ -185,7 +185,7 @@ pub(super) fn common_targets<'m>(mesh: &'m GltfMesh<'_>) -> Vec<CommonTarget<'m>
 }
 
 /// Takes out what names weights of joints or morph targets that no mesh has.
-pub(super) fn settle(scene: &mut Scene, report: &mut GlbWarnings) {
+pub(super) fn drop_dangling_references(scene: &mut Scene, report: &mut GlbWarnings) {
     let n_targets: Vec<usize> = scene.parts.iter().map(|part| targets_of(&part.mesh).len()).collect();
     let is_skinned: Vec<bool> = scene.parts.iter().map(|part| has_skin(&part.mesh)).collect();
     let n_weights = |properties: &Map<String, Value>| {

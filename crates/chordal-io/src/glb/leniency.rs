@@ -27,7 +27,7 @@ const RESTATED: [&str; 17] = [
     "BUFFER_VIEW_TARGET_OVERRIDE",
     "UNDECLARED_EXTENSION",
     "UNUSED_EXTENSION_REQUIRED",
-    // Mended by `mend_roots`, and by reading the chunk of the length that it says.
+    // Mended by `detach_shown_children`, and by reading the chunk of the length that it says.
     "SCENE_NON_ROOT_NODE",
     "GLB_CHUNK_LENGTH_UNALIGNED",
 ];
@@ -103,7 +103,7 @@ impl ForgivenIssues {
     }
 
     /// Takes factors into their range; `groups` are the groups that the materials of the file became.
-    pub fn mend_factors(&self, materials: &mut [Value], groups: &[usize]) {
+    pub fn clamp_factors(&self, materials: &mut [Value], groups: &[usize]) {
         for (material, inner) in self.factors.iter().filter_map(|pointer| factor(pointer)) {
             let at = groups.get(material).and_then(|group| group.checked_sub(1));
             let value =
@@ -127,7 +127,7 @@ fn clamp(value: &mut Value) {
 
 /// Makes a forest of nodes of which a scene names some that are no roots: such a node stays where its
 /// ancestors show it, and where they are not shown it is taken from them. Returns whether one was.
-pub(super) fn mend_roots(nodes: &mut [Node], roots: &mut Vec<usize>) -> bool {
+pub(super) fn detach_shown_children(nodes: &mut [Node], roots: &mut Vec<usize>) -> bool {
     let mut parent = vec![None; nodes.len()];
     for (i, node) in nodes.iter().enumerate() {
         node.children.iter().for_each(|child| parent[*child] = Some(i));

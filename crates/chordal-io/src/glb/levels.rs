@@ -9,9 +9,9 @@ use std::io::Write;
 /// The scene is written as [`super::write`] writes it: with its nodes, materials, skins and animations. Each
 /// node whose part has coarser levels names a node for each of them by the extension `MSFT_lod`, and has the
 /// screen coverages as its extra `MSFT_screencoverage`. These nodes are no part of the scene, and they are
-/// placed as it is. Where the node has children, is animated, or shows a camera or a light, a child of its own shows the part
-/// and names the levels, since whatever knows the extension shows a level in the place of all of the node. The
-/// extension is not required, so a viewer that does not know it shows the finest level.
+/// placed as it is. Where the node has children, is animated, or shows a camera or a light, a child of its
+/// own shows the part and names the levels, since whatever knows the extension shows a level in the place of
+/// all of the node. The extension is not required, so a viewer that does not know it shows the finest level.
 ///
 /// # Errors
 /// As for [`super::write`]; also for coverages that are not one for each level, are not from 0 to 1 or do not

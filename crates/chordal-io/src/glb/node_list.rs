@@ -54,7 +54,11 @@ pub(super) fn nodes(
     for (i, node) in scene.nodes.iter().enumerate() {
         let place = node.part.and_then(|p| shown.get(p));
         let coarser = node.part.and_then(|p| levels.coarser.get(p)).map_or(&[][..], |coarser| coarser);
-        let NodeChain { links, has_transform } = chain(node, place, coarser, is_animated[i])
+        let is_moved = is_animated[i];
+        // A child that took a mesh with a skin would be below its root, where viewers may move it twice.
+        let has_skin = place.is_some_and(|place| place.has_skin);
+        let coarser = if has_skin && !is_replaceable(node, is_moved) { &[] } else { coarser };
+        let NodeChain { links, has_transform } = chain(node, place, coarser, is_moved)
             .ok_or_else(|| WriteError::Unsupported(format!("glTF cannot hold the transform of node {i}")))?;
         let next = first + scene.nodes.len() + extra.len();
         let mut links = links.into_iter().enumerate().map(|(k, link)| link.object(k + next, first));
@@ -79,7 +83,7 @@ pub(super) fn nodes(
     Ok(NodeList { list: [frame, list].concat(), roots, first })
 }
 
-/// By node: whether an animation moves it.
+/// By node: whether an animation moves it, or the vertices of a skin follow it.
 fn animated_nodes(scene: &Scene) -> Vec<bool> {
     let mut is_animated = vec![false; scene.nodes.len()];
     let channels = scene.assets.animations.iter().filter_map(|animation| animation["channels"].as_array());
@@ -89,7 +93,24 @@ fn animated_nodes(scene: &Scene) -> Vec<bool> {
             *is_animated = true;
         }
     }
+    let joints = scene.assets.skins.iter().filter_map(|skin| skin["joints"].as_array());
+    for joint in joints.flatten().filter_map(|joint| usize::try_from(joint.as_u64()?).ok()) {
+        if let Some(is_animated) = is_animated.get_mut(joint) {
+            *is_animated = true;
+        }
+    }
     is_animated
+}
+
+/// Whether whatever knows levels may show a coarser one in the place of a node and of all below it.
+fn is_replaceable(node: &Node, is_moved: bool) -> bool {
+    let is_transform = |key: &str| ["translation", "rotation", "scale"].contains(&key);
+    let is_plain = |(key, value): (&String, &Value)| match key.as_str() {
+        "skin" => true,
+        "extras" => value.is_object(),
+        other => is_transform(other),
+    };
+    node.children.is_empty() && !is_moved && node.properties.iter().all(is_plain)
 }
 
 /// A node of the file whose mesh has coarser levels.
@@ -180,15 +201,13 @@ fn chain<'a>(
     node: &'a Node,
     place: Option<&PartMesh>,
     coarser: &[PartMesh],
-    is_animated: bool,
+    is_moved: bool,
 ) -> Option<NodeChain<'a>> {
     let mut properties = node.properties.clone();
     let transform = match transform::own_properties(&mut properties, &node.matrix) {
         Some(transform) => vec![transform],
         None => transform::node_properties(&node.matrix)?,
     };
-    // Whatever knows levels shows a coarser one in the place of the node and of all below it.
-    let is_replaceable = node.children.is_empty() && !is_animated && is_plain(&properties);
     let mut links: Vec<_> = transform
         .into_iter()
         .map(|properties| NodeLink { properties, children: &[], goes_on: false })
@@ -208,8 +227,8 @@ fn chain<'a>(
         // An origin must not move the node's children, nor be applied before the node's own transform.
         let has_origin =
             std::iter::once(origin).chain(coarser.iter().map(|p| &p.origin)).any(|o| *o != [0.0; 3]);
-        let is_bare = inner.properties.is_empty() && node.children.is_empty();
-        if has_origin && !is_bare || !coarser.is_empty() && !is_replaceable {
+        let is_bare = inner.properties.is_empty() && node.children.is_empty() && !is_moved;
+        if has_origin && !is_bare || !coarser.is_empty() && !is_replaceable(node, is_moved) {
             let of_mesh = ["skin", "weights"];
             let moved = of_mesh.map(|key| (key.to_owned(), inner.properties.shift_remove(key)));
             let moved = moved.into_iter().filter_map(|(key, value)| Some((key, value?)));
@@ -226,16 +245,6 @@ fn chain<'a>(
     let n_links = links.len();
     links.iter_mut().take(n_links - 1).for_each(|link| link.goes_on = true);
     Some(NodeChain { links, has_transform })
-}
-
-/// Whether a node has nothing beside its mesh and its transform that would be missed with a coarser level in
-/// its place.
-fn is_plain(properties: &Map<String, Value>) -> bool {
-    properties.iter().all(|(key, value)| match key.as_str() {
-        "skin" => true,
-        "extras" => value.is_object(),
-        _ => false,
-    })
 }
 
 /// The object with its name first, unless the name is empty.

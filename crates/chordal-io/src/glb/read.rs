@@ -1,7 +1,7 @@
 //! The GLB reader.
 use super::assets::AssetReader;
 use super::json::{self, JsonValue};
-use super::leniency::{ForgivenIssues, mend_roots};
+use super::leniency::{ForgivenIssues, detach_shown_children};
 use super::lint::{self, GltfLint};
 use super::lod_nodes::LodNodes;
 use super::model::{GltfModel, item};
@@ -129,7 +129,7 @@ pub(crate) fn read_with(
     count_unseen(&scene, &kept, &mut placing);
     scene.assets = Box::new(assets.assets(|node| numbers.get(node).copied().flatten())?);
     let (mut materials, groups) = assets.materials();
-    forgiven.mend_factors(&mut materials, &groups);
+    forgiven.clamp_factors(&mut materials, &groups);
     if !materials.is_empty() {
         let name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
         let names = std::iter::once(String::new()).chain(materials.iter().map(name)).collect();
@@ -147,7 +147,7 @@ pub(crate) fn read_with(
         }
     }
     report.append(parts.report);
-    deformation::settle(&mut scene, &mut report);
+    deformation::drop_dangling_references(&mut scene, &mut report);
     report.append(placing);
     scene.frame = Frame {
         up: Some(Axis::Y),
@@ -321,7 +321,7 @@ fn read_scene(
         Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
         None => (0..n).filter(|i| !has_parent[*i] && !lower.is_named(*i)).collect::<Vec<_>>(),
     };
-    assets.has_cut_nodes = mend_roots(&mut nodes, &mut roots);
+    assets.has_cut_nodes = detach_shown_children(&mut nodes, &mut roots);
     if let Some(first) = lower.first {
         let place = FileLocation::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
         let what = "lower levels of detail were left out: the first one was read";

@@ -11,7 +11,7 @@ pub(super) const Z_UP_TO_Y_UP: [f64; 16] =
 const SHEAR_LIMIT: f64 = 0.00005;
 
 /// The properties of the nodes for a matrix, outermost first and at least one. `None` when it has shear, no
-/// inverse or a perspective row.
+/// inverse (unless it only scales) or a perspective row.
 ///
 /// One node is enough unless the validator, whose limit is absolute, would take the rounding of a large
 /// matrix for shear. Then a first node holds the translation and a power of two, by which the second is
@@ -26,7 +26,7 @@ pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Valu
     let diagonal = (0..3).all(|i| (0..3).all(|j| i == j || linear[i][j] == 0.0));
     if diagonal && [m[3], m[7], m[11], m[15]] == [0.0, 0.0, 0.0, 1.0] {
         let scale = [m[0], m[5], m[10]];
-        return scale.iter().all(|s| *s != 0.0).then(|| vec![place([m[12], m[13], m[14]], scale)]);
+        return Some(vec![place([m[12], m[13], m[14]], scale)]);
     }
     if is_trs(&m) {
         return Some(vec![object("matrix", json!(m))]);
@@ -199,8 +199,11 @@ mod tests {
         let mut shear = IDENTITY;
         shear[4] = 0.5;
         assert_eq!(node_properties(&shear), None);
+        // A scale of 0 is a scale; turned about, it has no inverse to find the rotation by.
         let mut flat = IDENTITY;
         flat[10] = 0.0;
+        assert_eq!(node_properties(&flat).expect("a scale")[0]["scale"], json!([1.0, 1.0, 0.0]));
+        flat[1] = 1.0;
         assert_eq!(node_properties(&flat), None);
         let mut perspective = IDENTITY;
         perspective[3] = 0.1;

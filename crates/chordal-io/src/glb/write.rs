@@ -14,9 +14,9 @@ use std::io::Write;
 /// two-sided material. The certificate goes to `asset.extras.chordal`.
 ///
 /// glTF is y-up and in metres, and v of its texture coordinates runs down: it is written as 1 - v where
-/// [`crate::Frame::texture_origin`] says that it runs up. A z-up scene gets a root node with the exact matrix (x, y, z) → (x, z, −y),
-/// and a known unit other than the metre a node that scales. An unknown frame is left alone. A part without
-/// vertices leaves its node without a mesh.
+/// [`crate::Frame::texture_origin`] says that it runs up. A z-up scene gets a root node with the exact matrix
+/// (x, y, z) → (x, z, −y), and a known unit other than the metre a node that scales. An unknown frame is left
+/// alone. A part without vertices leaves its node without a mesh.
 ///
 /// Beside the scene, only split meshes take memory.
 ///

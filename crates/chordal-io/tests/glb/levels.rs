@@ -97,6 +97,16 @@ fn the_first_level_is_shown_and_the_others_stand_beside_it() {
     assert_eq!([0, 1, 2].map(n_indices), [Some(120), Some(30), Some(6)]);
 }
 
+/// One row of numbers.
+fn rows(numbers: &[f32], kind: &str) -> PackedAccessor {
+    let properties =
+        json!({ "componentType": 5126, "count": 1, "type": kind, "min": numbers, "max": numbers });
+    PackedAccessor {
+        properties: properties.as_object().cloned().expect("an object"),
+        bytes: numbers.iter().flat_map(|x| x.to_le_bytes()).collect(),
+    }
+}
+
 /// Two instances of one part share its levels. Where a node has children, is animated or shows something
 /// else, a child takes the mesh, so that no more than that is exchanged.
 #[test]
@@ -169,6 +179,36 @@ fn each_instance_names_the_levels_of_its_part_in_its_own_place() {
     let left = |(_, mesh): &(&str, std::borrow::Cow<'_, Mesh>)| (mesh.bounds().min[0], mesh.faces().len());
     let placed: Vec<_> = found.world_meshes().expect("placed").iter().map(left).collect();
     assert_eq!(placed, [(1.0, 40), (5.0, 6), (2.0, 40), (4.0, 40), (5.0, 40)]);
+}
+
+/// What moves a node would take the origin of its mesh for its own translation.
+#[test]
+fn the_origin_of_a_mesh_is_not_on_a_node_that_is_moved() {
+    let far = strip(4);
+    let positions = far.positions().iter().map(|p| [p[0] + 100_000.25, p[1] + 0.3, p[2]]).collect();
+    let far =
+        Part { mesh: far.with_positions(positions).expect("as many"), indexed: true, ..Part::default() };
+    let mut assets = SceneAssets::default();
+    assets.accessors = vec![rows(&[0.0], "SCALAR"), rows(&[7.0, 0.0, 0.0], "VEC3")];
+    assets.animations.push(json!({
+        "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
+        "samplers": [{ "input": 0, "output": 1 }]
+    }));
+    assets.skins.push(json!({ "joints": [1] }));
+    let node = || Node { part: Some(0), ..Node::default() };
+    let scene = Scene {
+        parts: vec![far],
+        nodes: vec![node(), node(), node()],
+        roots: vec![0, 1, 2],
+        assets: Box::new(assets),
+        ..Scene::default()
+    };
+    let json = json_of(&written(&GlbLevels::one(&scene)));
+    for (i, is_moved) in [(0, true), (1, true), (2, false)] {
+        let node = &json["nodes"][i];
+        assert_eq!(node.get("mesh").is_none(), is_moved, "{node}");
+        assert_eq!(node.get("translation").is_none(), is_moved, "{node}");
+    }
 }
 
 #[test]
