@@ -43,12 +43,17 @@ def _refuse_irregular(found: os.stat_result, path: Path) -> None:
         raise ReadError("not-a-file", None, "this is a device, pipe or socket, not a file", shown(path))
 
 
-def replace(path: Path, content: bytes) -> None:
-    """Give a file this content: written aside, synced, renamed, so that the name only ever shows a whole one."""
-    target = os.path.realpath(path)
+def refuse_irregular_target(target: str, path: Path) -> None:
+    """Raise `OSError` where the name of a file to be written is that of a folder or of a device."""
     if os.path.lexists(target) and not os.path.isfile(target):
         kind = errno.EISDIR if os.path.isdir(target) else errno.EINVAL
         raise OSError(kind, os.strerror(kind), shown(path))
+
+
+def replace(path: Path, content: bytes) -> None:
+    """Give a file this content: written aside, synced, renamed, so that the name only ever shows a whole one."""
+    target = os.path.realpath(path)
+    refuse_irregular_target(target, path)
     aside = os.path.join(os.path.dirname(target), f".chordal-{secrets.token_hex(8)}.tmp")
     try:
         with open(aside, "xb") as file:

@@ -99,7 +99,9 @@ class Made:
 
 def _write(written: _chordal.Outcome, path: str | os.PathLike[str]) -> bytes:
     """Write the files beside a file, and give the content of that one."""
-    folder, name = os.path.split(os.fspath(path))
+    target = os.path.realpath(path)
+    _files.refuse_irregular_target(target, path)
+    folder, name = os.path.split(target)
     content, beside = written.write_files(os.path.splitext(name)[0])
     for own, content_of_own in beside:
         _files.replace(os.path.join(folder, own), content_of_own)

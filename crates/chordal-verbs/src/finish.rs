@@ -3,7 +3,8 @@ use crate::file_rows::to_file_rows;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation};
-use chordal::budget::Bound;
+use chordal::budget::{Bound, PixelBudget, RequiredEvidence, Tolerance};
+use chordal::math::lesser;
 use chordal_io::{Polylines, Scene, losses};
 
 const NOT_MET: &str = "the budget was not met: this is the best that was reached";
@@ -21,14 +22,14 @@ pub(crate) fn finish_triangles(
     let to = asked.to;
     certificate.notes.extend(losses(&scene, to)?.iter().map(|lost| lost.to_string().into()));
     let scene = to_file_rows(scene, to)?;
-    bound.pixels = asked.pixels_of(&bound);
+    bound.pixels = pixels_of(asked, &bound);
     certificate.bound = Some(BoundFacts::new(&bound));
     let counted = CountedTriangles::from_scene(&scene, to)?;
     let triangles = counted.output.triangles;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
     let budget = &asked.budget;
-    let met = asked.lengths_are_met(&bound)
+    let met = lengths_are_met(asked, &bound)
         && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)
         && budget.triangles.is_none_or(|most| triangles <= most);
     if !met {
@@ -45,17 +46,45 @@ pub(crate) fn finish_polylines(
     asked: &MeshRequest,
     mut certificate: Certificate,
 ) -> Result<MeshOutcome, MeshFailure> {
-    bound.pixels = asked.pixels_of(&bound);
+    bound.pixels = pixels_of(asked, &bound);
     certificate.budget = Some(BudgetFacts::new(&asked.budget));
     certificate.bound = Some(BoundFacts::new(&bound));
     let facts = PolylineFacts::from_polylines(&polylines);
     certificate.output = Some(Output::Polylines(facts));
     let met =
-        asked.lengths_are_met(&bound) && asked.budget.segments.is_none_or(|most| facts.segments <= most);
+        lengths_are_met(asked, &bound) && asked.budget.segments.is_none_or(|most| facts.segments <= most);
     if !met {
         certificate.notes.push(NOT_MET.into());
     }
     let outcome =
         MeshOutcome { made: Tessellation::Polylines(polylines), format: asked.to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
+}
+
+/// The bound on the screen: the smaller of the conversion's own and the projection of the length in
+/// space.
+fn pixels_of(request: &MeshRequest, bound: &Bound) -> Option<f64> {
+    let view = request.budget.pixels?.view;
+    let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &request.bounds));
+    match (bound.pixels, of_length) {
+        (Some(a), Some(b)) => Some(lesser(a, b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Whether a bound is within the length and the pixels of the budget. Where a measurement suffices and
+/// there is no proof, the measured error counts.
+fn lengths_are_met(request: &MeshRequest, bound: &Bound) -> bool {
+    let MeshRequest { budget, bounds, .. } = request;
+    let measured = budget.require == RequiredEvidence::Measured && bound.at_most().is_none();
+    let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
+    let pixels = match budget.pixels {
+        Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), bounds),
+        _ => bound.pixels,
+    };
+    let within = |most: Option<f64>, limit: Option<f64>| {
+        limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
+    };
+    within(length, budget.length.map(Tolerance::get))
+        && within(pixels, budget.pixels.map(|px| px.pixels.get()))
 }

@@ -134,6 +134,12 @@ impl MergedParts {
     }
 }
 
+/// The number of triangles in a scene, counted once for each placement.
+pub(crate) fn n_placed_faces(scene: &Scene) -> u64 {
+    let parts = parts_in_order(scene).into_iter();
+    parts.fold(0, |n, part| n.saturating_add(scene.parts[part].mesh.faces().len() as u64))
+}
+
 /// The number of placements in a scene.
 pub(crate) fn n_places(scene: &Scene) -> usize {
     parts_in_order(scene).len()
@@ -228,9 +234,22 @@ pub(crate) fn pad_box(place: &Box3, off: f64) -> Box3 {
 /// The most that rounding to a format moves a point of a scene, given the stretch of each part.
 pub(crate) fn worst_rounding(scene: &Scene, stretch: &[f64], to: Format) -> f64 {
     scene.parts.iter().zip(stretch).fold(0.0, |most, (part, stretch)| {
-        let lost = scaled_up(worst_snap(&part.mesh.bounds(), to), *stretch);
+        let lost = scaled_up(part_rounding(part, to), *stretch);
         greater(lost, most)
     })
+}
+
+/// The most that rounding to a format moves a point of a part. glTF stores what skins and morph targets deform
+/// about no origin of its own.
+pub(crate) fn part_rounding(part: &Part, to: Format) -> f64 {
+    let is_blended = |attribute: &Attribute| matches!(attribute.semantic, Semantic::Blended(_));
+    let is_deformed = part.mesh.attributes().iter().any(is_blended);
+    worst_snap(&part.mesh.bounds(), if is_deformed && to.has_nodes() { Format::Stl } else { to })
+}
+
+/// Whether every placement of a scene is without a transform.
+pub(crate) fn is_untransformed(scene: &Scene) -> bool {
+    part_placements(scene).iter().all(|place| place.is_identity)
 }
 
 /// A length of the scene in the coordinates of a part that is scaled by `stretch`; `None` where nothing is left of

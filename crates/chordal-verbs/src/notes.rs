@@ -18,25 +18,28 @@ pub(crate) fn deformation_note(scene: &Scene) -> Option<Message> {
 }
 
 /// Notes on the course of a simplification.
-pub(crate) fn reduction_notes(kept: &ReductionStats) -> Vec<Message> {
+pub(crate) fn reduction_notes(stats: &ReductionStats) -> Vec<Message> {
     let mut notes: Vec<Message> = Vec::new();
-    if kept.locked_vertices > 0 {
+    if stats.locked_vertices > 0 {
         notes.push(format!(
             "where the mesh is not a manifold or wound against itself it stays as it is: {} vertices; mend takes such \
              places apart",
-            kept.locked_vertices
+            stats.locked_vertices
         ).into());
     }
-    if kept.collapsed_faces > 0 {
-        let n = kept.collapsed_faces;
+    if stats.degenerate_faces > 0 {
+        let n = stats.degenerate_faces;
         notes.push(format!("triangles with two corners at one position were left out ({n}x)").into());
     }
-    if kept.dropped_components > 0 {
-        let n = kept.dropped_components;
+    if stats.dropped_components > 0 {
+        let n = stats.dropped_components;
         notes.push(format!("separate pieces that the budget covers were left out ({n}x)").into());
     }
     notes
 }
+
+/// The most triangles, counted once for each instance, that are looked at for a note. Chosen: some 200 MiB.
+const MOST_CHECKED: u64 = 1 << 20;
 
 /// A note where most triangles are smaller than a pixel at the budget's view: more than half, since every
 /// mesh has some at its poles and seams.
@@ -47,6 +50,9 @@ pub(crate) fn too_fine_note(
 ) -> Result<Option<Message>, MeshFailure> {
     let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
     // A scene that cannot be merged, or is too large to check, gets no note.
+    if flatten::n_placed_faces(scene) > MOST_CHECKED {
+        return Ok(None);
+    }
     let Ok(mesh) = flatten::one_mesh(scene) else { return Ok(None) };
     let found = match check::shading::micro_triangles(&mesh, &view, job) {
         Ok(found) => found,

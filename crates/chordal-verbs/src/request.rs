@@ -1,11 +1,11 @@
 //! `MeshRequest`: a budget for one shape and one format, and how a conversion runs within it.
 use crate::MeshFailure;
 use chordal::budget::{
-    Bound, Bounded, Budget, Failure, PixelBudget, Pixels, Reference, RefusalCode, RequiredEvidence, Tolerance,
+    Bound, Bounded, Budget, Failure, PixelBudget, Pixels, Reference, RefusalCode, Tolerance,
 };
 use chordal::convert::Spacing;
 use chordal::explicit::Topology;
-use chordal::math::{Box3, greater, lesser, sub_down, sub_up};
+use chordal::math::{Box3, greater, sub_down, sub_up};
 use chordal::{Job, Mesh, mend};
 use chordal_io::{Format, snap, worst_snap};
 
@@ -100,56 +100,39 @@ impl MeshRequest {
         Ok(inner)
     }
 
-    /// Rounds a mesh to the precision of the format and adds the displacement to the bound.
-    ///
-    /// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and
-    /// from there to the rounded one. Faces that rounding left without area are dropped; their neighbours
-    /// keep the surface closed.
+    /// Rounds a mesh to the precision of the format and adds the displacement to the bound: see
+    /// [`snap_with_bound`].
     pub fn snap(&self, mesh: &Mesh, bound: Bound, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
-        let Budget { pixels, .. } = self.budget;
-        let snapped = snap(mesh, self.to)?;
-        if snapped.moved_at_most == 0.0 {
-            return Ok(Bounded { shape: snapped.mesh, bound });
-        }
-        let whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
-        let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
-        let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
-        let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
-        let mut chain = bound.then(&step);
-        // The rounding of normals is negligible at realistic angles.
-        chain.angle_deg = bound.angle_deg;
-        let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
-        chain.pixels = pixels.and_then(both);
-        Ok(Bounded { shape: whole.mesh, bound: chain })
+        snap_with_bound(mesh, bound, self.to, self.budget.pixels, job)
     }
+}
 
-    /// The bound on the screen: the smaller of the conversion's own and the projection of the length in
-    /// space.
-    pub fn pixels_of(&self, bound: &Bound) -> Option<f64> {
-        let view = self.budget.pixels?.view;
-        let of_length = bound.at_most().and_then(|most| view.pixels_of(most, &self.bounds));
-        match (bound.pixels, of_length) {
-            (Some(a), Some(b)) => Some(lesser(a, b)),
-            (a, b) => a.or(b),
-        }
+/// Rounds a mesh to the precision of a format and adds the displacement to the bound.
+///
+/// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from
+/// there to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the
+/// surface closed.
+pub(crate) fn snap_with_bound(
+    mesh: &Mesh,
+    bound: Bound,
+    to: Format,
+    pixels: Option<PixelBudget>,
+    job: &Job,
+) -> Result<Bounded<Mesh>, MeshFailure> {
+    let snapped = snap(mesh, to)?;
+    if snapped.moved_at_most == 0.0 {
+        return Ok(Bounded { shape: snapped.mesh, bound });
     }
-
-    /// Whether a bound is within the length and the pixels of the budget. Where a measurement suffices and
-    /// there is no proof, the measured error counts.
-    pub fn lengths_are_met(&self, bound: &Bound) -> bool {
-        let Self { budget, bounds, .. } = self;
-        let measured = budget.require == RequiredEvidence::Measured && bound.at_most().is_none();
-        let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
-        let pixels = match budget.pixels {
-            Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), bounds),
-            _ => bound.pixels,
-        };
-        let within = |most: Option<f64>, limit: Option<f64>| {
-            limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
-        };
-        within(length, budget.length.map(Tolerance::get))
-            && within(pixels, budget.pixels.map(|px| px.pixels.get()))
-    }
+    let whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
+    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
+    let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
+    let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
+    let mut chain = bound.then(&step);
+    // The rounding of normals is negligible at realistic angles.
+    chain.angle_deg = bound.angle_deg;
+    let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
+    chain.pixels = pixels.and_then(both);
+    Ok(Bounded { shape: whole.mesh, bound: chain })
 }
 
 /// The box grown by the rounding of evaluated points, which may leave the hull of their control points: an

@@ -170,7 +170,7 @@ fn view_budgets(
     let mut shares = Vec::with_capacity(boxes.len());
     for ((part, stretch), (boxes, is_as_it_is)) in scene.parts.iter().zip(stretch).zip(boxes) {
         let boxes: Vec<Box3> = boxes.iter().map(|place| flatten::pad_box(place, placed)).collect();
-        let lost = flatten::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
+        let lost = flatten::scaled_up(flatten::part_rounding(part, *to), *stretch);
         let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
         let mut left = Budget::default();
         for place in boxes.iter().filter(|place| !place.is_empty()) {

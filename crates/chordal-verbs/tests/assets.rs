@@ -152,6 +152,38 @@ fn weights_of_joints_are_blended_where_vertices_go() {
     assert!(notes.iter().any(|note| note.starts_with("the bound is of meshes at rest")), "{notes:?}");
 }
 
+/// Blends of ones are ones: glTF holds no colour beyond them.
+#[test]
+fn white_stays_white() {
+    let n = 40_u32;
+    let mut random = chordal_testkit::Random::new(5);
+    let at = |v: u32| [f64::from(v % n), f64::from(v / n), 0.0];
+    let positions: Vec<[f64; 3]> =
+        (0..n * n).map(|v| std::array::from_fn(|k| at(v)[k] + 0.3 * random.signed())).collect();
+    let cells = (0..n - 1).flat_map(|y| (0..n - 1).map(move |x| y * n + x));
+    let faces = cells.flat_map(|v| [[v, v + 1, v + n + 1], [v, v + n + 1, v + n]]).collect();
+    let white = Attribute {
+        semantic: Semantic::Color(0),
+        domain: Domain::Vertex,
+        width: 4,
+        values: vec![1.0; positions.len() * 4],
+    };
+    let sheet = Mesh::new(positions, faces).and_then(|mesh| mesh.with_attribute(white)).expect("a mesh");
+    let input = Input {
+        shape: Shape::Scene(Scene::from_mesh("sheet", sheet, Frame::default())),
+        format: Format::Glb,
+        n_bytes: 0,
+        sha256: "0".repeat(64),
+        files: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let made = lod(input, &spec(), &Job::default()).expect("levels");
+    made.write(Format::Glb, &mut Vec::new()).expect("written");
+    let (scene, _) = made.level(3).expect("a fourth level");
+    let colors = scene.parts[0].mesh.attribute(&Semantic::Color(0)).expect("colours");
+    assert!(colors.values.iter().all(|x| *x == 1.0));
+}
+
 #[test]
 fn characters_keep_their_skins_and_animations() {
     let Some(data) = chordal_testkit::corpus::find("gltf/khronos/testdata") else { return };

@@ -1,4 +1,5 @@
 //! `lod`: levels of detail of any surface, each with its own bound, as one glTF or as 3D Tiles.
+mod level_finisher;
 mod level_mesh;
 mod outcome;
 mod scene_levels;
@@ -6,18 +7,15 @@ mod source;
 mod tile_hierarchy;
 mod tileset;
 
-use crate::file_rows::to_file_rows;
 use crate::notes::too_fine_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output};
-use crate::request::MeshRequest;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape};
-use chordal::budget::advice::Message;
+use chordal::Job;
 use chordal::budget::camera::MinDistanceView;
-use chordal::budget::{Bound, Budget, Length, Pixels, RefusalCode, Tolerance, View};
-use chordal::explicit::Topology;
+use chordal::budget::{Budget, Length, Pixels, RefusalCode, Tolerance, View};
 use chordal::lod::selection::SwitchDistances;
-use chordal::{Bounded, Job, Mesh};
-use chordal_io::{Format, Frame, Part, Scene, SceneAssets};
+use chordal_io::Format;
+use level_finisher::LevelFinisher;
 use outcome::LodLayout;
 use scene_levels::SceneLevels;
 use source::{LevelSource, SourceLevels};
@@ -100,13 +98,13 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let source = LevelSource { spec, finest, job };
     let made = source.levels(input.shape, &mut certificate.notes)?;
     let assets = made.assets();
-    let looks = LevelShading { normals: spec.normals, from: normals_by(from), frame, assets };
+    let finisher = LevelFinisher::new(spec.normals, from, frame, assets);
     let made = match made {
         SourceLevels::Chains(chains) => {
-            LodLayout::Levels(Box::new(SceneLevels::new(*chains, &looks, &mut certificate.notes, job)?))
+            LodLayout::Levels(Box::new(SceneLevels::new(*chains, &finisher, &mut certificate.notes, job)?))
         }
         SourceLevels::TooLarge { finest, most, .. } => {
-            let cut = TileHierarchy::build(*finest, &looks, most, &mut certificate.notes, job)?;
+            let cut = TileHierarchy::build(*finest, &finisher, most, &mut certificate.notes, job)?;
             LodLayout::Cut(Box::new(cut))
         }
     };
@@ -114,6 +112,10 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let bound =
         bound.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"))?;
     certificate.bound = Some(BoundFacts::new(bound));
+    if bound.at_most().is_none_or(|most| most > finest.get()) {
+        let note = "the finest level is off by more than was asked: this is the best that was reached";
+        certificate.notes.push(note.into());
+    }
     let shown = made.finest_scene();
     let counted = CountedTriangles::from_scene(shown, Format::Glb)?;
     certificate.output = Some(Output::Triangles(counted.output));
@@ -132,46 +134,6 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
     outcome.certificate.levels = Some(outcome.facts(levels));
     Ok(outcome)
-}
-
-/// The shading of triangles.
-struct LevelShading {
-    normals: Normals,
-    from: Format,
-    frame: Frame,
-    /// The materials.
-    assets: SceneAssets,
-}
-
-impl LevelShading {
-    /// A mesh as a scene of its own.
-    fn scene(&self, mesh: Mesh) -> Scene {
-        Scene { assets: Box::new(self.assets.clone()), ..Scene::from_mesh(NAME, mesh, self.frame) }
-    }
-
-    /// A level of a part as glTF holds it: with its normals, rounded, in the rows of the file.
-    fn finish(
-        &self,
-        part: Part,
-        bound: Bound,
-        notes: &mut Vec<Message>,
-        job: &Job,
-    ) -> Result<Bounded<Part>, MeshFailure> {
-        let request = MeshRequest::new(Budget::default(), Format::Glb, part.mesh.bounds());
-        let Bounded { shape: mesh, bound } = request.snap(&part.mesh, bound, job)?;
-        let mut scene = Scene { parts: vec![Part { mesh, ..part }], frame: self.frame, ..Scene::default() };
-        self.normals.apply(&mut scene, [self.from, Format::Glb], notes)?;
-        let shape = to_file_rows(scene, Format::Glb)?.parts.remove(0);
-        Ok(Bounded { shape, bound })
-    }
-}
-
-/// A descriptive name; a file name would make the bytes depend on a path.
-const NAME: &str = "shape";
-
-/// How positions are identified when normals are computed: a simplified mesh has indices of its own.
-fn normals_by(from: Format) -> Format {
-    if from.topology() == Topology::Positions { Format::Obj } else { from }
 }
 
 /// The tolerance of the finest level.

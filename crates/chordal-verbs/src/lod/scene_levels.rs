@@ -1,5 +1,5 @@
 //! `SceneLevels`: each part of a scene in levels of detail, and which of them make a level of the whole.
-use super::LevelShading;
+use super::level_finisher::LevelFinisher;
 use super::level_mesh::LevelMesh;
 use crate::MeshFailure;
 use crate::flatten;
@@ -58,7 +58,7 @@ impl SceneLevels {
     /// the whole: errors double from one to the next, and each part is in its coarsest level within them.
     pub fn new(
         source: LevelChains,
-        looks: &LevelShading,
+        finisher: &LevelFinisher,
         notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
@@ -76,7 +76,7 @@ impl SceneLevels {
                     indexed: part.indexed,
                     properties: part.properties.clone(),
                 };
-                let level = looks.finish(own, bound, notes, job)?;
+                let level = finisher.finish(own, bound, notes, job)?;
                 // Rounding may leave two levels alike.
                 let is_coarser = |finer: &Bounded<Part>| level.bound.at_most() > finer.bound.at_most();
                 if levels.last().is_none_or(is_coarser) {
@@ -128,7 +128,9 @@ impl SceneLevels {
     }
 
     fn scene_level(&self, choice: Vec<usize>, stretch: &[f64]) -> Result<SceneLevel, MeshFailure> {
-        let is_alone = choice.len() == 1 && flatten::n_places(&self.finest) == 1 && stretch == [1.0];
+        let is_alone = choice.len() == 1
+            && flatten::n_places(&self.finest) == 1
+            && flatten::is_untransformed(&self.finest);
         let mut most = 0.0;
         let (mut triangles, mut vertices) = (0, 0);
         for (part, level) in choice.iter().enumerate() {

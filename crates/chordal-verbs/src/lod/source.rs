@@ -1,6 +1,7 @@
 //! `LevelSource`: the triangles of any surface in levels at full precision.
+use super::level_finisher::NAME;
 use super::scene_levels::LevelChains;
-use super::{LodParts, LodSpec, NAME};
+use super::{LodParts, LodSpec};
 use crate::drop_attributes::{drop_attributes, drop_normals};
 use crate::flatten::{self, TransformedScene};
 use crate::merge::{MergedMesh, merge};
@@ -14,6 +15,7 @@ use chordal::lod::{self, LodLevel, LodSource, LodSteps, ReductionStats};
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Format, Part, Scene, SceneAssets};
+use std::collections::BTreeSet;
 
 /// How levels are made of any surface.
 pub(super) struct LevelSource<'a> {
@@ -80,7 +82,9 @@ impl LevelSource<'_> {
             // Existing normals are to preserve no edge.
             drop_normals(&mut scene)?;
         }
-        if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
+        let stretch = flatten::part_scales(&scene);
+        let is_empty = |(part, stretch): (&Part, &f64)| part.mesh.faces().is_empty() || *stretch == 0.0;
+        if scene.parts.iter().zip(&stretch).all(is_empty) {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
         }
         if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, place)? {
@@ -241,7 +245,8 @@ impl LevelSource<'_> {
 
 /// Leaves out what moves a scene, and what it has beside its materials: tiles and merged meshes hold none of it.
 fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
-    let dropped = scene.assets.beside_materials();
+    let mut dropped: Vec<String> = scene.assets.beside_materials().into_iter().map(str::to_owned).collect();
+    dropped.extend(properties_of_nodes(scene));
     if !dropped.is_empty() {
         let note = format!("these levels show triangles alone: left out are {}", dropped.join(", "));
         notes.push(note.into());
@@ -256,6 +261,19 @@ fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure>
         drop_attributes(scene, |semantic| matches!(semantic, Semantic::Blended(_)))?;
     }
     Ok(())
+}
+
+/// What nodes say beside their transforms and what the assets list, by name.
+fn properties_of_nodes(scene: &Scene) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for (key, value) in scene.nodes.iter().flat_map(|node| &node.properties) {
+        match key.as_str() {
+            "translation" | "rotation" | "scale" | "camera" | "skin" | "weights" => {}
+            "extensions" => names.extend(value.as_object().into_iter().flat_map(|all| all.keys().cloned())),
+            other => drop(names.insert(format!("{other} of nodes"))),
+        }
+    }
+    names
 }
 
 /// The levels of one part.

@@ -1,5 +1,5 @@
 //! `TileHierarchy`: a finest level that is cut in space, and coarser tiles above it.
-use super::LevelShading;
+use super::level_finisher::LevelFinisher;
 use super::level_mesh::{LevelMesh, counts};
 use crate::MeshFailure;
 use crate::file_rows::{to_file_rows, unsupported};
@@ -36,7 +36,7 @@ impl TileHierarchy {
     /// one common origin, so that coordinates shared by two tiles are identical.
     pub fn build(
         finest: Bounded<Mesh>,
-        looks: &LevelShading,
+        finisher: &LevelFinisher,
         most: usize,
         notes: &mut Vec<Message>,
         job: &Job,
@@ -59,8 +59,8 @@ impl TileHierarchy {
         let snapped = snap(&local, Format::Stl)?;
         let bound =
             bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
-        let mut scene = looks.scene(snapped.mesh);
-        looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
+        let mut scene = finisher.scene(snapped.mesh);
+        finisher.apply_normals(&mut scene, notes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
         let Some(part) = scene.parts.first() else {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
@@ -81,7 +81,7 @@ impl TileHierarchy {
             let snapped = snap(&tile.mesh, Format::Stl)?;
             let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
             let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
-            let scene = to_file_rows(looks.scene(snapped.mesh), Format::Glb)?;
+            let scene = to_file_rows(finisher.scene(snapped.mesh), Format::Glb)?;
             let (triangles, vertices) = counts(&scene);
             tiles.push(LevelMesh { scene, bound, triangles, vertices });
             children.push(tile.children);

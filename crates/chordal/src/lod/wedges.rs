@@ -2,7 +2,7 @@
 use super::flat_normals::is_flat;
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
-use crate::math::{dot, lesser};
+use crate::math::{dot, greater, lesser};
 
 /// One row of values for all corners around a vertex between two feature lines.
 ///
@@ -204,7 +204,19 @@ impl Wedges {
                 *out = match (span.blending, heaviest) {
                     (WedgeBlending::Heaviest, Some((wedge, _))) => self.row(*wedge)[k],
                     (WedgeBlending::Direction, Some((wedge, _))) if k == span.from + 3 => self.row(*wedge)[k],
-                    _ => parts.iter().fold(0.0, |sum, (wedge, weight)| sum + weight * self.row(*wedge)[k]),
+                    _ => {
+                        let values = || parts.iter().map(|(wedge, _)| self.row(*wedge)[k]);
+                        let sum =
+                            parts.iter().fold(0.0, |sum, (wedge, weight)| sum + weight * self.row(*wedge)[k]);
+                        // Weights that are not negative lead to no value beyond the others, but for rounding.
+                        if !parts.is_empty() && parts.iter().all(|(_, weight)| *weight >= 0.0) {
+                            let least = values().fold(f64::INFINITY, |least, x| lesser(x, least));
+                            let most = values().fold(f64::NEG_INFINITY, |most, x| greater(x, most));
+                            greater(lesser(sum, most), least)
+                        } else {
+                            sum
+                        }
+                    }
                 };
             }
         }
