@@ -1,8 +1,7 @@
 //! The subset of Starlark that scripts may use: parses a text, checks it, and replaces operators by metered
 //! functions.
-use crate::error::position;
 use crate::operators::OPERATORS;
-use crate::parentheses::Parentheses;
+use crate::script_source::{MeteredPart, ScriptSource, TextChange};
 use crate::{Limits, ScriptError, nesting};
 use starlark::codemap::Span;
 use starlark::syntax::ast::{
@@ -11,7 +10,6 @@ use starlark::syntax::ast::{
 };
 use starlark::syntax::{AstModule, Dialect, DialectTypes};
 use std::collections::HashMap;
-use std::ops::Range;
 
 /// A program with its source text.
 pub(crate) struct Program {
@@ -78,8 +76,8 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
         }
     }
     let source = plain.with_changes(changes);
-    let mut module = if source.edits.is_empty() { module } else { parsed(&source)? };
-    if !source.edits.is_empty() {
+    let mut module = if source.is_changed() { parsed(&source)? } else { module };
+    if source.is_changed() {
         check_rewritten(&module, &source)?;
     }
     // Only looked up: no order depends on it. No name of a script can be an operator.
@@ -103,35 +101,6 @@ fn check_rewritten(module: &AstModule, source: &ScriptSource) -> Result<(), Scri
     }
 }
 
-/// A script's text and the rewritten text that is parsed instead: `a += b` becomes `a = a + (b)`, so that
-/// every operator can be called through a metered function.
-#[derive(Debug)]
-pub(crate) struct ScriptSource {
-    text: String,
-    parentheses: Parentheses,
-    written: String,
-    edits: Vec<TextEdit>,
-}
-
-/// The range of an expression that goes through a function, and which.
-type MeteredPart = (Range<usize>, &'static str);
-
-/// Bytes that replace others.
-#[derive(Debug)]
-struct TextEdit {
-    old: Range<usize>,
-    new: Range<usize>,
-}
-
-/// A replacement of a range of bytes.
-#[derive(Debug)]
-struct TextChange {
-    old: Range<usize>,
-    new: String,
-    /// The order among changes at the same position.
-    rank: i64,
-}
-
 /// The function that every call goes through. Scripts can use its name themselves, but gain nothing by it.
 const CALLED: &str = "called__";
 
@@ -140,138 +109,6 @@ const INDEX: &str = "index__";
 
 /// The function that `b - c` in `a | b - c` goes through, with a number: it tells which are shapes.
 const LAST_OPERAND: &str = "last_operand__";
-
-fn range(span: Span) -> Range<usize> {
-    span.begin().get() as usize..span.end().get() as usize
-}
-
-impl ScriptSource {
-    fn new(text: &str) -> Self {
-        Self {
-            text: text.to_owned(),
-            parentheses: Parentheses::new(text),
-            written: text.to_owned(),
-            edits: Vec::new(),
-        }
-    }
-
-    /// An expression's range, without brackets around it and with those at its ends.
-    fn extent(&self, span: Span) -> Range<usize> {
-        self.parentheses.whole(range(span))
-    }
-
-    /// Applies the changes.
-    fn with_changes(self, changes: Vec<TextChange>) -> Self {
-        let (written, edits) = self.changed(&(0..self.text.len()), changes);
-        Self { written, edits, ..self }
-    }
-
-    /// A part of the text with changes, and where they stand in it.
-    fn changed(&self, part: &Range<usize>, mut changes: Vec<TextChange>) -> (String, Vec<TextEdit>) {
-        // Of two that end at one position the inner one, which starts later, comes first.
-        changes.sort_by_key(|change| (change.old.start, change.rank));
-        let (mut written, mut edits, mut done) = (String::new(), Vec::new(), part.start);
-        for TextChange { old, new, .. } in changes {
-            written.push_str(&self.text[done..old.start]);
-            let start = written.len();
-            written.push_str(&new);
-            done = old.end;
-            edits.push(TextEdit { old, new: start..written.len() });
-        }
-        written.push_str(&self.text[done..part.end]);
-        (written, edits)
-    }
-
-    /// Rewrites `a += b`.
-    fn assignment(
-        &self,
-        target: &AstAssignTarget,
-        operator: &str,
-        statement: Span,
-        calls: &[MeteredPart],
-    ) -> Option<[TextChange; 2]> {
-        let target = self.extent(target.span);
-        let first = calls.partition_point(|(part, _)| part.start < target.start);
-        let inside = calls[first..].iter().take_while(|(part, _)| part.start <= target.end);
-        let inside = inside.filter(|(part, _)| part.end <= target.end);
-        let changes = inside.flat_map(|(part, through)| Self::wrap(part, through, "")).collect();
-        let again = self.changed(&target, changes).0;
-        let written = format!("{operator}=");
-        let (mut start, end) = (target.end, range(statement).end);
-        // Only spaces and line ends in brackets stand before the operator; comments are stepped over.
-        while start < end && !self.text.get(start..end)?.starts_with(&written) {
-            start = nesting::token_end(self.text.as_bytes(), start);
-        }
-        if start >= end {
-            return None;
-        }
-        // In brackets, so that line ends and comments of the target stay within the statement.
-        let new = format!("= ({again}) {operator} (");
-        Some([
-            TextChange { old: start..start + written.len(), new, rank: 0 },
-            TextChange { old: end..end, new: ")".to_owned(), rank: i64::MAX },
-        ])
-    }
-
-    /// Puts a range into a call, with more arguments after it.
-    fn wrap(part: &Range<usize>, through: &str, more: &str) -> [TextChange; 2] {
-        [
-            // The outer one opens first and closes last.
-            TextChange {
-                old: part.start..part.start,
-                new: format!("{through}("),
-                rank: i64::MAX / 2 - part.end as i64,
-            },
-            TextChange { old: part.end..part.end, new: format!("{more})"), rank: -(part.start as i64) - 1 },
-        ]
-    }
-
-    /// The extent of the right one of two operands, unless it stands in parentheses of its own.
-    fn bare_right_operand(&self, [left, right]: [Span; 2]) -> Option<Range<usize>> {
-        let (left, right) = (self.extent(left), self.extent(right));
-        (!self.parentheses.opens_in(&(left.end..right.start))).then_some(right)
-    }
-
-    /// Maps an offset in the parsed text to one in the script.
-    fn place(&self, offset: usize) -> usize {
-        let before = self.edits.iter().take_while(|edit| edit.new.start <= offset).last();
-        match before {
-            Some(edit) if offset < edit.new.end => edit.old.start,
-            Some(edit) => offset - edit.new.end + edit.old.end,
-            None => offset,
-        }
-    }
-
-    /// Lines and columns of offsets in the script, counted from 1; the offsets are in order.
-    pub(crate) fn lines_and_columns(&self, offsets: &[usize]) -> Vec<(u64, u64)> {
-        let (mut from, mut at) = (0, (0, 0));
-        let mut found = Vec::with_capacity(offsets.len());
-        for offset in offsets {
-            let (lines, column) = position(&self.text[from..], offset - from);
-            at = (at.0 + lines, if lines == 0 { at.1 + column } else { column });
-            from = *offset;
-            found.push((at.0 as u64 + 1, at.1 as u64 + 1));
-        }
-        found
-    }
-
-    fn error(&self, code: &'static str, what: impl Into<String>, span: Span) -> ScriptError {
-        ScriptError::new(code, what).at(&self.text, self.place(span.begin().get() as usize))
-    }
-
-    /// An error of the interpreter with its position.
-    pub(crate) fn translate_error(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
-        let message = error.without_diagnostic().to_string();
-        let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
-        match error.span() {
-            Some(span) => self.error(code, message, span.span),
-            None => ScriptError::new(code, message),
-        }
-    }
-}
-
-/// The most characters of a message.
-const LONGEST_MESSAGE: usize = 500;
 
 /// What a scan of the program finds.
 #[derive(Default)]

@@ -24,6 +24,7 @@ mod operators;
 mod parameter;
 mod parentheses;
 mod script;
+mod script_source;
 mod values;
 mod warning;
 

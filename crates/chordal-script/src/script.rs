@@ -1,10 +1,11 @@
 //! `run`: evaluates a script to the field of its last expression.
 use crate::Parameter;
 use crate::builtins::builtins;
-use crate::grammar::{Program, ScriptSource, parse};
+use crate::grammar::{Program, parse};
 use crate::language::{Arg, CallError, functions};
 use crate::meter::{LimitError, Meter};
 use crate::operators::{OPERATORS, StarlarkOperator};
+use crate::script_source::ScriptSource;
 use crate::values::{StarlarkFunction, StarlarkShape};
 use crate::{Limits, ScriptError, ScriptWarning};
 use chordal::Job;

@@ -54,7 +54,7 @@ pub struct ReductionStats {
     /// Fixed vertices, because edges with three faces, inconsistently wound faces or several fans meet there.
     pub locked_vertices: u64,
     /// Faces with two corners at one position, which are left out.
-    pub collapsed_faces: u64,
+    pub degenerate_faces: u64,
     /// Separate components that were removed, so small or so close to others that the budget covers their
     /// absence.
     pub dropped_components: u64,
@@ -63,7 +63,7 @@ pub struct ReductionStats {
 impl AddAssign for ReductionStats {
     fn add_assign(&mut self, other: Self) {
         self.locked_vertices += other.locked_vertices;
-        self.collapsed_faces += other.collapsed_faces;
+        self.degenerate_faces += other.degenerate_faces;
         self.dropped_components += other.dropped_components;
     }
 }
@@ -105,7 +105,7 @@ impl<'a> MeshReduction<'a> {
         engine.first_fan = place;
         let kept = ReductionStats {
             locked_vertices: tied_vertices,
-            collapsed_faces: collapsed as u64,
+            degenerate_faces: collapsed as u64,
             ..ReductionStats::default()
         };
         Self { mesh, frame, engine, row, is_region: is_part, stats: kept }

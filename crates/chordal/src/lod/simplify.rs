@@ -208,7 +208,7 @@ impl<'a> ProgressiveSimplifier<'a> {
 
     /// The original mesh.
     pub fn unchanged(&self) -> Bounded<SimplifiedMesh> {
-        unchanged(self.mesh, ReductionStats { collapsed_faces: 0, ..self.proved.stats })
+        unchanged(self.mesh, ReductionStats { degenerate_faces: 0, ..self.proved.stats })
     }
 
     /// As few triangles as fit within `allowed`, which is nowhere less than before; `None` where none were

@@ -5,7 +5,7 @@ use super::improve::{ImproveError, LabelledSurface, SurfaceImprover};
 use super::sizing::SizingPoint;
 use crate::budget::{Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
-use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
+use crate::implicit::{LeafError, PrimitiveEvaluator};
 use crate::math::{Box3, greater, lesser};
 
 /// The most times that cells are cut again where vertices of the surface are blocked. Measured: twice was
@@ -27,15 +27,6 @@ const DETAIL: f64 = 1.0 / 512.0;
 /// The smallest meaningful length, relative to the largest coordinate. Chosen: proofs need room for some
 /// hundred roundings.
 const FINEST: f64 = 1.0 / (1_u64 << 42) as f64;
-/// Boxes of this fraction of the longest side test whether slopes are known,
-const SPOT: f64 = 1.0 / 4096.0;
-/// at these fractions of the bounds. Chosen: off the axes and planes of symmetry, where some primitives have
-/// no slope.
-const SPOTS: [[f64; 3]; 3] = [[0.43, 0.61, 0.37], [0.71, 0.29, 0.67], [0.19, 0.83, 0.53]];
-/// The box that cuts off the field is larger than the bounds by this fraction of their size. Chosen: within
-/// the cube of the grid.
-const AROUND: f64 = 1.0 / 64.0;
-
 /// Error estimates of coarse faces are too high by at most about this. Measured on the models of the tests:
 /// by 1.2 to 3 where most faces have to be split.
 const OVERESTIMATE: f64 = 4.0;
@@ -123,40 +114,8 @@ pub(super) fn leaf_failure(error: LeafError) -> Failure<Mesh> {
     Failure::refused(RefusalCode::LeafFailed, error.message)
 }
 
-/// The solid of a field within a box somewhat larger than its bounds, which cuts off what exceeds them.
-pub(super) fn clip_to_bounds(field: &Field) -> Expr {
-    let Box3 { min, max } = field.bounds();
-    let mut sign = field.sign().clone();
-    for (k, axis) in Expr::axes().iter().enumerate() {
-        let room = AROUND * (max[k] - min[k]);
-        sign = (Expr::constant(min[k] - room) - axis).max(&sign);
-        sign = (axis - (max[k] + room)).max(&sign);
-    }
-    sign
-}
-
-/// Whether functions of the user have ranges of slopes at some test box; expressions have.
-pub(super) fn has_gradient_ranges(
-    evaluator: &mut PrimitiveEvaluator,
-    bounds: &Box3,
-) -> Result<bool, Failure<Mesh>> {
-    let primitives = evaluator.csg().primitives();
-    let mut left: Vec<u32> =
-        (0..primitives.len() as u32).filter(|p| primitives[*p as usize].tape().has_leaves()).collect();
-    let Box3 { min, max } = *bounds;
-    let size = SPOT * longest(bounds);
-    for shares in SPOTS {
-        let corner: [f64; 3] = std::array::from_fn(|k| min[k] + shares[k] * (max[k] - min[k]));
-        let spot = Box3 { min: corner, max: corner.map(|x| x + size) };
-        let questions: Vec<(u32, Box3)> = left.iter().map(|p| (*p, spot)).collect();
-        let mut ranges = evaluator.dual_ranges(&questions).map_err(leaf_failure)?.into_iter();
-        left.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
-    }
-    Ok(left.is_empty())
-}
-
 /// The longest side of a box.
-fn longest(bounds: &Box3) -> f64 {
+pub(super) fn longest(bounds: &Box3) -> f64 {
     (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a, b| greater(b, a))
 }
 

@@ -1,17 +1,15 @@
 //! Searches for a mesh of a field within a budget: a length or a number of triangles, proved or measured.
 use super::grid::FieldGridStatus;
 use super::improve::SurfaceImprover;
-use super::mesher::{
-    FieldMeshGoal, FieldMesher, ImprovedSurface, clip_to_bounds, has_gradient_ranges, leaf_failure,
-};
+use super::mesher::{FieldMeshGoal, FieldMesher, ImprovedSurface, leaf_failure, longest};
 use crate::budget::{Bounded, Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::check::{
     Goal, SandwichGoal, SandwichProver, field_deviation, is_hopeless, measured_field_deviation,
     sandwich_bound,
 };
 use crate::explicit::Mesh;
-use crate::implicit::{Csg, Field, PrimitiveEvaluator};
-use crate::math::greater;
+use crate::implicit::{Csg, Expr, Field, PrimitiveEvaluator};
+use crate::math::{Box3, greater};
 
 /// Rounds in which unproved faces are split. Measured: 0 to 5 on the models of the tests; faces still open
 /// then stay open.
@@ -38,6 +36,14 @@ const MOST_TRIALS: usize = 10;
 const GOOD_COUNT: f64 = 0.97;
 /// The first tolerance for a number of triangles, relative to the longest side of the bounds.
 const FIRST: f64 = 1.0 / 64.0;
+/// Boxes of this fraction of the longest side test whether slopes are known,
+const SPOT: f64 = 1.0 / 4096.0;
+/// at these fractions of the bounds. Chosen: off the axes and planes of symmetry, where some primitives have
+/// no slope.
+const SPOTS: [[f64; 3]; 3] = [[0.43, 0.61, 0.37], [0.71, 0.29, 0.67], [0.19, 0.83, 0.53]];
+/// The box that cuts off the field is larger than the bounds by this fraction of their size. Chosen: within
+/// the cube of the grid.
+const AROUND: f64 = 1.0 / 64.0;
 
 type FieldMeshResult = Result<Bounded<Mesh>, Failure<Mesh>>;
 
@@ -256,4 +262,33 @@ impl<'s> FieldMeshSearch<'s> {
 fn mesh_of(improved: &SurfaceImprover) -> (Mesh, Vec<u32>) {
     let (surface, numbers) = improved.mesh();
     (Mesh::new(surface.positions, surface.faces).expect("its positions are finite"), numbers)
+}
+
+/// The solid of a field within a box somewhat larger than its bounds, which cuts off what exceeds them.
+fn clip_to_bounds(field: &Field) -> Expr {
+    let Box3 { min, max } = field.bounds();
+    let mut sign = field.sign().clone();
+    for (k, axis) in Expr::axes().iter().enumerate() {
+        let room = AROUND * (max[k] - min[k]);
+        sign = (Expr::constant(min[k] - room) - axis).max(&sign);
+        sign = (axis - (max[k] + room)).max(&sign);
+    }
+    sign
+}
+
+/// Whether functions of the user have ranges of slopes at some test box; expressions have.
+fn has_gradient_ranges(evaluator: &mut PrimitiveEvaluator, bounds: &Box3) -> Result<bool, Failure<Mesh>> {
+    let primitives = evaluator.csg().primitives();
+    let mut left: Vec<u32> =
+        (0..primitives.len() as u32).filter(|p| primitives[*p as usize].tape().has_leaves()).collect();
+    let Box3 { min, max } = *bounds;
+    let size = SPOT * longest(bounds);
+    for shares in SPOTS {
+        let corner: [f64; 3] = std::array::from_fn(|k| min[k] + shares[k] * (max[k] - min[k]));
+        let spot = Box3 { min: corner, max: corner.map(|x| x + size) };
+        let questions: Vec<(u32, Box3)> = left.iter().map(|p| (*p, spot)).collect();
+        let mut ranges = evaluator.dual_ranges(&questions).map_err(leaf_failure)?.into_iter();
+        left.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
+    }
+    Ok(left.is_empty())
 }

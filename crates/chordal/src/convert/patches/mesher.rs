@@ -5,9 +5,9 @@ use super::assemble;
 use super::cell_estimate::CellEstimator;
 use super::extraordinary_tile;
 use super::plan::{self, PatchTile};
-use super::refine::{SubpatchKind, normal_deviation_ratio, raised_safety_factors, refine_missed};
+use super::refine::{normal_deviation_ratio, raised_safety_factors, refine_missed};
 use super::seams::{SeamLine, SeamSpan, TileSeams};
-use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
+use super::subpatch::{PatchSurface, Subpatch, SubpatchKind, SubpatchShape};
 use super::texcoords;
 use super::tile::{self, PatchTileMesh};
 use super::tile_border;
@@ -283,9 +283,8 @@ impl<'a> PatchMesher<'a> {
         kind: SubpatchKind,
     ) -> Result<(), TessellationFailure> {
         let TilePlan { subpatches, tiles, seams, .. } = planned;
-        let is_open = |i: &usize| {
-            done[*i].is_none() && SubpatchKind::of(&subpatches[tiles[*i].subpatch as usize]) == kind
-        };
+        let is_open =
+            |i: &usize| done[*i].is_none() && subpatches[tiles[*i].subpatch as usize].kind() == kind;
         let open: Vec<usize> = (0..tiles.len()).filter(is_open).collect();
         let built = par_map(self.job, &open, |_, &i| {
             let subpatch = &subpatches[tiles[i].subpatch as usize];

@@ -3,7 +3,7 @@ use super::allowance::Allowance;
 use super::cell_estimate::CellEstimator;
 use super::mesher::TilePlan;
 use super::plan::PatchTile;
-use super::subpatch::{Subpatch, SubpatchShape};
+use super::subpatch::{SubpatchKind, SubpatchShape};
 use super::tile::PatchTileMesh;
 use crate::explicit::Patch;
 use crate::math::greater;
@@ -81,22 +81,6 @@ pub(crate) fn normal_deviation_ratio(done: &PatchTileMesh, allowance: &Allowance
     }
 }
 
-/// The kind of surface under a tile.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum SubpatchKind {
-    Bezier,
-    Extraordinary,
-}
-
-impl SubpatchKind {
-    pub(crate) fn of(subpatch: &Subpatch<'_>) -> Self {
-        match subpatch.shape {
-            SubpatchShape::Bezier(_) => Self::Bezier,
-            SubpatchShape::Extraordinary(_) => Self::Extraordinary,
-        }
-    }
-}
-
 /// The safety factors, raised for sheets whose extraordinary subpatches miss their tolerance, so that those
 /// are subdivided; `None` where there are none.
 pub(crate) fn raised_safety_factors(
@@ -108,8 +92,7 @@ pub(crate) fn raised_safety_factors(
     let (mut safety_factors, mut missed) = (safety_factors.clone(), false);
     for (tile, done) in tiles.iter().zip(done) {
         let subpatch = &subpatches[tile.subpatch as usize];
-        let Some(done) = done.as_ref().filter(|_| SubpatchKind::of(subpatch) == SubpatchKind::Extraordinary)
-        else {
+        let Some(done) = done.as_ref().filter(|_| subpatch.kind() == SubpatchKind::Extraordinary) else {
             continue;
         };
         let (rounding, bound) = (subpatch.rounding_error(), done.bound);

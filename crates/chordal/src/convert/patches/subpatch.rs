@@ -57,7 +57,21 @@ pub(crate) enum SubpatchShape<'a> {
     Extraordinary(&'a ExtraordinaryQuad),
 }
 
+/// The kind of surface of a subpatch.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum SubpatchKind {
+    Bezier,
+    Extraordinary,
+}
+
 impl Subpatch<'_> {
+    pub(crate) fn kind(&self) -> SubpatchKind {
+        match self.shape {
+            SubpatchShape::Bezier(_) => SubpatchKind::Bezier,
+            SubpatchShape::Extraordinary(_) => SubpatchKind::Extraordinary,
+        }
+    }
+
     /// The parameters of a point of the sheet in the shape's unit square. Exact at the corners of tiles,
     /// which result from halving.
     fn local(&self, u: f64, v: f64) -> (f64, f64) {
