@@ -1,9 +1,10 @@
 //! Writing a file so that its name only ever shows a complete one: written aside, synced, renamed.
 //!
 //! What a kill at any moment can leave behind is a file `.chordal-….tmp` beside the output; never half an
-//! output. Outputs of several files are in `output_set.rs` and `output_folder.rs`. Refused, with exit code 4 and before any work: an output that is the input, that exists (unless
-//! `--force`), or that is a folder, a device or a symbolic link. A link is refused even with `--force`:
-//! replacing it and writing through it are both surprising, and naming the file itself costs nothing.
+//! output. Outputs of several files are in `output_set.rs` and `output_folder.rs`. Refused, with exit code 4
+//! and before any work: an output that is the input, that exists (unless `--force`), or that is a folder, a
+//! device or a symbolic link. A link is refused even with `--force`: replacing it and writing through it are
+//! both surprising, and naming the file itself costs nothing.
 use crate::console::check_stdout;
 use crate::fault::{Fault, plainly};
 use crate::input::InputSource;

@@ -11,10 +11,10 @@ use std::io::{BufWriter, Write};
 ///
 /// Each position is written once: vertices that [`chordal::Mesh::position_id`] ties share their `v` line and
 /// differ in their `vn` and `vt`. Texture coordinates begin at the lower left corner: v is written as 1 - v
-/// where the frame says that it runs down. Positions and texture coordinates are the shortest decimals that read back
-/// to the same f64, normals to the same f32. Transforms of nodes are applied; each node becomes an `o`. Group
-/// attributes become `usemtl`, `g`, `o` and `s`; materials are named, each by a name of its own. The certificate is a comment. [`crate::losses`] lists what
-/// OBJ cannot hold.
+/// where the frame says that it runs down. Positions and texture coordinates are the shortest decimals that
+/// read back to the same f64, normals to the same f32. Transforms of nodes are applied; each node becomes an
+/// `o`. Group attributes become `usemtl`, `g`, `o` and `s`; materials are named, each by a name of its own.
+/// The certificate is a comment. [`crate::losses`] lists what OBJ cannot hold.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, a node is wrong, or the certificate is too long for a line.
