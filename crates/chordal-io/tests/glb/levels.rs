@@ -188,8 +188,8 @@ fn the_origin_of_a_mesh_is_not_on_a_node_that_is_moved() {
     let positions = far.positions().iter().map(|p| [p[0] + 100_000.25, p[1] + 0.3, p[2]]).collect();
     let far =
         Part { mesh: far.with_positions(positions).expect("as many"), indexed: true, ..Part::default() };
-    let mut assets = SceneAssets::default();
-    assets.accessors = vec![rows(&[0.0], "SCALAR"), rows(&[7.0, 0.0, 0.0], "VEC3")];
+    let accessors = vec![rows(&[0.0], "SCALAR"), rows(&[7.0, 0.0, 0.0], "VEC3")];
+    let mut assets = SceneAssets { accessors, ..SceneAssets::default() };
     assets.animations.push(json!({
         "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
         "samplers": [{ "input": 0, "output": 1 }]
