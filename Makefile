@@ -150,7 +150,7 @@ test-studio: studio-page tested need-chromium
 	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
 
 # The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the examples in its
-# documentation, and by mypy, which also compares the stubs with what is there. In a profile that is compiled in half the time;
+# documentation, and by mypy, which also compares the stubs with what is there. In a profile that is optimised less;
 # test-long judges the one for release.
 WHEEL_PROFILE := wheel
 test-python: tested need-python
