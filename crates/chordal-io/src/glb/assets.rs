@@ -2,10 +2,13 @@
 use super::accessor_rows::AccessorRows;
 use super::format::ComponentType;
 use super::json::JsonValue;
+use super::leniency::ForgivenIssues;
+use super::meshopt;
 use super::model::{GltfModel, item};
+use super::node_tree::NodeTree;
 use super::report::GlbWarnings;
 use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage};
-use crate::{FileLocation, ReadError};
+use crate::{FileLocation, MATERIAL, ReadError, Scene};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -25,8 +28,16 @@ pub(super) struct AssetReader<'a> {
     /// What is not kept, by name, with how often and the first place.
     dropped: BTreeMap<String, (u64, String)>,
     report: GlbWarnings,
-    /// Whether nodes were taken from their parents, so that joints may have no root in common.
-    pub has_cut_nodes: bool,
+}
+
+/// What parts take of the assets of their file.
+pub(super) struct PartAssets {
+    /// By material of the file: the group of faces that it becomes, 0 for one that the writer would give to a
+    /// bare mesh.
+    pub groups: Vec<usize>,
+    /// By part: what its mesh has beside name and primitives.
+    pub properties: Vec<Map<String, Value>>,
+    pub report: GlbWarnings,
 }
 
 /// The members of an object but for some.
@@ -48,14 +59,36 @@ pub(super) fn plain_material(open: bool) -> Value {
 impl<'a> AssetReader<'a> {
     /// Starts on a file of which at most `left` bytes may be copied.
     pub fn new(json: &'a JsonValue, model: &'a GltfModel<'a>, left: u64) -> Self {
-        Self {
-            json,
-            model,
-            left,
-            has_cut_nodes: false,
-            dropped: BTreeMap::new(),
-            report: GlbWarnings::default(),
+        Self { json, model, left, dropped: BTreeMap::new(), report: GlbWarnings::default() }
+    }
+
+    /// Reads all assets into the scene of a tree of nodes, without what a forgiven issue may be about.
+    ///
+    /// # Errors
+    /// Where what is copied passes the limit.
+    pub fn read(mut self, tree: &mut NodeTree, forgiven: &ForgivenIssues) -> Result<PartAssets, ReadError> {
+        let number_of = |node: usize| tree.number_of.get(node).copied().flatten();
+        for i in 0..self.list("nodes").len() {
+            let properties = self.node_properties(i);
+            if let Some(at) = number_of(i) {
+                tree.scene.nodes[at].properties = properties;
+            }
         }
+        tree.scene.assets = Box::new(self.assets(number_of, tree.has_cut_nodes)?);
+        let (mut materials, groups) = self.materials();
+        clamp_factors(&forgiven.factors, &mut materials, &groups);
+        if !materials.is_empty() {
+            let name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
+            let names = std::iter::once(String::new()).chain(materials.iter().map(name)).collect();
+            tree.scene.groups.insert(MATERIAL.to_owned(), names);
+        }
+        tree.scene.assets.materials = materials;
+        let mut properties: Vec<_> = tree.meshes.iter().map(|mesh| self.mesh_properties(*mesh)).collect();
+        let mut report = self.into_report();
+        if !drop_unsound_assets(&mut tree.scene, &forgiven.unsound, &mut report) {
+            properties.iter_mut().for_each(Map::clear);
+        }
+        Ok(PartAssets { groups, properties, report })
     }
 
     fn list(&self, key: &str) -> &'a [JsonValue] {
@@ -66,8 +99,13 @@ impl<'a> AssetReader<'a> {
         self.list(key).iter().map(JsonValue::to_value).collect()
     }
 
-    /// Everything but materials; `number_of` is the new number of a node that is kept.
-    pub fn assets(&mut self, number_of: impl Fn(usize) -> Option<usize>) -> Result<SceneAssets, ReadError> {
+    /// Everything but materials; `number_of` is the new number of a node that is kept. Joints of nodes that were
+    /// cut from their parents may have no root in common, so that there are no skins.
+    fn assets(
+        &mut self,
+        number_of: impl Fn(usize) -> Option<usize>,
+        has_cut_nodes: bool,
+    ) -> Result<SceneAssets, ReadError> {
         let mut assets = SceneAssets {
             textures: self.values("textures"),
             samplers: self.values("samplers"),
@@ -83,7 +121,9 @@ impl<'a> AssetReader<'a> {
         assets.images = (0..self.list("images").len()).map(|i| self.image(i)).collect::<Result<_, _>>()?;
         let mut packed = vec![None; self.model.accessors.len()];
         self.add_animations(&mut assets, &mut packed, &number_of)?;
-        self.add_skins(&mut assets, &mut packed, &number_of)?;
+        if !has_cut_nodes {
+            self.add_skins(&mut assets, &mut packed, &number_of)?;
+        }
         let extensions = self.json.get("extensions").map_or(&[][..], JsonValue::entries);
         assets.extensions = self.kept_extensions(extensions, "/extensions");
         if let Some(asset) = self.json.get("asset") {
@@ -101,7 +141,7 @@ impl<'a> AssetReader<'a> {
 
     /// The materials, and the group of faces that each of the file's becomes: 0 for one that the writer would
     /// give to a bare mesh.
-    pub fn materials(&self) -> (Vec<Value>, Vec<usize>) {
+    fn materials(&self) -> (Vec<Value>, Vec<usize>) {
         let plain = [plain_material(false), plain_material(true)];
         let (mut materials, mut groups) = (Vec::new(), Vec::new());
         for material in self.values("materials") {
@@ -116,7 +156,7 @@ impl<'a> AssetReader<'a> {
     }
 
     /// What a node has beside name, children, mesh and matrix.
-    pub fn node_properties(&mut self, i: usize) -> Map<String, Value> {
+    fn node_properties(&mut self, i: usize) -> Map<String, Value> {
         let Some(node) = self.list("nodes").get(i) else { return Map::new() };
         let left_out = ["name", "children", "mesh", "matrix", "extensions"];
         let mut properties = members_without(node, &left_out);
@@ -137,7 +177,7 @@ impl<'a> AssetReader<'a> {
     }
 
     /// What a mesh has beside its name and primitives.
-    pub fn mesh_properties(&self, i: usize) -> Map<String, Value> {
+    fn mesh_properties(&self, i: usize) -> Map<String, Value> {
         let mesh = self.list("meshes").get(i);
         mesh.map(|mesh| members_without(mesh, &["name", "primitives", "extensions"])).unwrap_or_default()
     }
@@ -176,7 +216,7 @@ impl<'a> AssetReader<'a> {
     }
 
     /// The warnings, of which one names all that was not kept.
-    pub fn into_report(mut self) -> GlbWarnings {
+    fn into_report(mut self) -> GlbWarnings {
         self.count_what_no_scene_holds();
         let Some((_, first)) = self.dropped.values().next() else { return self.report };
         let names: Vec<&str> = self.dropped.keys().map(String::as_str).collect();
@@ -243,9 +283,6 @@ impl<'a> AssetReader<'a> {
         number_of: &impl Fn(usize) -> Option<usize>,
     ) -> Result<(), ReadError> {
         let mut skins = Vec::new();
-        if self.has_cut_nodes {
-            return Ok(());
-        }
         for skin in self.list("skins") {
             let node = |value: &JsonValue| number_of(usize::try_from(value.integer()?).ok()?);
             let joints = skin.get("joints").and_then(JsonValue::items).unwrap_or_default();
@@ -392,4 +429,54 @@ fn drop_coverages(properties: &mut Map<String, Value>) {
     if extras.shift_remove("MSFT_screencoverage").is_some() && extras.is_empty() {
         properties.shift_remove("extras");
     }
+}
+
+/// Takes factors of materials into their range; `groups` are the groups that the materials of the file became.
+fn clamp_factors(factors: &[(usize, &str)], materials: &mut [Value], groups: &[usize]) {
+    for (material, pointer) in factors {
+        let at = groups.get(*material).and_then(|group| group.checked_sub(1));
+        let value = at.and_then(|at| materials.get_mut(at)).and_then(|value| value.pointer_mut(pointer));
+        // One issue stands for all components of a list.
+        match value {
+            Some(Value::Array(list)) => list.iter_mut().for_each(clamp),
+            Some(value) => clamp(value),
+            None => {}
+        }
+    }
+}
+
+/// Takes a number into the range of a factor.
+fn clamp(value: &mut Value) {
+    if let Some(x) = value.as_f64().filter(|x| !(0.0..=1.0).contains(x)) {
+        *value = json!(lesser(greater(x, 0.0), 1.0));
+    }
+}
+
+/// Leaves out what a forgiven issue may be about: a file that is written says nothing wrong. Whether what nodes
+/// and meshes say stays.
+fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnings) -> bool {
+    if codes.is_empty() {
+        return true;
+    }
+    let is_about_data = |code: &&str| {
+        ["ACCESSOR_", "BUFFER_", "GLB_", meshopt::BROKEN_STREAM].iter().any(|kind| code.starts_with(kind))
+            && !code.contains("ANIMATION")
+    };
+    let mut kept = Box::<SceneAssets>::default();
+    let are_sound = codes.iter().all(is_about_data);
+    if are_sound {
+        kept.clone_from(&scene.assets);
+        kept.animations.clear();
+        kept.skins.clear();
+        kept.accessors.clear();
+    } else {
+        scene.nodes.iter_mut().for_each(|node| node.properties.clear());
+        scene.groups.remove(MATERIAL);
+    }
+    if kept != scene.assets {
+        let what = "materials, cameras, lights and animations that may have errors were left out";
+        report.add("assets-dropped", FileLocation::File, what);
+        scene.assets = kept;
+    }
+    are_sound
 }

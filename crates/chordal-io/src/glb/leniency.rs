@@ -1,9 +1,6 @@
 //! What viewers accept although gltf-validator calls it an error, and how it is mended.
 use super::report::GlbWarnings;
-use crate::{Conformance, FileLocation, Limits, Node, ReadError, Warning};
-use chordal::math::{greater, lesser};
-use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use crate::{Conformance, FileLocation, Limits, ReadError, Warning};
 
 /// Errors about what is computed anew or left out when a file is written, so that no triangle and no look
 /// depends on them.
@@ -27,7 +24,7 @@ const RESTATED: [&str; 17] = [
     "BUFFER_VIEW_TARGET_OVERRIDE",
     "UNDECLARED_EXTENSION",
     "UNUSED_EXTENSION_REQUIRED",
-    // Mended by `detach_shown_children`, and by reading the chunk of the length that it says.
+    // Mended where nodes are read, and by reading the chunk of the length that it says.
     "SCENE_NON_ROOT_NODE",
     "GLB_CHUNK_LENGTH_UNALIGNED",
 ];
@@ -61,7 +58,7 @@ pub(super) fn is_tolerated_code(code: &str, limits: &Limits) -> bool {
 }
 
 /// The material and the pointer in it of a factor, of which `pointer` names the number or a component.
-fn factor(pointer: &str) -> Option<(usize, &str)> {
+fn factor(pointer: &str) -> Option<(usize, &'static str)> {
     let rest = pointer.strip_prefix("/materials/")?;
     let at = rest.find('/')?;
     let (material, inner) = (rest[..at].parse().ok()?, &rest[at..]);
@@ -69,7 +66,7 @@ fn factor(pointer: &str) -> Option<(usize, &str)> {
         Some((list, index)) if index.parse::<usize>().is_ok() => list,
         _ => inner,
     };
-    FACTORS.contains(&whole).then_some((material, whole))
+    FACTORS.into_iter().find(|known| *known == whole).map(|known| (material, known))
 }
 
 /// What was forgiven.
@@ -77,8 +74,8 @@ fn factor(pointer: &str) -> Option<(usize, &str)> {
 pub(super) struct ForgivenIssues {
     /// What may be about something that is kept, by code.
     pub unsound: Vec<&'static str>,
-    /// Pointers to factors that are out of their range.
-    factors: Vec<String>,
+    /// Factors that are out of their range: the material of the file, and the pointer in it.
+    pub factors: Vec<(usize, &'static str)>,
 }
 
 impl ForgivenIssues {
@@ -90,7 +87,7 @@ impl ForgivenIssues {
             let is_dropped = limits.drop_nonfinite && issue.code == "ACCESSOR_INVALID_FLOAT";
             if limits.conformance != Conformance::Strict && is_tolerated(&issue) {
                 if let ("VALUE_NOT_IN_RANGE", FileLocation::Pointer(pointer)) = (issue.code, &issue.place) {
-                    forgiven.factors.push(pointer.clone());
+                    forgiven.factors.extend(factor(pointer));
                 }
             } else if is_lenient || is_dropped {
                 forgiven.unsound.push(issue.code);
@@ -101,54 +98,4 @@ impl ForgivenIssues {
         }
         Ok(forgiven)
     }
-
-    /// Takes factors into their range; `groups` are the groups that the materials of the file became.
-    pub fn clamp_factors(&self, materials: &mut [Value], groups: &[usize]) {
-        for (material, inner) in self.factors.iter().filter_map(|pointer| factor(pointer)) {
-            let at = groups.get(material).and_then(|group| group.checked_sub(1));
-            let value =
-                at.and_then(|at| materials.get_mut(at)).and_then(|material| material.pointer_mut(inner));
-            // One issue stands for all components of a list.
-            match value {
-                Some(Value::Array(list)) => list.iter_mut().for_each(clamp),
-                Some(value) => clamp(value),
-                None => {}
-            }
-        }
-    }
-}
-
-/// Takes a number into the range of a factor.
-fn clamp(value: &mut Value) {
-    if let Some(x) = value.as_f64().filter(|x| !(0.0..=1.0).contains(x)) {
-        *value = json!(lesser(greater(x, 0.0), 1.0));
-    }
-}
-
-/// Makes a forest of nodes of which a scene names some that are no roots: such a node stays where its
-/// ancestors show it, and where they are not shown it is taken from them. Returns whether one was.
-pub(super) fn detach_shown_children(nodes: &mut [Node], roots: &mut Vec<usize>) -> bool {
-    let mut parent = vec![None; nodes.len()];
-    for (i, node) in nodes.iter().enumerate() {
-        node.children.iter().for_each(|child| parent[*child] = Some(i));
-    }
-    if roots.iter().all(|root| parent[*root].is_none()) {
-        return false;
-    }
-    let mut is_root = vec![false; nodes.len()];
-    roots.iter().for_each(|root| is_root[*root] = true);
-    // Whether an ancestor is shown, from the top down.
-    let mut is_covered = vec![false; nodes.len()];
-    let mut open: Vec<usize> = (0..nodes.len()).filter(|node| parent[*node].is_none()).collect();
-    while let Some(node) = open.pop() {
-        for child in &nodes[node].children {
-            is_covered[*child] = is_covered[node] || is_root[node];
-            open.push(*child);
-        }
-    }
-    roots.retain(|root| !is_covered[*root]);
-    let is_cut = |node: usize| is_root[node] && !is_covered[node];
-    let parents = roots.iter().filter_map(|root| parent[*root]).collect::<BTreeSet<_>>();
-    parents.iter().for_each(|parent| nodes[*parent].children.retain(|child| !is_cut(*child)));
-    !parents.is_empty()
 }

@@ -17,6 +17,7 @@ mod lod_nodes;
 mod meshopt;
 mod model;
 mod node_list;
+mod node_tree;
 mod pack;
 mod packed_views;
 mod parts;
@@ -31,6 +32,7 @@ mod write;
 
 pub use level_set::GlbLevels;
 pub use levels::{write_levels, write_levels_embedded, write_levels_files};
+pub use node_list::takes_levels;
 
 pub use read::read;
 pub(crate) use read::{looks_like_json, read_with};

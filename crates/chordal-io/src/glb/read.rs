@@ -1,20 +1,17 @@
 //! The GLB reader.
 use super::assets::AssetReader;
 use super::json::{self, JsonValue};
-use super::leniency::{ForgivenIssues, detach_shown_children};
+use super::leniency::ForgivenIssues;
 use super::lint::{self, GltfLint};
-use super::lod_nodes::LodNodes;
-use super::model::{GltfModel, item};
+use super::model::GltfModel;
+use super::node_tree::NodeTree;
 use super::parts::PartReader;
 use super::report::GlbWarnings;
 use super::{DECODED_PER_BYTE, INSTANCING, LOD};
-use super::{container, deformation, external, instances, meshopt, packed_views, transform};
-use crate::assets::SceneAssets;
+use super::{container, deformation, external, meshopt, packed_views};
 use crate::files::FileOpener;
 use crate::text::is_space;
-use crate::{
-    Axis, Content, FileLocation, Frame, Limits, MATERIAL, Node, ReadError, ReadOutcome, Scene, TextureOrigin,
-};
+use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, TextureOrigin};
 use serde_json::Value;
 
 /// The most bytes that one object of the JSON takes once it is read: a node with its transform takes the
@@ -120,31 +117,14 @@ pub(crate) fn read_with(
     check_zeros(&model, limits, quota)?;
     lint::link(&mut lint, &mut model);
     let forgiven = ForgivenIssues::judge(lint.issues, limits, &mut report)?;
-    let lower = LodNodes::new(&json, &model)?;
-    let mut placing = GlbWarnings::default();
-    let mut assets = AssetReader::new(&json, &model, quota);
-    let mut scene = read_scene(&model, &lower, &mut assets, &mut placing);
-    let (kept, numbers) = keep_first_levels(&mut scene, &model, &lower);
-    quota = instances::place(&mut scene, &model, &numbers, (limits, quota), &mut placing)?;
-    count_unseen(&scene, &kept, &mut placing);
-    scene.assets = Box::new(assets.assets(|node| numbers.get(node).copied().flatten())?);
-    let (mut materials, groups) = assets.materials();
-    forgiven.clamp_factors(&mut materials, &groups);
-    if !materials.is_empty() {
-        let name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
-        let names = std::iter::once(String::new()).chain(materials.iter().map(name)).collect();
-        scene.groups.insert(MATERIAL.to_owned(), names);
-    }
-    scene.assets.materials = materials;
-    let properties: Vec<_> = kept.iter().map(|mesh| assets.mesh_properties(*mesh)).collect();
-    report.append(assets.into_report());
-    let are_sound = drop_unsound_assets(&mut scene, &forgiven.unsound, &mut report);
-    let mut parts = PartReader::new(&model, &groups, limits, quota);
-    scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
-    if are_sound {
-        for (part, properties) in scene.parts.iter_mut().zip(properties) {
-            part.properties = Some(properties).filter(|map| !map.is_empty()).map(Box::new);
-        }
+    let mut tree = NodeTree::new(&json, &model, limits, quota)?;
+    let assets = AssetReader::new(&json, &model, quota).read(&mut tree, &forgiven)?;
+    report.append(assets.report);
+    let NodeTree { mut scene, meshes, has_levels, left, report: placing, .. } = tree;
+    let mut parts = PartReader::new(&model, &assets.groups, limits, left);
+    scene.parts = meshes.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
+    for (part, properties) in scene.parts.iter_mut().zip(assets.properties) {
+        part.properties = Some(properties).filter(|map| !map.is_empty()).map(Box::new);
     }
     report.append(parts.report);
     deformation::drop_dangling_references(&mut scene, &mut report);
@@ -154,7 +134,7 @@ pub(crate) fn read_with(
         metres_per_unit: Some(1.0),
         texture_origin: Some(TextureOrigin::UpperLeft),
     };
-    scene.certificate = certificate(&json, &lower);
+    scene.certificate = certificate(&json, has_levels);
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: report.warnings })
 }
 
@@ -255,141 +235,11 @@ fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(
     Ok(())
 }
 
-/// Leaves out what a forgiven issue may be about: a file that is written says nothing wrong. Whether what nodes
-/// and meshes say stays.
-fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnings) -> bool {
-    if codes.is_empty() {
-        return true;
-    }
-    let is_about_data = |code: &&str| {
-        ["ACCESSOR_", "BUFFER_", "GLB_", meshopt::BROKEN_STREAM].iter().any(|kind| code.starts_with(kind))
-            && !code.contains("ANIMATION")
-    };
-    let mut kept = Box::<SceneAssets>::default();
-    let are_sound = codes.iter().all(is_about_data);
-    if are_sound {
-        kept.clone_from(&scene.assets);
-        kept.animations.clear();
-        kept.skins.clear();
-        kept.accessors.clear();
-    } else {
-        scene.nodes.iter_mut().for_each(|node| node.properties.clear());
-        scene.groups.remove(MATERIAL);
-    }
-    if kept != scene.assets {
-        let what = "materials, cameras, lights and animations that may have errors were left out";
-        report.add("assets-dropped", FileLocation::File, what);
-        scene.assets = kept;
-    }
-    are_sound
-}
-
-/// The nodes, and the roots of the scene that is shown: the default one, else the first, else all nodes
-/// without parents.
-fn read_scene(
-    model: &GltfModel<'_>,
-    lower: &LodNodes,
-    assets: &mut AssetReader<'_>,
-    report: &mut GlbWarnings,
-) -> Scene {
-    let n = model.nodes.len();
-    let mut nodes = Vec::with_capacity(n);
-    let mut has_parent = vec![false; n];
-    for (i, node) in model.nodes.iter().enumerate() {
-        let Some(node) = node else {
-            nodes.push(Node::default());
-            continue;
-        };
-        let children: Vec<usize> =
-            node.children.iter().flatten().copied().filter(|child| *child < n).collect();
-        children.iter().for_each(|child| has_parent[*child] = true);
-        let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-        let trs = || {
-            transform::compose(node.translation.unwrap_or_default(), rotation, node.scale.unwrap_or([1.0; 3]))
-        };
-        let part = node.mesh.filter(|mesh| *mesh < model.meshes.len());
-        nodes.push(Node {
-            name: node.name.to_owned(),
-            matrix: node.matrix.as_deref().copied().unwrap_or_else(trs),
-            children,
-            part,
-            properties: assets.node_properties(i),
-        });
-    }
-    let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
-    let mut roots = match item(&model.scenes, shown) {
-        Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
-        None => (0..n).filter(|i| !has_parent[*i] && !lower.is_named(*i)).collect::<Vec<_>>(),
-    };
-    assets.has_cut_nodes = detach_shown_children(&mut nodes, &mut roots);
-    if let Some(first) = lower.first {
-        let place = FileLocation::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
-        let what = "lower levels of detail were left out: the first one was read";
-        report.add_many("lower-levels-skipped", lower.n_levels, place, what);
-    }
-    Scene { nodes, roots, ..Scene::default() }
-}
-
-/// Removes the nodes that are lower levels of detail. Returns the meshes that become parts: all but those
-/// that only such nodes show.
-/// Also the new number of every node that stays.
-fn keep_first_levels(
-    scene: &mut Scene,
-    model: &GltfModel<'_>,
-    lower: &LodNodes,
-) -> (Vec<usize>, Vec<Option<usize>>) {
-    let n_meshes = model.meshes.len();
-    if lower.first.is_none() {
-        return ((0..n_meshes).collect(), (0..scene.nodes.len()).map(Some).collect());
-    }
-    let hidden = lower.hidden_nodes(model, &scene.roots);
-    let (mut is_lower, mut is_seen) = (vec![false; n_meshes], vec![false; n_meshes]);
-    for (node, hidden) in scene.nodes.iter().zip(&hidden) {
-        if let Some(mesh) = node.part {
-            let list = if *hidden { &mut is_lower } else { &mut is_seen };
-            list[mesh] = true;
-        }
-    }
-    let kept: Vec<usize> = (0..n_meshes).filter(|mesh| is_seen[*mesh] || !is_lower[*mesh]).collect();
-    let mut part_of = vec![None; n_meshes];
-    kept.iter().enumerate().for_each(|(part, mesh)| part_of[*mesh] = Some(part));
-    let mut number = vec![None; scene.nodes.len()];
-    let shown = (0..hidden.len()).filter(|node| !hidden[*node]);
-    shown.enumerate().for_each(|(new, old)| number[old] = Some(new));
-    let renumber = |list: &[usize]| list.iter().filter_map(|node| number[*node]).collect();
-    scene.roots = renumber(&scene.roots);
-    let nodes = std::mem::take(&mut scene.nodes).into_iter().zip(&hidden).filter(|(_, hidden)| !**hidden);
-    scene.nodes = nodes
-        .map(|(node, _)| Node {
-            children: renumber(&node.children),
-            part: node.part.and_then(|mesh| part_of[mesh]),
-            ..node
-        })
-        .collect();
-    (kept, number)
-}
-
 /// The certificate in a file: that of the first level, if there are several.
-fn certificate(json: &JsonValue, lower: &LodNodes) -> Option<Value> {
+fn certificate(json: &JsonValue, has_levels: bool) -> Option<Value> {
     let extras = json.get("asset").and_then(|asset| asset.get("extras"));
     let found = extras.and_then(|extras| extras.get("chordal"))?;
-    let levels = found.get("levels").and_then(JsonValue::items).filter(|_| lower.first.is_some());
+    let levels = found.get("levels").and_then(JsonValue::items).filter(|_| has_levels);
     let found = levels.map_or(Some(found), <[_]>::first)?;
     (*found != JsonValue::Null).then(|| found.to_value())
-}
-
-/// Counts meshes that no node of the scene shows; each part is one of these meshes.
-fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut GlbWarnings) {
-    let mut is_shown = vec![false; meshes.len()];
-    let mut open = scene.roots.clone();
-    while let Some(i) = open.pop() {
-        if let Some(part) = scene.nodes[i].part {
-            is_shown[part] = true;
-        }
-        open.extend(&scene.nodes[i].children);
-    }
-    for (mesh, _) in meshes.iter().zip(&is_shown).filter(|(_, shown)| !**shown) {
-        let place = FileLocation::Pointer(format!("/meshes/{mesh}"));
-        report.add("meshes-not-shown", place, "the scene does not show all meshes");
-    }
 }

@@ -1,0 +1,160 @@
+//! `NodeTree`: the nodes of the scene that is shown, without lower levels of detail and with all instances.
+use super::json::JsonValue;
+use super::lod_nodes::LodNodes;
+use super::model::{GltfModel, item};
+use super::report::GlbWarnings;
+use super::{LOD, instances, transform};
+use crate::{FileLocation, Limits, Node, ReadError, Scene};
+use std::collections::BTreeSet;
+
+/// The nodes of a file that are kept, and what they show.
+pub(super) struct NodeTree {
+    /// The nodes, without their properties; a node's part is an index into `meshes`.
+    pub scene: Scene,
+    /// The meshes of the file that become parts: all but those that only lower levels show.
+    pub meshes: Vec<usize>,
+    /// By node of the file: its number among those that are kept.
+    pub number_of: Vec<Option<usize>>,
+    /// Whether nodes were taken from their parents, so that joints may have no root in common.
+    pub has_cut_nodes: bool,
+    /// Whether nodes name lower levels of detail.
+    pub has_levels: bool,
+    /// Bytes that may still be taken.
+    pub left: u64,
+    pub report: GlbWarnings,
+}
+
+impl NodeTree {
+    /// Reads the nodes; the roots are those of the default scene, else of the first, else all nodes without parents.
+    /// Nodes and their instances may take `left` bytes.
+    ///
+    /// # Errors
+    /// Where levels of detail lead back to themselves, instances cannot be placed, or a limit is passed.
+    pub fn new(
+        json: &JsonValue,
+        model: &GltfModel<'_>,
+        limits: &Limits,
+        left: u64,
+    ) -> Result<Self, ReadError> {
+        let lower = LodNodes::new(json, model)?;
+        let mut report = GlbWarnings::default();
+        let n = model.nodes.len();
+        let mut nodes: Vec<Node> = model.nodes.iter().map(|_| Node::default()).collect();
+        let mut has_parent = vec![false; n];
+        for (i, node) in model.nodes.iter().enumerate() {
+            let Some(node) = node else { continue };
+            let children: Vec<usize> =
+                node.children.iter().flatten().copied().filter(|child| *child < n).collect();
+            children.iter().for_each(|child| has_parent[*child] = true);
+            let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+            let translation = node.translation.unwrap_or_default();
+            let trs = || transform::compose(translation, rotation, node.scale.unwrap_or([1.0; 3]));
+            nodes[i] = Node {
+                name: node.name.to_owned(),
+                matrix: node.matrix.as_deref().copied().unwrap_or_else(trs),
+                children,
+                part: node.mesh.filter(|mesh| *mesh < model.meshes.len()),
+                ..Node::default()
+            };
+        }
+        let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
+        let mut roots = match item(&model.scenes, shown) {
+            Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
+            None => (0..n).filter(|i| !has_parent[*i] && !lower.is_named(*i)).collect::<Vec<_>>(),
+        };
+        let has_cut_nodes = detach_shown_children(&mut nodes, &mut roots);
+        if let Some(first) = lower.first {
+            let place = FileLocation::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
+            let what = "lower levels of detail were left out: the first one was read";
+            report.add_many("lower-levels-skipped", lower.n_levels, place, what);
+        }
+        let mut scene = Scene { nodes, roots, ..Scene::default() };
+        let (meshes, number_of) = keep_first_levels(&mut scene, model, &lower);
+        let left = instances::place(&mut scene, model, &number_of, (limits, left), &mut report)?;
+        count_unseen(&scene, &meshes, &mut report);
+        let has_levels = lower.first.is_some();
+        Ok(Self { scene, meshes, number_of, has_cut_nodes, has_levels, left, report })
+    }
+}
+
+/// Removes the nodes that are lower levels of detail. Returns the meshes that become parts: all but those
+/// that only such nodes show, and the new number of every node that stays.
+fn keep_first_levels(
+    scene: &mut Scene,
+    model: &GltfModel<'_>,
+    lower: &LodNodes,
+) -> (Vec<usize>, Vec<Option<usize>>) {
+    let n_meshes = model.meshes.len();
+    if lower.first.is_none() {
+        return ((0..n_meshes).collect(), (0..scene.nodes.len()).map(Some).collect());
+    }
+    let hidden = lower.hidden_nodes(model, &scene.roots);
+    let (mut is_lower, mut is_seen) = (vec![false; n_meshes], vec![false; n_meshes]);
+    for (node, hidden) in scene.nodes.iter().zip(&hidden) {
+        if let Some(mesh) = node.part {
+            let list = if *hidden { &mut is_lower } else { &mut is_seen };
+            list[mesh] = true;
+        }
+    }
+    let kept: Vec<usize> = (0..n_meshes).filter(|mesh| is_seen[*mesh] || !is_lower[*mesh]).collect();
+    let mut part_of = vec![None; n_meshes];
+    kept.iter().enumerate().for_each(|(part, mesh)| part_of[*mesh] = Some(part));
+    let mut number = vec![None; scene.nodes.len()];
+    let shown = (0..hidden.len()).filter(|node| !hidden[*node]);
+    shown.enumerate().for_each(|(new, old)| number[old] = Some(new));
+    let renumber = |list: &[usize]| list.iter().filter_map(|node| number[*node]).collect();
+    scene.roots = renumber(&scene.roots);
+    let nodes = std::mem::take(&mut scene.nodes).into_iter().zip(&hidden).filter(|(_, hidden)| !**hidden);
+    scene.nodes = nodes
+        .map(|(node, _)| Node {
+            children: renumber(&node.children),
+            part: node.part.and_then(|mesh| part_of[mesh]),
+            ..node
+        })
+        .collect();
+    (kept, number)
+}
+
+/// Counts meshes that no node of the scene shows; each part is one of these meshes.
+fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut GlbWarnings) {
+    let mut is_shown = vec![false; meshes.len()];
+    let mut open = scene.roots.clone();
+    while let Some(i) = open.pop() {
+        if let Some(part) = scene.nodes[i].part {
+            is_shown[part] = true;
+        }
+        open.extend(&scene.nodes[i].children);
+    }
+    for (mesh, _) in meshes.iter().zip(&is_shown).filter(|(_, shown)| !**shown) {
+        let place = FileLocation::Pointer(format!("/meshes/{mesh}"));
+        report.add("meshes-not-shown", place, "the scene does not show all meshes");
+    }
+}
+
+/// Makes a forest of nodes of which a scene names some that are no roots: such a node stays where its
+/// ancestors show it, and where they are not shown it is taken from them. Returns whether one was.
+pub(super) fn detach_shown_children(nodes: &mut [Node], roots: &mut Vec<usize>) -> bool {
+    let mut parent = vec![None; nodes.len()];
+    for (i, node) in nodes.iter().enumerate() {
+        node.children.iter().for_each(|child| parent[*child] = Some(i));
+    }
+    if roots.iter().all(|root| parent[*root].is_none()) {
+        return false;
+    }
+    let mut is_root = vec![false; nodes.len()];
+    roots.iter().for_each(|root| is_root[*root] = true);
+    // Whether an ancestor is shown, from the top down.
+    let mut is_covered = vec![false; nodes.len()];
+    let mut open: Vec<usize> = (0..nodes.len()).filter(|node| parent[*node].is_none()).collect();
+    while let Some(node) = open.pop() {
+        for child in &nodes[node].children {
+            is_covered[*child] = is_covered[node] || is_root[node];
+            open.push(*child);
+        }
+    }
+    roots.retain(|root| !is_covered[*root]);
+    let is_cut = |node: usize| is_root[node] && !is_covered[node];
+    let parents = roots.iter().filter_map(|root| parent[*root]).collect::<BTreeSet<_>>();
+    parents.iter().for_each(|parent| nodes[*parent].children.retain(|child| !is_cut(*child)));
+    !parents.is_empty()
+}
