@@ -4,7 +4,7 @@ use chordal::Mesh;
 use chordal::budget::Tolerance;
 use chordal::budget::advice::Message;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
-use chordal::math::{Box3, Interval, add_up, div_down, greater, mul_up, sqrt_up, sub_down};
+use chordal::math::{Box3, Interval, add_up, div_down, greater, lesser, mul_up, sqrt_up, sub_down};
 use chordal_io::{Format, Node, Part, Scene, WriteError, worst_snap};
 use std::borrow::Cow;
 
@@ -242,9 +242,7 @@ pub(crate) fn worst_rounding(scene: &Scene, stretch: &[f64], to: Format) -> f64 
 /// The most that rounding to a format moves a point of a part. glTF stores what skins and morph targets deform
 /// about no origin of its own.
 pub(crate) fn part_rounding(part: &Part, to: Format) -> f64 {
-    let is_blended = |attribute: &Attribute| matches!(attribute.semantic, Semantic::Blended(_));
-    let is_deformed = part.mesh.attributes().iter().any(is_blended);
-    worst_snap(&part.mesh.bounds(), if is_deformed && to.has_nodes() { Format::Stl } else { to })
+    worst_snap(&part.mesh.bounds(), if part.is_deformed() && to.has_nodes() { Format::Stl } else { to })
 }
 
 /// Whether every placement of a scene is without a transform.
@@ -361,9 +359,8 @@ fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
     std::array::from_fn(|i| (0..4).map(|k| a[4 * k + i % 4] * b[i / 4 * 4 + k]).sum())
 }
 
-/// An upper bound of the largest factor by which the linear part M lengthens: the root of the largest sum of
-/// absolute values in a row of MᵀM, which none of its eigenvalues exceeds. It is 1 for a rotation, but for
-/// rounding.
+/// An upper bound of the largest factor by which the linear part M lengthens, 1 for a rotation but for rounding: no
+/// eigenvalue of MᵀM exceeds the largest sum of absolute values in a row of it, nor its trace.
 fn largest_stretch(m: &Matrix4) -> f64 {
     let dot = |a: usize, b: usize| -> f64 {
         let terms = [0, 1, 2].map(|k| Interval::point(m[4 * a + k]) * Interval::point(m[4 * b + k]));
@@ -371,7 +368,9 @@ fn largest_stretch(m: &Matrix4) -> f64 {
         greater(sum.lo().abs(), sum.hi().abs())
     };
     let row = |a: usize| add_up(add_up(dot(a, 0), dot(a, 1)), dot(a, 2));
-    sqrt_up([1, 2].into_iter().fold(row(0), |most, a| greater(row(a), most)))
+    let rows = [1, 2].into_iter().fold(row(0), |most, a| greater(row(a), most));
+    let trace = add_up(add_up(dot(0, 0), dot(1, 1)), dot(2, 2));
+    sqrt_up(lesser(rows, trace))
 }
 
 /// Where a node shows its part.
@@ -399,4 +398,39 @@ pub(crate) fn node_placements(scene: &Scene) -> Vec<Option<NodePlacement>> {
         found[node] = Some(NodePlacement { stretch, size });
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_testkit::Random;
+
+    #[test]
+    fn the_stretch_is_never_too_small_and_that_of_a_rotation_is_one() {
+        let mut random = Random::new(9);
+        for round in 0..2000 {
+            let mut m = IDENTITY;
+            for k in [0, 1, 2, 4, 5, 6, 8, 9, 10] {
+                m[k] = random.signed() * f64::from(2_i32.pow(round % 5));
+            }
+            if round % 3 == 0 {
+                // Of rank 1.
+                (0..3).for_each(|k| (m[4 + k], m[8 + k]) = (-0.7 * m[k], 0.2 * m[k]));
+            }
+            let stretch = largest_stretch(&m);
+            let frobenius = [0, 1, 2, 4, 5, 6, 8, 9, 10].map(|k| m[k] * m[k]).iter().sum::<f64>().sqrt();
+            assert!(stretch <= frobenius * (1.0 + 1e-12), "{stretch} {frobenius}");
+            for _ in 0..50 {
+                let v = [random.signed(), random.signed(), random.signed()];
+                let size = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+                let image = [0, 1, 2].map(|r| m[r] * v[0] + m[4 + r] * v[1] + m[8 + r] * v[2]);
+                let long = image.iter().map(|x| x * x).sum::<f64>().sqrt();
+                assert!(long <= stretch * size * (1.0 + 1e-12), "{long} {stretch} {size}");
+            }
+            let (sin, cos) = random.signed().mul_add(3.0, 0.0).sin_cos();
+            let mut turn = IDENTITY;
+            (turn[0], turn[1], turn[4], turn[5]) = (cos, sin, -sin, cos);
+            assert!((1.0 - 1e-15..1.0 + 1e-14).contains(&largest_stretch(&turn)));
+        }
+    }
 }

@@ -5,16 +5,13 @@ use chordal::budget::advice::Message;
 use chordal::budget::{Budget, JobError, PixelBudget, View};
 use chordal::check;
 use chordal::check::shading::MicroTriangles;
-use chordal::explicit::{Attribute, Semantic};
 use chordal::lod::ReductionStats;
 use chordal_io::{Part, Scene};
 
 /// What a bound of meshes that skins or morph targets deform does not cover.
 pub(crate) fn deformation_note(scene: &Scene) -> Option<Message> {
-    let is_blended = |attribute: &Attribute| matches!(attribute.semantic, Semantic::Blended(_));
-    let is_deformed = |part: &Part| part.mesh.attributes().iter().any(is_blended);
     let note = "the bound is of meshes at rest: skins and morph targets move them afterwards";
-    scene.parts.iter().any(is_deformed).then(|| note.into())
+    scene.parts.iter().any(Part::is_deformed).then(|| note.into())
 }
 
 /// Notes on the course of a simplification.

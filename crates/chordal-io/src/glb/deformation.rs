@@ -261,10 +261,10 @@ pub(crate) fn is_deformed(mesh: &Mesh) -> bool {
 }
 
 impl Part {
-    /// Whether morph targets move its vertices.
+    /// Whether a skin or morph targets move its vertices.
     #[must_use]
-    pub fn has_morph_targets(&self) -> bool {
-        !targets_of(&self.mesh).is_empty()
+    pub fn is_deformed(&self) -> bool {
+        is_deformed(&self.mesh)
     }
 }
 

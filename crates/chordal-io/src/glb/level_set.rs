@@ -1,4 +1,5 @@
 //! `GlbLevels`: the parts of a scene in several levels of detail.
+use super::node_list::takes_levels;
 use crate::{Part, Scene, WriteError};
 use serde_json::Value;
 
@@ -7,7 +8,8 @@ use serde_json::Value;
 pub struct GlbLevels<'a> {
     /// The scene with the finest level of each part.
     pub scene: &'a Scene,
-    /// By part: its coarser levels, the finest first. Empty for a part, and as a whole, that has one level.
+    /// By part: its coarser levels, the finest first. Empty for a part, and as a whole, that has one level, as
+    /// those have to that [`takes_levels`](super::takes_levels) does not name.
     pub coarser: &'a [Vec<Part>],
     /// By node: for each level of its part the least fraction of the screen, 0 to 1, that the part covers where this
     /// level is shown. Below it the next level is shown, and nothing after the last. Empty for nodes whose
@@ -28,7 +30,11 @@ impl<'a> GlbLevels<'a> {
     pub(super) fn check(&self) -> Result<(), WriteError> {
         let refused = |what: String| Err(WriteError::Unsupported(what));
         let GlbLevels { scene, coarser, coverages, .. } = self;
+        let takes = takes_levels(scene);
         for (part, levels) in coarser.iter().enumerate() {
+            if !levels.is_empty() && !takes.get(part).is_some_and(|takes| *takes) {
+                return refused(format!("part {part} cannot have levels: skins or morph targets move it"));
+            }
             if let Some(k) = levels.iter().position(|level| level.mesh.faces().is_empty()) {
                 return refused(format!("level {} of part {part} has no triangle", k + 1));
             }

@@ -1,4 +1,5 @@
 //! `NodeList`: the nodes of a GLB, which place its meshes.
+use super::deformation::{has_skin, targets_of};
 use super::{LOD, transform};
 use crate::forest::check_forest;
 use crate::{Axis, Frame, Node, Scene, WriteError};
@@ -55,9 +56,6 @@ pub(super) fn nodes(
         let place = node.part.and_then(|p| shown.get(p));
         let coarser = node.part.and_then(|p| levels.coarser.get(p)).map_or(&[][..], |coarser| coarser);
         let is_moved = is_animated[i];
-        // A child that took a mesh with a skin would be below its root, where viewers may move it twice.
-        let has_skin = place.is_some_and(|place| place.has_skin);
-        let coarser = if has_skin && !is_replaceable(node, is_moved) { &[] } else { coarser };
         let NodeChain { links, has_transform } = chain(node, place, coarser, is_moved)
             .ok_or_else(|| WriteError::Unsupported(format!("glTF cannot hold the transform of node {i}")))?;
         let next = first + scene.nodes.len() + extra.len();
@@ -100,6 +98,22 @@ fn animated_nodes(scene: &Scene) -> Vec<bool> {
         }
     }
     is_animated
+}
+
+/// By part: whether nodes can name coarser levels of it. Not with morph targets, whose weights animations set at
+/// one node; nor with a skin where a node has more than the part, since a child that took a mesh with a skin
+/// would be below its root, where viewers may move it twice.
+#[must_use]
+pub fn takes_levels(scene: &Scene) -> Vec<bool> {
+    let parts = scene.parts.iter();
+    let mut takes: Vec<bool> = parts.clone().map(|part| targets_of(&part.mesh).is_empty()).collect();
+    let has_skin: Vec<bool> = parts.map(|part| has_skin(&part.mesh)).collect();
+    for (node, is_moved) in scene.nodes.iter().zip(animated_nodes(scene)) {
+        if let Some(part) = node.part.filter(|part| has_skin.get(*part) == Some(&true)) {
+            takes[part] &= is_replaceable(node, is_moved);
+        }
+    }
+    takes
 }
 
 /// Whether whatever knows levels may show a coarser one in the place of a node and of all below it.

@@ -1,6 +1,7 @@
 //! Levels of detail in one GLB: the first is read, the others are counted, and circles of them are refused.
 use super::build::{glb_of, put, triangle};
 use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal_io::glb::{self, GlbLevels, write_levels};
 use chordal_io::{
     Axis, Content, FileLocation, Frame, Limits, Node, PackedAccessor, Part, ReadError, Scene, SceneAssets,
@@ -209,6 +210,30 @@ fn the_origin_of_a_mesh_is_not_on_a_node_that_is_moved() {
         assert_eq!(node.get("mesh").is_none(), is_moved, "{node}");
         assert_eq!(node.get("translation").is_none(), is_moved, "{node}");
     }
+}
+
+/// A mesh with a skin at a node that has more than the mesh, and one with morph targets, take no levels.
+#[test]
+fn what_skins_or_morph_targets_move_takes_levels_at_plain_nodes_alone() {
+    let with = |name: &str, width: usize| {
+        let mesh = strip(4);
+        let values = vec![if width == 1 { 1.0 } else { 0.5 }; mesh.positions().len() * width];
+        let semantic = Semantic::Blended(name.to_owned());
+        let attribute = Attribute { semantic, domain: Domain::Vertex, width, values };
+        Part { mesh: mesh.with_attribute(attribute).expect("an attribute"), ..Part::default() }
+    };
+    let skinned = with("weights of joints 0 to 0, 4 a vertex", 1);
+    let parts = vec![skinned.clone(), skinned, with("morph target 0 POSITION", 3), part(4)];
+    let node = |part: usize| Node { part: Some(part), ..Node::default() };
+    let parent = |part: usize| Node { children: vec![4], ..node(part) };
+    let nodes = vec![node(0), parent(1), node(2), node(3), Node::default()];
+    let scene = Scene { parts, nodes, roots: (0..4).collect(), ..Scene::default() };
+    assert_eq!(glb::takes_levels(&scene), [true, false, false, true]);
+    let coarser: Vec<Vec<Part>> = (0..4).map(|i| if i == 1 { vec![part(1)] } else { Vec::new() }).collect();
+    let coverages = [Vec::new(), vec![0.5, 0.0]];
+    let levels = GlbLevels { coarser: &coarser, coverages: &coverages, ..GlbLevels::one(&scene) };
+    let error = write_levels(&levels, &mut Vec::new()).expect_err("refused").to_string();
+    assert!(error.contains("part 1 cannot have levels"), "{error}");
 }
 
 #[test]

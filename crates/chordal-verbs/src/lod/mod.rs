@@ -71,7 +71,8 @@ pub enum TileErrors {
 /// Makes levels of detail of a surface: see [`chordal::lod::chain`].
 ///
 /// The finest level is within `spec.length`, or loses at most `spec.pixels` at `spec.nearest`. Where neither
-/// is given, it loses at most that where the box fills the height of the screen. Each level is proved against
+/// is given, it loses at most that where the box fills the height of the screen. A note says where rounding to
+/// single precision leaves it farther off. Each level is proved against
 /// the shape itself, as it will be written: positions in single precision.
 ///
 /// The parts of a scene have levels of their own, within tolerances that hold after the largest scale of any

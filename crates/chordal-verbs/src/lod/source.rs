@@ -10,11 +10,11 @@ use crate::request::MeshRequest;
 use crate::{MeshFailure, Normals, Shape, cage, field, isosurface};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, Refusal, RefusalCode, Tolerance};
-use chordal::explicit::{Attribute, Semantic, Topology};
+use chordal::explicit::{Semantic, Topology};
 use chordal::lod::{self, LodLevel, LodSource, LodSteps, ReductionStats};
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::{Format, Part, Scene, SceneAssets};
+use chordal_io::{Format, Part, Scene, SceneAssets, glb};
 use std::collections::BTreeSet;
 
 /// How levels are made of any surface.
@@ -61,10 +61,10 @@ const SHARE_OF_FIELDS: f64 = 0.8;
 impl LevelSource<'_> {
     /// Makes levels, and notes what they leave out.
     pub fn levels(&self, shape: Shape, notes: &mut Vec<Message>) -> Result<SourceLevels, MeshFailure> {
-        let place = shape.bounds()?;
+        let bounds = shape.bounds()?;
         match shape {
-            Shape::Scene(scene) => self.of_scene(scene, place, notes),
-            shape => self.of_smooth_shape(&shape, place, notes),
+            Shape::Scene(scene) => self.of_scene(scene, bounds, notes),
+            shape => self.of_smooth_shape(&shape, bounds, notes),
         }
     }
 
@@ -75,7 +75,7 @@ impl LevelSource<'_> {
     fn of_scene(
         &self,
         mut scene: Scene,
-        place: Box3,
+        bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         if !matches!(self.spec.normals, Normals::Auto | Normals::Keep) {
@@ -87,24 +87,24 @@ impl LevelSource<'_> {
         if scene.parts.iter().zip(&stretch).all(is_empty) {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
         }
-        if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, place)? {
+        if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, bounds)? {
             if self.spec.tile_triangles.is_some() {
                 still(&mut scene, notes)?;
             }
-            return self.of_parts(scene, place, notes);
+            return self.of_parts(scene, bounds, notes);
         }
         still(&mut scene, notes)?;
-        self.of_merged_parts(scene, place, notes)
+        self.of_merged_parts(scene, bounds, notes)
     }
 
     /// Whether the finest level is to be cut in space.
-    fn is_too_large(&self, scene: &Scene, place: Box3) -> Result<bool, MeshFailure> {
+    fn is_too_large(&self, scene: &Scene, bounds: Box3) -> Result<bool, MeshFailure> {
         let most = self.most_of_a_tile();
         let n_faces = |part: &Part| part.mesh.faces().len();
         if scene.parts.iter().map(n_faces).sum::<usize>() <= most {
             return Ok(false);
         }
-        let lengths = self.part_lengths(scene, place)?;
+        let lengths = self.part_lengths(scene, bounds)?;
         let mut left = most;
         for (part, length) in scene.parts.iter().zip(lengths) {
             let finest = LodSteps { max_untiled_triangles: 0, ..LodSteps::from_finest(self.finest) };
@@ -123,30 +123,33 @@ impl LevelSource<'_> {
 
     /// By part: the tolerance of its finest level in its own coordinates, less what rounding costs; `None` for one
     /// that stays as it is.
-    fn part_lengths(&self, scene: &Scene, place: Box3) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
+    fn part_lengths(&self, scene: &Scene, bounds: Box3) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
         let stretch = flatten::part_scales(scene);
         let lost = flatten::worst_rounding(scene, &stretch, Format::Glb);
-        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, place);
+        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
         let left = request.reserve_rounding(lost)?.length.unwrap_or(self.finest);
-        let length = |(part, stretch): (&Part, &f64)| {
-            let stays = part.mesh.faces().is_empty() || part.has_morph_targets();
-            if stays { None } else { flatten::length_in_part(left.get(), *stretch) }
+        let length = |((part, stretch), takes_levels): ((&Part, &f64), bool)| {
+            let changes = takes_levels && !part.mesh.faces().is_empty();
+            if changes { flatten::length_in_part(left.get(), *stretch) } else { None }
         };
-        Ok(scene.parts.iter().zip(&stretch).map(length).collect())
+        Ok(scene.parts.iter().zip(&stretch).zip(glb::takes_levels(scene)).map(length).collect())
     }
 
     /// Levels of each part, placed by the nodes of the scene.
     fn of_parts(
         &self,
         scene: Scene,
-        place: Box3,
+        bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         notes.extend(deformation_note(&scene));
-        if scene.parts.iter().any(Part::has_morph_targets) {
-            notes.push("meshes with morph targets have one level".into());
+        let n_fixed = glb::takes_levels(&scene).iter().filter(|takes| !**takes).count();
+        if n_fixed > 0 {
+            let note =
+                "parts that morph targets move, or a skin at a node with more than the part, have one level";
+            notes.push(format!("{note} ({n_fixed}x)").into());
         }
-        let lengths = self.part_lengths(&scene, place)?;
+        let lengths = self.part_lengths(&scene, bounds)?;
         let n_parts = lengths.iter().flatten().count().max(1);
         let stop_at_triangles = (LAST_LEVEL / n_parts).max(LAST_LEVEL_OF_PART);
         let mut stats = ReductionStats::default();
@@ -177,7 +180,7 @@ impl LevelSource<'_> {
     fn of_merged_parts(
         &self,
         scene: Scene,
-        place: Box3,
+        bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         let placed = flatten::flatten(scene)?;
@@ -186,7 +189,7 @@ impl LevelSource<'_> {
         let Scene { frame, assets, .. } = &scene;
         let template = Scene { assets: assets.clone(), ..Scene::from_mesh(NAME, Mesh::default(), *frame) };
         let (mesh, topology) = merged_mesh(scene, notes)?;
-        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, place);
+        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
         let inner = request.reserve_rounding(request.rounding())?;
         let inner = request.with_budget(inner).reserve_rounding(moved_at_most)?;
         let steps = self.steps(&inner);
@@ -197,17 +200,17 @@ impl LevelSource<'_> {
     fn of_smooth_shape(
         &self,
         shape: &Shape,
-        place: Box3,
+        bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         let template = Scene::from_mesh(NAME, Mesh::default(), *shape.frame());
-        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, place);
+        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
         let inner = request.reserve_rounding(request.rounding())?;
         let mut steps = self.steps(&inner);
         if matches!(shape, Shape::Field(_) | Shape::Volume(_)) {
             steps.tessellation_share = SHARE_OF_FIELDS;
         }
-        let mut make = |length: Tolerance| tessellate(shape, length, place, notes, self.job);
+        let mut make = |length: Tolerance| tessellate(shape, length, bounds, notes, self.job);
         let chain = lod::chain(LodSource::Smooth(&mut make), &steps, self.job)?;
         self.as_source(template, chain, 0.0, notes)
     }
@@ -255,8 +258,7 @@ fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure>
     scene.nodes.iter_mut().for_each(|node| {
         node.properties.retain(|key, _| ["translation", "rotation", "scale"].contains(&key.as_str()));
     });
-    let is_blended = |attribute: &Attribute| matches!(attribute.semantic, Semantic::Blended(_));
-    if scene.parts.iter().any(|part| part.mesh.attributes().iter().any(is_blended)) {
+    if scene.parts.iter().any(Part::is_deformed) {
         notes.push("levels are of meshes at rest: skins and morph targets were left out".into());
         drop_attributes(scene, |semantic| matches!(semantic, Semantic::Blended(_)))?;
     }
@@ -303,13 +305,13 @@ fn merged_mesh(mut scene: Scene, notes: &mut Vec<Message>) -> Result<(Mesh, Topo
 fn tessellate(
     shape: &Shape,
     length: Tolerance,
-    place: Box3,
+    bounds: Box3,
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, JobError> {
     let budget = Budget::length(length);
     // A format that keeps every digit.
-    let request = MeshRequest::new(budget, Format::Ply, place);
+    let request = MeshRequest::new(budget, Format::Ply, bounds);
     let made = match shape {
         Shape::Patches { patches, .. } => {
             return convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort);

@@ -73,9 +73,9 @@ impl TileHierarchy {
         let cuts = TilingOptions { max_triangles: most, ..TilingOptions::from_step(step) };
         let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
         let made = lod::tiling::tree(&made, Topology::Positions, &cuts, job)?;
-        let mut kept = ReductionStats::default();
-        made.roots.iter().for_each(|root| kept += made.tiles[*root].stats);
-        notes.extend(reduction_notes(&kept));
+        let mut stats = ReductionStats::default();
+        made.roots.iter().for_each(|root| stats += made.tiles[*root].stats);
+        notes.extend(reduction_notes(&stats));
         let (mut tiles, mut children) = (Vec::new(), Vec::new());
         for tile in made.tiles {
             let snapped = snap(&tile.mesh, Format::Stl)?;
