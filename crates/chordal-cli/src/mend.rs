@@ -152,7 +152,7 @@ fn summary_text(report: &Report) -> String {
         let _ = writeln!(text, "  {name:<11} {}: {}", facts.cure, changes_text(facts));
         name = "";
     }
-    if certificate.mended.iter().any(|facts| facts.cure == "split-nonmanifold" && !facts.changes.is_empty())
+    if certificate.was_split()
         && certificate.valid.as_ref().is_some_and(|valid| valid.topology == "positions")
     {
         text +=

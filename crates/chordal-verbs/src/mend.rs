@@ -99,14 +99,13 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
     certificate.valid_before = Some(CountedTriangles::from_scene(&scene, input.format)?.valid);
     let mut bound = Bound::exact(Reference::InputTriangles);
     let mut topologies = vec![input.format.topology(); scene.parts.len()];
+    let stretch = part_scales(&scene);
     for cure in cures {
-        let facts = cure.apply(&mut scene, &mut topologies, job)?;
-        bound = bound.then(&facts.1);
-        certificate.mended.push(facts.0);
+        let (facts, cured) = cure.apply(&mut scene, &stretch, &mut topologies, job)?;
+        bound = bound.then(&cured);
+        certificate.mended.push(facts);
     }
-    let was_split =
-        certificate.mended.iter().any(|facts| facts.cure == "split-nonmanifold" && !facts.changes.is_empty());
-    if was_split && to.topology() == Topology::Positions {
+    if certificate.was_split() && to.topology() == Topology::Positions {
         certificate.notes.push(
             format!("{to} has no indices of positions: copies on each other are one there again").into(),
         );
@@ -195,6 +194,7 @@ impl RepairStep {
     pub fn apply(
         self,
         scene: &mut Scene,
+        stretch: &[f64],
         topologies: &mut [Topology],
         job: &Job,
     ) -> Result<(RepairFacts, Bound), MeshFailure> {
@@ -209,7 +209,6 @@ impl RepairStep {
             changes: Vec::new(),
             bound: BoundFacts::new(&bound),
         };
-        let stretch = part_scales(scene);
         for (number, part) in scene.parts.iter_mut().enumerate() {
             let mended = self.apply_to_part(&part.mesh, topologies[number], stretch[number], job)?;
             facts.add(number, &mended);

@@ -1,4 +1,5 @@
 //! The repairs that `inspect` recommends: they were tried on the triangles, and helped.
+use crate::flatten::part_scales;
 use crate::mend::{RepairStep, trial_steps};
 use chordal::Job;
 use chordal::budget::advice::Cure;
@@ -21,6 +22,7 @@ use chordal_io::{Format, Scene};
 pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Option<Vec<Cure>> {
     let mut trial = RepairTrial {
         scene: scene.clone(),
+        stretch: part_scales(scene),
         topologies: vec![format.topology(); scene.parts.len()],
         faults: Vec::new(),
         cures: Vec::new(),
@@ -45,6 +47,8 @@ pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Opt
 /// The triangles between repairs.
 struct RepairTrial {
     scene: Scene,
+    /// By part: the largest factor by which its nodes lengthen.
+    stretch: Vec<f64>,
     topologies: Vec<Topology>,
     /// The count of each of [`FAULTS`].
     faults: Vec<u64>,
@@ -93,7 +97,7 @@ impl RepairTrial {
     /// Applies a repair, and reverts it where it does not help. `None` where the job was stopped.
     fn attempt(&mut self, cure: RepairStep, job: &Job) -> Option<()> {
         let (mut scene, mut topologies) = (self.scene.clone(), self.topologies.clone());
-        let (facts, _) = cure.apply(&mut scene, &mut topologies, job).ok()?;
+        let (facts, _) = cure.apply(&mut scene, &self.stretch, &mut topologies, job).ok()?;
         let changed = facts.changes.iter().any(|change| !change.what.starts_with("left_"));
         if !changed || scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
             return Some(());

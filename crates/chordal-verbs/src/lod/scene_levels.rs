@@ -39,6 +39,8 @@ pub(super) struct SceneLevel {
 pub(super) struct LevelChains {
     /// The nodes, and what the scene has beside its parts. Their meshes are ignored.
     pub scene: Scene,
+    /// By part: the largest factor by which its nodes lengthen.
+    pub stretch: Vec<f64>,
     /// By part: its levels, the finest first, at least one.
     pub chains: Vec<Vec<LodLevel>>,
     /// How far transforms that were applied have moved a vertex.
@@ -62,8 +64,7 @@ impl SceneLevels {
         notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
-        let LevelChains { scene: mut finest, chains, moved_at_most, finest: tolerance } = source;
-        let stretch = flatten::part_scales(&finest);
+        let LevelChains { scene: mut finest, stretch, chains, moved_at_most, finest: tolerance } = source;
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
         let (mut coarser, mut bounds) = (Vec::new(), Vec::new());
         for (part, chain) in finest.parts.iter_mut().zip(chains) {

@@ -87,24 +87,24 @@ impl LevelSource<'_> {
         if scene.parts.iter().zip(&stretch).all(is_empty) {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
         }
-        if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, bounds)? {
+        if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, &stretch, bounds)? {
             if self.spec.tile_triangles.is_some() {
                 still(&mut scene, notes)?;
             }
-            return self.of_parts(scene, bounds, notes);
+            return self.of_parts(scene, stretch, bounds, notes);
         }
         still(&mut scene, notes)?;
         self.of_merged_parts(scene, bounds, notes)
     }
 
     /// Whether the finest level is to be cut in space.
-    fn is_too_large(&self, scene: &Scene, bounds: Box3) -> Result<bool, MeshFailure> {
+    fn is_too_large(&self, scene: &Scene, stretch: &[f64], bounds: Box3) -> Result<bool, MeshFailure> {
         let most = self.most_of_a_tile();
         let n_faces = |part: &Part| part.mesh.faces().len();
         if scene.parts.iter().map(n_faces).sum::<usize>() <= most {
             return Ok(false);
         }
-        let lengths = self.part_lengths(scene, bounds)?;
+        let lengths = self.part_lengths(scene, stretch, bounds)?;
         let mut left = most;
         for (part, length) in scene.parts.iter().zip(lengths) {
             let finest = LodSteps { max_untiled_triangles: 0, ..LodSteps::from_finest(self.finest) };
@@ -123,22 +123,27 @@ impl LevelSource<'_> {
 
     /// By part: the tolerance of its finest level in its own coordinates, less what rounding costs; `None` for one
     /// that stays as it is.
-    fn part_lengths(&self, scene: &Scene, bounds: Box3) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
-        let stretch = flatten::part_scales(scene);
-        let lost = flatten::worst_rounding(scene, &stretch, Format::Glb);
+    fn part_lengths(
+        &self,
+        scene: &Scene,
+        stretch: &[f64],
+        bounds: Box3,
+    ) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
+        let lost = flatten::worst_rounding(scene, stretch, Format::Glb);
         let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
         let left = request.reserve_rounding(lost)?.length.unwrap_or(self.finest);
         let length = |((part, stretch), takes_levels): ((&Part, &f64), bool)| {
             let changes = takes_levels && !part.mesh.faces().is_empty();
             if changes { flatten::length_in_part(left.get(), *stretch) } else { None }
         };
-        Ok(scene.parts.iter().zip(&stretch).zip(glb::takes_levels(scene)).map(length).collect())
+        Ok(scene.parts.iter().zip(stretch).zip(glb::takes_levels(scene)).map(length).collect())
     }
 
     /// Levels of each part, placed by the nodes of the scene.
     fn of_parts(
         &self,
         scene: Scene,
+        stretch: Vec<f64>,
         bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
@@ -149,7 +154,7 @@ impl LevelSource<'_> {
                 "parts that morph targets move, or a skin at a node with more than the part, have one level";
             notes.push(format!("{note} ({n_fixed}x)").into());
         }
-        let lengths = self.part_lengths(&scene, bounds)?;
+        let lengths = self.part_lengths(&scene, &stretch, bounds)?;
         let n_parts = lengths.iter().flatten().count().max(1);
         let stop_at_triangles = (LAST_LEVEL / n_parts).max(LAST_LEVEL_OF_PART);
         let mut stats = ReductionStats::default();
@@ -172,7 +177,8 @@ impl LevelSource<'_> {
             chains.push(chain);
         }
         notes.extend(reduction_notes(&stats));
-        let chains = LevelChains { scene, chains, moved_at_most: 0.0, finest: self.finest.get() };
+        let finest = self.finest.get();
+        let chains = LevelChains { scene, stretch, chains, moved_at_most: 0.0, finest };
         Ok(SourceLevels::Chains(Box::new(chains)))
     }
 
@@ -235,7 +241,8 @@ impl LevelSource<'_> {
         let most = self.most_of_a_tile();
         if chain.first().is_none_or(|finest| finest.mesh.faces().len() <= most) {
             let finest = self.finest.get();
-            let chains = LevelChains { scene: template, chains: vec![chain], moved_at_most, finest };
+            let (stretch, chains) = (vec![1.0], vec![chain]);
+            let chains = LevelChains { scene: template, stretch, chains, moved_at_most, finest };
             return Ok(SourceLevels::Chains(Box::new(chains)));
         }
         let LodLevel { mesh, bound, .. } = chain.remove(0);

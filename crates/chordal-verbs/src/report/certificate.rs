@@ -5,7 +5,7 @@ use super::{
     OvershadeFacts, RefinementFacts, RepairFacts, ValidityFacts, to_value,
 };
 use crate::{Input, Shape};
-use chordal::budget::advice::{Message, Setting};
+use chordal::budget::advice::{Cure, Message, Setting};
 use chordal_io::Format;
 use serde::Serialize;
 use serde_json::Value;
@@ -74,6 +74,13 @@ impl Certificate {
             overshade: None,
             notes: assumed_region(input).into_iter().collect(),
         }
+    }
+
+    /// Whether vertices became several at one place, which a format without indices of positions cannot hold.
+    #[must_use]
+    pub fn was_split(&self) -> bool {
+        let split = Cure::SplitNonManifold.name();
+        self.mended.iter().any(|facts| facts.cure == split && !facts.changes.is_empty())
     }
 
     /// As JSON, with its keys in order.

@@ -1,5 +1,5 @@
 //! `Budget`: the allowed error, in units, in pixels at a view, in degrees, or as a number of triangles.
-use super::{Pixels, Tolerance, View};
+use super::{Pixels, Refusal, RefusalCode, Tolerance, View};
 use crate::math::{Box3, lesser};
 use std::fmt;
 use std::str::FromStr;
@@ -129,6 +129,22 @@ impl Budget {
     #[must_use]
     pub fn has_limit(&self) -> bool {
         self.length.is_some() || self.pixels.is_some() || self.triangles.is_some()
+    }
+
+    /// Refuses a budget that no mesh of a smooth surface can be built for: one without a limit, or with an
+    /// angle that is not in (0°, 180°].
+    pub(crate) fn check_for_surfaces(&self) -> Result<(), Refusal> {
+        if !self.has_limit() {
+            let message = "a budget needs a length, pixels at a view, or a number of triangles";
+            return Err(Refusal::new(RefusalCode::Budget, message));
+        }
+        match self.angle_deg {
+            Some(angle) if !(angle > 0.0 && angle <= 180.0) => {
+                let message = format!("an angle is above 0 degrees and at most 180, not {angle}");
+                Err(Refusal::new(RefusalCode::Budget, message))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Whether it has a limit that a polyline can be built for.

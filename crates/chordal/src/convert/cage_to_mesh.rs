@@ -3,7 +3,7 @@ use super::patches::adjacency::{
     PatchAdjacency, PatchEdge, PatchEdgeUse, SideBoundary, classify_corners, side_corners,
 };
 use super::patches::allowance::{Allowance, InfeasibleTolerance, TessellationFailure};
-use super::patches::budget::{check_angle, mesh_within};
+use super::patches::budget::mesh_within;
 use super::patches::extraordinary_tile;
 use super::patches::plan;
 use super::patches::subpatch::{PatchSurface, Subpatch, SubpatchShape};
@@ -132,11 +132,7 @@ impl<'a> CageMesher<'a> {
 const LARGEST: f64 = 1e150;
 
 fn check_budget(cage: &Cage, budget: &Budget) -> Result<(), TessellationFailure> {
-    if !budget.has_limit() {
-        let message = "a budget needs a length, pixels at a view, or a number of triangles";
-        return Err(Failure::refused(RefusalCode::Budget, message));
-    }
-    check_angle(budget)?;
+    budget.check_for_surfaces().map_err(Failure::Refused)?;
     if budget.angle_deg.is_some() && cage.scheme() == Scheme::Loop {
         let message = "limits of Loop's scheme cannot be meshed to an angle yet; give a length or pixels";
         return Err(Failure::refused(RefusalCode::Unsupported, message));

@@ -1,6 +1,6 @@
 //! The arrow from bicubic Bézier patches to triangles: adaptive, crack-free by shared indices, proved.
 use super::patches::allowance::TessellationFailure;
-use super::patches::budget::{check_angle, mesh_within};
+use super::patches::budget::mesh_within;
 use super::patches::subpatch::BezierPatches;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
 use crate::explicit::{Mesh, Patch};
@@ -60,13 +60,7 @@ pub fn patches_to_mesh(
 }
 
 fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), TessellationFailure> {
-    if !budget.has_limit() {
-        return Err(Failure::refused(
-            RefusalCode::Budget,
-            "a budget needs a length, pixels at a view, or a number of triangles",
-        ));
-    }
-    check_angle(budget)?;
+    budget.check_for_surfaces().map_err(Failure::Refused)?;
     if patches.is_empty() {
         return Err(Failure::refused(RefusalCode::Empty, "there are no patches"));
     }

@@ -45,17 +45,6 @@ pub(crate) fn mesh_within(
     })
 }
 
-/// Refuses an angle that is not in (0°, 180°].
-pub(crate) fn check_angle(budget: &Budget) -> Result<(), TessellationFailure> {
-    match budget.angle_deg {
-        Some(angle) if !(angle > 0.0 && angle <= 180.0) => {
-            let message = format!("an angle is above 0 degrees and at most 180, not {angle}");
-            Err(Failure::refused(RefusalCode::Budget, message))
-        }
-        _ => Ok(()),
-    }
-}
-
 pub(crate) fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
     let Some(most) = mesh.bound.at_most() else { return false };
     let by_length = budget.length.is_none_or(|length| most <= length.get());
