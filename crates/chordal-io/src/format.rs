@@ -112,7 +112,8 @@ pub(crate) struct TriangleFormat {
     /// Whether an attribute is kept, with the first of all rows that are the same vertex; none where the writer
     /// itself reports what it leaves out.
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
-    /// What else the writer changes, in sentences.
+    /// What else the writer changes, and what it leaves out of the looks of materials, in sentences. Where there
+    /// is none and no file beside the document, it leaves out all looks.
     pub changes: Option<fn(&Scene) -> Vec<String>>,
 }
 

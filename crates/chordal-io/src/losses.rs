@@ -49,7 +49,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
     }
-    if !has_materials_beside {
+    if !has_materials_beside && changes.is_none() {
         scene.assets.materials.iter().for_each(|_| count(format!("{title} holds no looks of materials")));
     }
     for (list, what) in [

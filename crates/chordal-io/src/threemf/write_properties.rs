@@ -2,6 +2,8 @@
 use super::properties::{CHANNEL, ColorBytes, MATERIAL};
 use crate::{Part, Scene};
 use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal::math::{greater, lesser};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// What a material is shown in where nothing says.
@@ -67,7 +69,8 @@ impl SceneProperties {
         let base = |(index, (value, color)): (usize, (u32, Option<ColorBytes>))| {
             let known = names.and_then(|names| names.get(value as usize));
             let name = known.cloned().unwrap_or_else(|| format!("{MATERIAL}_{value}"));
-            (value, BaseMaterial { index: index as u32, name, color: color.unwrap_or(WHITE) })
+            let color = color.or_else(|| base_color(scene, value)).unwrap_or(WHITE);
+            (value, BaseMaterial { index: index as u32, name, color })
         };
         let materials = found.into_iter().enumerate().map(base).collect();
         Self { parts, materials, lacks_materials }
@@ -78,6 +81,38 @@ impl SceneProperties {
         let value = value_of(materials_of(part)?, face, scene.groups.contains_key(MATERIAL))?;
         self.materials.get(&value).map(|material| material.index)
     }
+}
+
+/// The base colour of a material as glTF holds it, by the value of its triangles.
+fn base_color(scene: &Scene, value: u32) -> Option<ColorBytes> {
+    let material = (value as usize).checked_sub(1).and_then(|at| scene.assets.materials.get(at))?;
+    let factors = material.pointer("/pbrMetallicRoughness/baseColorFactor")?.as_array()?;
+    let factor = |k: usize| factors.get(k).and_then(Value::as_f64).unwrap_or(1.0);
+    let is_opaque = material["alphaMode"].as_str().is_none_or(|mode| mode == "OPAQUE");
+    let alpha = if is_opaque { 1.0 } else { factor(3) };
+    Some(std::array::from_fn(|k| to_byte(if k < 3 { to_srgb(factor(k)) } else { alpha })))
+}
+
+fn to_byte(x: f64) -> u8 {
+    (lesser(greater(x, 0.0), 1.0) * CHANNEL).round() as u8
+}
+
+/// A linear intensity in the encoding of sRGB (IEC 61966-2-1), in which 3MF has its colours.
+fn to_srgb(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
+}
+
+/// Whether a material of glTF says more than its name and base colour.
+fn has_looks(material: &Value) -> bool {
+    let Some(material) = material.as_object() else { return false };
+    let is_base = |(key, value): (&String, &Value)| match key.as_str() {
+        "name" | "alphaMode" | "doubleSided" => true,
+        "pbrMetallicRoughness" => {
+            value.as_object().is_some_and(|object| object.keys().all(|key| key == "baseColorFactor"))
+        }
+        _ => false,
+    };
+    !material.iter().all(is_base)
 }
 
 fn agree(a: Option<ColorBytes>, b: Option<ColorBytes>) -> bool {
@@ -185,6 +220,11 @@ pub(crate) fn changes(scene: &Scene) -> Vec<String> {
     };
     if scene.parts.iter().filter_map(colors_of).any(|colors| !colors.values.iter().all(is_byte)) {
         found.push("3MF holds colours of 8 bits a channel: others were rounded to them".to_owned());
+    }
+    let materials = &scene.assets.materials;
+    if materials.iter().any(has_looks) {
+        let what = "3MF holds names and base colours of materials: textures and all else were left out";
+        found.extend(materials.iter().filter(|material| has_looks(material)).map(|_| what.to_owned()));
     }
     if SceneProperties::new(scene).lacks_materials {
         found.push(

@@ -202,6 +202,38 @@ fn a_node_with_a_part_and_children_becomes_an_object_of_both() {
     assert_eq!(positions(&read), positions(&scene));
 }
 
+/// Base colours of glTF, which are linear, are in sRGB in 3MF.
+#[test]
+fn base_colours_of_gltf_are_those_of_materials() {
+    let mesh = Mesh::new(
+        vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]],
+    )
+    .unwrap();
+    let mesh = with(mesh, Semantic::Group("material".to_owned()), Domain::Face, 1, vec![1.0, 2.0, 3.0]);
+    let mut scene = Scene::from_mesh("m", mesh, MILLIMETRES);
+    let names = ["", "half", "glass", "plain"].map(str::to_owned);
+    scene.groups.insert("material".into(), names.to_vec());
+    let factor = |factor: [f64; 4]| json!({ "baseColorFactor": factor });
+    scene.assets.materials = vec![
+        json!({ "name": "half", "pbrMetallicRoughness": factor([0.5, 0.0, 1.0, 0.25]) }),
+        json!({ "name": "glass", "pbrMetallicRoughness": factor([0.002, 1.0, 1.0, 0.2]), "alphaMode": "BLEND" }),
+        json!({ "name": "plain", "doubleSided": true }),
+    ];
+    let read = back(&scene);
+    assert_eq!(read.groups["material"], names);
+    // 0.5 is 0.7354 in sRGB, which is 188 of 255; 0.002 is on the straight piece, 12.92 · 0.002 · 255 = 6.6.
+    let bytes = [[188, 0, 255, 255], [7, 255, 255, 51], [255; 4]];
+    let colors = read.parts[0].mesh.attribute(&Semantic::Color(0)).unwrap();
+    for (face, color) in bytes.iter().enumerate() {
+        assert_eq!(colors.row(3 * face), color.map(|byte| f64::from(byte) / 255.0));
+    }
+    assert!(losses(&scene, Format::ThreeMf).unwrap().is_empty());
+    scene.assets.materials[0]["pbrMetallicRoughness"]["metallicFactor"] = json!(0.5);
+    let lost = losses(&scene, Format::ThreeMf).unwrap();
+    assert!(lost.len() == 1 && lost[0].message.contains("base colours"), "{lost:?}");
+}
+
 #[test]
 fn materials_come_back_with_their_names_and_colours() {
     let two = Mesh::new(
