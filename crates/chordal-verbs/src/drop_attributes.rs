@@ -2,11 +2,16 @@
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use chordal::Mesh;
+use chordal::budget::advice::Message;
 use chordal::explicit::Semantic;
 use chordal_io::{Part, Scene};
 
-/// Drops the normals of a scene that will be recomputed, so that they preserve no edge.
-pub(crate) fn drop_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
+/// Drops the normals of a scene that will be recomputed, so that they preserve no edge, and the tangents that go
+/// with them, with a note.
+pub(crate) fn drop_normals(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
+    if scene.parts.iter().any(|part| part.mesh.attribute(&Semantic::Tangent).is_some()) {
+        notes.push("tangents were left out: they go with the old normals".into());
+    }
     drop_attributes(scene, |semantic| matches!(semantic, Semantic::Normal | Semantic::Tangent))
 }
 

@@ -82,7 +82,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         }
         Shape::Scene(mut scene) => {
             if has_new_normals(spec.normals) {
-                drop_normals(&mut scene)?;
+                drop_normals(&mut scene, &mut certificate.notes)?;
             }
             if !spec.has_limit() {
                 let (mut scene, bound) = pass_through(scene, to, &mut certificate.notes)?;

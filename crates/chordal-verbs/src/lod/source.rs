@@ -80,7 +80,7 @@ impl LevelSource<'_> {
     ) -> Result<SourceLevels, MeshFailure> {
         if !matches!(self.spec.normals, Normals::Auto | Normals::Keep) {
             // Existing normals are to preserve no edge.
-            drop_normals(&mut scene)?;
+            drop_normals(&mut scene, notes)?;
         }
         let stretch = flatten::part_scales(&scene);
         let is_empty = |(part, stretch): (&Part, &f64)| part.mesh.faces().is_empty() || *stretch == 0.0;
