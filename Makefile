@@ -72,9 +72,9 @@ test-rust: need-rust need-python
 	@[ -d "$${CHORDAL_DATA:-../shared/data}" ] \
 		|| echo "SKIPPED: the tests on foreign files, because there is no folder $${CHORDAL_DATA:-../shared/data}."
 
-# The command and the example for test-tiles in the profile and with the features of test-rust, which leaves nothing to do.
+# The command and the example for test-tiles with the features of test-rust, which leaves nothing to do.
 tested: need-rust
-	$(CARGO) build --profile test --workspace --locked --bin chordal --example tileset_of_levels
+	$(CARGO) build --workspace --locked --bin chordal --example tileset_of_levels
 
 # The same bytes in WASM as natively, and no complaint of Khronos' validator about any GLB that we write.
 test-web: tested need-wasm need-node tests/web/node_modules
@@ -150,16 +150,16 @@ test-studio: studio-page tested need-chromium
 	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
 
 # The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the examples in its
-# documentation, and by mypy, which also compares the stubs with what is there. In a profile that is optimised less;
+# documentation, and by mypy, which also compares the stubs with what is there. It shares what test-rust has compiled;
 # test-long judges the one for release.
-WHEEL_PROFILE := wheel
+WHEEL := --profile dev --features as-tested
 test-python: tested need-python
 	@cmp -s tests/python/requirements.txt $(VENV)/requirements.txt || { rm -rf $(VENV) \
 		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
 		&& cp tests/python/requirements.txt $(VENV)/; }
 	rm -rf $(TARGET)/python/wheel
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation \
-		--config-settings=build-args="--profile $(WHEEL_PROFILE)" -w $(TARGET)/python/wheel .
+		--config-settings=build-args="$(WHEEL)" -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
 	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
@@ -168,7 +168,7 @@ test-python: tested need-python
 # What `make test` leaves to this, so that it takes twenty minutes: nine of ten random cases of every sweep that asks
 # chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields.
 # PROPTEST_CASES is for the sweeps at proptest's own number.
-test-long: WHEEL_PROFILE := release
+test-long: WHEEL := --release
 test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
