@@ -4,6 +4,7 @@ use crate::common;
 use chordal::budget::Length;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Frame, Scene, write};
+use chordal_testkit::is_long;
 use chordal_verbs::report::ValidityCounts;
 use chordal_verbs::{
     Duplicates, FormatHint, HoleSelection, Input, MendSpec, MeshOutcome, Shape, WeldTolerance, load, mend,
@@ -81,7 +82,7 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
         ("t-junctions", MendSpec { resolve_t_junctions: Some(WeldTolerance::Exact), ..none }),
         ("degenerate", MendSpec { drop_degenerate: true, ..none }),
     ];
-    for path in common::files(8 << 20) {
+    for path in common::files(if is_long() { 8 << 20 } else { 1 << 20 }) {
         for (cure, spec) in alone {
             let Some(input) = read(&path) else { continue };
             if input.format != Format::Obj && input.format != Format::Ply {

@@ -11,7 +11,7 @@ use chordal::lod::selection::SwitchDistances;
 use chordal::lod::{LodLevel, LodSource, LodSteps, chain};
 use chordal::{Job, Mesh, Tolerance, View};
 use chordal_testkit::sampler::dot;
-use chordal_testkit::{Random, some};
+use chordal_testkit::{Random, is_long, some};
 use picture::{Camera, Picture};
 use std::sync::OnceLock;
 
@@ -121,7 +121,7 @@ fn from_its_switch_distance_on_no_level_is_farther_off_than_the_pixels() {
             let switches = shape.switches(lens(256, fov_deg), pixels);
             for (k, level) in shape.levels.iter().enumerate() {
                 let distance = switches.distance(k).expect("a level");
-                for _ in 0..4 {
+                for _ in 0..if is_long() { 4 } else { 2 } {
                     let camera = camera(&shape.mesh, (256, fov_deg), distance, &mut random);
                     let (most, n) = apart(&shape.mesh, &level.mesh, &camera);
                     assert!(

@@ -324,10 +324,10 @@ fn bounds_begin_at_that_of_the_finest() {
 
 #[test]
 fn threads_change_nothing() {
-    let mesh = shapes::torus([60, 30], 0.05);
+    let mesh = shapes::torus([44, 22], 0.05);
     let on = |threads| {
         let job = Job::default().with_threads(threads);
-        tree(&exact(&mesh), Topology::Positions, &cuts(&mesh, 500, 3e-4), &job).expect("a tree")
+        tree(&exact(&mesh), Topology::Positions, &cuts(&mesh, 300, 3e-4), &job).expect("a tree")
     };
     let one = on(1);
     assert!(one.tiles.len() > 8);

@@ -1,7 +1,7 @@
 //! What holds for every mesh, on random ones full of faults.
 use super::sampler::one_sided;
 use super::*;
-use chordal_testkit::Random;
+use chordal_testkit::{Random, cases};
 
 /// Few positions on a small lattice, rows tied at random, any faces: every kind of fault, also several at
 /// once.
@@ -156,7 +156,7 @@ fn what_was_closed_stays_closed() {
 #[test]
 fn a_sampler_never_finds_more_than_the_bound() {
     let mut checked = 0;
-    for seed in 0..600 {
+    for seed in 0..cases(200) as u64 {
         let mesh = random_mesh(seed);
         for (name, cure) in CURES {
             let mended = cure(&mesh);
@@ -175,7 +175,7 @@ fn a_sampler_never_finds_more_than_the_bound() {
             checked += usize::from(!mended.is_unchanged());
         }
     }
-    assert!(checked > 1000, "{checked} changes were checked");
+    assert!(checked > 300, "{checked} changes were checked");
 }
 
 #[test]

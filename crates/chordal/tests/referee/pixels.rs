@@ -110,7 +110,7 @@ fn report(what: &str, mut worst: Vec<f64>) -> Vec<f64> {
 
 #[test]
 fn no_eye_that_keeps_its_distance_sees_more_pixels_than_promised() {
-    let n = if is_long() { 2000 } else { 56 };
+    let n = if is_long() { 2000 } else { 28 };
     let worst = for_all(n, |seed| {
         let shape = shape(seed as u64);
         let r = &mut Random::new(seed as u64 + 7);
@@ -153,7 +153,7 @@ fn camera(shape: &Shape, r: &mut Random) -> (Camera, Eye) {
 
 #[test]
 fn no_camera_sees_more_pixels_than_promised() {
-    let n = if is_long() { 4000 } else { 56 };
+    let n = if is_long() { 4000 } else { 28 };
     let worst = for_all(n, |seed| {
         let shape = shape(seed as u64);
         let r = &mut Random::new(seed as u64 + 99);
@@ -182,7 +182,7 @@ fn no_camera_sees_more_pixels_than_promised() {
 fn pixel_bounds_cut_by_30_percent_are_caught() {
     // Far off and across the largest distance the pixels are nearly F·ε/z, so what is left is how tight the
     // length is.
-    let n = 140;
+    let n = if is_long() { 140 } else { 56 };
     let worst = for_all(n, |seed| {
         let shape = shape(seed as u64);
         let r = &mut Random::new(seed as u64);
