@@ -152,7 +152,7 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
     let truth = triangles(given);
     let mut random = Random::new(3);
     let made =
-        lod(loaded(text.as_bytes(), Format::Obj), &spec("0.002", 400), &Job::default()).expect("levels");
+        lod(loaded(text.as_bytes(), Format::Obj), &spec("0.002", 200), &Job::default()).expect("levels");
     let files = made.tileset().expect("files");
     let read = |name: &str| -> Mesh {
         let bytes = &files.beside.iter().find(|file| file.name == name).expect("a file").bytes;
@@ -190,5 +190,5 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
         let back = points(&soup, &mut random).into_iter().map(|p| truth.distance(p)).fold(0.0, f64::max);
         holds(there.max(back), most, "cut");
     }
-    assert!(n_mixed > 3, "{n_mixed}");
+    assert!(n_mixed > 1, "{n_mixed}");
 }
