@@ -58,6 +58,12 @@ impl ReadError {
     pub fn new(code: &'static str, place: FileLocation, message: impl Into<Message>) -> Self {
         Self { code, place, message: message.into() }
     }
+
+    /// The same error of a file inside or beside the one that is read: its name stands first.
+    pub(crate) fn within(self, name: &str) -> Self {
+        let message = Message::from(format!("{}: ", name.escape_default())).message(&self.message);
+        Self { message, ..self }
+    }
 }
 
 impl fmt::Display for ReadError {

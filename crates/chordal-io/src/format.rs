@@ -4,8 +4,10 @@ use crate::error::{ReadError, WriteError};
 use crate::files::FileOpener;
 use crate::scene::{ReadOutcome, Scene};
 use crate::text::is_space;
+use crate::unpack_cap::UnpackCap;
+use crate::volume::inflate::{MAGIC, peek};
 use crate::{FileSet, Limits, Polygons, SceneAssets, Volume};
-use crate::{bpt, glb, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm};
+use crate::{bpt, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm, vti};
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
 use std::fmt;
@@ -53,6 +55,12 @@ pub enum Format {
     Nrrd,
     /// NIfTI volume, gzipped or not.
     Nii,
+    /// NumPy arrays in a zip file, one of them with three axes.
+    Npz,
+    /// MetaImage volume, in one file or with its samples beside.
+    MetaImage,
+    /// Image data of VTK in XML.
+    Vti,
     /// A shape script, which is run instead of read.
     Star,
 }
@@ -146,6 +154,8 @@ pub(crate) struct FormatRow {
     pub triangles: Option<TriangleFormat>,
     pub polylines: Option<PolylineWriter>,
     pub volumes: Option<VolumeWriter>,
+    /// How much a gzipped file of it may unpack to.
+    pub cap: UnpackCap,
 }
 
 /// A format that is only read.
@@ -165,7 +175,18 @@ const fn only_read(
         triangles: None,
         polylines: None,
         volumes: None,
+        cap: UnpackCap::MODEL,
     }
+}
+
+/// The same for samples on a lattice.
+const fn volume_row(
+    format: Format,
+    name: &'static str,
+    looks_like: fn(&[u8]) -> bool,
+    read: fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>,
+) -> FormatRow {
+    FormatRow { cap: UnpackCap::VOLUME, ..only_read(format, name, looks_like, read) }
 }
 
 /// How glTF holds triangles, whatever its container.
@@ -185,7 +206,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 16] = [
+static TABLE: [FormatRow; 19] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -308,13 +329,20 @@ static TABLE: [FormatRow; 16] = [
     ),
     FormatRow {
         volumes: Some(|volume, _, out| npy::write(volume, out)),
-        ..only_read(Format::Npy, "npy", |bytes| bytes.starts_with(npy::MAGIC), npy::read)
+        ..volume_row(Format::Npy, "npy", |bytes| bytes.starts_with(npy::MAGIC), npy::read)
     },
     FormatRow {
         volumes: Some(nrrd::write),
-        ..only_read(Format::Nrrd, "nrrd", |bytes| bytes.starts_with(nrrd::MAGIC), nrrd::read)
+        ..volume_row(Format::Nrrd, "nrrd", |bytes| bytes.starts_with(nrrd::MAGIC), nrrd::read)
     },
-    FormatRow { extensions: &["nii.gz"], ..only_read(Format::Nii, "nii", nii::looks_like, nii::read) },
+    FormatRow { extensions: &["nii.gz"], ..volume_row(Format::Nii, "nii", nii::looks_like, nii::read) },
+    volume_row(Format::Npz, "npz", npy::looks_like_npz, npy::read_npz),
+    FormatRow {
+        extensions: &["mhd"],
+        read: Some(FormatReader::WithOthers(mha::read_with)),
+        ..volume_row(Format::MetaImage, "mha", |bytes| mha::looks_like(text_start(bytes)), mha::read)
+    },
+    volume_row(Format::Vti, "vti", |bytes| vti::looks_like(text_start(bytes)), vti::read),
     FormatRow {
         format: Format::Star,
         name: "star",
@@ -324,22 +352,26 @@ static TABLE: [FormatRow; 16] = [
         triangles: None,
         polylines: None,
         volumes: None,
+        cap: UnpackCap::MODEL,
     },
 ];
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 15] = [
+const BY_CONTENT: [Format; 18] = [
     Format::Glb,
     Format::ThreeMf,
+    Format::Npz,
     Format::Npy,
     Format::Nrrd,
     Format::Nii,
+    Format::MetaImage,
     Format::Ply,
     Format::Off,
     Format::Stl,
     Format::Gltf,
     Format::Json,
+    Format::Vti,
     Format::Svg,
     Format::Vm,
     Format::Teaset,
@@ -366,10 +398,34 @@ impl Format {
         TABLE.iter().find(has_name).map(|row| row.format)
     }
 
-    /// The format that the content looks like, whatever its extension. Looks only at as much as it must. A
-    /// reader may still refuse the file.
+    /// The format of an extension of a file that is read: [`crate::read`] unpacks what is gzipped, so that
+    /// `obj.gz` is one too.
+    ///
+    /// ```
+    /// use chordal_io::Format;
+    /// assert_eq!(Format::from_packed_extension("obj.gz"), Some(Format::Obj));
+    /// assert_eq!(Format::from_extension("obj.gz"), None);
+    /// ```
+    #[must_use]
+    pub fn from_packed_extension(extension: &str) -> Option<Self> {
+        let packed = || {
+            let at = extension.len().checked_sub(".gz".len())?;
+            let is_packed = extension.get(at..)?.eq_ignore_ascii_case(".gz");
+            if is_packed { Self::from_extension(&extension[..at]) } else { None }
+        };
+        Self::from_extension(extension).or_else(packed)
+    }
+
+    /// The format that the content looks like, whatever its extension. Looks only at as much as it must; of a
+    /// gzipped file at its first 64 KiB. A reader may still refuse the file.
     #[must_use]
     pub fn sniff(bytes: &[u8]) -> Option<Self> {
+        /// What is unpacked, which is more than any format needs that is told by its first bytes.
+        const HEAD: usize = 1 << 16;
+        if bytes.starts_with(&MAGIC) {
+            let head = peek(bytes, HEAD);
+            return BY_CONTENT.into_iter().find(|format| (format.row().looks_like)(&head));
+        }
         BY_CONTENT.into_iter().find(|format| (format.row().looks_like)(bytes))
     }
 
@@ -520,7 +576,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, svg, vm, npy, nrrd, nii and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, svg, vm, npy, nrrd, nii, npz, mha, vti and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -297,7 +297,67 @@ fn volumes() -> Vec<(Format, Vec<u8>)> {
         (Format::Nii, nii(1)),
         (Format::Nii, nii(2)),
         (Format::Nii, packed(&nii(1))),
+        (Format::MetaImage, meta("False", &samples)),
+        (Format::MetaImage, meta("True", &zlib(&samples))),
+        (Format::Npz, npz(&npy("<i2"))),
+        (Format::Vti, vti(&samples, "")),
+        (Format::Vti, vti(&samples, "compressor=\"vtkZLibDataCompressor\"")),
+        (Format::Vti, VTI_TEXT.to_vec()),
     ]
+}
+
+/// A MetaImage of eight numbers of 16 bits.
+fn meta(is_packed: &str, data: &[u8]) -> Vec<u8> {
+    let head = format!(
+        "ObjectType = Image\nNDims = 3\nBinaryDataByteOrderMSB = False\nCompressedData = {is_packed}\n\
+         TransformMatrix = 1 0 0 0 1 0 0 0 -1\nOffset = -1.5 2 3\nAnatomicalOrientation = RAS\n\
+         ElementSpacing = 1 2 3\nDimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+    );
+    [head.as_bytes(), data].concat()
+}
+
+/// A zip file of one stored array.
+fn npz(array: &[u8]) -> Vec<u8> {
+    let mut crc = flate2::Crc::new();
+    crc.update(array);
+    let n = (array.len() as u32).to_le_bytes();
+    let common = [&[20, 0, 0, 0, 0, 0, 0, 0, 0, 0][..], &crc.sum().to_le_bytes(), &n, &n, &[5, 0]].concat();
+    let local = [&b"PK\x03\x04"[..], &common, &[0, 0], b"a.npy", array].concat();
+    let row = [&b"PK\x01\x02\x14\0"[..], &common, &[0; 16], b"a.npy"].concat();
+    let ends = [(row.len() as u32).to_le_bytes(), (local.len() as u32).to_le_bytes()].concat();
+    [&local[..], &row, b"PK\x05\x06\0\0\0\0\x01\0\x01\0", &ends, &[0, 0]].concat()
+}
+
+/// Image data of eight numbers of 16 bits, appended raw.
+fn vti(samples: &[u8], compressor: &str) -> Vec<u8> {
+    let number = |n: usize| (n as u32).to_le_bytes();
+    let data = if compressor.is_empty() {
+        [&number(samples.len())[..], samples].concat()
+    } else {
+        let block = zlib(samples);
+        let sizes = [1, samples.len(), 0, block.len()].map(number).concat();
+        [sizes, block].concat()
+    };
+    let head = format!(
+        "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" {compressor}>\n<ImageData \
+         WholeExtent=\"0 1 0 1 0 1\" Origin=\"1 2 3\" Spacing=\"1 2 3\"><Piece Extent=\"0 1 0 1 0 1\">\
+         <PointData><DataArray type=\"Int16\" Name=\"a\" format=\"appended\" offset=\"0\"/></PointData>\
+         </Piece></ImageData>\n<AppendedData encoding=\"raw\">_"
+    );
+    [head.as_bytes(), &data, b"</AppendedData></VTKFile>"].concat()
+}
+
+/// The same of bytes, in two pieces, as base64.
+const VTI_TEXT: &[u8] = b"<VTKFile type=\"ImageData\" header_type=\"UInt64\"><ImageData WholeExtent=\"0 1 0 1 0 2\">\n\
+    <Piece Extent=\"0 1 0 1 0 1\"><PointData Scalars=\"a\"><DataArray type=\"UInt8\" Name=\"a\" format=\"binary\">\
+    CAAAAAAAAAAAAQIDBAUGBw==</DataArray><DataArray type=\"Float32\" Name=\"b\">1 2</DataArray></PointData></Piece>\
+    <Piece Extent=\"0 1 0 1 1 2\"><PointData><DataArray type=\"UInt8\" Name=\"a\" format=\"binary\">\
+    CAAAAAAAAAAAAQIDBAUGBw==</DataArray></PointData></Piece></ImageData></VTKFile>";
+
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).expect("packed");
+    encoder.finish().expect("packed")
 }
 
 fn packed(bytes: &[u8]) -> Vec<u8> {

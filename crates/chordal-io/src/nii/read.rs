@@ -2,7 +2,7 @@
 use super::header::{self, NiftiHeader, header_error};
 use super::orientation::affine;
 use crate::volume::count::{along, size_of};
-use crate::volume::gunzip::{GzipReader, MAGIC, check_ratio};
+use crate::volume::inflate::{InflateReader, MAGIC, check_ratio};
 use crate::volume::samples::{self, SampleLayout};
 use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
@@ -22,7 +22,7 @@ use chordal::implicit::{Grid, Samples};
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let mut stream = if bytes.starts_with(&MAGIC) {
-        SampleStream::Packed(GzipReader::new(bytes, 0))
+        SampleStream::Packed(InflateReader::gzip(bytes, 0))
     } else {
         SampleStream::plain(bytes, 0)
     };
@@ -166,5 +166,5 @@ fn unit(header: &NiftiHeader, warnings: &mut Warnings) -> Option<f64> {
 
 /// Whether bytes start like a NIfTI file, gzipped or not.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    header::looks_like(&crate::volume::gunzip::peek(bytes, 348))
+    header::looks_like(&crate::volume::inflate::peek(bytes, 348))
 }

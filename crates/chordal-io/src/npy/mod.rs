@@ -1,8 +1,11 @@
-//! NumPy's array files, `.npy`: versions 1 to 3, numbers in either byte order and either order of indices.
+//! NumPy's array files, `.npy` and, packed together, `.npz`: versions 1 to 3, numbers in either byte order and either order of indices.
 mod header;
+mod npz;
 mod read;
 mod write;
 
+pub(crate) use npz::looks_like_npz;
+pub use npz::read_npz;
 pub use read::read;
 pub use write::write;
 pub(crate) use write::write_samples;

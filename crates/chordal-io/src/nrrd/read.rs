@@ -5,7 +5,7 @@ use crate::nii::which;
 use crate::text::{grouped, number, number_error};
 use crate::volume::count::{along, size_of};
 use crate::volume::element::Endian;
-use crate::volume::gunzip::{GzipReader, check_ratio};
+use crate::volume::inflate::{InflateReader, check_ratio};
 use crate::volume::samples::{self, SampleLayout, TextSamples};
 use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
@@ -148,7 +148,7 @@ fn samples_of(
         }
         NrrdEncoding::Gzip => {
             check_ratio(layout.bytes(), (bytes.len() - start) as u64, &FileLocation::Byte(start as u64))?;
-            let mut stream = SampleStream::Packed(GzipReader::new(&bytes[start..], start as u64));
+            let mut stream = SampleStream::Packed(InflateReader::gzip(&bytes[start..], start as u64));
             let skip = skipped.ok_or_else(|| {
                 let message = "packed samples are not counted from the end: 'byte skip' is 0 or more";
                 ReadError::new("bad-header", FileLocation::File, message)

@@ -8,12 +8,9 @@ mod namespace;
 mod package;
 mod properties;
 mod read;
-mod unpack;
 mod write;
 mod write_model;
 mod write_properties;
-mod zip_directory;
-mod zip_writer;
 
 pub(crate) use read::looks_like;
 pub use read::read;

@@ -1,10 +1,11 @@
 //! `ModelPackage`: the parts of a 3MF file by name, and the relationships between them.
 use super::elements::{XmlElements, XmlStep};
 use super::namespace::ModelNamespace;
-use super::unpack::ZipUnpacker;
-use super::zip_directory::{ZipDirectory, unsafe_name};
 use crate::text::show;
+use crate::unpack_cap::UnpackCap;
 use crate::warnings::Warnings;
+use crate::zip::directory::{ZipDirectory, ZipNames, unsafe_name};
+use crate::zip::unpack::ZipUnpacker;
 use crate::{FileLocation, Limits, ReadError};
 
 /// The list of what the parts are, which every package has.
@@ -37,9 +38,9 @@ impl<'a> ModelPackage<'a> {
     /// # Errors
     /// As of [`ZipDirectory::read`].
     pub(super) fn new(bytes: &'a [u8], limits: &'a Limits) -> Result<Self, ReadError> {
-        let directory = ZipDirectory::read(bytes)?;
+        let directory = ZipDirectory::read(bytes, ZipNames::AnyCase)?;
         let is_used = vec![false; directory.entries.len()];
-        Ok(Self { directory, unpacker: ZipUnpacker::new(bytes, limits), is_used, limits })
+        Ok(Self { directory, unpacker: ZipUnpacker::new(bytes, UnpackCap::MODEL, limits), is_used, limits })
     }
 
     /// The name of the part that the package says is the model.

@@ -3,7 +3,7 @@ use super::build::NodeBuilder;
 use super::model::{ModelReader, ModelSet};
 use super::package::ModelPackage;
 use super::properties::MATERIAL;
-use super::zip_directory::{LOCAL, ZipDirectory};
+use crate::zip::directory::{LOCAL, ZipDirectory, ZipNames};
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 use chordal::explicit::Semantic;
 
@@ -99,7 +99,7 @@ pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     if !bytes.starts_with(LOCAL) {
         return false;
     }
-    match ZipDirectory::read(bytes) {
+    match ZipDirectory::read(bytes, ZipNames::AnyCase) {
         Ok(directory) => directory.entries.iter().any(|entry| is_model(&entry.name)),
         Err(_) => {
             let head = &bytes[..bytes.len().min(LOOKED_AT)];

@@ -1,7 +1,7 @@
 //! Writes 3MF.
 use super::package::{CONTENT_TYPES, MODEL, MODEL_RELATIONSHIP, ROOT_RELATIONSHIPS};
 use super::write_model::ModelWriter;
-use super::zip_writer::ZipWriter;
+use crate::zip::writer::ZipWriter;
 use crate::{Scene, WriteError};
 use serde_json::Value;
 use std::io::Write;

@@ -1,9 +1,11 @@
 //! `Volume`: samples on a lattice in the space of their file, and the shared parts of volume readers.
 pub(crate) mod count;
+pub(crate) mod data_files;
 pub(crate) mod element;
-pub(crate) mod gunzip;
+pub(crate) mod inflate;
 pub(crate) mod samples;
 pub(crate) mod stream;
+pub(crate) mod text_bytes;
 
 use crate::Frame;
 use chordal::implicit::Grid;

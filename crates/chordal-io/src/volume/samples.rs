@@ -75,6 +75,32 @@ pub(crate) fn read(
     Ok(samples)
 }
 
+/// The bytes of the samples of a stream, which must end with them.
+///
+/// # Errors
+/// When it ends before or after them.
+pub(crate) fn bytes(
+    stream: &mut SampleStream,
+    layout: &SampleLayout,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Vec<u8>, ReadError> {
+    let declared = layout.bytes().unwrap_or(u64::MAX);
+    let mut all = Vec::new();
+    let mut buffer = [0; CHUNK];
+    while (all.len() as u64) < declared {
+        let left = usize::try_from(declared - all.len() as u64).unwrap_or(usize::MAX);
+        let want = left.min(CHUNK);
+        let got = stream.fill(&mut buffer[..want])?;
+        append(&mut all, buffer[..got].iter().copied())?;
+        if got < want {
+            return Err(stream.truncated(all.len() as u64, declared));
+        }
+    }
+    end(stream, limits, warnings)?;
+    Ok(all)
+}
+
 /// Checks that nothing follows: with more samples than declared the header is wrong.
 fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
     let place = stream.place();
@@ -83,19 +109,42 @@ fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> R
         // One packed byte too many is enough, unless all of them are counted.
         None => stream.skip(if limits.conformance == Conformance::Lenient { u64::MAX } else { 1 })?,
     };
-    if more == 0 {
-        return Ok(());
+    // Bytes that may be there may also be more than those that were looked at.
+    let is_exact = stream.left().is_some() || limits.conformance == Conformance::Lenient;
+    let more = TrailingBytes { more, place, is_exact };
+    more.check(limits, warnings)?;
+    let after = stream.after();
+    TrailingBytes { more: after, place: stream.place(), is_exact: true }.check(limits, warnings)
+}
+
+/// Bytes after the samples that a header declares.
+pub(crate) struct TrailingBytes {
+    pub more: u64,
+    pub place: FileLocation,
+    /// Whether there are not more of them.
+    pub is_exact: bool,
+}
+
+impl TrailingBytes {
+    /// Refuses them, or counts them where the reader is lenient.
+    pub(crate) fn check(self, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
+        let Self { more, place, is_exact } = self;
+        if more == 0 {
+            return Ok(());
+        }
+        if limits.conformance != Conformance::Lenient {
+            let how_many = if is_exact { format!("{} more", grouped(more)) } else { "more".to_owned() };
+            let message = format!("the samples that the header declares end here, {how_many} bytes follow; ");
+            let message = Message::from(message).setting(Setting::Lenient).words(" skips them");
+            return Err(ReadError::new("trailing-bytes", place, message));
+        }
+        warnings.count("trailing-bytes", || {
+            let message =
+                format!("{} bytes after the samples that the header declares were skipped", grouped(more));
+            (place, message)
+        });
+        Ok(())
     }
-    if limits.conformance != Conformance::Lenient {
-        let how_many = stream.left().map_or_else(|| "more".to_owned(), |n| format!("{} more", grouped(n)));
-        let message = format!("the samples that the header declares end here, {how_many} bytes follow; ");
-        let message = Message::from(message).setting(Setting::Lenient).words(" skips them");
-        return Err(ReadError::new("trailing-bytes", place, message));
-    }
-    warnings.count("trailing-bytes", || {
-        (place, format!("{} bytes after the samples that the header declares were skipped", grouped(more)))
-    });
-    Ok(())
 }
 
 fn collect<T: Copy>(

@@ -1,5 +1,5 @@
 //! `SampleStream`: the bytes of samples, plain or packed.
-use super::gunzip::GzipReader;
+use super::inflate::InflateReader;
 use crate::text::grouped;
 use crate::{FileLocation, ReadError};
 
@@ -12,8 +12,8 @@ pub(crate) enum SampleStream<'a> {
         /// The next byte.
         at: usize,
     },
-    /// Gzipped bytes.
-    Packed(GzipReader<'a>),
+    /// Packed bytes.
+    Packed(InflateReader<'a>),
 }
 
 impl<'a> SampleStream<'a> {
@@ -31,7 +31,7 @@ impl<'a> SampleStream<'a> {
                 *at += n;
                 Ok(n)
             }
-            Self::Packed(gunzip) => gunzip.fill(buffer),
+            Self::Packed(inflater) => inflater.fill(buffer),
         }
     }
 
@@ -63,11 +63,19 @@ impl<'a> SampleStream<'a> {
         }
     }
 
+    /// The bytes after the end of a packed stream, once it was read to its end.
+    pub(crate) fn after(&self) -> u64 {
+        match self {
+            Self::Plain { .. } => 0,
+            Self::Packed(inflater) => inflater.rest().len() as u64,
+        }
+    }
+
     /// The location of the next byte.
     pub(crate) fn place(&self) -> FileLocation {
         match self {
             Self::Plain { at, .. } => FileLocation::Byte(*at as u64),
-            Self::Packed(gunzip) => gunzip.place(),
+            Self::Packed(inflater) => inflater.place(),
         }
     }
 

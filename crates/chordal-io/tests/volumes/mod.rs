@@ -3,9 +3,12 @@
 mod build;
 mod corpus;
 mod hostile;
+mod mha;
 mod nii;
 mod npy;
+mod npz;
 mod nrrd;
+mod vti;
 
 use chordal_io::{Content, Format, Limits, Volume, Warning, read};
 

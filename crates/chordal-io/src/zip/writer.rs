@@ -1,5 +1,5 @@
 //! `ZipWriter`: writes a zip container, the same bytes for the same content.
-use super::zip_directory::{END, LOCAL, ROW};
+use super::directory::{END, LOCAL, ROW};
 use crate::WriteError;
 use crate::text::grouped;
 use flate2::write::DeflateEncoder;
@@ -16,7 +16,7 @@ const DEFLATED: u16 = 8;
 const DATE: u16 = 1 | 1 << 5;
 
 /// A container that is being written.
-pub(super) struct ZipWriter<'a> {
+pub(crate) struct ZipWriter<'a> {
     out: &'a mut dyn Write,
     at: u64,
     directory: Vec<u8>,
@@ -45,7 +45,7 @@ impl Write for EntryPacker {
 }
 
 impl<'a> ZipWriter<'a> {
-    pub(super) fn new(out: &'a mut dyn Write) -> Self {
+    pub(crate) fn new(out: &'a mut dyn Write) -> Self {
         Self { out, at: 0, directory: Vec::new(), n_entries: 0 }
     }
 
@@ -53,7 +53,7 @@ impl<'a> ZipWriter<'a> {
     ///
     /// # Errors
     /// When the sink fails, the content does, or either size does not fit 32 bits.
-    pub(super) fn entry(
+    pub(crate) fn entry(
         &mut self,
         name: &str,
         content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
@@ -103,7 +103,7 @@ impl<'a> ZipWriter<'a> {
     ///
     /// # Errors
     /// When the sink fails, or the file is too large.
-    pub(super) fn finish(self) -> Result<(), WriteError> {
+    pub(crate) fn finish(self) -> Result<(), WriteError> {
         let Ok(at) = u32::try_from(self.at) else {
             let message = format!("3MF ends at 4 GiB here, and the parts take {} bytes", grouped(self.at));
             return Err(WriteError::Unsupported(message));

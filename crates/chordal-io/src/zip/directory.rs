@@ -5,12 +5,12 @@ use crate::{FileLocation, ReadError};
 use std::collections::BTreeSet;
 
 /// The first bytes of a file in a container, and so of a container that is not empty.
-pub(super) const LOCAL: &[u8; 4] = b"PK\x03\x04";
+pub(crate) const LOCAL: &[u8; 4] = b"PK\x03\x04";
 /// The first bytes of a row of the directory, and its bytes before the name.
-pub(super) const ROW: &[u8; 4] = b"PK\x01\x02";
+pub(crate) const ROW: &[u8; 4] = b"PK\x01\x02";
 const ROW_BYTES: usize = 46;
 /// The first bytes of the end, and its bytes before the comment.
-pub(super) const END: &[u8; 4] = b"PK\x05\x06";
+pub(crate) const END: &[u8; 4] = b"PK\x05\x06";
 const END_BYTES: usize = 22;
 /// The same with numbers of 64 bits, and what says where that is.
 const END_64: &[u8; 4] = b"PK\x06\x06";
@@ -28,7 +28,7 @@ const MODE_LINK: u32 = 0o120_000;
 
 /// A file in a container, as its directory has it.
 #[derive(Clone, Debug)]
-pub(super) struct ZipEntry {
+pub(crate) struct ZipEntry {
     pub name: String,
     /// 0 for stored, 8 for deflated.
     pub method: u16,
@@ -42,14 +42,23 @@ pub(super) struct ZipEntry {
 
 /// The files of a container; folders are left out.
 #[derive(Clone, Debug)]
-pub(super) struct ZipDirectory {
+pub(crate) struct ZipDirectory {
     pub entries: Vec<ZipEntry>,
 }
 
 /// The little-endian number at a byte.
-pub(super) fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<u64> {
+pub(crate) fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<u64> {
     let raw = bytes.get(at..at.checked_add(N)?)?;
     Some(raw.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte)))
+}
+
+/// Which names are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ZipNames {
+    /// Those that differ in case only, as in packages.
+    AnyCase,
+    /// Only those that are equal.
+    Exact,
 }
 
 /// Where the rows are.
@@ -65,7 +74,7 @@ impl ZipDirectory {
     /// # Errors
     /// When there is none, it is cut off, it has too many rows, two names are the same, or one leads out of
     /// the container.
-    pub(super) fn read(bytes: &[u8]) -> Result<Self, ReadError> {
+    pub(crate) fn read(bytes: &[u8], same: ZipNames) -> Result<Self, ReadError> {
         let range = directory_range(bytes)?;
         if range.n_rows > MOST_ENTRIES {
             let message = format!(
@@ -104,8 +113,11 @@ impl ZipDirectory {
             if mode & MODE_KIND == MODE_LINK {
                 return refuse("unsafe-name", "is a symbolic link");
             }
-            // Names that differ in case only are the same to packages.
-            if !names.insert(entry.name.to_ascii_lowercase()) {
+            let name = match same {
+                ZipNames::AnyCase => entry.name.to_ascii_lowercase(),
+                ZipNames::Exact => entry.name.clone(),
+            };
+            if !names.insert(name) {
                 return refuse("duplicate-name", "is there twice");
             }
             if !entry.name.ends_with('/') {
@@ -116,7 +128,7 @@ impl ZipDirectory {
     }
 
     /// The entry of a name, whatever the case of its letters.
-    pub(super) fn find(&self, name: &str) -> Option<usize> {
+    pub(crate) fn find(&self, name: &str) -> Option<usize> {
         self.entries.iter().position(|entry| entry.name.eq_ignore_ascii_case(name))
     }
 }
@@ -223,7 +235,7 @@ fn widen(sizes: &mut [u64; 3], mut extra: &[u8]) -> Option<()> {
 
 /// Why a name is refused, if it is: nothing is written to a disk, but a name that would lead out of a folder
 /// has no honest use.
-pub(super) fn unsafe_name(name: &str) -> Option<&'static str> {
+pub(crate) fn unsafe_name(name: &str) -> Option<&'static str> {
     let path = name.strip_suffix('/').unwrap_or(name);
     if path.is_empty() || path.split('/').any(str::is_empty) {
         return Some("has a name that is absolute or has an empty step");

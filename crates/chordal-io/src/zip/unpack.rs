@@ -1,37 +1,44 @@
 //! `ZipUnpacker`: the bytes of an entry, unpacked within limits that are checked on the way.
-use super::zip_directory::{LOCAL, ZipEntry, number};
+use super::directory::{LOCAL, ZipEntry, number};
 use crate::grow::push_many;
 use crate::text::{grouped, show};
+use crate::unpack_cap::UnpackCap;
 use crate::{FileLocation, Limits, ReadError};
 use flate2::Crc;
 use flate2::read::DeflateDecoder;
 use std::io::{ErrorKind, Read};
 
-/// The most bytes of one entry. Chosen: seven times the largest single part that a tool was reported to fail
-/// on, which has 76 MB, and about six million triangles.
-const MOST_BYTES: u64 = 512 << 20;
-/// The most bytes of all entries together.
-const MOST_TOTAL: u64 = 1 << 30;
-/// The most unpacked bytes for one packed byte. Measured on models: 4 to 12; nothing but a bomb comes near.
-const MOST_RATIO: u64 = 200;
-/// Up to this size the ratio does not matter: a small part of few different bytes is harmless.
-const SMALL: u64 = 16 << 20;
 /// The bytes of a local header before the name.
 const LOCAL_BYTES: usize = 30;
 /// The bytes that are unpacked between two looks at the limits.
 const STEP: usize = 1 << 16;
 
 /// Unpacks entries of one file, and counts what they take together.
-pub(super) struct ZipUnpacker<'a> {
+pub(crate) struct ZipUnpacker<'a> {
     bytes: &'a [u8],
     /// What may still be unpacked.
     left: u64,
     most: u64,
+    cap: UnpackCap,
 }
 
 impl<'a> ZipUnpacker<'a> {
-    pub(super) fn new(bytes: &'a [u8], limits: &Limits) -> Self {
-        Self { bytes, left: MOST_TOTAL.min(limits.bytes), most: MOST_BYTES.min(limits.bytes) }
+    pub(crate) fn new(bytes: &'a [u8], cap: UnpackCap, limits: &Limits) -> Self {
+        Self { bytes, left: cap.total.min(limits.bytes), most: cap.entry.min(limits.bytes), cap }
+    }
+
+    /// Up to `most` bytes from the start of an entry, as far as they can be had.
+    pub(crate) fn head(&self, entry: &ZipEntry, most: usize) -> Vec<u8> {
+        let Ok((packed, _)) = self.packed(entry) else { return Vec::new() };
+        let source: Box<dyn Read> = match entry.method {
+            0 if !entry.is_encrypted => Box::new(packed),
+            8 if !entry.is_encrypted => Box::new(DeflateDecoder::new(packed)),
+            _ => return Vec::new(),
+        };
+        let mut head = Vec::new();
+        // What comes before an error is a head too.
+        let _ = source.take(most as u64).read_to_end(&mut head);
+        head
     }
 
     /// The content of an entry.
@@ -39,7 +46,7 @@ impl<'a> ZipUnpacker<'a> {
     /// # Errors
     /// When it is cut off, damaged, encrypted or packed in another way than deflated; when it has another
     /// size or checksum than the directory says; when it passes a limit.
-    pub(super) fn unpack(&mut self, entry: &ZipEntry) -> Result<Vec<u8>, ReadError> {
+    pub(crate) fn unpack(&mut self, entry: &ZipEntry) -> Result<Vec<u8>, ReadError> {
         let (packed, at) = self.packed(entry)?;
         let refuse = |code, what: String| {
             let message = format!("the package's entry {} {what}", show(entry.name.as_bytes()));
@@ -56,7 +63,7 @@ impl<'a> ZipUnpacker<'a> {
                 return Err(refuse("unsupported-packing", what));
             }
         };
-        let dense = SMALL.max(MOST_RATIO.saturating_mul(packed.len() as u64));
+        let (cap, n_packed) = (self.cap, packed.len() as u64);
         let check = |size: u64| {
             let over = |limit: u64, what: &str| {
                 let message = format!("unpacks to more than {} bytes, {what}", grouped(limit));
@@ -68,12 +75,8 @@ impl<'a> ZipUnpacker<'a> {
             if size > self.left {
                 return over(self.left, "which is what the limit of the whole package leaves");
             }
-            if size > dense {
-                let message = format!(
-                    "unpacks to more than {MOST_RATIO} times its {} bytes",
-                    grouped(packed.len() as u64)
-                );
-                return Err(refuse("too-dense", message));
+            if cap.is_too_dense(size, n_packed) {
+                return Err(refuse("too-dense", cap.too_dense(n_packed)));
             }
             Ok(())
         };

@@ -1,0 +1,12 @@
+//! MetaImage volumes: `.mha`, header and samples in one file, and `.mhd`, whose samples are in files beside it.
+//!
+//! Source: Kitware, "MetaIO Documentation", docs.itk.org (2001 to 2024); what the text leaves open is as the
+//! library MetaIO of ITK does it.
+mod fields;
+mod header;
+mod orientation;
+mod read;
+mod sample_files;
+
+pub(crate) use fields::looks_like;
+pub use read::{read, read_with};

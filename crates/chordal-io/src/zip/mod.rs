@@ -1,0 +1,4 @@
+//! Zip containers, which 3MF packages and `.npz` files are: read within limits, written deterministically.
+pub(crate) mod directory;
+pub(crate) mod unpack;
+pub(crate) mod writer;

@@ -1,0 +1,12 @@
+//! Any bytes as Vti: a shape or a typed error, no panic.
+#![no_main]
+use chordal_io::{Format, Limits, read};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let _ = read(
+        bytes,
+        Format::Vti,
+        &Limits { index: bytes.first().map(|b| u64::from(b % 3)), ..Limits::default() },
+    );
+});
