@@ -41,6 +41,7 @@ mod text;
 pub mod threemf;
 pub mod tiles;
 mod unpack_cap;
+mod unpacked;
 mod used_assets;
 pub mod vm;
 mod volume;
@@ -64,6 +65,7 @@ pub use read::{read, read_with};
 pub use scene::{Content, Node, Part, ReadOutcome, Scene};
 pub use side_file::{FileSet, SideFile, picture_extensions};
 pub use snap::{CoordinateOverflow, SnappedMesh, snap, worst_snap};
+pub use unpacked::unpacked;
 pub use volume::Volume;
 pub use write::{write, write_files, write_polygons, write_polygons_files, write_polylines, write_volume};
 

@@ -1,7 +1,7 @@
 //! `read`: decodes bytes of a known format into a shape.
 use crate::format::FormatReader;
 use crate::text::grouped;
-use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome};
+use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome, unpacked};
 
 /// Reads a file of `format` into its shape, and counts its oddities.
 ///
@@ -9,7 +9,9 @@ use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome};
 /// 64 MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle where a file packs triangles
 /// tighter than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point that
 /// a path packs tighter; or 16 times the bytes of the samples that a packed volume, or of the parts that a
-/// packed model, unpacks to.
+/// packed model, or of the content that a gzipped file, unpacks to.
+///
+/// A gzipped file of any format is unpacked first ([`crate::unpacked`]); places are those of its content.
 ///
 /// # Errors
 /// One [`ReadError`] with its location. Where the content looks like another format, the message names that
@@ -66,6 +68,9 @@ fn read_from(
     open: Option<&mut FileOpener<'_>>,
     limits: &Limits,
 ) -> Result<ReadOutcome, ReadError> {
+    check_size(bytes, limits)?;
+    let content = unpacked(bytes, Some(format), limits)?;
+    let bytes = &*content;
     check_size(bytes, limits)?;
     let read = match format.row().read {
         Some(FormatReader::OneFile(read)) => read(bytes, limits),

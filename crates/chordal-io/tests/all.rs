@@ -12,6 +12,7 @@ mod hostile_stl;
 mod json_schema;
 mod materials;
 mod off;
+mod packed;
 mod patches;
 mod png;
 mod round_trip;

@@ -303,6 +303,7 @@ fn volumes() -> Vec<(Format, Vec<u8>)> {
         (Format::Vti, vti(&samples, "")),
         (Format::Vti, vti(&samples, "compressor=\"vtkZLibDataCompressor\"")),
         (Format::Vti, VTI_TEXT.to_vec()),
+        (Format::Obj, packed(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")),
     ]
 }
 

@@ -23,7 +23,7 @@ impl FormatHint<'_> {
     #[must_use]
     pub fn format_of(self, bytes: &[u8]) -> Option<Format> {
         let extension = self.name.and_then(extension);
-        let by_name = || extension.and_then(Format::from_extension);
+        let by_name = || extension.and_then(Format::from_packed_extension);
         self.format.or_else(by_name).or_else(|| Format::sniff(bytes))
     }
 }
@@ -94,13 +94,16 @@ fn load_from(
     open: Option<&mut FileOpener<'_>>,
     limits: &Limits,
 ) -> Result<Input, ReadError> {
-    let format = format_of(bytes, hint)?;
+    let by_name = hint.name.and_then(extension).and_then(Format::from_packed_extension);
+    // Only what is inside says what a file is whose name does not.
+    let content = chordal_io::unpacked(bytes, hint.format.or(by_name), limits)?;
+    let format = format_of(&content, hint)?;
     if let Some(surface) = limits.surface {
         check_surface(surface, format)?;
     }
     let mut files: Vec<InputFile> = Vec::new();
     let (mut shape, warnings) = if format == Format::Star {
-        script::shape(bytes, hint.set, limits)?
+        script::shape(&content, hint.set, limits)?
     } else {
         if let Some((name, _)) = hint.set.first() {
             let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");
@@ -116,9 +119,9 @@ fn load_from(
                     }
                     Ok(bytes)
                 };
-                chordal_io::read_with(bytes, format, &mut recorded, limits)?
+                chordal_io::read_with(&content, format, &mut recorded, limits)?
             }
-            None => chordal_io::read(bytes, format, limits)?,
+            None => chordal_io::read(&content, format, limits)?,
         };
         (loaded.content.into(), loaded.warnings)
     };
@@ -152,18 +155,14 @@ fn format_of(bytes: &[u8], hint: FormatHint) -> Result<Format, ReadError> {
     })
 }
 
-/// A two-part extension.
-const PACKED: &str = ".nii.gz";
-
-/// The extension of a file's name; `nii.gz` counts as one.
+/// The extension of a file's name. `obj.gz` counts as one, as does any other of a format that is packed.
 #[must_use]
 pub fn extension(name: &str) -> Option<&str> {
     let file = name.rsplit(['/', '\\']).next()?;
-    let packed = file.len().checked_sub(PACKED.len()).filter(|at| *at > 0 && file.is_char_boundary(*at));
-    if let Some(at) = packed.filter(|at| file[*at..].eq_ignore_ascii_case(PACKED)) {
-        return Some(&file[at + 1..]);
-    }
-    file.rsplit_once('.').map(|(_, extension)| extension)
+    let (stem, last) = file.rsplit_once('.')?;
+    let under = stem.rsplit_once('.').filter(|(name, _)| last.eq_ignore_ascii_case("gz") && !name.is_empty());
+    let packed = under.filter(|(_, under)| Format::from_extension(under).is_some());
+    Some(packed.map_or(last, |(name, _)| &file[name.len() + 1..]))
 }
 
 #[cfg(test)]
@@ -176,6 +175,7 @@ mod tests {
         assert_eq!(extension("a/teapot.tar.obj"), Some("obj"));
         assert_eq!(extension("a.b/brain.NII.gz"), Some("NII.gz"));
         assert_eq!(extension("brain.tar.gz"), Some("gz"));
+        assert_eq!(extension("a.b.mha.GZ"), Some("mha.GZ"));
         assert_eq!(extension(".nii.gz"), Some("gz"));
         assert_eq!(extension("C:\\x\\teapot.GLB"), Some("GLB"));
     }

@@ -155,7 +155,7 @@ impl FolderWalk {
             match kind {
                 _ if text.starts_with('.') => {}
                 EntryKind::Folder if !self.is_output(&path) => self.known_files(&path)?,
-                EntryKind::File if extension(&text).and_then(Format::from_extension).is_some() => {
+                EntryKind::File if extension(&text).and_then(Format::from_packed_extension).is_some() => {
                     self.found.insert(path);
                 }
                 EntryKind::File => self.left_out += 1,

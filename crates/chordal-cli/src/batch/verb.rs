@@ -52,7 +52,7 @@ impl BatchVerb {
             Self::Inspect => "json".to_owned(),
             Self::Mend => {
                 let name = input.to_string_lossy();
-                let own = extension(&name).and_then(Format::from_extension);
+                let own = extension(&name).and_then(Format::from_packed_extension);
                 own.filter(|format| format.holds_triangles()).unwrap_or(Format::Glb).to_string()
             }
         }

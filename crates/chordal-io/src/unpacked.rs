@@ -1,0 +1,67 @@
+//! `unpacked`: the content of a gzipped file of any format, within limits that are checked on the way.
+use crate::text::grouped;
+use crate::volume::inflate::{InflateReader, MAGIC};
+use crate::{FileLocation, Format, Limits, ReadError};
+use std::borrow::Cow;
+
+/// The bytes unpacked at once.
+const STEP: usize = 1 << 16;
+
+/// The content of a file: unpacked where it is gzipped, else the bytes themselves. `format` is what is known of
+/// it. NIfTI stays packed, because its reader unpacks no more than it needs.
+///
+/// Of meshes, drawings and texts more than 16 MiB may be 200 times the packed bytes, of volumes more than 1 GiB
+/// may be 1,000 times these, and nothing more than [`Limits::bytes`].
+///
+/// # Errors
+/// When the packed bytes are damaged or cut off, unpack to too much, or are packed twice.
+///
+/// ```
+/// use chordal_io::{Limits, unpacked};
+/// use std::io::Write;
+/// let mut file = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+/// file.write_all(b"v 0 0 0\n")?;
+/// assert_eq!(*unpacked(&file.finish()?, None, &Limits::default())?, *b"v 0 0 0\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn unpacked<'a>(
+    bytes: &'a [u8],
+    format: Option<Format>,
+    limits: &Limits,
+) -> Result<Cow<'a, [u8]>, ReadError> {
+    if !bytes.starts_with(&MAGIC) || format == Some(Format::Nii) {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    let format = format.or_else(|| Format::sniff(bytes));
+    let cap = format.unwrap_or(Format::Obj).row().cap;
+    let n_packed = bytes.len() as u64;
+    let mut inflater = InflateReader::gzip(bytes, 0);
+    let mut content: Vec<u8> = Vec::new();
+    let mut step = vec![0; STEP];
+    loop {
+        let n = inflater.fill(&mut step)?;
+        let size = content.len() as u64 + n as u64;
+        if size > limits.bytes {
+            let message =
+                format!("the file unpacks to more than the limit of {} bytes", grouped(limits.bytes));
+            return Err(ReadError::new("too-large", inflater.place(), message));
+        }
+        if cap.is_too_dense(size, n_packed) {
+            let message = format!("the file {}", cap.too_dense(n_packed));
+            return Err(ReadError::new("too-dense", inflater.place(), message));
+        }
+        if content.capacity() - content.len() < n {
+            let more = n.max(content.len() / 2);
+            content.try_reserve_exact(more).map_err(|_| crate::grow::out_of_memory(content.len()))?;
+        }
+        content.extend_from_slice(&step[..n]);
+        if n < STEP {
+            break;
+        }
+    }
+    if content.starts_with(&MAGIC) {
+        let message = "the file is packed twice by gzip: unpack it once";
+        return Err(ReadError::new("packed-twice", FileLocation::Byte(0), message));
+    }
+    Ok(Cow::Owned(content))
+}
