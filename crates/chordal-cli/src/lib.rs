@@ -14,6 +14,7 @@ mod deviation;
 mod docs;
 mod execution;
 mod fault;
+mod folder;
 mod folder_lock;
 mod input;
 mod inspect;

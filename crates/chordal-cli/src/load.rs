@@ -3,6 +3,7 @@ use crate::args::{InputArgs, PolygonSurfaceArg};
 use crate::beside::read_beside;
 use crate::console::Console;
 use crate::fault::Fault;
+use crate::folder::list_slices;
 use crate::input::InputSource;
 use crate::spelling::CommandLine;
 use chordal::budget::advice::Spell;
@@ -86,17 +87,25 @@ struct RawInput {
     source: InputSource,
     name: String,
     bytes: Vec<u8>,
+    /// Whether the bytes are the list of the slices in a folder.
+    is_folder: bool,
 }
 
 impl RawInput {
     fn read(args: &InputArgs) -> Result<Self, Fault> {
         let source = InputSource::from_arg(&args.input);
-        let bytes = source.read(limits(args).bytes)?;
-        Ok(Self { name: source.name(), source, bytes })
+        let list = match &source {
+            InputSource::File(path) => list_slices(path),
+            InputSource::Stdin => None,
+        };
+        let folder = list.is_some();
+        let bytes = list.map_or_else(|| source.read(limits(args).bytes), Ok)?;
+        Ok(Self { name: source.name(), source, bytes, is_folder: folder })
     }
 
     fn hint<'a>(&'a self, args: &'a InputArgs) -> FormatHint<'a> {
-        let name = matches!(self.source, InputSource::File(_)).then_some(self.name.as_str());
+        let is_file = matches!(self.source, InputSource::File(_)) && !self.is_folder;
+        let name = is_file.then_some(self.name.as_str());
         FormatHint { name, format: args.from, set: &args.set, region: args.region }
     }
 
@@ -118,6 +127,10 @@ impl RawInput {
         let name = &self.name;
         let limits = limits(args);
         let mut open = |path: &str| match &self.source {
+            // Files in a folder are beside its list.
+            InputSource::File(folder) if self.is_folder => {
+                read_beside(&folder.join("list"), path, limits.bytes)
+            }
             InputSource::File(first) => read_beside(first, path, limits.bytes),
             InputSource::Stdin => Err("stdin is in no folder".to_owned()),
         };

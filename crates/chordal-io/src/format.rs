@@ -7,7 +7,9 @@ use crate::text::is_space;
 use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{FileSet, Limits, Polygons, SceneAssets, Volume};
-use crate::{bpt, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm, vti};
+use crate::{
+    bpt, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm, vti,
+};
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
 use std::fmt;
@@ -61,6 +63,8 @@ pub enum Format {
     MetaImage,
     /// Image data of VTK in XML.
     Vti,
+    /// A series of DICOM: slices in files of their own, and the list of them.
+    Dicom,
     /// A shape script, which is run instead of read.
     Star,
 }
@@ -206,7 +210,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 19] = [
+static TABLE: [FormatRow; 20] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -344,6 +348,11 @@ static TABLE: [FormatRow; 19] = [
     },
     volume_row(Format::Vti, "vti", |bytes| vti::looks_like(text_start(bytes)), vti::read),
     FormatRow {
+        extensions: &["dicom"],
+        read: Some(FormatReader::WithOthers(dicom::read_with)),
+        ..volume_row(Format::Dicom, "dcm", dicom::looks_like, dicom::read)
+    },
+    FormatRow {
         format: Format::Star,
         name: "star",
         extensions: &[],
@@ -358,7 +367,7 @@ static TABLE: [FormatRow; 19] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 18] = [
+const BY_CONTENT: [Format; 19] = [
     Format::Glb,
     Format::ThreeMf,
     Format::Npz,
@@ -366,6 +375,7 @@ const BY_CONTENT: [Format; 18] = [
     Format::Nrrd,
     Format::Nii,
     Format::MetaImage,
+    Format::Dicom,
     Format::Ply,
     Format::Off,
     Format::Stl,
@@ -576,7 +586,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, svg, vm, npy, nrrd, nii, npz, mha, vti and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -4,6 +4,7 @@ mod assemble;
 mod assets;
 pub mod bpt;
 mod certificate;
+pub mod dicom;
 mod drawing;
 mod error;
 mod faces;

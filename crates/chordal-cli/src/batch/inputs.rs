@@ -155,7 +155,7 @@ impl FolderWalk {
             match kind {
                 _ if text.starts_with('.') => {}
                 EntryKind::Folder if !self.is_output(&path) => self.known_files(&path)?,
-                EntryKind::File if extension(&text).and_then(Format::from_packed_extension).is_some() => {
+                EntryKind::File if is_known(&text) => {
                     self.found.insert(path);
                 }
                 EntryKind::File => self.left_out += 1,
@@ -168,6 +168,12 @@ impl FolderWalk {
     fn is_output(&self, path: &Path) -> bool {
         self.output.is_some() && path.canonicalize().ok() == self.output
     }
+}
+
+/// Whether a file by this name is a shape of its own, which a slice is not.
+fn is_known(name: &str) -> bool {
+    let format = extension(name).and_then(Format::from_packed_extension);
+    format.is_some_and(|format| format != Format::Dicom)
 }
 
 /// What stands in a folder.

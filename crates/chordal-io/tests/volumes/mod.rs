@@ -2,6 +2,7 @@
 //! volumes.
 mod build;
 mod corpus;
+mod dicom;
 mod hostile;
 mod mha;
 mod nii;

@@ -1,0 +1,159 @@
+//! `DicomElements`: the data elements of a file one after the other, without going into sequences.
+use crate::text::grouped;
+use crate::volume::element::Endian;
+use crate::{FileLocation, ReadError};
+
+/// The preamble, and the four letters after it.
+const PREAMBLE: usize = 128;
+const MAGIC: &[u8] = b"DICM";
+/// A length that is not known in advance: the end is marked.
+const UNDEFINED: u32 = 0xFFFF_FFFF;
+/// The tags of items, of the end of an item, and of the end of a sequence.
+const ITEM: [u16; 2] = [0xFFFE, 0xE000];
+const ITEM_END: [u16; 2] = [0xFFFE, 0xE00D];
+const SEQUENCE_END: [u16; 2] = [0xFFFE, 0xE0DD];
+/// Sequences in sequences. Chosen: structured reports have some ten.
+const DEEPEST: usize = 64;
+
+/// Where the data set of a file starts, and how its elements are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct DicomSyntax {
+    pub endian: Endian,
+    /// Whether each element says its type.
+    pub is_explicit: bool,
+}
+
+impl DicomSyntax {
+    /// How the elements before the data set are written, in every file.
+    pub(super) const META: Self = Self { endian: Endian::Little, is_explicit: true };
+}
+
+/// One element.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DicomElement<'a> {
+    pub tag: [u16; 2],
+    /// Its bytes; nothing for a sequence.
+    pub value: &'a [u8],
+    /// The byte at which the value starts.
+    pub at: usize,
+    /// Whether its value is in pieces, as packed pictures are.
+    pub is_in_pieces: bool,
+}
+
+/// The byte after the mark of a DICOM file.
+pub(super) fn after_mark(bytes: &[u8]) -> Option<usize> {
+    let end = PREAMBLE + MAGIC.len();
+    (bytes.get(PREAMBLE..end)? == MAGIC).then_some(end)
+}
+
+/// The elements from a byte on.
+pub(super) struct DicomElements<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    syntax: DicomSyntax,
+}
+
+/// The tag and the length of an element.
+struct ElementHead {
+    tag: [u16; 2],
+    length: u32,
+    /// Whether the value is a sequence by its type.
+    is_sequence: bool,
+}
+
+impl<'a> DicomElements<'a> {
+    pub(super) fn new(bytes: &'a [u8], at: usize, syntax: DicomSyntax) -> Self {
+        Self { bytes, at, syntax }
+    }
+
+    /// The byte of the next element.
+    pub(super) fn at(&self) -> usize {
+        self.at
+    }
+
+    /// The group of the next element, if there is one.
+    pub(super) fn next_group(&self) -> Option<u16> {
+        self.bytes.get(self.at..self.at + 2).map(|two| u16::from_le_bytes(self.syntax.endian.array(two)))
+    }
+
+    /// The next element, or `None` at the end.
+    ///
+    /// # Errors
+    /// When it is cut off, or sequences are nested too deep or never end.
+    pub(super) fn next(&mut self) -> Result<Option<DicomElement<'a>>, ReadError> {
+        if self.at == self.bytes.len() {
+            return Ok(None);
+        }
+        let head = self.head()?;
+        let at = self.at;
+        let element = |value, is_in_pieces| DicomElement { tag: head.tag, value, at, is_in_pieces };
+        if head.length == UNDEFINED {
+            self.pass_items()?;
+            return Ok(Some(element(&[], !head.is_sequence)));
+        }
+        let value = self.take(head.length as usize)?;
+        Ok(Some(element(if head.is_sequence { &[] } else { value }, false)))
+    }
+
+    /// Passes the items of a sequence of unknown length, and all sequences inside.
+    fn pass_items(&mut self) -> Result<(), ReadError> {
+        // What is open: a sequence, or an item of unknown length.
+        let mut open = vec![SEQUENCE_END];
+        while let Some(end) = open.last().copied() {
+            let at = self.at;
+            let head = self.head()?;
+            if head.tag == end {
+                open.pop();
+            } else if head.length != UNDEFINED {
+                self.take(head.length as usize)?;
+            } else if open.len() >= DEEPEST {
+                let message = format!("sequences are nested deeper than {DEEPEST} levels");
+                return Err(ReadError::new("too-deep", FileLocation::Byte(at as u64), message));
+            } else {
+                open.push(if head.tag == ITEM { ITEM_END } else { SEQUENCE_END });
+            }
+        }
+        Ok(())
+    }
+
+    fn head(&mut self) -> Result<ElementHead, ReadError> {
+        let endian = self.syntax.endian;
+        let u16_of = |bytes: &[u8]| u16::from_le_bytes(endian.array(bytes));
+        let u32_of = |bytes: &[u8]| u32::from_le_bytes(endian.array(bytes));
+        let first = self.take(8)?;
+        let tag = [u16_of(first), u16_of(&first[2..])];
+        // Items and their ends have no type in any syntax.
+        if !self.syntax.is_explicit || tag[0] == ITEM[0] {
+            let length = u32_of(&first[4..]);
+            // Without types only sequences have no length, and their items are passed with them.
+            return Ok(ElementHead {
+                tag,
+                length,
+                is_sequence: length == UNDEFINED && tag != [0x7FE0, 0x0010],
+            });
+        }
+        let kind = &first[4..6];
+        let is_long =
+            [b"OB", b"OD", b"OF", b"OL", b"OV", b"OW", b"SQ", b"SV", b"UC", b"UN", b"UR", b"UT", b"UV"]
+                .iter()
+                .any(|long| kind == *long);
+        let length = if is_long { u32_of(self.take(4)?) } else { u32::from(u16_of(&first[6..])) };
+        // An element of unknown type and length is a sequence.
+        let is_sequence = kind == b"SQ" || kind == b"UN" && length == UNDEFINED;
+        Ok(ElementHead { tag, length, is_sequence })
+    }
+
+    fn take(&mut self, n: usize) -> Result<&'a [u8], ReadError> {
+        let end = self.at.checked_add(n).filter(|end| *end <= self.bytes.len()).ok_or_else(|| {
+            let message = format!(
+                "the file is cut off: an element needs {} bytes more than the {} that are there",
+                grouped(n as u64),
+                grouped((self.bytes.len() - self.at) as u64)
+            );
+            ReadError::new("truncated", FileLocation::Byte(self.at as u64), message)
+        })?;
+        let taken = &self.bytes[self.at..end];
+        self.at = end;
+        Ok(taken)
+    }
+}

@@ -1,0 +1,21 @@
+//! The list of the files of a folder, which stands for the slices in it.
+
+/// The first line of a list.
+pub(super) const FIRST: &[u8] = b"#dicom-slices\n";
+
+/// The list of the files of a folder, as [`super::read_with`] reads it: a folder has no bytes, its list has. Names
+/// with a line break, which no list can hold, are left out.
+#[must_use]
+pub fn slice_list<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<u8> {
+    let mut list = FIRST.to_vec();
+    for name in names.into_iter().filter(|name| !name.contains(['\n', '\r'])) {
+        list.extend_from_slice(name.as_bytes());
+        list.push(b'\n');
+    }
+    list
+}
+
+/// Whether bytes are a slice, or a list of slices.
+pub(crate) fn looks_like(bytes: &[u8]) -> bool {
+    bytes.starts_with(FIRST) || super::elements::after_mark(bytes).is_some()
+}

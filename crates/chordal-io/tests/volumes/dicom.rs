@@ -1,0 +1,255 @@
+//! DICOM: slices by hand, in three ways to write them, as a series in a folder.
+use super::values;
+use crate::common::refuse;
+use chordal_io::{Axis, Content, Format, Limits, ReadError, Volume, Warning, dicom, read_with};
+use std::collections::BTreeMap;
+
+#[derive(Clone)]
+struct Slice {
+    syntax: &'static str,
+    series: &'static str,
+    position: String,
+    orientation: &'static str,
+    spacing: &'static str,
+    size: [u16; 2],
+    bits: [u16; 4],
+    scale: [&'static str; 2],
+    channels: u16,
+    frames: &'static str,
+    pixels: Vec<u8>,
+}
+
+impl Default for Slice {
+    fn default() -> Self {
+        Self {
+            syntax: "1.2.840.10008.1.2.1",
+            series: "1.2.3",
+            position: "1\\2\\3".to_owned(),
+            orientation: "1\\0\\0\\0\\1\\0",
+            spacing: "2\\0.5",
+            size: [2, 3],
+            bits: [16, 16, 15, 1],
+            scale: ["1", "0"],
+            channels: 1,
+            frames: "",
+            pixels: Vec::new(),
+        }
+    }
+}
+
+impl Slice {
+    fn at(z: f64, first: i16) -> Self {
+        let pixels = (first..first + 6).flat_map(i16::to_le_bytes).collect();
+        Self { position: format!("1\\2\\{z}"), pixels, ..Self::default() }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let is_big = self.syntax == "1.2.840.10008.1.2.2";
+        let is_explicit = self.syntax != "1.2.840.10008.1.2";
+        let mut file = [&[0; 128][..], b"DICM"].concat();
+        element(&mut file, [2, 0x10], b"UI", self.syntax.as_bytes(), [true, false]);
+        let style = [is_explicit, is_big];
+        let short = |n: u16| if is_big { n.to_be_bytes() } else { n.to_le_bytes() };
+        element(&mut file, [8, 0x103E], b"LO", b"chest ", style);
+        // A sequence of unknown length, with an item of unknown length and one of a known one.
+        let tag = |group: u16, number: u16| [short(group), short(number)].concat();
+        let long = |n: u32| if is_big { n.to_be_bytes() } else { n.to_le_bytes() };
+        file.extend(tag(8, 0x1140));
+        if is_explicit {
+            file.extend(b"SQ\0\0");
+        }
+        file.extend(long(u32::MAX));
+        file.extend([tag(0xFFFE, 0xE000), long(u32::MAX).to_vec()].concat());
+        element(&mut file, [0x28, 0x10], b"US", &[9, 9], style);
+        file.extend([tag(0xFFFE, 0xE00D), long(0).to_vec()].concat());
+        file.extend([tag(0xFFFE, 0xE000), long(4).to_vec(), vec![7; 4]].concat());
+        file.extend([tag(0xFFFE, 0xE0DD), long(0).to_vec()].concat());
+        element(&mut file, [0x20, 0xE], b"UI", self.series.as_bytes(), style);
+        element(&mut file, [0x20, 0x32], b"DS", self.position.as_bytes(), style);
+        element(&mut file, [0x20, 0x37], b"DS", self.orientation.as_bytes(), style);
+        element(&mut file, [0x28, 2], b"US", &short(self.channels), style);
+        element(&mut file, [0x28, 8], b"IS", self.frames.as_bytes(), style);
+        element(&mut file, [0x28, 0x10], b"US", &short(self.size[0]), style);
+        element(&mut file, [0x28, 0x11], b"US", &short(self.size[1]), style);
+        element(&mut file, [0x28, 0x30], b"DS", self.spacing.as_bytes(), style);
+        for (number, value) in [0x100, 0x101, 0x102, 0x103].into_iter().zip(self.bits) {
+            element(&mut file, [0x28, number], b"US", &short(value), style);
+        }
+        element(&mut file, [0x28, 0x1052], b"DS", self.scale[1].as_bytes(), style);
+        element(&mut file, [0x28, 0x1053], b"DS", self.scale[0].as_bytes(), style);
+        let mut pixels = self.pixels.clone();
+        if is_big && self.bits[0] == 16 {
+            pixels.chunks_exact_mut(2).for_each(<[u8]>::reverse);
+        }
+        element(&mut file, [0x7FE0, 0x10], b"OW", &pixels, style);
+        file
+    }
+}
+
+/// Appends an element; `style` says whether it is explicit, and whether it is big-endian.
+fn element(
+    file: &mut Vec<u8>,
+    tag: [u16; 2],
+    kind: &[u8; 2],
+    value: &[u8],
+    [is_explicit, is_big]: [bool; 2],
+) {
+    let short = |n: u16| if is_big { n.to_be_bytes() } else { n.to_le_bytes() };
+    let long = |n: usize| if is_big { (n as u32).to_be_bytes() } else { (n as u32).to_le_bytes() };
+    let pad = value.len() % 2;
+    file.extend([short(tag[0]), short(tag[1])].concat());
+    match (is_explicit, kind) {
+        (false, _) => file.extend(long(value.len() + pad)),
+        (true, b"OW") => file.extend([&b"OW\0\0"[..], &long(value.len() + pad)].concat()),
+        (true, _) => file.extend([&kind[..], &short((value.len() + pad) as u16)].concat()),
+    }
+    file.extend(value);
+    file.extend(&b" "[..pad]);
+}
+
+type Files = BTreeMap<String, Vec<u8>>;
+
+fn folder(slices: &[Slice]) -> Files {
+    slices.iter().enumerate().map(|(i, slice)| (format!("{i}.dcm"), slice.bytes())).collect()
+}
+
+fn load_with(files: &Files, limits: &Limits) -> Result<(Volume, Vec<Warning>), ReadError> {
+    let list = dicom::slice_list(files.keys().map(String::as_str));
+    assert_eq!(Format::sniff(&list), Some(Format::Dicom));
+    let mut open = |path: &str| files.get(path).cloned().ok_or("no such file".to_owned());
+    let outcome = read_with(&list, Format::Dicom, &mut open, limits)?;
+    let Content::Volume(volume) = outcome.content else { panic!("no volume") };
+    Ok((volume, outcome.warnings))
+}
+
+fn load(slices: &[Slice]) -> Result<(Volume, Vec<Warning>), ReadError> {
+    load_with(&folder(slices), &Limits::default())
+}
+
+#[test]
+fn slices_are_sorted_and_placed_in_the_patient() {
+    for syntax in ["1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2"] {
+        let slices = [Slice::at(8.0, 6), Slice::at(3.0, -2), Slice::at(13.0, 20)];
+        let slices = slices.map(|slice| Slice { syntax, ..slice });
+        let (volume, warnings) = load(&slices).unwrap();
+        assert!(warnings.is_empty(), "{warnings:?}");
+        assert_eq!(volume.grid.size(), [3, 2, 3]);
+        let expected: Vec<f64> =
+            [-2, 6, 20].into_iter().flat_map(|first| first..first + 6).map(f64::from).collect();
+        assert_eq!(values(&volume), expected);
+        let rows = [[0.5, 0.0, 0.0, 1.0], [0.0, 2.0, 0.0, 2.0], [0.0, 0.0, 5.0, 3.0]];
+        assert_eq!(volume.grid.affine().rows(), rows);
+        assert_eq!((volume.name.as_str(), volume.space.as_deref()), ("chest", Some("LPS")));
+        assert_eq!((volume.frame.up, volume.frame.metres_per_unit), (Some(Axis::Z), Some(0.001)));
+    }
+}
+
+#[test]
+fn numbers_are_scaled_and_bits_beside_them_left_out() {
+    let scaled = |slope, z| Slice { scale: [slope, "-1024"], ..Slice::at(z, 0) };
+    let (volume, _) = load(&[scaled("2", 0.0), scaled("2", 1.0)]).unwrap();
+    assert_eq!(values(&volume)[..3], [-1024.0, -1022.0, -1020.0]);
+    let (volume, _) = load(&[scaled("2", 0.0), scaled("0.5", 1.0)]).unwrap();
+    assert_eq!((values(&volume)[1], values(&volume)[7]), (-1022.0, -1023.5));
+    // Twelve bits with a sign, below four that are something else.
+    let dirty = |z: f64| {
+        let pixels = [0xF001_u16, 0x5FFF, 0x0800, 0x1000, 0x27FF, 0].map(u16::to_le_bytes).concat();
+        Slice { bits: [16, 12, 11, 1], pixels, ..Slice::at(z, 0) }
+    };
+    let (volume, _) = load(&[dirty(0.0), dirty(1.0)]).unwrap();
+    assert_eq!(values(&volume)[..6], [1.0, -1.0, -2048.0, 0.0, 2047.0, 0.0]);
+    let bytes = |z: f64| Slice { bits: [8, 8, 7, 0], pixels: vec![0, 1, 2, 3, 4, 255], ..Slice::at(z, 0) };
+    let (volume, _) = load(&[bytes(0.0), bytes(1.0)]).unwrap();
+    assert_eq!(values(&volume)[..6], [0.0, 1.0, 2.0, 3.0, 4.0, 255.0]);
+}
+
+#[test]
+fn slices_that_are_no_lattice_are_refused_by_name() {
+    let even = |n: i16| (0..n).map(|k| Slice::at(f64::from(k), 0)).collect::<Vec<_>>();
+    let with = |change: &dyn Fn(&mut Vec<Slice>)| {
+        let mut slices = even(5);
+        change(&mut slices);
+        let error = load(&slices).unwrap_err();
+        (error.code, error.message.split(':').next().unwrap().to_owned())
+    };
+    let is = |code, file: &str| (code, file.to_owned());
+    assert_eq!(with(&|s| drop(s.remove(2))), is("missing-slice", "2.dcm"));
+    assert_eq!(with(&|s| s[2] = Slice::at(1.0, 0)), is("same-place", "2.dcm"));
+    assert_eq!(with(&|s| s[2] = Slice::at(2.2, 0)), is("uneven-slices", "2.dcm"));
+    assert_eq!(with(&|s| s[3].orientation = "1\\0\\0\\0\\0\\1"), is("slices-differ", "3.dcm"));
+    assert_eq!(with(&|s| s[3].spacing = "2\\2"), is("slices-differ", "3.dcm"));
+    assert_eq!(with(&|s| s[3].size = [3, 2]), is("slices-differ", "3.dcm"));
+    assert_eq!(with(&|s| s[3].bits[3] = 0), is("slices-differ", "3.dcm"));
+    assert_eq!(with(&|s| s[3].pixels.truncate(10)), is("size-mismatch", "3.dcm"));
+    assert_eq!(with(&|s| s[3].pixels.extend([0; 4])), is("size-mismatch", "3.dcm"));
+    assert_eq!(with(&|s| s[3].position = "1\\2".to_owned()), is("not-a-number", "3.dcm"));
+    assert_eq!(with(&|s| s[3].position = "1\\2\\nan".to_owned()), is("not-finite", "3.dcm"));
+    assert_eq!(with(&|s| s[3].position = "1\\2\\3\\4".to_owned()), is("bad-header", "3.dcm"));
+    assert_eq!(with(&|s| s[3].position.clear()), is("missing-attribute", "3.dcm"));
+    assert_eq!(with(&|s| s[3].channels = 3), is("several-channels", "3.dcm"));
+    assert_eq!(with(&|s| s[3].frames = "7"), is("unsupported", "3.dcm"));
+    assert_eq!(with(&|s| s[3].bits = [12, 12, 11, 0]), is("unsupported", "3.dcm"));
+    assert_eq!(with(&|s| s[3].bits = [16, 12, 3, 0]), is("bad-header", "3.dcm"));
+    assert_eq!(with(&|s| s[3].bits = [16, 0, 3, 0]), is("bad-header", "3.dcm"));
+    assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.90"), is("packed-pixels", "3.dcm"));
+    assert_eq!(with(&|s| s[3].syntax = "1.2.840.10008.1.2.4.999"), is("unsupported", "3.dcm"));
+    assert_eq!(with(&|s| s.iter_mut().for_each(|s| s.orientation = "1\\0\\0\\1\\0\\0")).0, "same-place");
+    assert_eq!(with(&|s| s.truncate(1)), is("flat-volume", "0.dcm"));
+    let mut tilted = even(3);
+    (0..3).for_each(|k| tilted[k].position = format!("1\\{}\\{k}", 0.25 * k as f64));
+    let (volume, _) = load(&tilted).unwrap();
+    assert_eq!(volume.grid.affine().steps()[2], [0.0, 0.25, 1.0]);
+}
+
+#[test]
+fn one_series_of_several_is_chosen_and_other_files_are_counted() {
+    let other = |z| Slice { series: "1.2.4", ..Slice::at(z, 50) };
+    let mut files = folder(&[Slice::at(0.0, 0), other(0.0), Slice::at(1.0, 0), other(1.0)]);
+    files.insert(
+        "DICOMDIR".to_owned(),
+        [&[0; 128][..], b"DICM", &Slice::default().bytes()[132..160]].concat(),
+    );
+    files.insert("notes.txt".to_owned(), b"notes".to_vec());
+    let error = load_with(&files, &Limits::default()).unwrap_err();
+    assert_eq!(error.code, "several-volumes");
+    assert!(error.message.contains("0: 'chest' with 2 slices, 1: 'chest' with 2 slices: 'index'"), "{error}");
+    let (volume, warnings) = load_with(&files, &Limits { index: Some(1), ..Limits::default() }).unwrap();
+    assert_eq!((values(&volume)[0], warnings[0].count), (50.0, 2));
+    let error = load_with(&files, &Limits { index: Some(2), ..Limits::default() }).unwrap_err();
+    assert_eq!(error.code, "no-such-volume");
+    assert_eq!(load(&[]).unwrap_err().code, "no-slices");
+}
+
+#[test]
+fn files_that_are_cut_or_changed_end_well() {
+    let good = Slice::at(0.0, 0).bytes();
+    assert_eq!(Format::sniff(&good), Some(Format::Dicom));
+    assert_eq!(refuse(&good, Format::Dicom).code, "flat-volume");
+    assert_eq!(refuse(b"no mark", Format::Dicom).code, "bad-magic");
+    let mut files = folder(&[Slice::at(0.0, 0), Slice::at(1.0, 0)]);
+    for end in 0..good.len() {
+        files.insert("0.dcm".to_owned(), good[..end].to_vec());
+        assert!(load_with(&files, &Limits::default()).is_err(), "{end}");
+    }
+    for at in 128..good.len() {
+        for value in [0, 1, 0x7F, 0xFF] {
+            let mut changed = good.clone();
+            changed[at] = value;
+            files.insert("0.dcm".to_owned(), changed);
+            let _ = load_with(&files, &Limits::default());
+        }
+    }
+    let list = dicom::slice_list(["../a.dcm"]);
+    let mut open = |_: &str| -> Result<Vec<u8>, String> { panic!("asked") };
+    let error = read_with(&list, Format::Dicom, &mut open, &Limits::default()).unwrap_err();
+    assert_eq!(error.code, "outside-folder");
+    assert_eq!(refuse(&dicom::slice_list(["a.dcm"]), Format::Dicom).code, "detached");
+    assert_eq!(dicom::slice_list(["a", "b\nc"]), dicom::slice_list(["a"]));
+    // Sequences in sequences, without end.
+    let deep = [
+        &good[..132],
+        &b"\x08\x00\x40\x11SQ\0\0\xFF\xFF\xFF\xFF\xFE\xFF\x00\xE0\xFF\xFF\xFF\xFF".repeat(5000),
+    ];
+    files.insert("0.dcm".to_owned(), deep.concat());
+    assert!(load_with(&files, &Limits::default()).is_err());
+}
