@@ -1,6 +1,6 @@
 //! Real volumes: sizes, places and sums, as nibabel 5 gives them.
 use super::{load, values};
-use chordal_io::Format;
+use chordal_io::{Content, Format, Limits, read_with};
 use chordal_testkit::corpus;
 
 struct Real {
@@ -99,5 +99,33 @@ fn real_volumes_read_as_by_nibabel() {
             "{}: {sum}",
             real.file
         );
+    }
+}
+
+/// What SimpleITK 2.5 and VTK 9.7 say: size, step, maximum and sum; the origin and the minimum are 0.
+const OTHERS: [(&str, Format, [usize; 3], f64, f64, f64); 3] = [
+    ("HeadMRVolume.mhd", Format::MetaImage, [48, 62, 42], 4.0, 255.0, 3058332.0),
+    ("vase.vti", Format::Vti, [115, 101, 75], 1.0, 239.0, 10723131.0),
+    ("hydrogen/hydrogen.vti", Format::Vti, [64, 64, 64], 1.0, 1.0, 4856.008970333326),
+];
+
+#[test]
+fn real_volumes_read_as_by_itk_and_vtk() {
+    let Some(root) = corpus::find("") else { return };
+    let folder = root.join("volume/vtk/Data");
+    for (file, format, size, step, most, sum) in OTHERS {
+        let bytes = std::fs::read(folder.join(file)).expect(file);
+        assert_eq!(Format::sniff(&bytes), Some(format), "{file}");
+        let mut open = |path: &str| std::fs::read(folder.join(path)).map_err(|error| error.to_string());
+        let outcome = read_with(&bytes, format, &mut open, &Limits::default()).expect(file);
+        let Content::Volume(volume) = outcome.content else { panic!("{file}") };
+        assert_eq!(volume.grid.size(), size, "{file}");
+        let rows = [[step, 0.0, 0.0, 0.0], [0.0, step, 0.0, 0.0], [0.0, 0.0, step, 0.0]];
+        assert_eq!(volume.grid.affine().rows(), rows, "{file}");
+        let all = values(&volume);
+        assert_eq!(all.iter().copied().fold(0.0, f64::max), most, "{file}");
+        assert_eq!(all.iter().copied().fold(0.0, f64::min), 0.0, "{file}");
+        let found: f64 = all.iter().sum();
+        assert!((found - sum).abs() <= 1e-9 * sum, "{file}: {found}");
     }
 }
