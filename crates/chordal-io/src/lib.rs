@@ -50,6 +50,7 @@ pub mod vti;
 mod warnings;
 mod word_reader;
 mod write;
+mod xml_elements;
 mod xml_text;
 mod zip;
 

@@ -1,5 +1,5 @@
 //! `ModelMesh`: the vertices and triangles of an object, as they are read.
-use super::elements::XmlElements;
+use super::namespace::ModelElements;
 use crate::assemble::too_many_rows;
 use crate::grow::{push, push_many};
 use crate::text::{IntegerError, grouped, integer, not_finite, number, number_error, show, trim};
@@ -34,7 +34,7 @@ pub(super) struct ModelMesh {
 }
 
 /// A number that names a resource or an element of a list.
-pub(super) fn index(elements: &XmlElements, name: &str) -> Result<Option<u32>, ReadError> {
+pub(super) fn index(elements: &ModelElements, name: &str) -> Result<Option<u32>, ReadError> {
     let Some(text) = elements.get(name) else { return Ok(None) };
     let token = trim(text.as_bytes());
     let found = match integer(token) {
@@ -52,14 +52,14 @@ pub(super) fn index(elements: &XmlElements, name: &str) -> Result<Option<u32>, R
 }
 
 /// The same where it has to be there.
-pub(super) fn needed_index(elements: &XmlElements, name: &str) -> Result<u32, ReadError> {
+pub(super) fn needed_index(elements: &ModelElements, name: &str) -> Result<u32, ReadError> {
     elements.need(name)?;
     index(elements, name).map(|found| found.unwrap_or(NOTHING))
 }
 
 impl ModelMesh {
     /// Appends the vertex that is the current element.
-    pub(super) fn push_vertex(&mut self, elements: &XmlElements, limits: &Limits) -> Result<(), ReadError> {
+    pub(super) fn push_vertex(&mut self, elements: &ModelElements, limits: &Limits) -> Result<(), ReadError> {
         // The highest number is that of nothing.
         let most = limits.rows.min(u64::from(u32::MAX - 1));
         if self.positions.len() as u64 >= most {
@@ -82,7 +82,11 @@ impl ModelMesh {
     }
 
     /// Appends the triangle that is the current element.
-    pub(super) fn push_triangle(&mut self, elements: &XmlElements, limits: &Limits) -> Result<(), ReadError> {
+    pub(super) fn push_triangle(
+        &mut self,
+        elements: &ModelElements,
+        limits: &Limits,
+    ) -> Result<(), ReadError> {
         let most = limits.rows.min(u64::from(u32::MAX / 3));
         if self.faces.len() as u64 >= most {
             let rows = self.faces.len() as u64 + 1;

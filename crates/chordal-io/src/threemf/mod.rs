@@ -1,7 +1,6 @@
 //! 3MF, the format of 3D printing: objects of triangles with materials, placed by components and a build, as
 //! XML parts of a zip package.
 mod build;
-mod elements;
 mod meshes;
 mod model;
 mod namespace;

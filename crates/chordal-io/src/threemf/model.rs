@@ -1,13 +1,13 @@
 //! `ModelDocument`: the objects, properties and items of one model part.
-use super::elements::{XmlElement, XmlElements, XmlStep};
 use super::meshes::{ModelMesh, NOTHING, index, needed_index};
-use super::namespace::ModelNamespace;
+use super::namespace::{ModelElements, ModelNamespace};
 use super::package::part_name;
 use super::properties::{PropertyGroup, PropertyReader, color};
 use crate::assemble::{RawMesh, mesh, too_many_rows};
 use crate::grow::{push, push_large};
 use crate::text::{LineTokens, finite, show};
 use crate::warnings::Warnings;
+use crate::xml_elements::{XmlElement, XmlElements, XmlStep};
 use crate::{FileLocation, Limits, Part, ReadError};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -131,7 +131,7 @@ struct ObjectDraft {
 
 /// Reads one model part.
 pub(super) struct ModelReader<'a, 's> {
-    elements: XmlElements<'a>,
+    elements: ModelElements<'a>,
     /// The name of the part and its number.
     part: &'a str,
     number: u32,
@@ -199,7 +199,7 @@ impl<'a, 's> ModelReader<'a, 's> {
     fn start(
         &mut self,
         parent: Option<OpenElement>,
-        element: XmlElement<'_>,
+        element: XmlElement<'_, ModelNamespace>,
     ) -> Result<OpenElement, ReadError> {
         use ModelNamespace as Ns;
         let XmlElement { namespace, local } = element;
@@ -277,7 +277,7 @@ impl<'a, 's> ModelReader<'a, 's> {
     }
 
     /// Counts an element that is left out with all that it holds.
-    fn skip(&mut self, code: &'static str, element: XmlElement<'_>) -> OpenElement {
+    fn skip(&mut self, code: &'static str, element: XmlElement<'_, ModelNamespace>) -> OpenElement {
         let Self { elements, set, part, .. } = self;
         set.warnings.count(code, || {
             let name = show(element.local.as_bytes());
@@ -362,7 +362,11 @@ impl<'a, 's> ModelReader<'a, 's> {
         Ok(OpenElement::Group(kind))
     }
 
-    fn property(&mut self, kind: GroupKind, element: XmlElement<'_>) -> Result<OpenElement, ReadError> {
+    fn property(
+        &mut self,
+        kind: GroupKind,
+        element: XmlElement<'_, ModelNamespace>,
+    ) -> Result<OpenElement, ReadError> {
         let (namespace, local, value) = match kind {
             GroupKind::Materials => (ModelNamespace::Core, "base", "displaycolor"),
             GroupKind::Colors => (ModelNamespace::Materials, "color", "color"),

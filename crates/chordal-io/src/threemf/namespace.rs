@@ -1,4 +1,5 @@
 //! `ModelNamespace`: the namespaces of 3MF and of its extensions.
+use crate::xml_elements::{NamespaceKind, XmlElements};
 use crate::xml_text::CERTIFICATE_NAMESPACE;
 
 /// The namespace of the core.
@@ -7,6 +8,9 @@ pub(super) const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core
 pub(super) const MATERIALS: &str = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 /// The namespace of relationships of a package.
 pub(super) const RELATIONSHIPS: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
+
+/// The elements of a model part.
+pub(super) type ModelElements<'a> = XmlElements<'a, ModelNamespace>;
 
 /// What a namespace stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,9 +47,10 @@ const BY_START: [(&str, ModelNamespace); 10] = [
     ("http://schemas.3mf.io/3dmanufacturing/implicit/", ModelNamespace::Volumetric),
 ];
 
-impl ModelNamespace {
-    /// The namespace of an address.
-    pub(super) fn from_address(address: &str) -> Self {
+impl NamespaceKind for ModelNamespace {
+    const NONE: Self = Self::None;
+    const UNKNOWN: Self = Self::Unknown;
+    fn from_address(address: &str) -> Self {
         match address {
             "" => Self::None,
             CORE => Self::Core,
@@ -58,7 +63,9 @@ impl ModelNamespace {
                 .map_or(Self::Unknown, |(_, namespace)| *namespace),
         }
     }
+}
 
+impl ModelNamespace {
     /// Its name in a sentence.
     pub(super) fn title(self) -> &'static str {
         match self {

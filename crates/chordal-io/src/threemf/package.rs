@@ -1,9 +1,9 @@
 //! `ModelPackage`: the parts of a 3MF file by name, and the relationships between them.
-use super::elements::{XmlElements, XmlStep};
-use super::namespace::ModelNamespace;
+use super::namespace::{ModelElements, ModelNamespace};
 use crate::text::show;
 use crate::unpack_cap::UnpackCap;
 use crate::warnings::Warnings;
+use crate::xml_elements::{XmlElements, XmlStep};
 use crate::zip::directory::{ZipDirectory, ZipNames, unsafe_name};
 use crate::zip::unpack::ZipUnpacker;
 use crate::{FileLocation, Limits, ReadError};
@@ -98,7 +98,7 @@ impl<'a> ModelPackage<'a> {
         self.is_used[entry] = true;
         let bytes = self.unpacker.unpack(&self.directory.entries[entry])?;
         let text = crate::xml_text::text_of(&bytes)?;
-        let mut elements = XmlElements::new(text, &name, self.limits);
+        let mut elements: ModelElements = XmlElements::new(text, &name, self.limits);
         let mut found = Vec::new();
         while let Some(step) = elements.next()? {
             let XmlStep::Start(element) = step else { continue };

@@ -1,5 +1,4 @@
 //! `XmlElements`: the elements of an XML part one after the other, with their namespaces, within limits.
-use super::namespace::ModelNamespace;
 use crate::text::show;
 use crate::xml_text::{DTD_REFUSED, MOST_ATTRIBUTES, place, reference_error, wrong_encoding};
 use crate::{FileLocation, Limits, ReadError};
@@ -10,33 +9,60 @@ use quick_xml::events::attributes::Attributes;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+/// What the addresses of namespaces mean to a format.
+pub(crate) trait NamespaceKind: Copy + PartialEq {
+    /// No namespace, as that of most attributes.
+    const NONE: Self;
+    /// One that the format does not know.
+    const UNKNOWN: Self;
+    /// The namespace of an address.
+    fn from_address(address: &str) -> Self;
+}
+
+/// Namespaces of a format that does not tell its elements apart by them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AnyNamespace {
+    /// No namespace.
+    None,
+    /// Any of them.
+    Other,
+}
+
+impl NamespaceKind for AnyNamespace {
+    const NONE: Self = Self::None;
+    const UNKNOWN: Self = Self::Other;
+    fn from_address(address: &str) -> Self {
+        if address.is_empty() { Self::None } else { Self::Other }
+    }
+}
+
 /// An element that starts; its attributes are asked of [`XmlElements`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct XmlElement<'a> {
-    pub namespace: ModelNamespace,
+pub(crate) struct XmlElement<'a, N> {
+    pub namespace: N,
     /// The name without its prefix.
     pub local: &'a str,
 }
 
 /// What comes next in a part.
 #[derive(Clone, Debug)]
-pub(super) enum XmlStep<'a> {
-    Start(XmlElement<'a>),
+pub(crate) enum XmlStep<'a, N> {
+    Start(XmlElement<'a, N>),
     Text(Cow<'a, str>),
     End,
 }
 
 /// An attribute of the element that started last.
-struct XmlValue<'a> {
-    namespace: ModelNamespace,
+struct XmlValue<'a, N> {
+    namespace: N,
     local: &'a str,
     value: Cow<'a, str>,
 }
 
 /// A walk over the elements of a part.
-pub(super) struct XmlElements<'a> {
+pub(crate) struct XmlElements<'a, N> {
     text: &'a str,
-    /// The name of the part, for messages.
+    /// The name of the part, for messages; empty for a file that has no parts.
     part: &'a str,
     reader: Reader<&'a [u8]>,
     deepest: usize,
@@ -44,18 +70,18 @@ pub(super) struct XmlElements<'a> {
     at: usize,
     line: u32,
     counted: usize,
-    values: Vec<XmlValue<'a>>,
+    values: Vec<XmlValue<'a, N>>,
     /// The prefixes that each open element binds.
     open: Vec<Vec<&'a str>>,
     /// For each prefix what it is bound to, the innermost last.
-    bound: BTreeMap<&'a str, Vec<ModelNamespace>>,
+    bound: BTreeMap<&'a str, Vec<N>>,
     /// Whether the element that came last was empty, so that its end comes next.
     ends: bool,
     has_root: bool,
 }
 
-impl<'a> XmlElements<'a> {
-    pub(super) fn new(text: &'a str, part: &'a str, limits: &Limits) -> Self {
+impl<'a, N: NamespaceKind> XmlElements<'a, N> {
+    pub(crate) fn new(text: &'a str, part: &'a str, limits: &Limits) -> Self {
         Self {
             text,
             part,
@@ -73,17 +99,26 @@ impl<'a> XmlElements<'a> {
     }
 
     /// An error at the step that came last.
-    pub(super) fn error(&self, code: &'static str, message: impl std::fmt::Display) -> ReadError {
-        ReadError::new(code, self.place(), format!("{}: {message}", self.part))
+    pub(crate) fn error(&self, code: &'static str, message: impl std::fmt::Display) -> ReadError {
+        let message = match self.part {
+            "" => message.to_string(),
+            part => format!("{part}: {message}"),
+        };
+        ReadError::new(code, self.place(), message)
     }
 
     /// The location of the step that came last.
-    pub(super) fn place(&self) -> FileLocation {
+    pub(crate) fn place(&self) -> FileLocation {
         place(self.text, self.at)
     }
 
+    /// The byte of the step that came last.
+    pub(crate) fn offset(&self) -> usize {
+        self.at
+    }
+
     /// The line of the step that came last, counted from 1.
-    pub(super) fn line(&mut self) -> u32 {
+    pub(crate) fn line(&mut self) -> u32 {
         let newlines = memchr::memchr_iter(b'\n', &self.text.as_bytes()[self.counted..self.at]).count();
         self.line = self.line.saturating_add(newlines as u32);
         self.counted = self.at;
@@ -91,25 +126,25 @@ impl<'a> XmlElements<'a> {
     }
 
     /// An attribute without a namespace.
-    pub(super) fn get(&self, name: &str) -> Option<&str> {
-        self.get_in(ModelNamespace::None, name)
+    pub(crate) fn get(&self, name: &str) -> Option<&str> {
+        self.get_in(N::NONE, name)
     }
 
     /// An attribute of a namespace.
-    pub(super) fn get_in(&self, namespace: ModelNamespace, name: &str) -> Option<&str> {
-        let is_it = |v: &&XmlValue| v.local == name && v.namespace == namespace;
+    pub(crate) fn get_in(&self, namespace: N, name: &str) -> Option<&str> {
+        let is_it = |v: &&XmlValue<N>| v.local == name && v.namespace == namespace;
         self.values.iter().find(is_it).map(|v| &*v.value)
     }
 
     /// An attribute that has to be there.
-    pub(super) fn need(&self, name: &str) -> Result<&str, ReadError> {
+    pub(crate) fn need(&self, name: &str) -> Result<&str, ReadError> {
         self.get(name).ok_or_else(|| {
             self.error("missing-attribute", format_args!("the element has no attribute '{name}'"))
         })
     }
 
     /// What a prefix stands for here.
-    pub(super) fn namespace_of(&self, prefix: &str) -> Option<ModelNamespace> {
+    pub(crate) fn namespace_of(&self, prefix: &str) -> Option<N> {
         self.bound.get(prefix).and_then(|all| all.last()).copied()
     }
 
@@ -117,7 +152,7 @@ impl<'a> XmlElements<'a> {
     ///
     /// # Errors
     /// When the text is no well-formed XML, has a document type, or passes a limit.
-    pub(super) fn next(&mut self) -> Result<Option<XmlStep<'a>>, ReadError> {
+    pub(crate) fn next(&mut self) -> Result<Option<XmlStep<'a, N>>, ReadError> {
         if std::mem::take(&mut self.ends) {
             self.finish();
             return Ok(Some(XmlStep::End));
@@ -164,7 +199,7 @@ impl<'a> XmlElements<'a> {
         }
     }
 
-    fn text(&self, text: Cow<'a, str>) -> Result<Option<XmlStep<'a>>, ReadError> {
+    fn text(&self, text: Cow<'a, str>) -> Result<Option<XmlStep<'a, N>>, ReadError> {
         let is_blank = || text.chars().all(|c| c.is_ascii_whitespace() || c == '\u{feff}');
         if self.open.is_empty() && !is_blank() {
             return Err(self.error("not-xml", "text outside the root element"));
@@ -182,7 +217,7 @@ impl<'a> XmlElements<'a> {
     }
 
     /// Opens the element whose tag ends at a byte.
-    fn start(&mut self, end: usize) -> Result<XmlElement<'a>, ReadError> {
+    fn start(&mut self, end: usize) -> Result<XmlElement<'a, N>, ReadError> {
         if self.open.is_empty() && std::mem::replace(&mut self.has_root, true) {
             return Err(self.error("not-xml", "a second root element"));
         }
@@ -197,7 +232,7 @@ impl<'a> XmlElements<'a> {
         let (prefix, local) = split(&body[..n_name]);
         match self.namespace_of(prefix) {
             Some(namespace) => Ok(XmlElement { namespace, local }),
-            None if prefix.is_empty() => Ok(XmlElement { namespace: ModelNamespace::None, local }),
+            None if prefix.is_empty() => Ok(XmlElement { namespace: N::NONE, local }),
             None => {
                 let message = format!("the prefix {} has no namespace", show(prefix.as_bytes()));
                 Err(self.error("not-xml", message))
@@ -229,13 +264,13 @@ impl<'a> XmlElements<'a> {
                 Err(error) => return Err(self.error("unknown-entity", reference_error(&error))),
             };
             if let Some(prefix) = name.strip_prefix("xmlns:").or((name == "xmlns").then_some("")) {
-                self.bound.entry(prefix).or_default().push(ModelNamespace::from_address(&value));
+                self.bound.entry(prefix).or_default().push(N::from_address(&value));
                 binds.push(prefix);
                 continue;
             }
             let (prefix, local) = split(name);
             n_prefixed += usize::from(!prefix.is_empty());
-            self.values.push(XmlValue { namespace: ModelNamespace::None, local, value });
+            self.values.push(XmlValue { namespace: N::NONE, local, value });
         }
         if n_prefixed > 0 {
             self.resolve_prefixes(body, n_name);
@@ -247,10 +282,10 @@ impl<'a> XmlElements<'a> {
     fn resolve_prefixes(&mut self, body: &'a str, n_name: usize) {
         let names = Attributes::new(body, n_name).flatten().map(|attribute| attribute.key.0);
         let kept = names.filter(|name| *name != "xmlns" && !name.starts_with("xmlns:"));
-        let found: Vec<ModelNamespace> = kept
+        let found: Vec<N> = kept
             .map(|name| match split(name).0 {
-                "" => ModelNamespace::None,
-                prefix => self.namespace_of(prefix).unwrap_or(ModelNamespace::Unknown),
+                "" => N::NONE,
+                prefix => self.namespace_of(prefix).unwrap_or(N::UNKNOWN),
             })
             .collect();
         self.values.iter_mut().zip(found).for_each(|(value, namespace)| value.namespace = namespace);
@@ -258,6 +293,6 @@ impl<'a> XmlElements<'a> {
 }
 
 /// The prefix of a name, or nothing, and the rest.
-pub(super) fn split(name: &str) -> (&str, &str) {
+fn split(name: &str) -> (&str, &str) {
     name.split_once(':').unwrap_or(("", name))
 }
