@@ -234,3 +234,24 @@ pub(crate) fn check_patches(patches: &[Patch], warnings: &mut Warnings) -> Resul
     warnings.count_all("point-patches", points as u64, "patches have all their control points in one place");
     Ok(())
 }
+
+/// The ids, if each names a vertex at the same position.
+pub(crate) fn checked_position_ids(
+    ids: &[i64],
+    positions: &[[f64; 3]],
+    warnings: &mut Warnings,
+) -> Result<Option<Vec<u32>>, ReadError> {
+    let mut checked = with_room(ids.len())?;
+    for (row, &id) in ids.iter().enumerate() {
+        let other = usize::try_from(id).ok().and_then(|i| positions.get(i));
+        if other.map(|p| p.map(f64::to_bits)) != Some(positions[row].map(f64::to_bits)) {
+            warnings.count("position-id-skipped", || {
+                let message = format!("position_id {id} names no vertex at the same position; none was used");
+                (FileLocation::Row { list: "vertex", row: row as u64 }, message)
+            });
+            return Ok(None);
+        }
+        checked.push(id as u32);
+    }
+    Ok(Some(checked))
+}

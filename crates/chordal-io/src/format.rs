@@ -8,7 +8,7 @@ use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{FileSet, Limits, Polygons, SceneAssets, Volume};
 use crate::{
-    bpt, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm, vti,
+    bpt, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm, vti, vtk,
 };
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
@@ -47,6 +47,12 @@ pub enum Format {
     Off,
     /// 3MF, the format of 3D printing.
     ThreeMf,
+    /// VTK PolyData in XML.
+    Vtp,
+    /// VTK UnstructuredGrid in XML, of which the surface is read.
+    Vtu,
+    /// VTK's legacy form of both.
+    Vtk,
     /// Scalable Vector Graphics.
     Svg,
     /// An expression graph as an op list, in fidget's text format.
@@ -210,7 +216,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 20] = [
+static TABLE: [FormatRow; 23] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -322,6 +328,30 @@ static TABLE: [FormatRow; 20] = [
         ..only_read(Format::ThreeMf, "3mf", threemf::looks_like, threemf::read)
     },
     FormatRow {
+        triangles: Some(TriangleFormat {
+            write: vtk::write,
+            write_files: None,
+            rows: VertexRows::Mesh,
+            precision: PositionPrecision::Double,
+            polygons: Some(PolygonFormat { write: vtk::write_polygons, write_files: None, is_cage: false }),
+            has_materials_beside: false,
+            has_parts: false,
+            has_nodes: false,
+            wants_normals: false,
+            has_certificate: true,
+            keeps: Some(|attribute, _| vtk::keeps(attribute)),
+            changes: None,
+        }),
+        ..only_read(Format::Vtp, "vtp", |bytes| vtk::looks_xml(text_start(bytes), "PolyData"), vtk::read_xml)
+    },
+    only_read(
+        Format::Vtu,
+        "vtu",
+        |bytes| vtk::looks_xml(text_start(bytes), "UnstructuredGrid"),
+        vtk::read_xml,
+    ),
+    only_read(Format::Vtk, "vtk", vtk::looks_legacy, vtk::read),
+    FormatRow {
         polylines: Some(svg::write),
         ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
     },
@@ -367,7 +397,7 @@ static TABLE: [FormatRow; 20] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 19] = [
+const BY_CONTENT: [Format; 22] = [
     Format::Glb,
     Format::ThreeMf,
     Format::Npz,
@@ -376,6 +406,9 @@ const BY_CONTENT: [Format; 19] = [
     Format::Nii,
     Format::MetaImage,
     Format::Dicom,
+    Format::Vtp,
+    Format::Vtu,
+    Format::Vtk,
     Format::Ply,
     Format::Off,
     Format::Stl,
@@ -586,7 +619,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, vtp, vtu, vtk, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

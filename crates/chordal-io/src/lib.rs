@@ -47,6 +47,7 @@ mod used_assets;
 pub mod vm;
 mod volume;
 pub mod vti;
+pub mod vtk;
 mod warnings;
 mod word_reader;
 mod write;

@@ -21,3 +21,4 @@ mod threemf;
 mod tiles;
 mod vm;
 mod volumes;
+mod vtk;

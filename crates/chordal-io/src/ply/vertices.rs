@@ -1,6 +1,7 @@
 //! The vertices of a PLY file: reads properties into streams.
 use super::body::PlyBody;
 use super::header::{PlyElement, PlyPropertyType, PlyScalar};
+use crate::assemble::checked_position_ids;
 use crate::grow::{push, with_room};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
@@ -187,28 +188,7 @@ impl PlyVertices {
             }
             push(&mut positions, position)?;
         }
-        let position_id = if has_id { checked_ids(&ids, &positions, warnings)? } else { None };
+        let position_id = if has_id { checked_position_ids(&ids, &positions, warnings)? } else { None };
         Ok(Self { positions, position_id, attributes: streams })
     }
-}
-
-/// The ids, if each names a vertex at the same position.
-fn checked_ids(
-    ids: &[i64],
-    positions: &[[f64; 3]],
-    warnings: &mut Warnings,
-) -> Result<Option<Vec<u32>>, ReadError> {
-    let mut checked = with_room(ids.len())?;
-    for (row, &id) in ids.iter().enumerate() {
-        let other = usize::try_from(id).ok().and_then(|i| positions.get(i));
-        if other.map(|p| p.map(f64::to_bits)) != Some(positions[row].map(f64::to_bits)) {
-            warnings.count("position-id-skipped", || {
-                let message = format!("position_id {id} names no vertex at the same position; none was used");
-                (FileLocation::Row { list: "vertex", row: row as u64 }, message)
-            });
-            return Ok(None);
-        }
-        checked.push(id as u32);
-    }
-    Ok(Some(checked))
 }

@@ -1,0 +1,108 @@
+//! `CellList`: the cells of a file as lists of points, in the forms in which files hold them.
+use super::number_array::NumberArray;
+use crate::grow::push;
+use crate::text::grouped;
+use crate::{FileLocation, ReadError};
+
+/// Where cells end in their list of points.
+#[derive(Clone, Debug)]
+pub(super) enum CellEnds<'a> {
+    /// A number of points before the points of each cell.
+    Counted,
+    /// The end of each cell.
+    Ends(NumberArray<'a>),
+    /// The start of each cell, and after them the end of the last.
+    Starts(NumberArray<'a>),
+}
+
+/// Cells one after the other.
+#[derive(Clone, Debug)]
+pub(super) struct CellList<'a> {
+    points: NumberArray<'a>,
+    ends: CellEnds<'a>,
+    /// The number of the next cell, that of the first in the file, and the next of the points.
+    row: u64,
+    first: u64,
+    at: usize,
+}
+
+impl<'a> CellList<'a> {
+    /// Cells of which the first is the `first` of the file.
+    pub(super) fn new(points: NumberArray<'a>, ends: CellEnds<'a>, first: u64) -> Self {
+        Self { points, ends, row: 0, first, at: 0 }
+    }
+
+    /// The number of the first cell, once it is known.
+    pub(super) fn start_at(&mut self, first: u64) {
+        self.first = first;
+    }
+
+    /// An error at the next cell.
+    pub(super) fn error(&self, code: &'static str, message: String) -> ReadError {
+        let row = self.first + self.row;
+        ReadError::new(code, FileLocation::Row { list: "cell", row }, message)
+    }
+
+    /// The points of the next cell, which must be below `n_points`.
+    ///
+    /// # Errors
+    /// When its end is before its start or beyond the list, or a point is not there.
+    #[inline]
+    pub(super) fn next(&mut self, n_points: usize, corners: &mut Vec<u32>) -> Result<(), ReadError> {
+        corners.clear();
+        let end = self.end()?;
+        for i in self.at..end {
+            let index = self.points.integer(i);
+            match index {
+                Some(index) if index >= 0 && (index as u64) < n_points as u64 => push(corners, index as u32)?,
+                _ => {
+                    let shown = index.map_or_else(|| "beyond 64 bits".to_owned(), |index| index.to_string());
+                    let n = grouped(n_points as u64);
+                    let message = format!("index {shown} is out of range: there are {n} points, from 0");
+                    return Err(self.error("index-out-of-range", message));
+                }
+            }
+        }
+        (self.at, self.row) = (end, self.row + 1);
+        Ok(())
+    }
+
+    /// The end of the next cell in the list of points; its start is `at`.
+    #[inline]
+    fn end(&mut self) -> Result<usize, ReadError> {
+        let row = self.row as usize;
+        let n = self.points.len();
+        let end = match &self.ends {
+            CellEnds::Counted if self.at < n => {
+                let count = self.points.integer(self.at);
+                self.at += 1;
+                count.and_then(|count| (self.at as i64).checked_add(count))
+            }
+            CellEnds::Ends(ends) if row < ends.len() => ends.integer(row),
+            CellEnds::Starts(starts) if row + 1 < starts.len() => {
+                if row == 0 && starts.integer(0) != Some(0) {
+                    return Err(self.error("bad-offset", "the first cell does not start at 0".to_owned()));
+                }
+                starts.integer(row + 1)
+            }
+            _ => return Err(self.error("truncated", "the list of cells ends before this one".to_owned())),
+        };
+        match end.and_then(|end| usize::try_from(end).ok()) {
+            Some(end) if end >= self.at && end <= n => Ok(end),
+            _ => {
+                let shown = end.map_or_else(|| "beyond 64 bits".to_owned(), |end| end.to_string());
+                let message = format!(
+                    "the cell ends at {shown} in its list of points, outside {} to {}",
+                    grouped(self.at as u64),
+                    grouped(n as u64)
+                );
+                Err(self.error("bad-offset", message))
+            }
+        }
+    }
+
+    /// How many numbers of the list belong to no cell that was read.
+    pub(super) fn n_left(&self) -> u64 {
+        (self.points.len() - self.at) as u64
+    }
+}

@@ -1,0 +1,306 @@
+//! `DataArray`: an array of numbers in a VTK XML file, and `ArrayDecoder`, which unpacks it: text, base64 or
+//! appended bytes, packed by zlib or LZ4 or not.
+//!
+//! Source: Kitware, *VTK File Formats*, "XML File Formats", 2005–2024; the byte streams as VTK 9 writes them
+//! (`vtkXMLWriter`, `vtkXMLDataParser`).
+use super::array_place::ArrayPlace;
+use super::encoded_bytes::{BytePacking, EncodedBytes};
+use super::lz4;
+use super::number_array::NumberArray;
+use crate::grow::{push_many, with_room};
+use crate::text::{grouped, show};
+use crate::volume::element::{Endian, SampleType};
+use crate::xml_text::place;
+use crate::{Limits, ReadError};
+use flate2::read::ZlibDecoder;
+use std::borrow::Cow;
+use std::io::{ErrorKind, Read};
+
+/// What packs the blocks of arrays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BlockCompressor {
+    Zlib,
+    Lz4,
+}
+
+/// How a file packs the bytes of its arrays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ArrayEncoding {
+    pub endian: Endian,
+    /// The type of lengths and sizes before the bytes: `U32` or `U64`.
+    pub header: SampleType,
+    pub compressor: Option<BlockCompressor>,
+}
+
+/// The bytes behind the last element of a file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AppendedBytes<'a> {
+    pub bytes: &'a [u8],
+    /// The byte of the file at which they start.
+    pub start: u64,
+    pub packing: BytePacking,
+}
+
+/// Where the numbers of an array stand.
+#[derive(Clone, Debug)]
+pub(crate) enum ArraySource<'a> {
+    /// As text in the element, from a byte of the document on.
+    Text(Cow<'a, str>, usize),
+    /// As base64 in the element.
+    Base64(Cow<'a, str>, usize),
+    /// At an offset of the appended bytes.
+    Appended(u64),
+}
+
+/// An array as its element says.
+#[derive(Clone, Debug)]
+pub(crate) struct DataArray<'a> {
+    pub name: String,
+    /// None for what is not numbers of whole bytes: strings, bits.
+    pub kind: Option<SampleType>,
+    pub n_components: usize,
+    pub source: ArraySource<'a>,
+    /// The byte of the document at which the element starts.
+    pub at: usize,
+}
+
+/// The type of a name in a file.
+pub(crate) fn number_type(name: &str) -> Option<SampleType> {
+    Some(match name {
+        "Int8" => SampleType::I8,
+        "UInt8" => SampleType::U8,
+        "Int16" => SampleType::I16,
+        "UInt16" => SampleType::U16,
+        "Int32" => SampleType::I32,
+        "UInt32" => SampleType::U32,
+        "Int64" => SampleType::I64,
+        "UInt64" => SampleType::U64,
+        "Float32" => SampleType::F32,
+        "Float64" => SampleType::F64,
+        _ => return None,
+    })
+}
+
+/// The bytes that are unpacked between two looks at the limits.
+const STEP: usize = 1 << 14;
+
+/// Unpacks the arrays of one document, and counts what they take together.
+#[derive(Clone, Debug)]
+pub(crate) struct ArrayDecoder<'a> {
+    /// The document, for locations.
+    pub text: &'a str,
+    pub encoding: ArrayEncoding,
+    pub appended: Option<AppendedBytes<'a>>,
+    /// What arrays may still take of the appended bytes: each byte belongs to one array.
+    left_appended: u64,
+    /// What may still be unpacked.
+    left: u64,
+    /// What was unpacked.
+    n_decoded: u64,
+}
+
+impl<'a> ArrayDecoder<'a> {
+    pub(crate) fn new(
+        text: &'a str,
+        encoding: ArrayEncoding,
+        appended: Option<AppendedBytes<'a>>,
+        limits: &Limits,
+    ) -> Self {
+        let left_appended = appended.map_or(0, |appended| appended.bytes.len() as u64);
+        Self { text, encoding, appended, left_appended, left: limits.bytes, n_decoded: 0 }
+    }
+
+    /// The bytes of all arrays that were decoded, those of text as they stand in the file.
+    pub(crate) fn n_decoded(&self) -> u64 {
+        self.n_decoded
+    }
+
+    /// An error at the element of an array.
+    pub(crate) fn error(&self, array: &DataArray<'_>, code: &'static str, message: &str) -> ReadError {
+        let message = format!("data array {}: {message}", show(array.name.as_bytes()));
+        ReadError::new(code, place(self.text, array.at), message)
+    }
+
+    /// The numbers of an array.
+    ///
+    /// # Errors
+    /// When it is cut off, damaged, beyond the appended bytes or over a limit; when its bytes are those of
+    /// other arrays too, or no whole numbers of its type.
+    pub(crate) fn decode<'s>(&mut self, array: &'s DataArray<'a>) -> Result<NumberArray<'s>, ReadError>
+    where
+        'a: 's,
+    {
+        let Some(kind) = array.kind else {
+            return Err(self.error(array, "type-unknown", "its type is none of numbers"));
+        };
+        if let ArraySource::Text(text, at) = &array.source {
+            self.spend(array, text.len() as u64)?;
+            return NumberArray::from_text(text, kind).map_err(|bad| {
+                let message = format!("data array {}: {}", show(array.name.as_bytes()), bad.message);
+                ReadError::new(bad.code, place(self.text, at + bad.at(text.as_bytes())), message)
+            });
+        }
+        let bytes = self.bytes(array)?;
+        if bytes.len() % kind.width() != 0 {
+            let message = format!(
+                "its {} bytes are no whole numbers of {} bytes",
+                grouped(bytes.len() as u64),
+                kind.width()
+            );
+            return Err(self.error(array, "wrong-width", &message));
+        }
+        Ok(NumberArray::Packed { kind, endian: self.encoding.endian, bytes })
+    }
+
+    /// The bytes of an array that is no text.
+    pub(crate) fn bytes<'s>(&mut self, array: &'s DataArray<'a>) -> Result<Cow<'s, [u8]>, ReadError>
+    where
+        'a: 's,
+    {
+        let mut stream: EncodedBytes<'s> = match &array.source {
+            ArraySource::Text(..) => return Err(self.error(array, "not-bytes", "it is text")),
+            ArraySource::Base64(text, at) => {
+                let stream =
+                    EncodedBytes::new(text.as_bytes(), BytePacking::Base64, ArrayPlace::Text(self.text, *at));
+                if stream.is_blank() {
+                    return Ok(Cow::Borrowed(&[]));
+                }
+                stream
+            }
+            ArraySource::Appended(offset) => {
+                let Some(appended) = self.appended else {
+                    return Err(self.error(array, "no-appended-data", "the file has no appended data"));
+                };
+                let rest = usize::try_from(*offset).ok().and_then(|at| appended.bytes.get(at..));
+                let Some(rest) = rest else {
+                    let message = format!(
+                        "its offset {} is beyond the {} bytes of the appended data",
+                        grouped(*offset),
+                        grouped(appended.bytes.len() as u64)
+                    );
+                    return Err(self.error(array, "offset-out-of-range", &message));
+                };
+                EncodedBytes::new(rest, appended.packing, ArrayPlace::Byte(appended.start + offset))
+            }
+        };
+        let bytes = match self.encoding.compressor {
+            None => {
+                let n = self.size(&mut stream)?;
+                self.spend(array, n.min(stream.n_left()))?;
+                stream.take(n)?
+            }
+            Some(compressor) => Cow::Owned(self.blocks(array, compressor, &mut stream)?),
+        };
+        if let ArraySource::Appended(_) = &array.source {
+            match self.left_appended.checked_sub(stream.n_taken()) {
+                Some(left) => self.left_appended = left,
+                None => {
+                    let message = "its bytes in the appended data are those of other arrays too";
+                    return Err(self.error(array, "overlapping-arrays", message));
+                }
+            }
+        }
+        Ok(bytes)
+    }
+
+    /// Counts bytes that are decoded.
+    fn spend(&mut self, array: &DataArray<'_>, n: u64) -> Result<(), ReadError> {
+        self.n_decoded = self.n_decoded.saturating_add(n);
+        match self.left.checked_sub(n) {
+            Some(left) => self.left = left,
+            None => {
+                let message = "the data arrays unpack to more bytes than the limit";
+                return Err(self.error(array, "too-large", message));
+            }
+        }
+        Ok(())
+    }
+
+    /// The next length or size.
+    fn size(&self, stream: &mut EncodedBytes<'_>) -> Result<u64, ReadError> {
+        let kind = self.encoding.header;
+        let bytes = stream.take(kind.width() as u64)?;
+        Ok(match kind {
+            SampleType::U64 => u64::from_le_bytes(self.encoding.endian.array(&bytes)),
+            _ => u64::from(u32::from_le_bytes(self.encoding.endian.array(&bytes))),
+        })
+    }
+
+    /// Unpacks blocks: their number, the size of each and that of the last if it is another, their packed sizes,
+    /// and then the blocks.
+    fn blocks(
+        &mut self,
+        array: &DataArray<'a>,
+        compressor: BlockCompressor,
+        stream: &mut EncodedBytes<'_>,
+    ) -> Result<Vec<u8>, ReadError> {
+        let n_blocks = self.size(stream)?;
+        if n_blocks == 0 {
+            return Ok(Vec::new());
+        }
+        let (whole, last) = (self.size(stream)?, self.size(stream)?);
+        if n_blocks > stream.n_left() / self.encoding.header.width() as u64 {
+            let message = format!("its {} blocks are more than bytes follow", grouped(n_blocks));
+            return Err(ReadError::new("truncated", stream.place().location(), message));
+        }
+        let mut sizes: Vec<u64> = with_room(n_blocks as usize)?;
+        for _ in 0..n_blocks {
+            sizes.push(self.size(stream)?);
+        }
+        let mut unpacked = Vec::new();
+        for (i, n_packed) in sizes.iter().enumerate() {
+            let is_last = i + 1 == sizes.len();
+            let n = if is_last && last > 0 { last } else { whole };
+            let block_place = stream.place();
+            let packed = stream.take(*n_packed)?;
+            let before = unpacked.len() as u64;
+            // What is declared is a limit, and is not believed before the bytes are there.
+            let most = n.min(self.left);
+            match compressor {
+                BlockCompressor::Zlib => inflate(&packed, &mut unpacked, most, block_place)?,
+                BlockCompressor::Lz4 => {
+                    let most = usize::try_from(most).unwrap_or(usize::MAX);
+                    lz4::unpack(&packed, &mut unpacked, most, block_place)?;
+                }
+            }
+            let got = unpacked.len() as u64 - before;
+            self.spend(array, got)?;
+            if got != n {
+                let message = format!(
+                    "block {i} of data array {} unpacks to {} bytes, where its header says {}",
+                    show(array.name.as_bytes()),
+                    grouped(got),
+                    grouped(n)
+                );
+                return Err(ReadError::new("size-mismatch", block_place.location(), message));
+            }
+        }
+        Ok(unpacked)
+    }
+}
+
+/// Appends a zlib stream to `out`, which it may make longer by `most` bytes and no more.
+fn inflate(packed: &[u8], out: &mut Vec<u8>, most: u64, place: ArrayPlace<'_>) -> Result<(), ReadError> {
+    let first = out.len();
+    let mut inflater = ZlibDecoder::new(packed);
+    let mut step = [0; STEP];
+    loop {
+        match inflater.read(&mut step) {
+            Ok(0) => return Ok(()),
+            Ok(n) => {
+                let start = out.len();
+                if (start - first + n) as u64 > most {
+                    let message = format!("a block unpacks to more than the {} bytes allowed", grouped(most));
+                    return Err(ReadError::new("too-large", place.location(), message));
+                }
+                push_many(out, 0, n)?;
+                out[start..].copy_from_slice(&step[..n]);
+            }
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => {
+                let message = format!("a block is damaged: {error}");
+                return Err(ReadError::new("bad-deflate", place.location(), message));
+            }
+        }
+    }
+}
