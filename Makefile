@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint test-rust test-web test-tiles test-studio test-python
+.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint test-rust test-web test-looks test-tiles test-studio test-python
 .PHONY: tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
@@ -57,7 +57,7 @@ studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 
 # The studio's page is built before the command is, and so is in it wherever the tests use it. The module for the page is
 # the library without threads.
-test: fmt-check lint studio-page test-rust test-studio test-web test-tiles test-python ## everything that CI runs
+test: fmt-check lint studio-page test-rust test-studio test-web test-looks test-tiles test-python ## everything that CI runs
 	@echo "All tests passed."
 
 fmt-check: need-rust
@@ -103,6 +103,21 @@ test-web: tested need-wasm need-node tests/web/node_modules
 	node tests/web/tileset.mjs $(TARGET)/web/painted_tiles
 	node tests/web/validate.mjs $(TARGET)/web/*.glb $(TARGET)/web/painted_tiles/*.glb
 	node tests/web/meshopt.mjs crates/chordal-io/tests/data/meshopt_streams.json
+
+# An asset before and after each verb in three.js, and one without its materials, which has to be seen.
+LOOKS := $(TARGET)/web/looks
+test-looks: tested need-node need-chromium tests/web/node_modules
+	mkdir -p $(LOOKS)
+	$(TESTED) mesh tests/web/painted.gltf --tol 0.3% -o $(LOOKS)/meshed.glb --force -q
+	$(TESTED) lod tests/web/painted.gltf --px 1 -o $(LOOKS)/levels.glb --force -q
+	$(TESTED) mend tests/web/painted.gltf --drop-unused -o $(LOOKS)/mended.gltf --separate --force -q
+	$(TESTED) convert tests/web/painted.gltf $(LOOKS)/converted.obj --force -q
+	$(TESTED) convert $(LOOKS)/converted.obj $(LOOKS)/converted.glb --force -q
+	CHROMIUM=$(CHROMIUM) node tests/web/looks.mjs tests/web/painted.gltf \
+		$(LOOKS)/meshed.glb $(LOOKS)/levels.glb $(LOOKS)/mended.gltf $(LOOKS)/converted.glb
+	$(TESTED) convert tests/web/painted.gltf $(LOOKS)/bare.ply --force -q
+	$(TESTED) convert $(LOOKS)/bare.ply $(LOOKS)/bare.glb --force -q
+	CHROMIUM=$(CHROMIUM) node tests/web/looks.mjs --other tests/web/painted.gltf $(LOOKS)/bare.glb
 
 # Patches, a cage and a mesh that is cut in space as tilesets, and one that is cut so that levels do not match, which the
 # judges of viewers have to see.

@@ -1,31 +1,9 @@
 // What judges a viewer's picture of a tileset: which tiles it shows against the formula, and its silhouette against that of the
 // finest tiles. Shares no code with what writes tilesets.
-import { existsSync } from "node:fs";
 import { mkdir, readFile } from "node:fs/promises";
-import { createServer } from "node:http";
-import { basename, extname, join, normalize, resolve } from "node:path";
-import { chromium } from "playwright-core";
+import { basename, extname, join, resolve } from "node:path";
+import { withPage } from "../browser.mjs";
 
-const TYPES = {
-  ".html": "text/html",
-  ".js": "text/javascript",
-  ".mjs": "text/javascript",
-  ".json": "application/json",
-  ".glb": "model/gltf-binary",
-  ".wasm": "application/wasm",
-  ".css": "text/css",
-};
-const FLAGS = [
-  "--headless",
-  "--no-sandbox",
-  "--disable-gpu",
-  "--disable-quic",
-  "--no-first-run",
-  "--disable-background-networking",
-  "--disable-component-update",
-  "--disable-sync",
-  "--enable-unsafe-swiftshader",
-];
 export const WIDTH = 320;
 export const HEIGHT = 240;
 export const FOV_Y_DEG = 45;
@@ -33,27 +11,6 @@ export const FOV_Y_DEG = 45;
 export const SCALE = 4;
 const [COLUMNS, ROWS] = [WIDTH * SCALE, HEIGHT * SCALE];
 const TAN = Math.tan((FOV_Y_DEG * Math.PI) / 360);
-
-/** Serves folders on loopback: `{ "/prefix/": "folder" }`. GLBs of closed shapes are made one-sided, so that the inside of one hides no crack. */
-async function serve(folders, isClosed) {
-  const server = createServer(async (request, response) => {
-    const path = decodeURIComponent(new URL(request.url, "http://x").pathname);
-    const prefix = Object.keys(folders).find((prefix) => path.startsWith(prefix));
-    try {
-      const file = normalize(join(folders[prefix], path.slice(prefix.length)));
-      if (!file.startsWith(normalize(folders[prefix]))) throw new Error("outside");
-      let body = await readFile(file);
-      if (isClosed && extname(file) === ".glb") body = Buffer.from(body.toString("latin1").replace('"doubleSided":true', '"doubleSidex":true'), "latin1");
-      response.setHeader("content-type", TYPES[extname(file)] ?? "application/octet-stream");
-      response.end(body);
-    } catch {
-      response.statusCode = 404;
-      response.end();
-    }
-  });
-  await new Promise((done) => server.listen(0, "127.0.0.1", done));
-  return server;
-}
 
 const sub = (a, b) => a.map((x, i) => x - b[i]);
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
@@ -170,26 +127,14 @@ export function cameras(tileset, target) {
  * @param options.page the address of the page, which has `openTileset` and `look`
  */
 export async function judge({ name, folder, isClosed, folders, page: address, targets, pictures }) {
-  const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
-  if (!existsSync(executablePath)) throw new Error(`there is no chromium at ${executablePath}`);
   const tileset = JSON.parse(await readFile(join(folder, "tileset.json"), "utf8"));
-  const server = await serve({ "/tiles/": folder, ...folders }, isClosed);
-  const browser = await chromium.launch({ executablePath, args: FLAGS });
   const complaints = [];
   const seen = { views: 0, cracks: 0, mixed: 0, contents: new Set() };
-  try {
-    const page = await browser.newPage({ viewport: { width: WIDTH, height: HEIGHT }, deviceScaleFactor: 1 });
-    page.on("console", (message) => message.type() === "error" && complaints.push(`${name}: console: ${message.text()}`));
-    page.on("pageerror", (error) => complaints.push(`${name}: ${error}`));
-    // Nothing but this server is asked for.
-    const base = `http://127.0.0.1:${server.address().port}`;
-    await page.route("**/*", (route) =>
-      /^(blob|data):/.test(route.request().url()) || route.request().url().startsWith(`${base}/`)
-        ? route.continue()
-        : (complaints.push(`${name}: asked for ${route.request().url()}`), route.abort()),
-    );
-    await page.goto(`${base}${address}?scale=${SCALE}`);
-    await page.waitForFunction("window.look !== undefined");
+  // GLBs of closed shapes are made one-sided, so that the inside of one hides no crack.
+  const changed = (body, file) =>
+    isClosed && extname(file) === ".glb" ? Buffer.from(body.toString("latin1").replace('"doubleSided":true', '"doubleSidex":true'), "latin1") : body;
+  const served = { folders: { "/tiles/": folder, ...folders }, address: `${address}?scale=${SCALE}`, viewport: { width: WIDTH, height: HEIGHT }, changed };
+  const troubles = await withPage(served, async (page) => {
     await page.evaluate((url) => window.openTileset(url), "/tiles/tileset.json");
     const look = async (camera, target) => {
       const { shown, mask } = await page.evaluate(([camera, target]) => window.look(camera, target), [camera, target]);
@@ -234,10 +179,8 @@ export async function judge({ name, folder, isClosed, folders, page: address, ta
         seen.cracks += cracks;
         if (cracks) complaints.push(`${here}: the background shows through at ${cracks} samples (${found.shown})`);
       }
-  } finally {
-    await browser.close();
-    server.close();
-  }
+  });
+  complaints.push(...troubles.map((line) => `${name}: ${line}`));
   if (seen.views === 0) complaints.push(`${name}: there is no distance to look from`);
   // Where regions take each other's place one by one, borders between levels are what is judged.
   const branches = (tile) => (tile.children?.length ?? 0) > 1 || (tile.children ?? []).some(branches);
