@@ -1,5 +1,6 @@
 //! Readers and writers of shape files. Every reader takes [`Limits`] and returns a shape, a shape with listed
 //! warnings, or one [`ReadError`] with its location. No paths, no network, no panics.
+pub mod amf;
 mod assemble;
 mod assets;
 pub mod bpt;

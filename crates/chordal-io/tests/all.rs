@@ -1,6 +1,7 @@
 //! The integration tests of chordal-io, one module a file of this folder, in one program:
 //! the library is linked once and not once a file.
 // `sweep.rs` counts what is allocated and is a program of its own.
+mod amf;
 mod cages;
 mod common;
 mod corpus;

@@ -136,7 +136,7 @@ impl<'a> VtkDocument<'a> {
 
 /// The meaning of an open element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum OpenElement {
+enum VtkElement {
     File,
     DataSet,
     Fields,
@@ -150,7 +150,7 @@ enum OpenElement {
 /// Reads a document.
 struct DocumentReader<'a> {
     elements: XmlElements<'a, AnyNamespace>,
-    open: Vec<OpenElement>,
+    open: Vec<VtkElement>,
     array: Option<DataArray<'a>>,
     document: VtkDocument<'a>,
 }
@@ -160,17 +160,17 @@ impl<'a> DocumentReader<'a> {
         while let Some(step) = self.elements.next()? {
             match step {
                 XmlStep::Start(element) => {
-                    if self.open == [OpenElement::File] && element.local == "AppendedData" {
+                    if self.open == [VtkElement::File] && element.local == "AppendedData" {
                         // What follows is no text.
                         return self.append(appended);
                     }
                     let meaning = self.start(element.local)?;
                     self.open.push(meaning);
                 }
-                XmlStep::Text(text) if self.open.last() == Some(&OpenElement::Array) => self.text(text)?,
+                XmlStep::Text(text) if self.open.last() == Some(&VtkElement::Array) => self.text(text)?,
                 XmlStep::Text(_) => {}
                 XmlStep::End => {
-                    if self.open.pop() == Some(OpenElement::Array)
+                    if self.open.pop() == Some(VtkElement::Array)
                         && let Some(array) = self.array.take()
                     {
                         self.keep(array)?;
@@ -196,31 +196,31 @@ impl<'a> DocumentReader<'a> {
         self.elements.error("unknown-value", message)
     }
 
-    fn start(&mut self, name: &str) -> Result<OpenElement, ReadError> {
+    fn start(&mut self, name: &str) -> Result<VtkElement, ReadError> {
         let Some(parent) = self.open.last() else { return self.file(name) };
         Ok(match (parent, name) {
-            (OpenElement::File, "PolyData" | "UnstructuredGrid") => OpenElement::DataSet,
-            (OpenElement::DataSet, "FieldData") => OpenElement::Fields,
-            (OpenElement::DataSet, "Piece") => {
+            (VtkElement::File, "PolyData" | "UnstructuredGrid") => VtkElement::DataSet,
+            (VtkElement::DataSet, "FieldData") => VtkElement::Fields,
+            (VtkElement::DataSet, "Piece") => {
                 self.piece()?;
-                OpenElement::Piece
+                VtkElement::Piece
             }
-            (OpenElement::Piece, name) => match SECTIONS.iter().find(|(element, _)| *element == name) {
+            (VtkElement::Piece, name) => match SECTIONS.iter().find(|(element, _)| *element == name) {
                 Some((_, section)) => {
                     self.begin_section(*section);
-                    OpenElement::Section(*section)
+                    VtkElement::Section(*section)
                 }
-                None => OpenElement::Skipped,
+                None => VtkElement::Skipped,
             },
-            (OpenElement::Section(_) | OpenElement::Fields, "DataArray" | "Array") => {
+            (VtkElement::Section(_) | VtkElement::Fields, "DataArray" | "Array") => {
                 self.array = Some(self.data_array(name)?);
-                OpenElement::Array
+                VtkElement::Array
             }
-            _ => OpenElement::Skipped,
+            _ => VtkElement::Skipped,
         })
     }
 
-    fn file(&mut self, name: &str) -> Result<OpenElement, ReadError> {
+    fn file(&mut self, name: &str) -> Result<VtkElement, ReadError> {
         if name != "VTKFile" {
             let message = format!("the root is {}, not the 'VTKFile' of VTK", show(name.as_bytes()));
             return Err(self.elements.error("not-vtk", message));
@@ -256,7 +256,7 @@ impl<'a> DocumentReader<'a> {
                 return Err(self.unknown("compressor", other, known));
             }
         }
-        Ok(OpenElement::File)
+        Ok(VtkElement::File)
     }
 
     /// A count among the attributes, or 0.
@@ -344,7 +344,7 @@ impl<'a> DocumentReader<'a> {
 
     fn keep(&mut self, array: DataArray<'a>) -> Result<(), ReadError> {
         match (self.open.last(), self.document.pieces.last_mut()) {
-            (Some(OpenElement::Section(section)), Some(piece)) => {
+            (Some(VtkElement::Section(section)), Some(piece)) => {
                 if piece.arrays.len() >= MOST_ARRAYS {
                     let message = format!("more arrays of a piece than the limit of {MOST_ARRAYS}");
                     return Err(self.elements.error("too-many-arrays", message));
@@ -358,7 +358,7 @@ impl<'a> DocumentReader<'a> {
                 }
                 push_large(&mut piece.arrays, (*section, array))
             }
-            (Some(OpenElement::Fields), _) => push(&mut self.document.fields, array),
+            (Some(VtkElement::Fields), _) => push(&mut self.document.fields, array),
             _ => Ok(()),
         }
     }
