@@ -8,8 +8,8 @@ use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{FileSet, Limits, Polygons, SceneAssets, Volume};
 use crate::{
-    amf, bpt, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf, vm, vti,
-    vtk,
+    amf, bpt, collada, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf,
+    vm, vti, vtk,
 };
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
@@ -50,6 +50,8 @@ pub enum Format {
     ThreeMf,
     /// AMF, an older format of 3D printing, zipped or not.
     Amf,
+    /// Collada.
+    Dae,
     /// VTK PolyData in XML.
     Vtp,
     /// VTK UnstructuredGrid in XML, of which the surface is read.
@@ -219,7 +221,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 24] = [
+static TABLE: [FormatRow; 25] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -331,6 +333,7 @@ static TABLE: [FormatRow; 24] = [
         ..only_read(Format::ThreeMf, "3mf", threemf::looks_like, threemf::read)
     },
     only_read(Format::Amf, "amf", amf::looks_like, amf::read),
+    only_read(Format::Dae, "dae", |bytes| collada::looks_like(text_start(bytes)), collada::read),
     FormatRow {
         triangles: Some(TriangleFormat {
             write: vtk::write,
@@ -401,11 +404,12 @@ static TABLE: [FormatRow; 24] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 23] = [
+const BY_CONTENT: [Format; 24] = [
     Format::Glb,
     Format::ThreeMf,
     Format::Npz,
     Format::Amf,
+    Format::Dae,
     Format::Npy,
     Format::Nrrd,
     Format::Nii,
@@ -624,7 +628,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, vtp, vtu, vtk, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

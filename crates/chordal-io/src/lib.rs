@@ -5,6 +5,7 @@ mod assemble;
 mod assets;
 pub mod bpt;
 mod certificate;
+pub mod collada;
 pub mod dicom;
 mod drawing;
 mod error;

@@ -3,6 +3,7 @@
 // `sweep.rs` counts what is allocated and is a program of its own.
 mod amf;
 mod cages;
+mod collada;
 mod common;
 mod corpus;
 mod glb;

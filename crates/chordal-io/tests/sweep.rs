@@ -10,6 +10,7 @@ use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::explicit::{Curve, CurveSegment};
 use chordal_io::{
     Content, Format, Frame, Limits, ReadError, ReadOutcome, Scene, obj, off, ply, read, stl, threemf, tiles,
+    vtk,
 };
 use chordal_testkit::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -122,6 +123,7 @@ fn written(scene: &Scene, format: Format) -> Vec<u8> {
         Format::Ply => ply::write(scene, Some(&certificate), &mut bytes),
         Format::Off => off::write(scene, Some(&certificate), &mut bytes),
         Format::ThreeMf => threemf::write(scene, Some(&certificate), &mut bytes),
+        Format::Vtp => vtk::write(scene, Some(&certificate), &mut bytes),
         _ => stl::write(scene, None, &mut bytes),
     }
     .expect("written");
@@ -150,7 +152,7 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         .unwrap();
     let mut seeds = Vec::new();
     for mesh in [plain, rich] {
-        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::ThreeMf] {
+        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::ThreeMf, Format::Vtp] {
             seeds.push((format, written(&Scene::from_mesh("a b", mesh.clone(), Frame::default()), format)));
         }
     }
@@ -242,6 +244,66 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         Format::Vm,
         "# a disc\n_x var-x\n_y var-y # up\n_0 const -2.5e-1\n_1 square _x\n_2 mul _y _y\r\n\n_3 add _1 _2\n\
          _4 sqrt _3\n_5 atan2 _4 _0\n_6 mod _5 _x\n_7 max _6 _0\n",
+    );
+    let points = "0 0 0 1 0 0 1 1 0 0 1 0";
+    let array = |kind: &str, name: &str, numbers: &str| {
+        format!("<DataArray type=\"{kind}\" Name=\"{name}\">{numbers}</DataArray>")
+    };
+    add(
+        Format::Vtp,
+        &format!(
+            "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"4\" NumberOfStrips=\"1\" NumberOfPolys=\"1\">\n\
+             <CellData>{}</CellData><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\">{points}</DataArray></Points>\n\
+             <Strips>{}{}</Strips>\n<Polys>{}{}</Polys></Piece></PolyData></VTKFile>",
+            array("UInt8", "u", "1 2"),
+            array("Int32", "connectivity", "0 1 3 2"),
+            array("Int8", "offsets", "4"),
+            array("Int64", "connectivity", "0 1 2 3"),
+            array("Int32", "offsets", "4"),
+        ),
+    );
+    add(
+        Format::Vtu,
+        &format!(
+            "<VTKFile type=\"UnstructuredGrid\" header_type=\"UInt32\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"2\">\n\
+             <PointData><DataArray type=\"UInt8\" Name=\"b\" format=\"binary\">BAAAAAECAwQ=</DataArray></PointData>\n\
+             <Points><DataArray type=\"Float32\" NumberOfComponents=\"3\">{points}</DataArray></Points>\n<Cells>{}{}{}</Cells>\n\
+             </Piece></UnstructuredGrid></VTKFile>",
+            array("Int32", "connectivity", "0 1 2 0 1 2 3"),
+            array("Int32", "offsets", "3 7"),
+            array("UInt8", "types", "5 10"),
+        ),
+    );
+    add(
+        Format::Vtk,
+        &format!(
+            "# vtk DataFile Version 5.1\nx\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n{points}\nPOLYGONS 2 4\nOFFSETS vtktypeint64\n0 4\n\
+             CONNECTIVITY vtktypeint64\n0 1 2 3\nCELL_DATA 1\nFIELD f 1\nq 2 1 int\n7 8\nPOINT_DATA 4\nSCALARS s float 1\n\
+             LOOKUP_TABLE default\n1 2 3 4\nCOLOR_SCALARS c 3\n{points}\n"
+        ),
+    );
+    let vertex = "<vertex><coordinates><x>1</x><y>2</y><z>0</z></coordinates></vertex>\n";
+    add(
+        Format::Amf,
+        &format!(
+            "<amf unit=\"inch\"><object id=\"1\"><mesh><vertices>{}</vertices><volume materialid=\"2\">\n\
+             <triangle><v1>0</v1><v2>1</v2><v3>2</v3><color><r>1</r><g>0.5</g></color></triangle></volume></mesh></object>\n\
+             <material id=\"2\"><color><b>1</b></color></material>\n\
+             <constellation id=\"3\"><instance objectid=\"1\"><rx>45</rx><deltax>2</deltax></instance></constellation></amf>",
+            vertex.repeat(3)
+        ),
+    );
+    add(
+        Format::Dae,
+        &format!(
+            "<COLLADA><asset><up_axis>X_UP</up_axis></asset><library_geometries><geometry id=\"g\"><mesh>\n\
+             <source id=\"p\"><float_array>{points}</float_array><technique_common><accessor count=\"4\" stride=\"3\"/></technique_common></source>\n\
+             <vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/><input semantic=\"NORMAL\" source=\"#p\"/></vertices>\n\
+             <polylist material=\"m\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><vcount>4 3</vcount><p>0 1 2 3 0 1 2</p></polylist>\n\
+             </mesh></geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node id=\"n\">\n\
+             <rotate>0 0 1 30</rotate><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>\n\
+             <scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>"
+        ),
     );
     seeds.extend(volumes());
     seeds

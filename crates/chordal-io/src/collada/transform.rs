@@ -1,0 +1,145 @@
+//! The matrices of Collada's transforms, column-major.
+use crate::scene::IDENTITY;
+use chordal::math::unit;
+
+/// What moves a node: an element with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TransformKind {
+    Matrix,
+    Translate,
+    Rotate,
+    Scale,
+    LookAt,
+}
+
+impl TransformKind {
+    /// The kind of an element.
+    pub(super) fn from_element(name: &str) -> Option<Self> {
+        Some(match name {
+            "matrix" => Self::Matrix,
+            "translate" => Self::Translate,
+            "rotate" => Self::Rotate,
+            "scale" => Self::Scale,
+            "lookat" => Self::LookAt,
+            _ => return None,
+        })
+    }
+
+    /// How many numbers it has.
+    pub(super) fn n_numbers(self) -> usize {
+        match self {
+            Self::Matrix => 16,
+            Self::Translate | Self::Scale => 3,
+            Self::Rotate => 4,
+            Self::LookAt => 9,
+        }
+    }
+
+    /// The matrix, or `None` where the numbers make none.
+    pub(super) fn matrix(self, numbers: &[f64]) -> Option<[f64; 16]> {
+        let mut matrix = IDENTITY;
+        match (self, numbers) {
+            // The file has rows.
+            (Self::Matrix, rows) => {
+                for (i, value) in matrix.iter_mut().enumerate() {
+                    *value = *rows.get(4 * (i % 4) + i / 4)?;
+                }
+            }
+            (Self::Translate, [x, y, z]) => matrix[12..15].copy_from_slice(&[*x, *y, *z]),
+            (Self::Scale, [x, y, z]) => (matrix[0], matrix[5], matrix[10]) = (*x, *y, *z),
+            (Self::Rotate, [x, y, z, degrees]) => return turned([*x, *y, *z], *degrees),
+            (Self::LookAt, [ex, ey, ez, tx, ty, tz, ux, uy, uz]) => {
+                return looking([*ex, *ey, *ez], [*tx, *ty, *tz], [*ux, *uy, *uz]);
+            }
+            _ => return None,
+        }
+        Some(matrix)
+    }
+}
+
+/// Sine and cosine of an angle in degrees, exact for multiples of a right angle.
+fn sine_cosine(degrees: f64) -> [f64; 2] {
+    // The remainder of a division is exact.
+    let turned = degrees % 360.0;
+    let turned = if turned < 0.0 { turned + 360.0 } else { turned };
+    for (right, exact) in [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (180.0, [0.0, -1.0]), (270.0, [-1.0, 0.0])]
+    {
+        if turned == right {
+            return exact;
+        }
+    }
+    let radians = turned.to_radians();
+    [libm::sin(radians), libm::cos(radians)]
+}
+
+/// A turn about an axis, by Rodrigues' formula.
+fn turned(axis: [f64; 3], degrees: f64) -> Option<[f64; 16]> {
+    if degrees == 0.0 {
+        return Some(IDENTITY);
+    }
+    let [x, y, z] = unit(axis)?;
+    let [s, c] = sine_cosine(degrees);
+    let t = 1.0 - c;
+    let columns = [
+        [t * x * x + c, t * x * y + s * z, t * x * z - s * y],
+        [t * x * y - s * z, t * y * y + c, t * y * z + s * x],
+        [t * x * z + s * y, t * y * z - s * x, t * z * z + c],
+    ];
+    Some(placed(columns, [0.0; 3]))
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Standing at a point, looking along −z at another one.
+fn looking(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Option<[f64; 16]> {
+    let back = unit(std::array::from_fn(|k| eye[k] - target[k]))?;
+    let right = unit(cross(up, back))?;
+    Some(placed([right, cross(back, right), back], eye))
+}
+
+fn placed(columns: [[f64; 3]; 3], origin: [f64; 3]) -> [f64; 16] {
+    let mut matrix = IDENTITY;
+    for (column, values) in matrix.chunks_exact_mut(4).zip(columns.into_iter().chain([origin])) {
+        // Adding 0 makes a zero of either sign a plain one.
+        column[..3].copy_from_slice(&values.map(|value| value + 0.0));
+    }
+    matrix
+}
+
+/// `a · b`, column-major.
+pub(super) fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
+    if *a == IDENTITY {
+        return *b;
+    }
+    if *b == IDENTITY {
+        return *a;
+    }
+    std::array::from_fn(|i| {
+        let (column, row) = (i / 4, i % 4);
+        let term = |k: usize| a[4 * k + row] * b[4 * column + k];
+        (term(0) + term(1)) + (term(2) + term(3))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrices_are_those_of_the_specification() {
+        let at = |m: [f64; 16], p: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|k| m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k])
+        };
+        let rows: Vec<f64> = (0..16).map(f64::from).collect();
+        assert_eq!(TransformKind::Matrix.matrix(&rows).unwrap()[12..15], [3.0, 7.0, 11.0]);
+        let quarter = TransformKind::Rotate.matrix(&[0.0, 0.0, 2.0, 90.0]).unwrap();
+        assert_eq!(at(quarter, [1.0, 0.0, 5.0]), [0.0, 1.0, 5.0]);
+        assert_eq!(TransformKind::Rotate.matrix(&[0.0; 4]), Some(IDENTITY));
+        assert_eq!(TransformKind::Rotate.matrix(&[0.0, 0.0, 0.0, 1.0]), None);
+        let look = TransformKind::LookAt.matrix(&[1.0, 2.0, 3.0, 1.0, 2.0, 0.0, 0.0, 5.0, 0.0]).unwrap();
+        assert_eq!(at(look, [0.5, 0.25, -1.0]), [1.5, 2.25, 2.0]);
+        assert_eq!(product(&quarter, &IDENTITY), quarter);
+    }
+}
