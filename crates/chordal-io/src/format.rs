@@ -9,7 +9,7 @@ use crate::volume::inflate::{MAGIC, peek};
 use crate::{FileSet, Limits, Polygons, SceneAssets, Volume};
 use crate::{
     amf, bpt, collada, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf,
-    vm, vti, vtk,
+    usd, vm, vti, vtk,
 };
 use chordal::explicit::{Attribute, Topology};
 use serde_json::Value;
@@ -58,6 +58,12 @@ pub enum Format {
     Vtu,
     /// VTK's legacy form of both.
     Vtk,
+    /// USD as text, or a `.usd` file in either form.
+    Usda,
+    /// USD in its binary form.
+    Usdc,
+    /// A package of USD with its pictures.
+    Usdz,
     /// Scalable Vector Graphics.
     Svg,
     /// An expression graph as an op list, in fidget's text format.
@@ -221,7 +227,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 25] = [
+static TABLE: [FormatRow; 28] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -359,6 +365,34 @@ static TABLE: [FormatRow; 25] = [
     ),
     only_read(Format::Vtk, "vtk", vtk::looks_legacy, vtk::read),
     FormatRow {
+        read: Some(FormatReader::WithOthers(usd::read_with)),
+        extensions: &["usd"],
+        triangles: Some(TriangleFormat {
+            write: usd::write,
+            write_files: Some(usd::write_files),
+            rows: VertexRows::Positions,
+            precision: PositionPrecision::Double,
+            polygons: Some(PolygonFormat {
+                write: usd::write_polygons,
+                write_files: Some(usd::write_polygons_files),
+                is_cage: true,
+            }),
+            has_materials_beside: true,
+            has_parts: true,
+            has_nodes: true,
+            wants_normals: true,
+            has_certificate: true,
+            keeps: Some(usd::keeps),
+            changes: Some(usd::changes),
+        }),
+        ..only_read(Format::Usda, "usda", usd::looks_like_text, usd::read)
+    },
+    FormatRow {
+        read: Some(FormatReader::WithOthers(usd::read_with)),
+        ..only_read(Format::Usdc, "usdc", usd::looks_like_crate, usd::read)
+    },
+    only_read(Format::Usdz, "usdz", usd::looks_like_package, usd::read),
+    FormatRow {
         polylines: Some(svg::write),
         ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
     },
@@ -404,8 +438,10 @@ static TABLE: [FormatRow; 25] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 24] = [
+const BY_CONTENT: [Format; 27] = [
     Format::Glb,
+    Format::Usdc,
+    Format::Usdz,
     Format::ThreeMf,
     Format::Npz,
     Format::Amf,
@@ -421,6 +457,7 @@ const BY_CONTENT: [Format; 24] = [
     Format::Ply,
     Format::Off,
     Format::Stl,
+    Format::Usda,
     Format::Gltf,
     Format::Json,
     Format::Vti,
@@ -628,7 +665,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -21,6 +21,7 @@ mod round_trip;
 mod svg;
 mod threemf;
 mod tiles;
+mod usd;
 mod vm;
 mod volumes;
 mod vtk;

@@ -1,10 +1,10 @@
 //! `LibraryReader`: opens the material libraries that an OBJ names, and makes assets of the materials that its
 //! faces have.
 use super::mtl::MtlReader;
-use super::mtl_notes::MtlNotes;
 use super::mtl_to_gltf::{MtlConverter, plain_material};
 use super::pictures::{FOUND_BY_NAME, FOUND_BY_NAME_TEXT, ObjFiles, ObjPictures, file_name};
 use crate::files::{self, FileOpener};
+use crate::notes::NamedNotes;
 use crate::text::text_of;
 use crate::warnings::Warnings;
 use crate::{Limits, SceneAssets};
@@ -46,7 +46,7 @@ pub(super) fn read_libraries(
         tried: BTreeSet::new(),
         is_any_read: false,
         left: Some(ALLOWED + PER_BYTE * request.n_bytes),
-        notes: MtlNotes::default(),
+        notes: NamedNotes::default(),
     };
     if request.names.is_empty() {
         for statement in request.statements {
@@ -70,7 +70,7 @@ struct LibraryReader<'r, 'a, 'b> {
     is_any_read: bool,
     /// Bytes that materials may still take; none where they took too many.
     left: Option<u64>,
-    notes: MtlNotes,
+    notes: NamedNotes,
 }
 
 impl LibraryReader<'_, '_, '_> {

@@ -6,7 +6,6 @@ mod index;
 mod libraries;
 mod mtl;
 mod mtl_map;
-mod mtl_notes;
 mod mtl_to_gltf;
 mod names;
 mod pictures;

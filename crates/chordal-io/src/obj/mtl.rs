@@ -1,6 +1,6 @@
 //! `MtlMaterial`: the materials of a library (`.mtl`), as its statements say them.
-use super::mtl_notes::MtlNotes;
 use super::statements::ObjStatements;
+use crate::notes::NamedNotes;
 use crate::text::{LineTokens, number};
 use serde_json::{Map, Value};
 
@@ -191,7 +191,7 @@ impl<'a> MtlReader<'a> {
     }
 
     /// The next material; of one that is not wanted the name alone.
-    pub fn next(&mut self, is_wanted: impl Fn(&str) -> bool, notes: &mut MtlNotes) -> Option<MtlMaterial> {
+    pub fn next(&mut self, is_wanted: impl Fn(&str) -> bool, notes: &mut NamedNotes) -> Option<MtlMaterial> {
         if !self.is_started {
             self.is_started = true;
             // What stands before the first name.
@@ -206,7 +206,7 @@ impl<'a> MtlReader<'a> {
         &mut self,
         mut material: MtlMaterial,
         is_wanted: impl Fn(&str) -> bool,
-        notes: &mut MtlNotes,
+        notes: &mut NamedNotes,
     ) -> MtlMaterial {
         let is_wanted = is_wanted(&material.name);
         while let Some((line, statement)) = self.statements.next() {

@@ -5,9 +5,9 @@
 //! and three.js alone takes them as sRGB. Pictures of colours are sRGB in both formats.
 use super::mtl::{EXTRAS, MtlLook, MtlMaterial, MtlValue, is_map};
 use super::mtl_map::MtlMap;
-use super::mtl_notes::MtlNotes;
 use super::pictures::ObjPictures;
 use crate::files;
+use crate::notes::NamedNotes;
 use serde_json::{Map, Value, json};
 
 /// A material of which only the name is known.
@@ -24,7 +24,7 @@ pub(super) struct MtlConverter<'c, 'a, 'b> {
     pub pictures: &'c mut ObjPictures<'a, 'b>,
     /// The path of the library.
     pub library: &'c str,
-    pub notes: &'c mut MtlNotes,
+    pub notes: &'c mut NamedNotes,
 }
 
 /// A map whose picture was opened.

@@ -1,7 +1,7 @@
 //! `ObjPictures`: the pictures that material libraries name, opened once each, as images and textures of glTF.
 use super::mtl_map::MtlMap;
-use super::mtl_notes::MtlNotes;
 use crate::files::{self, FileOpener};
+use crate::notes::NamedNotes;
 use crate::side_file::picture_type;
 use crate::{ImageContent, SceneAssets, SceneImage};
 use serde_json::{Map, Value, json};
@@ -82,8 +82,8 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
 
     /// The picture of a path in the library's folder, or else below the folder of the OBJ. Of a path that leads
     /// out of it, only the name is looked for.
-    pub fn open(&mut self, folder: &str, path: &str, notes: &mut MtlNotes) -> Option<usize> {
-        let outside = |notes: &mut MtlNotes| {
+    pub fn open(&mut self, folder: &str, path: &str, notes: &mut NamedNotes) -> Option<usize> {
+        let outside = |notes: &mut NamedNotes| {
             let what = "pictures that are no files below the folder were not opened";
             notes.add("picture-outside", what, path);
             None

@@ -1,4 +1,4 @@
-//! `MtlNotes`: what is said of material libraries and pictures, with the names of what it is about.
+//! `NamedNotes`: what is said of a file, with the names of what it is about.
 use crate::FileLocation;
 use crate::warnings::Warnings;
 
@@ -8,7 +8,7 @@ const LISTED: usize = 8;
 /// The characters of a name that a note shows.
 const SHOWN: usize = 100;
 
-struct MtlNote {
+struct NamedNote {
     code: &'static str,
     what: &'static str,
     count: u64,
@@ -18,15 +18,15 @@ struct MtlNote {
 
 /// Notes, one for each code.
 #[derive(Default)]
-pub(super) struct MtlNotes {
-    list: Vec<MtlNote>,
+pub(crate) struct NamedNotes {
+    list: Vec<NamedNote>,
 }
 
-impl MtlNotes {
+impl NamedNotes {
     /// Counts one more, and lists its name if it is new.
     pub fn add(&mut self, code: &'static str, what: &'static str, name: &str) {
         let at = self.list.iter().position(|note| note.code == code).unwrap_or_else(|| {
-            self.list.push(MtlNote { code, what, count: 0, names: Vec::new(), n_others: 0 });
+            self.list.push(NamedNote { code, what, count: 0, names: Vec::new(), n_others: 0 });
             self.list.len() - 1
         });
         let note = &mut self.list[at];

@@ -1,0 +1,290 @@
+//! `UsdLayer`: what one file of USD says, whatever its form: a tree of prims with properties, and the arcs to
+//! others.
+use super::crate_tables::CrateTables;
+use super::value::{UsdType, UsdValue};
+use crate::grow::push_large;
+use crate::text::{TextLines, grouped};
+use crate::{FileLocation, ReadError};
+use serde_json::Value;
+use std::borrow::Cow;
+
+/// The number of no prim.
+pub(super) const NO_PRIM: u32 = u32::MAX;
+
+/// What a prim is said to be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum UsdSpecifier {
+    /// It is there.
+    Def,
+    /// It adds to one that is there.
+    #[default]
+    Over,
+    /// Others inherit it.
+    Class,
+}
+
+/// A prim as one file has it, or a variant of one.
+#[derive(Debug)]
+pub(super) struct UsdPrim {
+    pub name: Box<str>,
+    pub type_name: Option<Box<str>>,
+    pub parent: u32,
+    pub first_child: u32,
+    pub last_child: u32,
+    pub next: u32,
+    /// Where it is in a text; its number in a binary file.
+    pub at: u32,
+    pub specifier: UsdSpecifier,
+    pub properties: Vec<UsdProperty>,
+    pub arcs: Option<Box<UsdArcs>>,
+}
+
+/// What a prim has beside its properties.
+#[derive(Debug, Default)]
+pub(super) struct UsdArcs {
+    pub references: Vec<UsdReference>,
+    pub payloads: Vec<UsdReference>,
+    pub inherits: Vec<Box<str>>,
+    pub specializes: Vec<Box<str>>,
+    pub selections: Vec<[Box<str>; 2]>,
+    pub variant_sets: Vec<UsdVariantSet>,
+    pub display_name: Option<Box<str>>,
+    pub is_inactive: bool,
+}
+
+/// A set of variants.
+#[derive(Debug)]
+pub(super) struct UsdVariantSet {
+    pub name: Box<str>,
+    pub variants: Vec<UsdVariant>,
+}
+
+/// One of a set.
+#[derive(Debug)]
+pub(super) struct UsdVariant {
+    pub name: Box<str>,
+    /// Its prim, which has no parent.
+    pub prim: u32,
+}
+
+/// A prim of this or of another file, whose content another one has too.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct UsdReference {
+    /// The other file; empty for the same.
+    pub asset: Box<str>,
+    /// The prim; empty for the default one.
+    pub path: Box<str>,
+}
+
+/// An attribute or a relationship.
+#[derive(Debug)]
+pub(super) struct UsdProperty {
+    pub name: Box<str>,
+    pub kind: UsdType,
+    /// Where it is in a text; its number in a binary file.
+    pub at: u32,
+    pub value: Option<UsdValue>,
+    pub more: Option<Box<UsdPropertyMore>>,
+}
+
+/// What few properties have.
+#[derive(Debug, Default)]
+pub(super) struct UsdPropertyMore {
+    pub interpolation: Option<Box<str>>,
+    pub element_size: Option<f64>,
+    /// Targets of a relationship or connections of an attribute.
+    pub targets: Vec<Box<str>>,
+    pub has_targets: bool,
+    /// The first value of several over time.
+    pub first_sample: Option<UsdValue>,
+}
+
+/// A file.
+#[derive(Debug)]
+pub(super) struct UsdLayer<'a> {
+    /// Its path below the folder or in the package; empty for the first one.
+    pub path: String,
+    pub bytes: Cow<'a, [u8]>,
+    /// The first is the root, whose children are the prims at the top.
+    pub prims: Vec<UsdPrim>,
+    /// All prims, sorted by parent and name.
+    pub by_name: Vec<u32>,
+    pub about: UsdLayerAbout,
+    /// None for a text.
+    pub tables: Option<CrateTables>,
+}
+
+/// What a file says of itself.
+#[derive(Debug, Default)]
+pub(super) struct UsdLayerAbout {
+    pub default_prim: Option<Box<str>>,
+    pub metres_per_unit: Option<f64>,
+    pub up_axis: Option<Box<str>>,
+    pub sublayers: Vec<Box<str>>,
+    pub certificate: Option<Value>,
+    /// Why a certificate could not be read.
+    pub bad_certificate: Option<String>,
+    /// Attributes of meshes that are not known, with the name of the first.
+    pub n_skipped: u64,
+    pub first_skipped: Option<Box<str>>,
+}
+
+impl UsdLayerAbout {
+    /// Keeps a certificate.
+    pub(super) fn take_certificate(&mut self, text: &str) {
+        match serde_json::from_str(text) {
+            Ok(value) => self.certificate = Some(value),
+            Err(error) => self.bad_certificate = Some(error.to_string()),
+        }
+    }
+
+    /// Counts a property that is not kept, if its prim is a mesh.
+    pub(super) fn skip(&mut self, prim: &UsdPrim, name: &str) {
+        let is_expected = UNUSED.contains(&name) || name.starts_with("ui:");
+        if prim.type_name.as_deref() == Some("Mesh") && !is_expected {
+            self.n_skipped += 1;
+            self.first_skipped.get_or_insert_with(|| name.into());
+        }
+    }
+}
+
+/// Properties that are kept, and the beginnings of names of others.
+const KEPT: [&str; 28] = [
+    "points",
+    "faceVertexCounts",
+    "faceVertexIndices",
+    "orientation",
+    "subdivisionScheme",
+    "normals",
+    "creaseIndices",
+    "creaseLengths",
+    "creaseSharpnesses",
+    "cornerIndices",
+    "cornerSharpnesses",
+    "holeIndices",
+    "interpolateBoundary",
+    "faceVaryingLinearInterpolation",
+    "triangleSubdivisionRule",
+    "doubleSided",
+    "visibility",
+    "purpose",
+    "xformOpOrder",
+    "elementType",
+    "familyName",
+    "indices",
+    "protoIndices",
+    "prototypes",
+    "positions",
+    "orientations",
+    "scales",
+    "invisibleIds",
+];
+const KEPT_BEGINNINGS: [&str; 7] =
+    ["primvars:", "xformOp:", "inputs:", "outputs:", "info:", "material:binding", "chordal:"];
+/// Attributes of meshes that follow from others or from nothing that is read.
+const UNUSED: [&str; 4] = ["extent", "proxyPrim", "ids", "subsetFamily:materialBind:familyType"];
+
+/// Whether a property of this name is kept.
+pub(super) fn is_kept(name: &str) -> bool {
+    KEPT.contains(&name) || KEPT_BEGINNINGS.iter().any(|beginning| name.starts_with(beginning))
+}
+
+impl UsdPrim {
+    pub(super) fn new(name: &str, specifier: UsdSpecifier) -> Self {
+        Self {
+            name: name.into(),
+            type_name: None,
+            parent: NO_PRIM,
+            first_child: NO_PRIM,
+            last_child: NO_PRIM,
+            next: NO_PRIM,
+            at: 0,
+            specifier,
+            properties: Vec::new(),
+            arcs: None,
+        }
+    }
+
+    pub(super) fn arcs_mut(&mut self) -> &mut UsdArcs {
+        self.arcs.get_or_insert_default()
+    }
+
+    pub(super) fn property(&self, name: &str) -> Option<&UsdProperty> {
+        self.properties.iter().find(|property| &*property.name == name)
+    }
+}
+
+/// Appends a prim below a parent, or below none, and returns its number.
+pub(super) fn push_prim(prims: &mut Vec<UsdPrim>, parent: u32, prim: UsdPrim) -> Result<u32, ReadError> {
+    let number = prims.len() as u32;
+    push_large(prims, UsdPrim { parent, ..prim })?;
+    if parent != NO_PRIM {
+        let last = std::mem::replace(&mut prims[parent as usize].last_child, number);
+        match last {
+            NO_PRIM => prims[parent as usize].first_child = number,
+            last => prims[last as usize].next = number,
+        }
+    }
+    Ok(number)
+}
+
+/// All prims, sorted by parent and name.
+pub(super) fn sorted_by_name(prims: &[UsdPrim]) -> Result<Vec<u32>, ReadError> {
+    let mut by_name = crate::grow::with_room(prims.len())?;
+    by_name.extend(0..prims.len() as u32);
+    by_name.sort_unstable_by(|a, b| {
+        let key = |i: u32| (prims[i as usize].parent, &prims[i as usize].name, i);
+        key(*a).cmp(&key(*b))
+    });
+    Ok(by_name)
+}
+
+impl UsdLayer<'_> {
+    pub(super) fn prim(&self, number: u32) -> &UsdPrim {
+        &self.prims[number as usize]
+    }
+
+    /// The child of a prim by its name.
+    pub(super) fn child(&self, parent: u32, name: &str) -> Option<u32> {
+        let key = |i: u32| (self.prim(i).parent, &*self.prim(i).name);
+        let at = self.by_name.partition_point(|i| key(*i) < (parent, name));
+        self.by_name.get(at).copied().filter(|i| key(*i) == (parent, name))
+    }
+
+    pub(super) fn children(&self, parent: u32) -> impl Iterator<Item = u32> {
+        let first = self.prim(parent).first_child;
+        let is_some = |number: &u32| *number != NO_PRIM;
+        std::iter::successors(Some(first).filter(is_some), move |i| Some(self.prim(*i).next).filter(is_some))
+    }
+
+    /// The prim of an absolute path.
+    pub(super) fn find(&self, path: &str) -> Option<u32> {
+        let names = path.strip_prefix('/')?.split('/').filter(|name| !name.is_empty());
+        names.into_iter().try_fold(0, |parent, name| self.child(parent, name))
+    }
+
+    /// Where something is that stands at a byte of a text, or has a number in a binary file.
+    pub(super) fn place(&self, at: u32) -> FileLocation {
+        match self.tables {
+            Some(_) => FileLocation::Row { list: "spec", row: u64::from(at) },
+            None => line_of(&self.bytes, at as usize),
+        }
+    }
+
+    /// The words before a message about this file: its name, unless it is the first.
+    pub(super) fn prefix(&self) -> String {
+        if self.path.is_empty() { String::new() } else { format!("{}: ", self.path) }
+    }
+}
+
+/// The line of a byte.
+pub(super) fn line_of(bytes: &[u8], at: usize) -> FileLocation {
+    let before = &bytes[..(at + 1).min(bytes.len())];
+    FileLocation::Line(TextLines::new(before).last().map_or(1, |(line, _)| line))
+}
+
+/// The error of a tree that is too deep.
+pub(super) fn too_deep(depth: usize, place: FileLocation) -> ReadError {
+    let message = format!("prims or values are nested deeper than the limit of {}", grouped(depth as u64));
+    ReadError::new("too-deep", place, message)
+}

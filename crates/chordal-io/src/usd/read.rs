@@ -1,0 +1,93 @@
+//! Reads USD.
+use super::build::UsdBuilder;
+use super::crate_layer::read_crate;
+use super::crate_tables::USDC_MAGIC;
+use super::files::{UsdFiles, is_package};
+use super::layer::UsdLayer;
+use super::parse::{USDA_MAGIC, parse};
+use super::stage::UsdStage;
+use crate::warnings::Warnings;
+use crate::{FileLocation, FileOpener, Limits, ReadError, ReadOutcome};
+use std::borrow::Cow;
+
+/// Reads a file of USD alone: text, binary, or a package, by its content.
+///
+/// Meshes become parts, and the prims above them nodes. Where all meshes are subdivided by the same rules
+/// they become one cage instead, at the places of their nodes.
+///
+/// # Errors
+/// As for `read_with`.
+///
+/// ```
+/// use chordal_io::{Content, Limits, usd};
+/// let file = br#"#usda 1.0
+/// ( metersPerUnit = 1 upAxis = "Z" )
+/// def Mesh "triangle" {
+///     uniform token subdivisionScheme = "none"
+///     point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+///     int[] faceVertexCounts = [3]
+///     int[] faceVertexIndices = [0, 1, 2]
+/// }"#;
+/// let Content::Scene(scene) = usd::read(file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!((&*scene.parts[0].name, scene.parts[0].mesh.faces()), ("triangle", &[[0, 1, 2]][..]));
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    read_with(bytes, None, limits)
+}
+
+/// Reads a file of USD with those that it names, where they can be opened.
+///
+/// # Errors
+/// [`ReadError`] at the line of a text or the byte of a binary file: it is cut off or damaged, nested too
+/// deeply, unpacks to too much; counts and indices of a mesh do not fit together; arcs lead in circles.
+pub(crate) fn read_with(
+    bytes: &[u8],
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<ReadOutcome, ReadError> {
+    let (root, files) = if bytes.starts_with(crate::zip::directory::LOCAL) {
+        let (files, first) = UsdFiles::package(bytes, limits)?;
+        (layer(Cow::Owned(first.bytes), &first.path, limits)?, files)
+    } else {
+        (layer(Cow::Borrowed(bytes), "", limits)?, UsdFiles::beside(open, bytes.len(), limits))
+    };
+    let mut stage = UsdStage::new(root, files, limits)?;
+    let mut warnings = Warnings::default();
+    let content = UsdBuilder::new(&mut stage).build(&mut warnings)?;
+    Ok(ReadOutcome { content, warnings: warnings.into_list() })
+}
+
+/// Reads one file in either form.
+///
+/// # Errors
+/// Where it is damaged, or neither.
+pub(super) fn layer<'a>(
+    bytes: Cow<'a, [u8]>,
+    path: &str,
+    limits: &Limits,
+) -> Result<UsdLayer<'a>, ReadError> {
+    if bytes.starts_with(USDC_MAGIC) {
+        return read_crate(bytes, path, limits);
+    }
+    if looks_like_text(&bytes) {
+        return parse(bytes, path, limits);
+    }
+    let message = "the content is no USD: it begins neither with '#usda 1.0' nor with PXR-USDC";
+    Err(ReadError::new("not-usd", FileLocation::File, message))
+}
+
+/// Whether the content is USD's text form.
+pub(crate) fn looks_like_text(bytes: &[u8]) -> bool {
+    bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes).starts_with(USDA_MAGIC)
+}
+
+/// Whether the content is USD's binary form.
+pub(crate) fn looks_like_crate(bytes: &[u8]) -> bool {
+    bytes.starts_with(USDC_MAGIC)
+}
+
+/// Whether the content is a package.
+pub(crate) fn looks_like_package(bytes: &[u8]) -> bool {
+    is_package(bytes)
+}
