@@ -13,6 +13,7 @@ mod faces;
 mod files;
 mod forest;
 mod format;
+mod format_columns;
 mod frame;
 pub mod glb;
 mod groups;
@@ -63,7 +64,8 @@ pub use assets::{ImageContent, MATERIAL, PackedAccessor, SceneAssets, SceneImage
 pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
 pub use files::FileOpener;
-pub use format::{Format, PositionPrecision, UnknownFormat, VertexRows};
+pub use format::{Format, UnknownFormat};
+pub use format_columns::{PositionPrecision, VertexRows};
 pub use frame::{Axis, Frame, TextureOrigin};
 pub use limits::{Conformance, Limits};
 pub use losses::{losses, losses_of_polygons};

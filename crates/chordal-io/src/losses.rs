@@ -1,5 +1,5 @@
 //! `losses`: what of a scene a format cannot hold.
-use crate::format::TriangleFormat;
+use crate::format_columns::TriangleFormat;
 use crate::instances::{first_rows, part_instances};
 use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
 use chordal::Mesh;

@@ -1,5 +1,5 @@
 //! `read`: decodes bytes of a known format into a shape.
-use crate::format::FormatReader;
+use crate::format_columns::FormatReader;
 use crate::text::grouped;
 use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome, unpacked};
 

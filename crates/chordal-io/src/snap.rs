@@ -1,5 +1,6 @@
 //! `snap`: rounds positions to what a format stores. Snap first, then validate and bound what is written.
-use crate::format::{Format, PositionPrecision};
+use crate::format::Format;
+use crate::format_columns::PositionPrecision;
 use crate::single_precision::{F32_BOTTOM, F32_STEP, origin_of, restore, store};
 use chordal::Mesh;
 use chordal::math::{Box3, add_up, mul_up};
