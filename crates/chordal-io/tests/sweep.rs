@@ -540,6 +540,7 @@ fn large_hostile_files_stay_within_the_promised_memory() {
     let corners: [u8; 12] = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0];
     let face = "property list uchar uchar vertex_indices\n";
     let solids: String = (0..n / 4).map(|i| format!("solid {i}\nendsolid\n")).collect();
+    let vtk = "# vtk DataFile Version 3.0\nx\n";
     let files: Vec<(&str, Format, Vec<u8>)> = vec![
         ("positions", Format::Obj, "v 1 1 1\n".repeat(n).into_bytes()),
         ("colours", Format::Obj, "v 1 1 1 1 1 1\n".repeat(n / 2).into_bytes()),
@@ -674,6 +675,78 @@ fn large_hostile_files_stay_within_the_promised_memory() {
             "steps",
             Format::Vm,
             (0..n / 2).fold("0 var-x\n".to_owned(), |t, i| t + &format!("{:x} neg 0\n", i + 1)).into_bytes(),
+        ),
+        (
+            "points of VTK",
+            Format::Vtk,
+            format!("{vtk}ASCII\nDATASET POLYDATA\nPOINTS {n} char\n{}", "1 1 1\n".repeat(n)).into_bytes(),
+        ),
+        (
+            "cells of VTK",
+            Format::Vtk,
+            format!(
+                "{vtk}ASCII\nDATASET POLYDATA\nPOINTS 3 char\n0 0 0 1 0 0 0 1 0\nPOLYGONS {n} {}\n{}",
+                4 * n,
+                "3 0 1 2\n".repeat(n)
+            )
+            .into_bytes(),
+        ),
+        (
+            "bytes of points of VTK",
+            Format::Vtk,
+            [
+                format!("{vtk}BINARY\nDATASET POLYDATA\nPOINTS {n} char\n").as_bytes(),
+                &vec![1; 3 * n],
+                format!("\nPOINT_DATA {n}\nSCALARS s unsigned_char 4\n").as_bytes(),
+                &vec![1; 4 * n],
+            ]
+            .concat(),
+        ),
+        (
+            "cells of a grid",
+            Format::Vtu,
+            format!(
+                "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"3\" NumberOfCells=\"{n}\"><Points>\
+                 <DataArray type=\"Int8\" NumberOfComponents=\"3\">0 0 0 1 0 0 0 1 0</DataArray></Points><Cells>\
+                 <DataArray type=\"Int32\" Name=\"connectivity\">{}</DataArray><DataArray type=\"Int32\" Name=\"offsets\">{}</DataArray>\
+                 <DataArray type=\"Int8\" Name=\"types\">{}</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>",
+                "0 1 2 ".repeat(n),
+                (1..=n).map(|i| format!("{} ", 3 * i)).collect::<String>(),
+                "5 ".repeat(n)
+            )
+            .into_bytes(),
+        ),
+        (
+            "data arrays",
+            Format::Vtp,
+            format!(
+                "<VTKFile type=\"PolyData\"><PolyData>{}</PolyData></VTKFile>",
+                "<Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Int8\" NumberOfComponents=\"3\">0 0 0</DataArray></Points></Piece>"
+                    .repeat(n / 50)
+            )
+            .into_bytes(),
+        ),
+        (
+            "triangles of AMF",
+            Format::Amf,
+            format!(
+                "<amf><object id=\"1\"><mesh><vertices>{}</vertices><volume><color><r>1</r></color>{}</volume></mesh></object></amf>",
+                "<vertex><coordinates><x>1</x><y>1</y><z>1</z></coordinates></vertex>".repeat(3),
+                "<triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle>".repeat(n / 8)
+            )
+            .into_bytes(),
+        ),
+        (
+            "triangles of Collada",
+            Format::Dae,
+            format!(
+                "<COLLADA><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array>1 0 0</float_array>\
+                 <technique_common><accessor count=\"1\" stride=\"3\"/></technique_common></source><vertices id=\"v\">\
+                 <input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>\
+                 <input semantic=\"NORMAL\" source=\"#p\" offset=\"1\"/><p>{}</p></triangles></mesh></geometry></library_geometries></COLLADA>",
+                "0 0 0 0 0 0 ".repeat(n / 4)
+            )
+            .into_bytes(),
         ),
         (
             "indices",

@@ -159,7 +159,7 @@ impl ColladaPrimitive<'_> {
                     }
                 }
                 PrimitiveKind::Polylist => {
-                    while let Some(token) = counts.next() {
+                    for token in counts.by_ref() {
                         let n = integer(token).ok().and_then(|n| u64::try_from(n).ok());
                         let Some(n) = n else {
                             let message = format!("{} is no number of corners", show(token));

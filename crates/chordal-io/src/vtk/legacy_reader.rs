@@ -191,10 +191,10 @@ impl<'a> LegacyReader<'a> {
         width: u64,
         kind: SampleType,
     ) -> Result<NumberArray<'a>, ReadError> {
-        let n = n.checked_mul(width).unwrap_or(u64::MAX);
+        let n = n.saturating_mul(width);
         if self.is_binary {
             self.end_line();
-            let taken = self.take(n.checked_mul(kind.width() as u64).unwrap_or(u64::MAX))?;
+            let taken = self.take(n.saturating_mul(kind.width() as u64))?;
             return Ok(NumberArray::Packed { kind, endian: Endian::Big, bytes: Cow::Borrowed(taken) });
         }
         self.check_words(n)?;
@@ -213,11 +213,11 @@ impl<'a> LegacyReader<'a> {
 
     /// Skips what is no numbers.
     pub(super) fn skip(&mut self, n: u64, width: u64, kind: LegacyType) -> Result<(), ReadError> {
-        let n = n.checked_mul(width).unwrap_or(u64::MAX);
+        let n = n.saturating_mul(width);
         match (kind, self.is_binary) {
             (LegacyType::Number(kind), true) => {
                 self.end_line();
-                self.take(n.checked_mul(kind.width() as u64).unwrap_or(u64::MAX)).map(|_| ())
+                self.take(n.saturating_mul(kind.width() as u64)).map(|_| ())
             }
             (LegacyType::Bits, true) => {
                 self.end_line();

@@ -328,7 +328,7 @@ impl<'a> DocumentReader<'a> {
 
     /// Text directly in an array. It comes in one run, but for comments and the like in it.
     fn text(&mut self, more: Cow<'a, str>) -> Result<(), ReadError> {
-        let is_blank = more.bytes().all(|b| crate::text::is_space(b));
+        let is_blank = more.bytes().all(crate::text::is_space);
         let Some(array) = &mut self.array else { return Ok(()) };
         if let ArraySource::Text(text, at) | ArraySource::Base64(text, at) = &mut array.source
             && !is_blank

@@ -1,12 +1,8 @@
 //! AMF: what is read of files made by hand, and what is refused.
-#[path = "../threemf/build.rs"]
-#[allow(dead_code)]
-mod zip_build;
-
 use crate::common::{count, load_scene, refuse};
+use crate::threemf::build::{Zipped, zip_of};
 use chordal::explicit::{Domain, Semantic};
 use chordal_io::{Axis, FileLocation, Format, Limits, Scene, Warning, read};
-use zip_build::{Zipped, zip_of};
 
 fn vertex(p: [f64; 3], more: &str) -> String {
     let [x, y, z] = p;

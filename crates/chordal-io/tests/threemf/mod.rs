@@ -1,5 +1,5 @@
 //! 3MF: what is read of files made by hand, what is written reads back, and what is refused.
-mod build;
+pub mod build;
 mod hostile;
 mod reader;
 mod round_trip;
