@@ -160,10 +160,12 @@ impl SampleDecoder<'_> {
                 read(&mut stream, layout, self.limits, self.warnings)
             }
             MetaEncoding::Text => {
-                let numbers = text_bytes(&bytes[*start..], layout.element, *start)?;
+                let numbers = text_bytes(&bytes[*start..], layout.element, |at| {
+                    FileLocation::Byte((start + at) as u64)
+                })?;
                 let width = layout.element.width() as u64;
-                let end = FileLocation::Byte(bytes.len() as u64);
-                check_count(numbers.len() as u64 / width, declared / width, &end)?;
+                let end = || FileLocation::Byte(bytes.len() as u64);
+                check_count(numbers.len() as u64 / width, declared / width, end)?;
                 read(&mut SampleStream::plain(&numbers, 0), layout, self.limits, self.warnings)
             }
             MetaEncoding::Packed => {

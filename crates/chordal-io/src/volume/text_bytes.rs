@@ -6,8 +6,12 @@ use crate::{FileLocation, ReadError};
 /// Parses numbers separated by spaces, as little-endian bytes of a type.
 ///
 /// # Errors
-/// At the byte: for what is no number, or none of that type. `start` is the byte at which the text starts.
-pub(crate) fn text_bytes(text: &[u8], element: SampleType, start: usize) -> Result<Vec<u8>, ReadError> {
+/// For what is no number, or none of that type, at the place of its byte of the text.
+pub(crate) fn text_bytes(
+    text: &[u8],
+    element: SampleType,
+    place: impl Fn(usize) -> FileLocation,
+) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     let mut at = 0;
     while at < text.len() {
@@ -16,7 +20,6 @@ pub(crate) fn text_bytes(text: &[u8], element: SampleType, start: usize) -> Resu
             continue;
         }
         let end = text[at..].iter().position(|b| is_space(*b)).map_or(text.len(), |n| at + n);
-        let place = FileLocation::Byte((start + at) as u64);
         let token = &text[at..end];
         let room = bytes.try_reserve(element.width());
         room.map_err(|_| crate::grow::out_of_memory(bytes.len() / element.width()))?;
@@ -25,7 +28,7 @@ pub(crate) fn text_bytes(text: &[u8], element: SampleType, start: usize) -> Resu
                 Some(_) => format!("{} is no number of the type that the header names", show(token)),
                 None => number_error(token),
             };
-            return Err(ReadError::new("bad-number", place, message));
+            return Err(ReadError::new("bad-number", place(at), message));
         }
         at = end;
     }
@@ -84,14 +87,18 @@ fn whole(token: &[u8]) -> Option<i64> {
 }
 
 /// The error of a text with another number of samples than the header declares, if it has.
-pub(crate) fn check_count(there: u64, declared: u64, place: &FileLocation) -> Result<(), ReadError> {
+pub(crate) fn check_count(
+    there: u64,
+    declared: u64,
+    place: impl FnOnce() -> FileLocation,
+) -> Result<(), ReadError> {
     let (there_shown, declared_shown) = (grouped(there), grouped(declared));
     let message = format!("{there_shown} numbers are there, the header says {declared_shown}");
     match there.cmp(&declared) {
         std::cmp::Ordering::Equal => Ok(()),
         std::cmp::Ordering::Less => {
-            Err(ReadError::new("truncated", place.clone(), format!("the samples are cut off: {message}")))
+            Err(ReadError::new("truncated", place(), format!("the samples are cut off: {message}")))
         }
-        std::cmp::Ordering::Greater => Err(ReadError::new("trailing-bytes", place.clone(), message)),
+        std::cmp::Ordering::Greater => Err(ReadError::new("trailing-bytes", place(), message)),
     }
 }

@@ -9,6 +9,7 @@ use super::lz4;
 use super::number_array::NumberArray;
 use crate::grow::{push_many, with_room};
 use crate::text::{grouped, show};
+use crate::unpack_cap::UnpackCap;
 use crate::volume::element::{Endian, SampleType};
 use crate::xml_text::place;
 use crate::{Limits, ReadError};
@@ -79,6 +80,29 @@ pub(crate) fn number_type(name: &str) -> Option<SampleType> {
         "Float64" => SampleType::F64,
         _ => return None,
     })
+}
+
+/// The sizes of packed blocks.
+#[derive(Clone, Debug)]
+struct BlockSizes {
+    /// The unpacked sizes of each block but the last, and of the last.
+    whole: u64,
+    last: u64,
+    packed: Vec<u64>,
+}
+
+impl BlockSizes {
+    /// What all blocks unpack to, as they say.
+    fn n_unpacked(&self) -> u64 {
+        let n_whole = (self.packed.len() as u64).saturating_sub(1);
+        n_whole.saturating_mul(self.whole).saturating_add(self.last)
+    }
+}
+
+/// Packed blocks that follow their sizes.
+struct BlockStream<'s, 'b> {
+    blocks: BlockSizes,
+    stream: &'s mut EncodedBytes<'b>,
 }
 
 /// The bytes that are unpacked between two looks at the limits.
@@ -157,6 +181,45 @@ impl<'a> ArrayDecoder<'a> {
     where
         'a: 's,
     {
+        self.unpack(array, None)
+    }
+
+    /// The bytes of an array that is no text and has to have `n` of them.
+    ///
+    /// # Errors
+    /// As [`Self::decode`], and `size-mismatch` before another number of bytes is unpacked.
+    pub(crate) fn exact_bytes<'s>(
+        &mut self,
+        array: &'s DataArray<'a>,
+        n: u64,
+    ) -> Result<Cow<'s, [u8]>, ReadError>
+    where
+        'a: 's,
+    {
+        let bytes = self.unpack(array, Some(n))?;
+        self.expect(array, bytes.len() as u64, Some(n))?;
+        Ok(bytes)
+    }
+
+    /// Refuses an array of another number of bytes than it has to have.
+    fn expect(&self, array: &DataArray<'_>, n: u64, wanted: Option<u64>) -> Result<(), ReadError> {
+        match wanted {
+            Some(wanted) if n != wanted => {
+                let message = format!("it has {} bytes, and its values take {}", grouped(n), grouped(wanted));
+                Err(self.error(array, "size-mismatch", &message))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn unpack<'s>(
+        &mut self,
+        array: &'s DataArray<'a>,
+        wanted: Option<u64>,
+    ) -> Result<Cow<'s, [u8]>, ReadError>
+    where
+        'a: 's,
+    {
         let mut stream: EncodedBytes<'s> = match &array.source {
             ArraySource::Text(..) => return Err(self.error(array, "not-bytes", "it is text")),
             ArraySource::Base64(text, at) => {
@@ -186,11 +249,19 @@ impl<'a> ArrayDecoder<'a> {
         let bytes = match self.encoding.compressor {
             None => {
                 let n = self.size(&mut stream)?;
+                self.expect(array, n, wanted)?;
                 self.spend(array, n.min(stream.n_left()))?;
                 stream.take(n)?
             }
-            Some(compressor) => Cow::Owned(self.blocks(array, compressor, &mut stream)?),
+            Some(compressor) => {
+                let blocks = self.block_sizes(&mut stream)?;
+                self.expect(array, blocks.n_unpacked(), wanted)?;
+                Cow::Owned(self.blocks(array, compressor, BlockStream { blocks, stream: &mut stream })?)
+            }
         };
+        if wanted.is_some() && matches!(array.source, ArraySource::Base64(..)) && !stream.is_blank() {
+            return Err(self.error(array, "trailing-bytes", "it has more bytes than its values"));
+        }
         if let ArraySource::Appended(_) = &array.source {
             match self.left_appended.checked_sub(stream.n_taken()) {
                 Some(left) => self.left_appended = left,
@@ -226,33 +297,43 @@ impl<'a> ArrayDecoder<'a> {
         })
     }
 
-    /// Unpacks blocks: their number, the size of each and that of the last if it is another, their packed sizes,
-    /// and then the blocks.
-    fn blocks(
-        &mut self,
-        array: &DataArray<'a>,
-        compressor: BlockCompressor,
-        stream: &mut EncodedBytes<'_>,
-    ) -> Result<Vec<u8>, ReadError> {
+    /// What stands before blocks: their number, the size of each and that of the last if it is another, and their
+    /// packed sizes.
+    fn block_sizes(&self, stream: &mut EncodedBytes<'_>) -> Result<BlockSizes, ReadError> {
         let n_blocks = self.size(stream)?;
         if n_blocks == 0 {
-            return Ok(Vec::new());
+            return Ok(BlockSizes { whole: 0, last: 0, packed: Vec::new() });
         }
         let (whole, last) = (self.size(stream)?, self.size(stream)?);
         if n_blocks > stream.n_left() / self.encoding.header.width() as u64 {
             let message = format!("its {} blocks are more than bytes follow", grouped(n_blocks));
             return Err(ReadError::new("truncated", stream.place().location(), message));
         }
-        let mut sizes: Vec<u64> = with_room(n_blocks as usize)?;
+        let mut packed: Vec<u64> = with_room(n_blocks as usize)?;
         for _ in 0..n_blocks {
-            sizes.push(self.size(stream)?);
+            packed.push(self.size(stream)?);
         }
+        Ok(BlockSizes { whole, last: if last > 0 { last } else { whole }, packed })
+    }
+
+    /// Unpacks blocks.
+    fn blocks(
+        &mut self,
+        array: &DataArray<'a>,
+        compressor: BlockCompressor,
+        packed: BlockStream<'_, '_>,
+    ) -> Result<Vec<u8>, ReadError> {
+        let BlockStream { blocks, stream } = packed;
         let mut unpacked = Vec::new();
-        for (i, n_packed) in sizes.iter().enumerate() {
-            let is_last = i + 1 == sizes.len();
-            let n = if is_last && last > 0 { last } else { whole };
+        for (i, n_packed) in blocks.packed.iter().enumerate() {
+            let is_last = i + 1 == blocks.packed.len();
+            let n = if is_last { blocks.last } else { blocks.whole };
             let block_place = stream.place();
             let packed = stream.take(*n_packed)?;
+            if UnpackCap::VOLUME.is_too_dense(n, *n_packed) {
+                let message = format!("block {i} {}", UnpackCap::VOLUME.too_dense(*n_packed));
+                return Err(ReadError::new("too-dense", block_place.location(), message));
+            }
             let before = unpacked.len() as u64;
             // What is declared is a limit, and is not believed before the bytes are there.
             let most = n.min(self.left);

@@ -192,6 +192,8 @@ impl<'a> LegacyGeometry<'a> {
         let order = match kind {
             DataSetKind::PolyData => &ORDER[..],
             DataSetKind::UnstructuredGrid => &[None],
+            // Volumes are refused before.
+            DataSetKind::ImageData => &[],
         };
         if let Some(other) = cells.iter().find(|cells| !order.contains(&cells.kind)) {
             return Err(other.list.error("wrong-cells", "the data set has no such list of cells".to_owned()));

@@ -1,11 +1,14 @@
-//! The files of VTK that hold surfaces: PolyData and UnstructuredGrid as XML (`.vtp`, `.vtu`), and the legacy form
-//! (`.vtk`).
+//! The files of VTK: surfaces as XML (PolyData `.vtp`, UnstructuredGrid `.vtu`) and in the legacy form (`.vtk`), and
+//! volumes as XML (ImageData `.vti`).
 mod array_place;
 mod attributes;
 mod cell_list;
 mod cell_types;
 mod data_array;
 mod encoded_bytes;
+mod image_extent;
+mod image_pieces;
+pub(crate) mod image_read;
 mod legacy_arrays;
 mod legacy_read;
 mod legacy_reader;
@@ -34,16 +37,27 @@ pub(crate) fn looks_legacy(bytes: &[u8]) -> bool {
     bytes.get(..LEGACY_MAGIC.len()).is_some_and(|start| start.eq_ignore_ascii_case(LEGACY_MAGIC))
 }
 
+/// Where the root of a file begins, and how long its tag is at most: a declaration and a comment may stand before it.
+const LOOKED_AT: usize = 4096;
+
+/// The text from the root of a VTK XML file on, if it is one.
+fn root(text: &[u8]) -> Option<&[u8]> {
+    let head = &text[..text.len().min(LOOKED_AT)];
+    let root = memchr::memmem::find(head, b"<VTKFile").filter(|_| text.starts_with(b"<"))?;
+    Some(&text[root..])
+}
+
+/// Whether the text is a VTK XML file of any data set.
+pub(crate) fn looks_any_xml(text: &[u8]) -> bool {
+    root(text).is_some()
+}
+
 /// Whether the text is a VTK XML file of a data set.
 pub(crate) fn looks_xml(text: &[u8], data_set: &str) -> bool {
-    /// Where the root of a file begins: a declaration and a comment may stand before it.
-    const LOOKED_AT: usize = 4096;
-    let head = &text[..text.len().min(LOOKED_AT)];
-    let Some(root) = memchr::memmem::find(head, b"<VTKFile") else { return false };
-    let tag = &text[root..];
-    let tag = &tag[..memchr::memchr(b'>', &tag[..tag.len().min(LOOKED_AT)]).unwrap_or(0)];
-    text.starts_with(b"<")
-        && ['"', '\''].iter().any(|quote| {
+    root(text).is_some_and(|tag| {
+        let tag = &tag[..memchr::memchr(b'>', &tag[..tag.len().min(LOOKED_AT)]).unwrap_or(0)];
+        ['"', '\''].iter().any(|quote| {
             memchr::memmem::find(tag, format!("type={quote}{data_set}{quote}").as_bytes()).is_some()
         })
+    })
 }

@@ -5,6 +5,7 @@ use crate::grow::{push, push_large};
 use crate::text::{IntegerError, integer, show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::xml_elements::{AnyNamespace, XmlElements, XmlStep};
+use crate::xml_text::place;
 use crate::{FileLocation, Limits, ReadError};
 use std::borrow::Cow;
 
@@ -13,6 +14,38 @@ use std::borrow::Cow;
 pub(super) enum DataSetKind {
     PolyData,
     UnstructuredGrid,
+    ImageData,
+}
+
+impl DataSetKind {
+    /// Its element, which is also the type of the file.
+    fn element(self) -> &'static str {
+        match self {
+            Self::PolyData => "PolyData",
+            Self::UnstructuredGrid => "UnstructuredGrid",
+            Self::ImageData => "ImageData",
+        }
+    }
+}
+
+/// Which array a section says to be of a use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ActiveArray {
+    PointNormals,
+    PointTexCoords,
+    PointScalars,
+    CellScalars,
+}
+
+/// The element of image data: its attributes as they are spelled.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ImageElement {
+    pub extent: Option<String>,
+    pub origin: Option<String>,
+    pub spacing: Option<String>,
+    pub direction: Option<String>,
+    /// The byte of the document at which it starts.
+    pub at: usize,
 }
 
 /// What an array of a piece belongs to.
@@ -40,6 +73,14 @@ const SECTIONS: [(&str, PieceSection); 8] = [
     ("Cells", PieceSection::Cells),
 ];
 
+/// The attributes of sections that name an array.
+const ACTIVE: [(PieceSection, &str, ActiveArray); 4] = [
+    (PieceSection::PointData, "Normals", ActiveArray::PointNormals),
+    (PieceSection::PointData, "TCoords", ActiveArray::PointTexCoords),
+    (PieceSection::PointData, "Scalars", ActiveArray::PointScalars),
+    (PieceSection::CellData, "Scalars", ActiveArray::CellScalars),
+];
+
 /// A piece: counts and arrays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VtkPiece<'a> {
@@ -49,15 +90,21 @@ pub(super) struct VtkPiece<'a> {
     pub n_strips: u64,
     pub n_polys: u64,
     pub n_cells: u64,
+    /// The box of the lattice, as it is spelled.
+    pub extent: Option<Box<str>>,
     pub arrays: Vec<(PieceSection, DataArray<'a>)>,
-    /// The names of the arrays that are normals and texture coordinates of points.
-    pub normals: Option<String>,
-    pub texcoords: Option<String>,
+    /// The names of the arrays that have a use.
+    active: Vec<(ActiveArray, String)>,
     /// The byte of the document at which it starts.
     pub at: usize,
 }
 
 impl<'a> VtkPiece<'a> {
+    /// The name of the array of a use.
+    pub(super) fn active(&self, of: ActiveArray) -> Option<&str> {
+        self.active.iter().find(|(known, _)| *known == of).map(|(_, name)| name.as_str())
+    }
+
     /// The first array of a section, or that of a name.
     pub(super) fn array(&self, section: PieceSection, name: Option<&str>) -> Option<&DataArray<'a>> {
         let is_it = |array: &DataArray| name.is_none_or(|name| array.name == name);
@@ -73,6 +120,8 @@ pub(super) struct VtkDocument<'a> {
     pub text: &'a str,
     pub encoding: ArrayEncoding,
     pub appended: Option<AppendedBytes<'a>>,
+    /// The element of image data, empty in other data sets.
+    pub image: ImageElement,
     pub pieces: Vec<VtkPiece<'a>>,
     /// Arrays of the data set as a whole.
     pub fields: Vec<DataArray<'a>>,
@@ -104,22 +153,28 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<usize>), ReadError> {
 }
 
 impl<'a> VtkDocument<'a> {
-    /// Reads the elements of a file.
+    /// Reads the elements of a file of one of the data sets.
     ///
     /// # Errors
     /// When it is no XML, or another data set; when an attribute is missing or unknown; when a limit is passed.
-    pub(super) fn read(bytes: &'a [u8], limits: &Limits) -> Result<Self, ReadError> {
+    pub(super) fn read(
+        bytes: &'a [u8],
+        kinds: &'static [DataSetKind],
+        limits: &Limits,
+    ) -> Result<Self, ReadError> {
         let (head, appended_at) = split(bytes)?;
         let text = crate::xml_text::text_of(head)?;
         let mut reader = DocumentReader {
             elements: XmlElements::new(text, "", limits),
+            kinds,
             open: Vec::new(),
             array: None,
             document: Self {
-                kind: DataSetKind::PolyData,
+                kind: kinds[0],
                 text,
                 encoding: ArrayEncoding { endian: Endian::Little, header: SampleType::U32, compressor: None },
                 appended: None,
+                image: ImageElement::default(),
                 pieces: Vec::new(),
                 fields: Vec::new(),
                 n_other_times: 0,
@@ -131,6 +186,11 @@ impl<'a> VtkDocument<'a> {
             packing: BytePacking::Raw,
         }))?;
         Ok(reader.document)
+    }
+
+    /// An error at the element that starts at a byte.
+    pub(super) fn error(&self, at: usize, code: &'static str, message: impl Into<String>) -> ReadError {
+        ReadError::new(code, place(self.text, at), message.into())
     }
 }
 
@@ -150,6 +210,7 @@ enum VtkElement {
 /// Reads a document.
 struct DocumentReader<'a> {
     elements: XmlElements<'a, AnyNamespace>,
+    kinds: &'static [DataSetKind],
     open: Vec<VtkElement>,
     array: Option<DataArray<'a>>,
     document: VtkDocument<'a>,
@@ -199,7 +260,10 @@ impl<'a> DocumentReader<'a> {
     fn start(&mut self, name: &str) -> Result<VtkElement, ReadError> {
         let Some(parent) = self.open.last() else { return self.file(name) };
         Ok(match (parent, name) {
-            (VtkElement::File, "PolyData" | "UnstructuredGrid") => VtkElement::DataSet,
+            (VtkElement::File, name) if name == self.document.kind.element() => {
+                self.document.image = self.image();
+                VtkElement::DataSet
+            }
             (VtkElement::DataSet, "FieldData") => VtkElement::Fields,
             (VtkElement::DataSet, "Piece") => {
                 self.piece()?;
@@ -225,17 +289,14 @@ impl<'a> DocumentReader<'a> {
             let message = format!("the root is {}, not the 'VTKFile' of VTK", show(name.as_bytes()));
             return Err(self.elements.error("not-vtk", message));
         }
-        self.document.kind = match self.elements.need("type")? {
-            "PolyData" => DataSetKind::PolyData,
-            "UnstructuredGrid" => DataSetKind::UnstructuredGrid,
-            other => {
-                let message = format!(
-                    "the data set is {}: PolyData and UnstructuredGrid are read here",
-                    show(other.as_bytes())
-                );
-                return Err(self.elements.error("unsupported-data-set", message));
-            }
-        };
+        let data_set = self.elements.need("type")?;
+        let kind = self.kinds.iter().find(|kind| kind.element() == data_set);
+        self.document.kind = *kind.ok_or_else(|| {
+            let known: Vec<&str> = self.kinds.iter().map(|kind| kind.element()).collect();
+            let known = known.join(" or ");
+            let message = format!("the data set is {}, not {known}", show(data_set.as_bytes()));
+            self.elements.error("unsupported-data-set", message)
+        })?;
         let encoding = &mut self.document.encoding;
         match self.elements.get("byte_order").unwrap_or("LittleEndian") {
             "LittleEndian" => {}
@@ -276,6 +337,17 @@ impl<'a> DocumentReader<'a> {
         }
     }
 
+    fn image(&self) -> ImageElement {
+        let spelled = |name| self.elements.get(name).map(str::to_owned);
+        ImageElement {
+            extent: spelled("WholeExtent"),
+            origin: spelled("Origin"),
+            spacing: spelled("Spacing"),
+            direction: spelled("Direction"),
+            at: self.elements.offset(),
+        }
+    }
+
     fn piece(&mut self) -> Result<(), ReadError> {
         let piece = VtkPiece {
             n_points: self.count("NumberOfPoints")?,
@@ -284,6 +356,7 @@ impl<'a> DocumentReader<'a> {
             n_strips: self.count("NumberOfStrips")?,
             n_polys: self.count("NumberOfPolys")?,
             n_cells: self.count("NumberOfCells")?,
+            extent: self.elements.get("Extent").map(Box::from),
             at: self.elements.offset(),
             ..VtkPiece::default()
         };
@@ -291,13 +364,13 @@ impl<'a> DocumentReader<'a> {
     }
 
     fn begin_section(&mut self, section: PieceSection) {
-        if section != PieceSection::PointData {
-            return;
-        }
-        let name = |name| self.elements.get(name).map(str::to_owned);
-        let (normals, texcoords) = (name("Normals"), name("TCoords"));
-        if let Some(piece) = self.document.pieces.last_mut() {
-            (piece.normals, piece.texcoords) = (normals, texcoords);
+        let Some(piece) = self.document.pieces.last_mut() else { return };
+        for (of, attribute, active) in ACTIVE {
+            if of == section
+                && let Some(name) = self.elements.get(attribute)
+            {
+                piece.active.push((active, name.to_owned()));
+            }
         }
     }
 

@@ -7,7 +7,7 @@ use super::names::CERTIFICATE;
 use super::number_array::NumberArray;
 use super::scene::{PieceMesh, Positions, scene_of};
 use super::surface::{CellCounts, CellScope, VtkSurface};
-use super::xml_document::{DataSetKind, PieceSection, VtkDocument, VtkPiece};
+use super::xml_document::{ActiveArray, DataSetKind, PieceSection, VtkDocument, VtkPiece};
 use crate::assemble::too_many_rows;
 use crate::text::{LineTokens, integer};
 use crate::volume::element::SampleType;
@@ -15,6 +15,9 @@ use crate::warnings::Warnings;
 use crate::xml_text::place;
 use crate::{Content, FileLocation, Limits, Part, ReadError, ReadOutcome};
 use serde_json::Value;
+
+/// The data sets that are surfaces.
+const SURFACES: &[DataSetKind] = &[DataSetKind::PolyData, DataSetKind::UnstructuredGrid];
 
 /// Reads the surface of a VTK XML file: PolyData (`.vtp`), or the surface cells of an UnstructuredGrid (`.vtu`).
 ///
@@ -42,7 +45,7 @@ use serde_json::Value;
 ///
 /// Source: Kitware, *VTK File Formats*, 2005–2024.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
-    let document = VtkDocument::read(bytes, limits)?;
+    let document = VtkDocument::read(bytes, SURFACES, limits)?;
     let decoder = ArrayDecoder::new(document.text, document.encoding, document.appended, limits);
     let mut reader =
         XmlPieceReader { document: &document, decoder, limits, warnings: Warnings::default(), n_spread: 0 };
@@ -93,6 +96,8 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
         match self.document.kind {
             DataSetKind::PolyData => self.poly_data(piece, &mut surface, &mut scope)?,
             DataSetKind::UnstructuredGrid => self.cells(piece, &mut surface, &mut scope)?,
+            // Volumes are refused before.
+            DataSetKind::ImageData => {}
         }
         let n_cells = scope.cell as usize;
         self.warnings = warnings;
@@ -229,12 +234,12 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
     ) -> Result<NamedArray<'d>, ReadError> {
         let numbers = self.decoder.decode(array)?;
         let is_bytes = array.kind == Some(SampleType::U8);
-        let is = |name: &Option<String>| {
-            section == PieceSection::PointData && name.as_deref() == Some(array.name.as_str())
+        let is = |of: ActiveArray| {
+            section == PieceSection::PointData && piece.active(of) == Some(array.name.as_str())
         };
-        let role = if is(&piece.normals) {
+        let role = if is(ActiveArray::PointNormals) {
             ArrayRole::Normals
-        } else if is(&piece.texcoords) {
+        } else if is(ActiveArray::PointTexCoords) {
             ArrayRole::TexCoords
         } else if is_bytes && matches!(array.n_components, 3 | 4) {
             // Viewers show three or four bytes as a colour, whatever their name.

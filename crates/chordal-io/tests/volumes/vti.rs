@@ -23,12 +23,20 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
+/// A block of LZ4 that holds up to fourteen bytes as they are.
+fn lz4(bytes: &[u8]) -> Vec<u8> {
+    [&[(bytes.len() as u8) << 4], bytes].concat()
+}
+
+const ZLIB: &str = "vtkZLibDataCompressor";
+const LZ4: &str = "vtkLZ4DataCompressor";
+
 /// How a file is written.
 #[derive(Clone, Copy)]
 struct Style {
     is_big: bool,
     is_wide: bool,
-    is_packed: bool,
+    compressor: &'static str,
     format: &'static str,
 }
 
@@ -44,12 +52,13 @@ impl Style {
 
     /// The parts of an array that are encoded on their own.
     fn parts(self, data: &[u8]) -> Vec<Vec<u8>> {
-        if !self.is_packed {
+        if self.compressor.is_empty() {
             return vec![[self.number(data.len()), data.to_vec()].concat()];
         }
         // Chosen so that the last block is smaller.
         let size = 10;
-        let blocks: Vec<Vec<u8>> = data.chunks(size).map(zlib).collect();
+        let pack = if self.compressor == LZ4 { lz4 } else { zlib };
+        let blocks: Vec<Vec<u8>> = data.chunks(size).map(pack).collect();
         let mut header = [blocks.len(), size, data.len() % size].map(|n| self.number(n)).concat();
         blocks.iter().for_each(|block| header.extend(self.number(block.len())));
         vec![header, blocks.concat()]
@@ -73,7 +82,11 @@ impl Style {
         };
         let order = if self.is_big { "BigEndian" } else { "LittleEndian" };
         let wide = if self.is_wide { "header_type=\"UInt64\"" } else { "" };
-        let packed = if self.is_packed { "compressor=\"vtkZLibDataCompressor\"" } else { "" };
+        let packed = if self.compressor.is_empty() {
+            String::new()
+        } else {
+            format!("compressor=\"{}\"", self.compressor)
+        };
         let head = format!(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"{order}\" {wide} {packed}>\n\
              <ImageData WholeExtent=\"1 2 0 2 -1 0\" Origin=\"10 20 30\" Spacing=\"1 2 3\" \
@@ -86,11 +99,11 @@ impl Style {
 }
 
 fn styles() -> impl Iterator<Item = Style> {
-    (0..24_usize).map(|k| Style {
+    (0..36_usize).map(|k| Style {
         is_big: k & 1 == 1,
         is_wide: k & 2 == 2,
-        is_packed: k & 4 == 4,
-        format: ["binary", "raw", "base64"][k / 8],
+        compressor: ["", ZLIB, LZ4][k / 4 % 3],
+        format: ["binary", "raw", "base64"][k / 12],
     })
 }
 
@@ -191,16 +204,17 @@ fn arrays_are_chosen_by_scalars_or_index_and_cells_have_centres() {
 
 #[test]
 fn files_that_lie_are_refused_at_their_place() {
-    let style = Style { is_big: false, is_wide: false, is_packed: false, format: "binary" };
+    let style = Style { is_big: false, is_wide: false, compressor: "", format: "binary" };
     let bytes: Vec<u8> = (0..12).collect();
     let good = String::from_utf8(style.file("UInt8", &bytes)).unwrap();
     for (from, to, code) in [
-        ("\"ImageData\"", "\"RectilinearGrid\"", "unsupported"),
-        ("LittleEndian", "Middle", "unsupported"),
+        ("\"ImageData\"", "\"RectilinearGrid\"", "unsupported-data-set"),
+        ("LittleEndian", "Middle", "unknown-value"),
         ("UInt8", "String", "unsupported-type"),
+        ("UInt8", "Complex", "unknown-value"),
         ("UInt8", "UInt16", "size-mismatch"),
-        ("format=\"binary\"", "format=\"appended\" offset=\"0\"", "bad-offset"),
-        ("format=\"binary\"", "format=\"zip\"", "unsupported"),
+        ("format=\"binary\"", "format=\"appended\" offset=\"0\"", "no-appended-data"),
+        ("format=\"binary\"", "format=\"zip\"", "unknown-value"),
         ("1 2 0 2 -1 0", "1 2 0 2 -1", "bad-header"),
         ("1 2 0 2 -1 0", "2 1 0 2 -1 0", "bad-header"),
         ("1 2 0 2 -1 0", "0 9223372036854775807 0 2 -1 0", "bad-header"),
@@ -212,7 +226,7 @@ fn files_that_lie_are_refused_at_their_place() {
         ("</Piece>", "", "not-xml"),
         ("<Piece", "<!DOCTYPE a><Piece", "dtd-not-allowed"),
         ("</VTKFile>", "", "not-xml"),
-        ("version", "compressor=\"vtkLZ4DataCompressor\" version", "unsupported"),
+        ("version", "compressor=\"vtkLZMADataCompressor\" version", "unknown-value"),
         ("=</DataArray>", "!</DataArray>", "bad-base64"),
     ] {
         let file = good.replace("\n  </DataArray>", "</DataArray>");
@@ -231,7 +245,7 @@ fn files_that_lie_are_refused_at_their_place() {
             assert!(!error.message.is_empty());
         }
     }
-    let style = Style { is_packed: true, format: "raw", ..style };
+    let style = Style { compressor: ZLIB, format: "raw", ..style };
     let mut file = style.file("UInt8", &bytes);
     let at = file.windows(2).position(|w| w == [0x78, 0x01]).unwrap();
     file[at + 5] ^= 0x55;
@@ -250,4 +264,43 @@ fn files_that_lie_are_refused_at_their_place() {
         let file = file.replace("0 1 2 3 4 5 6 x", numbers);
         assert_eq!(refuse(file.as_bytes(), Format::Vti).code, code, "{numbers}");
     }
+}
+
+#[test]
+fn arrays_share_no_bytes_and_end_with_their_samples() {
+    let piece = |extent: &str| {
+        format!(
+            "<Piece Extent=\"{extent}\"><PointData><DataArray type=\"UInt8\" Name=\"a\" format=\"appended\" \
+             offset=\"0\"/></PointData></Piece>"
+        )
+    };
+    // Both pieces name the same eight bytes.
+    let pieces = piece("0 1 0 1 0 1") + &piece("0 1 0 1 1 2");
+    let head = text("0 1 0 1 0 2", &pieces).replace("BigEndian", "LittleEndian").replace("</VTKFile>", "");
+    let data = [&[8, 0, 0, 0][..], &[7; 8]].concat();
+    let file = [head.as_bytes(), b"<AppendedData encoding=\"raw\">_", &data];
+    // The tags that end a file would count as appended bytes, so they are left out.
+    let error = refuse(&file.concat(), Format::Vti);
+    assert_eq!(error.code, "overlapping-arrays", "{error}");
+    for compressor in ["", ZLIB, LZ4] {
+        let style = Style { is_big: false, is_wide: false, compressor, format: "binary" };
+        let file = String::from_utf8(style.file("UInt8", &[1; 12])).unwrap();
+        let file = file.replace("\n  </DataArray>", "\n AAAA</DataArray>");
+        assert_eq!(refuse(file.as_bytes(), Format::Vti).code, "trailing-bytes", "{compressor}");
+    }
+}
+
+#[test]
+fn texts_are_no_samples_and_errors_in_text_have_a_line() {
+    let numbers = array("a", "", "0 1 2 3 4 5 6 7");
+    let names = "<Array type=\"String\" Name=\"s\" format=\"ascii\">65 0</Array>";
+    let piece = |arrays: &str| {
+        text("0 1 0 1 0 1", &format!("<Piece Extent=\"0 1 0 1 0 1\"><PointData>{arrays}</PointData></Piece>"))
+    };
+    let (volume, warnings) = load(piece(&(names.to_owned() + &numbers)).as_bytes(), Format::Vti);
+    assert_eq!((values(&volume)[7], count(&warnings, "arrays-ignored")), (7.0, 1));
+    let (_, warnings) = load(piece(&(numbers.clone() + &numbers)).as_bytes(), Format::Vti);
+    assert_eq!(count(&warnings, "arrays-repeated"), 1);
+    let error = refuse(piece(&numbers.replace("4 5", "4\n x")).as_bytes(), Format::Vti);
+    assert_eq!(error.place, FileLocation::LineColumn { line: 2, column: 2 }, "{error}");
 }

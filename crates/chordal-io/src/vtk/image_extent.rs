@@ -1,30 +1,34 @@
 //! Where the samples of image data are: extent, origin, spacing and direction.
-use super::document::{VtiDocument, VtiElement};
+use super::xml_document::VtkDocument;
 use crate::ReadError;
 use crate::text::{finite, integer, show};
+use crate::xml_text::place;
 use chordal::implicit::Affine3;
 
 /// A box of the lattice: its lowest index, and the number of points along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct VtiExtent {
+pub(super) struct ImageExtent {
     pub low: [i64; 3],
     pub size: [i64; 3],
 }
 
-impl VtiExtent {
-    /// The extent that an attribute says.
+impl ImageExtent {
+    /// The extent that an attribute `name` of the element at a byte says.
     ///
     /// # Errors
     /// When it is missing, or is not six whole numbers in order.
     pub(super) fn read(
-        document: &VtiDocument<'_>,
-        element: &VtiElement,
+        document: &VtkDocument<'_>,
+        at: usize,
         name: &str,
+        text: Option<&str>,
     ) -> Result<Self, ReadError> {
-        let text = document.need(element, name)?;
+        let text = text.ok_or_else(|| {
+            document.error(at, "missing-attribute", format!("the element has no attribute '{name}'"))
+        })?;
         let wrong = || {
             let message = format!("{name} {} is no extent, as in 0 9 0 9 0 9", show(text.as_bytes()));
-            document.error("bad-header", element, message)
+            document.error(at, "bad-header", message)
         };
         let mut numbers = [0; 6];
         let mut words = text.split_ascii_whitespace();
@@ -52,34 +56,37 @@ impl VtiExtent {
 ///
 /// # Errors
 /// When it is singular, or a number is not finite.
-pub(super) fn affine(document: &VtiDocument<'_>, shift: [f64; 3]) -> Result<Affine3, ReadError> {
-    let origin = numbers(document, "Origin", [0.0; 3])?;
-    let spacing = numbers(document, "Spacing", [1.0; 3])?;
-    let turn = numbers(document, "Direction", [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])?;
+pub(super) fn affine(document: &VtkDocument<'_>, shift: [f64; 3]) -> Result<Affine3, ReadError> {
+    let image = &document.image;
+    let origin = numbers(document, "Origin", &image.origin, [0.0; 3])?;
+    let spacing = numbers(document, "Spacing", &image.spacing, [1.0; 3])?;
+    let straight = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let turn = numbers(document, "Direction", &image.direction, straight)?;
     let rows = [0, 1, 2].map(|k| {
         let steps = [0, 1, 2].map(|axis| turn[3 * k + axis] * spacing[axis]);
         let start = origin[k] + steps[0] * shift[0] + steps[1] * shift[1] + steps[2] * shift[2];
         [steps[0], steps[1], steps[2], start]
     });
-    Affine3::new(rows).map_err(|error| document.error("singular", &document.image, error.to_string()))
+    Affine3::new(rows).map_err(|error| document.error(image.at, "singular", error.to_string()))
 }
 
 /// The numbers of an attribute of the image, or what they are without it.
 fn numbers<const N: usize>(
-    document: &VtiDocument<'_>,
+    document: &VtkDocument<'_>,
     name: &str,
+    text: &Option<String>,
     without: [f64; N],
 ) -> Result<[f64; N], ReadError> {
-    let Some(text) = document.image.get(name) else { return Ok(without) };
+    let Some(text) = text else { return Ok(without) };
     let mut all = without;
     let mut words = text.split_ascii_whitespace();
     let wrong = || {
         let message = format!("{name} {} is not {N} numbers", show(text.as_bytes()));
-        document.error("bad-header", &document.image, message)
+        document.error(document.image.at, "bad-header", message)
     };
     for number in &mut all {
         let word = words.next().ok_or_else(wrong)?;
-        *number = finite(word.as_bytes(), || document.place(&document.image))?;
+        *number = finite(word.as_bytes(), || place(document.text, document.image.at))?;
     }
     if words.next().is_some() { Err(wrong()) } else { Ok(all) }
 }
