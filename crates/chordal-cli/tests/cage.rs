@@ -252,7 +252,7 @@ fn what_makes_no_sense_is_refused_in_one_sentence() {
     fails(
         &["mesh", &patch, "--level", "1"],
         2,
-        &["--level is for polygon cages (.obj), and the input holds patches"],
+        &["--level is for polygon cages (.obj, .usda), and the input holds patches"],
     );
     fails(&["mesh", &cage], 2, &["within a budget (--tol, --px or --triangles), or polygons with --level N"]);
     fails(
@@ -263,7 +263,7 @@ fn what_makes_no_sense_is_refused_in_one_sentence() {
     fails(
         &["mesh", &patch, "--surface", "loop", "--tol", "1"],
         3,
-        &["only the polygons of an .obj can be a cage"],
+        &["only the polygons of an .obj or of USD can be a cage"],
     );
     fails(
         &["mesh", &cage, "--level", "1", "--normals", "flat"],

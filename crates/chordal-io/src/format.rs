@@ -473,6 +473,12 @@ impl Format {
         self.row().triangles.as_ref().is_some_and(|format| format.polygons.is_some())
     }
 
+    /// Whether polygons in a file of it may be a cage, whose surface is smooth.
+    #[must_use]
+    pub fn may_hold_cages(self) -> bool {
+        matches!(self, Self::Obj | Self::Usda | Self::Usdc | Self::Usdz)
+    }
+
     /// Whether polylines can be written in it.
     #[must_use]
     pub fn holds_polylines(self) -> bool {

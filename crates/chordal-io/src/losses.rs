@@ -81,7 +81,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     Ok(lost)
 }
 
-/// What writing a cage as polygons leaves out. OBJ holds everything but the looks of materials.
+/// What writing a cage as polygons leaves out. USDA holds everything, OBJ all but the looks of materials.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -98,7 +98,9 @@ pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
     let polygons_of = |held: &'static TriangleFormat| held.polygons.as_ref();
     let title = format.to_string().to_uppercase();
     let mut lost = Vec::new();
-    if !polygons.assets.materials.is_empty() {
+    let held = format.row().triangles.as_ref();
+    let holds_looks = held.is_some_and(|held| held.has_nodes && held.has_materials_beside);
+    if !polygons.assets.materials.is_empty() && !holds_looks {
         let message = format!("{title} holds no looks of materials").into();
         let count = polygons.assets.materials.len() as u64;
         lost.push(Warning { code: "not-written", count, place: FileLocation::File, message });

@@ -4,13 +4,16 @@ mod common;
 #[path = "threemf/build.rs"]
 #[allow(dead_code)]
 mod threemf_build;
+#[path = "usd/build.rs"]
+#[allow(dead_code)]
+mod usd_build;
 
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::explicit::{Curve, CurveSegment};
 use chordal_io::{
     Content, Format, Frame, Limits, ReadError, ReadOutcome, Scene, obj, off, ply, read, stl, threemf, tiles,
-    vtk,
+    usd, vtk,
 };
 use chordal_testkit::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -124,6 +127,7 @@ fn written(scene: &Scene, format: Format) -> Vec<u8> {
         Format::Off => off::write(scene, Some(&certificate), &mut bytes),
         Format::ThreeMf => threemf::write(scene, Some(&certificate), &mut bytes),
         Format::Vtp => vtk::write(scene, Some(&certificate), &mut bytes),
+        Format::Usda => usd::write(scene, Some(&certificate), &mut bytes),
         _ => stl::write(scene, None, &mut bytes),
     }
     .expect("written");
@@ -152,7 +156,9 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         .unwrap();
     let mut seeds = Vec::new();
     for mesh in [plain, rich] {
-        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::ThreeMf, Format::Vtp] {
+        let formats =
+            [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::ThreeMf, Format::Vtp, Format::Usda];
+        for format in formats {
             seeds.push((format, written(&Scene::from_mesh("a b", mesh.clone(), Frame::default()), format)));
         }
     }
@@ -208,6 +214,16 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     add(Format::Stl, &format!("solid one\n{facet}{facet}endsolid one\nsolid two\n{facet}endsolid\n"));
     let points = "0.5 1 -2\n".repeat(16);
     add(Format::Bpt, &format!("2\n3 3\n{points}3 3\n{points}"));
+    add(
+        Format::Usda,
+        "#usda 1.0\n(subLayers = [@a.usd@ (offset = 1)])\ndef Mesh \"m\" (inherits = </c> variants = { string v = \"x\" }) {\n\
+         point3f[] points = [(0,0,0),(1,0,0),(0,1,0)] int[] faceVertexCounts = [3] int[] faceVertexIndices = [0,1,2]\n\
+         int[] creaseIndices = [0,1] int[] creaseLengths = [2] float[] creaseSharpnesses = [2.5]\n\
+         texCoord2f[] primvars:st = [(0,0)] (interpolation = \"constant\") quatf xformOp:orient = (1,0,0,1)\n\
+         uniform token[] xformOpOrder = [\"!invert!xformOp:orient\"] rel material:binding = </M>\n\
+         variantSet \"v\" = { \"x\" { token visibility.timeSamples = { 0: \"inherited\", } } } }\n\
+         class \"c\" {} def Material \"M\" { token outputs:surface.connect = </M.inputs:a> }\n",
+    );
     let indices = "1,2,3,4,4,3,2,1,1,2,3,4,4,3,2,1\n";
     add(Format::Teaset, &format!("2\n{indices}{indices}4\n0,0,0\n1.5,0,0\n0,1,0\n0,0,1e3\n"));
     add(
@@ -306,6 +322,7 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         ),
     );
     seeds.extend(volumes());
+    seeds.push((Format::Usdc, usd_build::grid(1)));
     seeds
 }
 
@@ -627,6 +644,39 @@ fn large_hostile_files_stay_within_the_promised_memory() {
             Format::Off,
             format!("OFF\n1 {n} 0\n0 0 0\n{}", "0\n".repeat(n)).into_bytes(),
         ),
+        ("prims", Format::Usda, format!("#usda 1.0\n{}", "def \"a\"{}".repeat(n / 4)).into_bytes()),
+        ("xforms", Format::Usda, format!("#usda 1.0\n{}", "def Xform \"a\"{}".repeat(n / 4)).into_bytes()),
+        (
+            "values of a prim",
+            Format::Usda,
+            format!("#usda 1.0\ndef Mesh \"m\" {{ {} }}", "int primvars:a\nint primvars:b\n".repeat(n / 16))
+                .into_bytes(),
+        ),
+        (
+            "corners of a mesh",
+            Format::Usda,
+            format!(
+                "#usda 1.0\ndef Mesh \"m\" {{ uniform token subdivisionScheme = \"none\" point3f[] points = [{}]\n\
+                 int[] faceVertexCounts = [{}] int[] faceVertexIndices = [{}] }}",
+                "(0,0,0),".repeat(3),
+                "3,".repeat(n / 4),
+                "0,1,2,".repeat(n / 4)
+            )
+            .into_bytes(),
+        ),
+        (
+            "corners of a cage",
+            Format::Usda,
+            format!(
+                "#usda 1.0\ndef Mesh \"m\" {{ point3f[] points = [{}]\n\
+                 int[] faceVertexCounts = [{}] int[] faceVertexIndices = [{}] }}",
+                "(0,0,0),".repeat(3),
+                "3,".repeat(n / 4),
+                "0,1,2,".repeat(n / 4)
+            )
+            .into_bytes(),
+        ),
+        ("a binary grid", Format::Usdc, usd_build::grid(500)),
         ("facets", Format::Stl, {
             let mut bytes = vec![0; 84 + 50 * n / 4];
             bytes[80..84].copy_from_slice(&(n as u32 / 4).to_le_bytes());

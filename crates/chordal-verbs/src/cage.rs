@@ -206,14 +206,14 @@ pub fn refined_cage(cage: &Cage, levels: u32, job: &Job) -> Result<Cage, MeshFai
 }
 
 fn not_a_cage_message(shape: &Shape, format: Format) -> Message {
-    if format == Format::Obj {
+    if format.may_hold_cages() {
         Message::from("the polygons were read as triangles, and only those of a cage are refined: ")
             .value(Setting::Surface, "catmull-clark")
             .words(" makes them one")
     } else {
         Message::default()
             .setting(Setting::Level)
-            .words(format_args!(" is for polygon cages (.obj), and the input holds {}", shape.kind()))
+            .words(format_args!(" is for polygon cages (.obj, .usda), and the input holds {}", shape.kind()))
     }
 }
 

@@ -204,11 +204,11 @@ pub fn needs_mesh(shape: &Shape, to: Format) -> bool {
 /// Whether polygons in a file of the format lose no more than the triangles that a reader cut them into.
 /// `polygons` and `triangles` are the same file, read as a cage and as triangles.
 ///
-/// In an OBJ they would: its tags would turn plain polygons into a cage for whoever reads them.
+/// In an OBJ or USDA they would: its tags would turn plain polygons into a cage for whoever reads them.
 #[must_use]
 pub fn polygons_lose_no_more(polygons: &Input, triangles: &Input, to: Format) -> bool {
     let (Shape::Cage(cage), Shape::Scene(scene)) = (&polygons.shape, &triangles.shape) else { return false };
-    if !to.holds_polygons() || to == Format::Obj {
+    if !to.holds_polygons() || to.may_hold_cages() {
         return false;
     }
     // A cage has no normals of its own.
@@ -264,7 +264,7 @@ fn check_format(shape: &Shape, to: Format) -> Result<(), Message> {
 /// What is said where a reader cut polygons that the format could have held.
 fn polygons_note(input: &Input, to: Format) -> Option<Message> {
     let was_cut = input.warnings.iter().any(|warning| warning.code == "polygons-cut");
-    (was_cut && input.format == Format::Obj && to.holds_polygons()).then(|| {
+    (was_cut && input.format.may_hold_cages() && to.holds_polygons()).then(|| {
         Message::from("polygons were cut into triangles, which keep their attributes: ")
             .value(Setting::Surface, "catmull-clark")
             .words(" keeps the polygons")

@@ -136,12 +136,12 @@ fn load_from(
     Ok(Input { shape, format, n_bytes: bytes.len() as u64, sha256: sha256(bytes), files, warnings })
 }
 
-/// Only OBJ keeps polygons; triangles of other files are faceted as they are.
+/// Only OBJ and USD keep polygons; triangles of other files are faceted as they are.
 fn check_surface(surface: PolygonSurface, format: Format) -> Result<(), ReadError> {
-    if format == Format::Obj || surface == PolygonSurface::Faceted && format.holds_triangles() {
+    if format.may_hold_cages() || surface == PolygonSurface::Faceted && format.holds_triangles() {
         return Ok(());
     }
-    let message = Message::from("only the polygons of an .obj can be a cage: ")
+    let message = Message::from("only the polygons of an .obj or of USD can be a cage: ")
         .setting(Setting::Surface)
         .words(format_args!(" says nothing of {format}"));
     Err(ReadError::new("no-cage", FileLocation::File, message))

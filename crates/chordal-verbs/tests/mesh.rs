@@ -12,7 +12,7 @@ use chordal_verbs::{
 };
 use std::sync::Arc;
 
-const FORMATS: [(Format, &str); 7] = [
+const FORMATS: [(Format, &str); 8] = [
     (Format::Obj, "obj"),
     (Format::Ply, "ply"),
     (Format::Stl, "stl"),
@@ -20,6 +20,7 @@ const FORMATS: [(Format, &str); 7] = [
     (Format::Gltf, "gltf"),
     (Format::Off, "off"),
     (Format::ThreeMf, "3mf"),
+    (Format::Usda, "usda"),
 ];
 
 fn input(shape: Shape) -> Input {

@@ -100,7 +100,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         let root = self.stage.root();
         let context =
             WalkContext { purpose: "default".to_owned(), material: None, world: IDENTITY, nesting: 0 };
-        for name in self.stage.child_names(&root) {
+        for name in self.stage.child_names(&root)? {
             if let Some(prim) = self.stage.child(&root, &name)?
                 && let Some(node) = self.walk(&prim, &context)?
             {
@@ -186,7 +186,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
                 }
             }
         }
-        for name in self.stage.child_names(prim) {
+        for name in self.stage.child_names(prim)? {
             if let Some(child) = self.stage.child(prim, &name)?
                 && let Some(child) = self.walk(&child, &context)?
             {
@@ -262,7 +262,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         let is_double_sided = sides.is_some_and(|sides| sides.first() == Some([1.0]));
         let material = self.material(context.material.as_ref(), is_double_sided)?;
         let mut subsets = Vec::new();
-        for name in self.stage.child_names(prim) {
+        for name in self.stage.child_names(prim)? {
             let Some(child) = self.stage.child(prim, &name)? else { continue };
             if self.stage.type_name(&child) != "GeomSubset" {
                 continue;
@@ -282,7 +282,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             std::iter::once(material).chain(subsets.iter().map(|s| s.material)).collect();
         // Sources without geometry of their own only place it.
         let has_geometry = |source: &&StageSource| {
-            let own = &self.stage.spec(**source).properties;
+            let own = &self.stage.spec(**source).properties();
             let places = ["xformOp", "material:binding", "visibility"];
             own.iter().any(|property| !places.iter().any(|place| property.name.starts_with(place)))
         };

@@ -106,8 +106,8 @@ impl CrateReader<'_> {
         let inside = full.strip_prefix('{').and_then(|rest| rest.strip_suffix('}'));
         let Some((set, name)) = inside.and_then(|inside| inside.split_once('=')) else { return Ok(()) };
         self.prims[number as usize].name = name.into();
-        let type_name = self.prims[parent as usize].type_name.clone();
-        self.prims[number as usize].type_name = type_name;
+        let type_name = self.prims[parent as usize].type_name().map(Box::from);
+        self.prims[number as usize].more_mut().type_name = type_name;
         let sets = &mut self.prims[parent as usize].arcs_mut().variant_sets;
         let variant = UsdVariant { name: name.into(), prim: number };
         match sets.iter_mut().find(|known| &*known.name == set) {
@@ -169,7 +169,8 @@ impl CrateReader<'_> {
                 return Ok(());
             }
             "typeName" => {
-                self.prims[number as usize].type_name = self.word(value)?.filter(|name| !name.is_empty());
+                let name = self.word(value)?.filter(|name| !name.is_empty());
+                self.prims[number as usize].more_mut().type_name = name;
                 return Ok(());
             }
             "active" if self.number(value)? != Some(0.0) => return Ok(()),
@@ -246,7 +247,7 @@ impl CrateReader<'_> {
             for field in tables.fields_of(spec.field_set) {
                 self.property_field(&mut property, field)?;
             }
-            push_large(&mut self.prims[prim as usize].properties, property)?;
+            self.prims[prim as usize].push_property(property)?;
         }
         Ok(())
     }

@@ -27,7 +27,6 @@ pub(super) enum UsdSpecifier {
 #[derive(Debug)]
 pub(super) struct UsdPrim {
     pub name: Box<str>,
-    pub type_name: Option<Box<str>>,
     pub parent: u32,
     pub first_child: u32,
     pub last_child: u32,
@@ -35,6 +34,13 @@ pub(super) struct UsdPrim {
     /// Where it is in a text; its number in a binary file.
     pub at: u32,
     pub specifier: UsdSpecifier,
+    more: Option<Box<UsdPrimMore>>,
+}
+
+/// What most prims have, in a box, since a text can have one for every nine bytes.
+#[derive(Debug, Default)]
+pub(super) struct UsdPrimMore {
+    pub type_name: Option<Box<str>>,
     pub properties: Vec<UsdProperty>,
     pub arcs: Option<Box<UsdArcs>>,
 }
@@ -140,8 +146,9 @@ impl UsdLayerAbout {
 
     /// Counts a property that is not kept, if its prim is a mesh.
     pub(super) fn skip(&mut self, prim: &UsdPrim, name: &str) {
-        let is_expected = UNUSED.contains(&name) || name.starts_with("ui:");
-        if prim.type_name.as_deref() == Some("Mesh") && !is_expected {
+        let is_expected =
+            UNUSED.contains(&name) || name.starts_with("ui:") || name.starts_with("subsetFamily:");
+        if prim.type_name() == Some("Mesh") && !is_expected {
             self.n_skipped += 1;
             self.first_skipped.get_or_insert_with(|| name.into());
         }
@@ -182,7 +189,7 @@ const KEPT: [&str; 28] = [
 const KEPT_BEGINNINGS: [&str; 7] =
     ["primvars:", "xformOp:", "inputs:", "outputs:", "info:", "material:binding", "chordal:"];
 /// Attributes of meshes that follow from others or from nothing that is read.
-const UNUSED: [&str; 4] = ["extent", "proxyPrim", "ids", "subsetFamily:materialBind:familyType"];
+const UNUSED: [&str; 3] = ["extent", "proxyPrim", "ids"];
 
 /// Whether a property of this name is kept.
 pub(super) fn is_kept(name: &str) -> bool {
@@ -193,24 +200,49 @@ impl UsdPrim {
     pub(super) fn new(name: &str, specifier: UsdSpecifier) -> Self {
         Self {
             name: name.into(),
-            type_name: None,
             parent: NO_PRIM,
             first_child: NO_PRIM,
             last_child: NO_PRIM,
             next: NO_PRIM,
             at: 0,
             specifier,
-            properties: Vec::new(),
-            arcs: None,
+            more: None,
         }
     }
 
+    pub(super) fn more_mut(&mut self) -> &mut UsdPrimMore {
+        self.more.get_or_insert_default()
+    }
+
     pub(super) fn arcs_mut(&mut self) -> &mut UsdArcs {
-        self.arcs.get_or_insert_default()
+        self.more_mut().arcs.get_or_insert_default()
+    }
+
+    pub(super) fn type_name(&self) -> Option<&str> {
+        self.more.as_ref()?.type_name.as_deref()
+    }
+
+    pub(super) fn arcs(&self) -> Option<&UsdArcs> {
+        self.more.as_ref()?.arcs.as_deref()
+    }
+
+    pub(super) fn properties(&self) -> &[UsdProperty] {
+        self.more.as_ref().map_or(&[], |more| &more.properties)
     }
 
     pub(super) fn property(&self, name: &str) -> Option<&UsdProperty> {
-        self.properties.iter().find(|property| &*property.name == name)
+        self.properties().iter().find(|property| &*property.name == name)
+    }
+
+    /// Appends a property. Most prims have few, so that the list begins with one.
+    pub(super) fn push_property(&mut self, property: UsdProperty) -> Result<(), ReadError> {
+        let list = &mut self.more_mut().properties;
+        if list.len() == list.capacity() {
+            let step = (list.len() / 4).max(1);
+            list.try_reserve_exact(step).map_err(|_| crate::grow::out_of_memory(list.len()))?;
+        }
+        list.push(property);
+        Ok(())
     }
 }
 

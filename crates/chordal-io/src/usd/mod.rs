@@ -5,6 +5,7 @@ mod crate_layer;
 mod crate_tables;
 mod crate_value;
 mod files;
+mod forms;
 mod layer;
 mod material;
 mod mesh;
@@ -26,8 +27,9 @@ mod write_mesh;
 mod write_polygons;
 mod write_text;
 
+pub(crate) use forms::{looks_like_crate, looks_like_package, looks_like_text};
 pub use read::read;
-pub(crate) use read::{looks_like_crate, looks_like_package, looks_like_text, read_with};
+pub(crate) use read::read_with;
 pub use write::write;
 pub(crate) use write::{changes, keeps, write_files};
 pub use write_polygons::write_polygons;

@@ -8,7 +8,7 @@ use super::layer::{
 };
 use super::scanner::UsdaScanner;
 use super::value::UsdType;
-use crate::grow::{push, push_large};
+use crate::grow::push;
 use crate::{Limits, ReadError};
 use std::borrow::Cow;
 
@@ -151,7 +151,7 @@ impl UsdaParser<'_> {
         let mut prim = UsdPrim::new(&name, specifier);
         prim.at = at as u32;
         if !type_name.is_empty() {
-            prim.type_name = Some(type_name.into());
+            prim.more_mut().type_name = Some(type_name.into());
         }
         let number = push_prim(&mut self.prims, parent, prim)?;
         self.prim_rest(number, depth)
@@ -350,10 +350,11 @@ impl UsdaParser<'_> {
 
     /// Adds to a property that is there already (`.connect`, `.timeSamples`), or keeps a new one.
     fn keep(&mut self, prim: u32, new: UsdProperty) -> Result<(), ReadError> {
-        let properties = &mut self.prims[prim as usize].properties;
+        let prim = &mut self.prims[prim as usize];
         // One attribute stands in statements one after another, so that no list is searched through.
-        let known = properties.last_mut().filter(|known| known.name == new.name);
-        let Some(known) = known else { return push_large(properties, new) };
+        let is_known = prim.properties().last().is_some_and(|known| known.name == new.name);
+        let known = if is_known { prim.more_mut().properties.last_mut() } else { None };
+        let Some(known) = known else { return prim.push_property(new) };
         if new.value.is_some() {
             known.value = new.value;
         }
@@ -472,7 +473,9 @@ impl UsdaParser<'_> {
             let name = self.scanner.string()?;
             let mut own = UsdPrim::new(&name, UsdSpecifier::Over);
             own.at = self.scanner.at as u32;
-            own.type_name.clone_from(&self.prims[prim as usize].type_name);
+            if let Some(name) = self.prims[prim as usize].type_name() {
+                own.more_mut().type_name = Some(name.into());
+            }
             let number = push_prim(&mut self.prims, NO_PRIM, own)?;
             self.prim_rest(number, depth + 1)?;
             push(&mut variants, UsdVariant { name: name.into(), prim: number })?;

@@ -138,7 +138,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         self.opened.insert(path.clone(), None);
         match self.files.read(&path) {
             Ok(bytes) => {
-                let layer = super::read::layer(Cow::Owned(bytes), &path, &self.limits).map_err(|error| {
+                let layer = super::forms::layer(Cow::Owned(bytes), &path, &self.limits).map_err(|error| {
                     ReadError { message: format!("{path}: {}", &*error.message).into(), ..error }
                 })?;
                 self.left = self.left.saturating_add(layer.prims.len() as u64);
@@ -188,18 +188,18 @@ impl<'a, 'b> UsdStage<'a, 'b> {
     }
 
     /// The names of all children, in their order.
-    pub(super) fn child_names(&self, parent: &StagePrim) -> Vec<Box<str>> {
+    pub(super) fn child_names(&self, parent: &StagePrim) -> Result<Vec<Box<str>>, ReadError> {
         let (mut names, mut seen) = (Vec::new(), BTreeSet::new());
         for source in parent.sources.iter().rev() {
             let layer = &self.layers[source.layer as usize];
             for child in layer.children(source.prim) {
                 let name = &layer.prim(child).name;
                 if parent.sources.len() == 1 || seen.insert(name) {
-                    names.push(name.clone());
+                    push(&mut names, name.clone())?;
                 }
             }
         }
-        names
+        Ok(names)
     }
 
     /// The prim at a path.
@@ -230,8 +230,8 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         };
         self.left = left;
         push(&mut into.sources, source)?;
-        let Some(arcs) = &self.spec(source).arcs else { return Ok(()) };
-        let UsdArcs { references, payloads, inherits, specializes, .. } = &**arcs;
+        let Some(arcs) = self.spec(source).arcs() else { return Ok(()) };
+        let UsdArcs { references, payloads, inherits, specializes, .. } = arcs;
         let lists = (inherits.clone(), references.clone(), payloads.clone(), specializes.clone());
         let chosen = self.chosen_variants(arcs, into);
         for path in lists.0 {
@@ -254,7 +254,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         let mut found = Vec::new();
         for set in &arcs.variant_sets {
             let sources = into.sources.iter();
-            let selections = sources.filter_map(|source| self.spec(*source).arcs.as_ref());
+            let selections = sources.filter_map(|source| self.spec(*source).arcs());
             let choice = selections.flat_map(|arcs| &arcs.selections).find(|[name, _]| *name == set.name);
             let variant = choice.and_then(|[_, name]| set.variants.iter().find(|known| known.name == *name));
             found.extend(variant.map(|variant| variant.prim));
@@ -340,17 +340,17 @@ impl<'a, 'b> UsdStage<'a, 'b> {
     }
 
     pub(super) fn type_name(&self, prim: &StagePrim) -> &str {
-        prim.sources.iter().find_map(|source| self.spec(*source).type_name.as_deref()).unwrap_or("")
+        prim.sources.iter().find_map(|source| self.spec(*source).type_name()).unwrap_or("")
     }
 
     pub(super) fn is_inactive(&self, prim: &StagePrim) -> bool {
-        let mut arcs = prim.sources.iter().filter_map(|source| self.spec(*source).arcs.as_ref());
+        let mut arcs = prim.sources.iter().filter_map(|source| self.spec(*source).arcs());
         arcs.any(|arcs| arcs.is_inactive)
     }
 
     /// The name that is shown, or else the last step of the path.
     pub(super) fn name(&self, prim: &StagePrim) -> String {
-        let mut arcs = prim.sources.iter().filter_map(|source| self.spec(*source).arcs.as_ref());
+        let mut arcs = prim.sources.iter().filter_map(|source| self.spec(*source).arcs());
         let shown = arcs.find_map(|arcs| arcs.display_name.as_deref());
         shown.unwrap_or_else(|| prim.path.rsplit('/').next().unwrap_or_default()).to_owned()
     }
@@ -466,7 +466,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
 
     /// Names of properties that begin so, each once, in order.
     pub(super) fn property_names(&self, prim: &StagePrim, beginning: &str) -> BTreeSet<String> {
-        let all = prim.sources.iter().flat_map(|source| &self.spec(*source).properties);
+        let all = prim.sources.iter().flat_map(|source| self.spec(*source).properties());
         all.filter(|found| found.name.starts_with(beginning)).map(|found| found.name.to_string()).collect()
     }
 

@@ -2,8 +2,8 @@
 //!
 //! Source: Pixar Animation Studios, *UsdGeomXformOp* and *UsdGeomXformable*, openusd.org, 2024.
 use super::stage::{StagePrim, UsdStage};
+use crate::ReadError;
 use crate::scene::IDENTITY;
-use crate::{ReadError, scene};
 
 /// The operation that says that transforms of ancestors do not count.
 const RESET: &str = "!resetXformStack!";
@@ -24,7 +24,7 @@ pub(super) fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
     if *a == IDENTITY {
         return *b;
     }
-    if *b == scene::IDENTITY {
+    if *b == IDENTITY {
         return *a;
     }
     std::array::from_fn(|i| {

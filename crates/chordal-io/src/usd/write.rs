@@ -1,7 +1,7 @@
 //! Writes scenes as USD's text form.
 use super::write_material::UsdMaterialWriter;
 use super::write_mesh::{UsdPartRequest, UsdSubsets, part};
-use super::write_text::{UsdNames, UsdaWriter, display_name, quoted, tuple};
+use super::write_text::{UsdNames, UsdaWriter, display_name, quoted, transform};
 use crate::forest::check_forest;
 use crate::number::ShortestDecimal;
 use crate::scene::IDENTITY;
@@ -9,7 +9,6 @@ use crate::side_file::side_stem;
 use crate::{Axis, FileSet, Frame, Node, Scene, SceneAssets, WriteError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::{Value, json};
-use std::borrow::Cow;
 use std::io::Write;
 
 /// Writes a scene as USDA, the same bytes for the same scene.
@@ -188,7 +187,7 @@ impl<'a> SceneWriter<'a> {
             };
             let path = format!("{above}/{name}");
             if is_mesh(node) {
-                self.mesh(node, (&name, shown), &path, &mut writer)?;
+                self.mesh(node, &UsdPrimName { name: &name, shown, path: &path }, &mut writer)?;
                 continue;
             }
             writer.open("Xform", &name, &display_name(shown, &name))?;
@@ -202,7 +201,8 @@ impl<'a> SceneWriter<'a> {
                 let shown = &*scene.parts[part].name;
                 let name = below.unique(shown, "Mesh");
                 let only = Node { part: Some(part), ..Node::default() };
-                self.mesh(&only, (&name, shown), &format!("{path}/{name}"), &mut writer)?;
+                let path = format!("{path}/{name}");
+                self.mesh(&only, &UsdPrimName { name: &name, shown, path: &path }, &mut writer)?;
             }
             taken.push(below);
             open.push(WriteStep::Close);
@@ -226,11 +226,11 @@ impl<'a> SceneWriter<'a> {
     fn mesh(
         &mut self,
         node: &Node,
-        (name, shown): (&str, &str),
-        path: &str,
+        at: &UsdPrimName<'_>,
         writer: &mut UsdaWriter<'_>,
     ) -> Result<(), WriteError> {
         let Some(number) = node.part else { return Ok(()) };
+        let UsdPrimName { name, shown, path } = *at;
         let mut about = display_name(shown, name);
         if let Some(first) = &self.first[number] {
             // A name that is shown would be inherited too.
@@ -254,6 +254,14 @@ impl<'a> SceneWriter<'a> {
     }
 }
 
+/// A prim that is to be written.
+struct UsdPrimName<'n> {
+    name: &'n str,
+    /// The name that is shown.
+    shown: &'n str,
+    path: &'n str,
+}
+
 /// What is still to be written.
 enum WriteStep {
     /// A node below a path.
@@ -265,14 +273,4 @@ enum WriteStep {
 /// Whether a node shows a part and nothing else.
 fn is_mesh(node: &Node) -> bool {
     node.part.is_some() && node.children.is_empty()
-}
-
-/// Writes the transform of a prim.
-pub(super) fn transform(matrix: &[f64; 16], writer: &mut UsdaWriter<'_>) -> Result<(), WriteError> {
-    if *matrix == IDENTITY {
-        return Ok(());
-    }
-    let rows: Vec<Cow<'_, str>> = matrix.chunks_exact(4).map(|row| Cow::Owned(tuple(row))).collect();
-    writer.line(&format!("matrix4d xformOp:transform = ({})", rows.join(", ")))?;
-    writer.line("uniform token[] xformOpOrder = [\"xformOp:transform\"]")
 }

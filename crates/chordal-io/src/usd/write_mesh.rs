@@ -1,7 +1,6 @@
 //! Writes a part as a mesh of USD: points, faces, normals, colours, texture coordinates and subsets.
-use super::write::transform;
 use super::write_material::UsdMaterialWriter;
-use super::write_text::{UsdNames, UsdaWriter, display_name, quoted, tuple};
+use super::write_text::{UsdNames, UsdaWriter, display_name, quoted, transform, tuple};
 use crate::instances::first_rows;
 use crate::{Frame, MATERIAL, Node, TextureOrigin, WriteError};
 use chordal::Mesh;
@@ -85,6 +84,15 @@ impl<'a> UsdSubsets<'a> {
         if let Some(path) = self.whole.and_then(|material| materials.path(material)) {
             writer.line(&format!("rel material:binding = <{path}>"))?;
         }
+        let mut families: Vec<&str> = Vec::new();
+        for subset in &self.list {
+            let family = if subset.material.is_some() { "materialBind" } else { subset.kind };
+            if !families.contains(&family) && is_identifier(family) {
+                families.push(family);
+                let name = format!("subsetFamily:{family}:familyType");
+                writer.line(&format!("uniform token {name} = \"nonOverlapping\""))?;
+            }
+        }
         let mut names = UsdNames::default();
         for subset in &self.list {
             let name = names.unique(&subset.name, "Subset");
@@ -105,6 +113,12 @@ impl<'a> UsdSubsets<'a> {
         }
         Ok(())
     }
+}
+
+/// Whether a word can be part of the name of an attribute.
+fn is_identifier(word: &str) -> bool {
+    word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && !word.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// Writes what is in the prim of a part.

@@ -1,6 +1,7 @@
 //! `UsdaWriter`: statements of USD's text form, indented by their depth.
 use crate::WriteError;
 use crate::number::ShortestDecimal;
+use crate::scene::IDENTITY;
 use std::collections::BTreeSet;
 use std::io::{BufWriter, Write};
 
@@ -134,4 +135,14 @@ impl UsdNames {
 /// The line that says the name that is shown, where it is another.
 pub(super) fn display_name(name: &str, safe: &str) -> Vec<String> {
     if name == safe || name.is_empty() { Vec::new() } else { vec![format!("displayName = {}", quoted(name))] }
+}
+
+/// Writes the transform of a prim.
+pub(super) fn transform(matrix: &[f64; 16], writer: &mut UsdaWriter<'_>) -> Result<(), WriteError> {
+    if *matrix == IDENTITY {
+        return Ok(());
+    }
+    let rows: Vec<String> = matrix.chunks_exact(4).map(tuple).collect();
+    writer.line(&format!("matrix4d xformOp:transform = ({})", rows.join(", ")))?;
+    writer.line("uniform token[] xformOpOrder = [\"xformOp:transform\"]")
 }
