@@ -4,7 +4,7 @@ use crate::format_columns::{
     FormatReader, PolygonFormat, PolylineWriter, PositionPrecision, TriangleFormat, VertexRows, VolumeWriter,
 };
 use crate::scene::ReadOutcome;
-use crate::text::is_space;
+use crate::text::text_start;
 use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{Limits, SceneAssets};
@@ -529,13 +529,6 @@ impl Format {
             VertexRows::Split | VertexRows::Soup => Topology::Positions,
         }
     }
-}
-
-/// The text of a file, from its first letter.
-fn text_start(bytes: &[u8]) -> &[u8] {
-    let text = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
-    let start = text.iter().position(|b| !is_space(*b)).unwrap_or(text.len());
-    &text[start..]
 }
 
 impl fmt::Display for Format {

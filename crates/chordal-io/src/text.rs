@@ -62,6 +62,13 @@ impl<'a> Iterator for TextLines<'a> {
     }
 }
 
+/// The text of a file, from its first letter.
+pub(crate) fn text_start(bytes: &[u8]) -> &[u8] {
+    let text = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
+    let start = text.iter().position(|b| !is_space(*b)).unwrap_or(text.len());
+    &text[start..]
+}
+
 /// Whether a byte separates tokens.
 #[inline]
 pub(crate) fn is_space(byte: u8) -> bool {

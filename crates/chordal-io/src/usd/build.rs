@@ -51,7 +51,7 @@ struct UsdGroupName {
 
 /// Prims that were left out because of their type.
 #[derive(Default)]
-struct LeftOut {
+struct UnreadPrims {
     count: u64,
     first: String,
 }
@@ -65,7 +65,7 @@ pub(super) struct UsdBuilder<'s, 'a, 'b> {
     /// The matrix of each node to the world.
     worlds: Vec<[f64; 16]>,
     known: BTreeMap<MeshKey, usize>,
-    left_out: BTreeMap<String, LeftOut>,
+    left_out: BTreeMap<String, UnreadPrims>,
     n_instances: usize,
     groups: BTreeMap<String, Vec<String>>,
     group_numbers: BTreeMap<UsdGroupName, u32>,

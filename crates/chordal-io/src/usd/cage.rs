@@ -14,6 +14,7 @@ use crate::{Frame, Polygons, ReadError};
 use chordal::budget::advice::{Message, Setting};
 use chordal::explicit::subdivision::{Boundary, CornerTexcoords, CreasingMethod, LinearTexcoords, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
+use chordal::math::greater;
 use std::collections::BTreeMap;
 
 /// Words of boundary rules, and of rules for texture coordinates, in the order of their numbers.
@@ -298,7 +299,7 @@ impl UsdCageBuilder {
         let along = points("creaseIndices", &list("creaseIndices")?)?;
         let lengths = list("creaseLengths")?;
         let lengths = row_numbers(&lengths, along.len() + 1, |row| {
-            mismatch("creaseLengths", lengths[row].max(0.0) as usize, along.len())
+            mismatch("creaseLengths", greater(lengths[row], 0.0) as usize, along.len())
         })?;
         let total: u64 = lengths.iter().map(|n| u64::from(*n)).sum();
         if total != along.len() as u64 {

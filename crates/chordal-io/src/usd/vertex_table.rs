@@ -21,7 +21,7 @@ pub(super) struct UsdCorner {
 pub(super) struct UsdVertexTable {
     rows: Vec<UsdCorner>,
     n_points: usize,
-    /// Only looked up: rows are numbered in the order of the file.
+    // Only looked up, so that no result depends on its order.
     index: HashMap<UsdCorner, u32>,
 }
 
@@ -29,6 +29,7 @@ impl UsdVertexTable {
     pub(super) fn new(n_points: usize) -> Result<Self, ReadError> {
         let mut rows = with_room(n_points)?;
         rows.extend((0..n_points as u32).map(|point| UsdCorner { point, rows: [UNUSED; STREAMS] }));
+        // Only looked up, so that no result depends on its order.
         Ok(Self { rows, n_points, index: HashMap::new() })
     }
 
