@@ -295,7 +295,7 @@ static TABLE: [FormatRow; 28] = [
             write: usd::write,
             write_files: Some(usd::write_files),
             rows: VertexRows::Positions,
-            precision: PositionPrecision::Double,
+            precision: PositionPrecision::Single,
             polygons: Some(PolygonFormat {
                 write: usd::write_polygons,
                 write_files: Some(usd::write_polygons_files),

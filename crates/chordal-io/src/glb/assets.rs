@@ -74,7 +74,7 @@ impl<'a> AssetReader<'a> {
                 tree.scene.nodes[at].properties = properties;
             }
         }
-        tree.scene.assets = Box::new(self.assets(number_of, tree.has_cut_nodes)?);
+        *tree.scene.assets = self.assets(number_of, tree.has_cut_nodes)?;
         let (mut materials, groups) = self.materials();
         clamp_factors(&forgiven.factors, &mut materials, &groups);
         if !materials.is_empty() {

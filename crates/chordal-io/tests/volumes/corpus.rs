@@ -103,17 +103,18 @@ fn real_volumes_read_as_by_nibabel() {
 }
 
 /// What SimpleITK 2.5 and VTK 9.7 say: size, step, maximum and sum; the origin and the minimum are 0.
-const OTHERS: [(&str, Format, [usize; 3], f64, f64, f64); 3] = [
-    ("HeadMRVolume.mhd", Format::MetaImage, [48, 62, 42], 4.0, 255.0, 3058332.0),
-    ("vase.vti", Format::Vti, [115, 101, 75], 1.0, 239.0, 10723131.0),
-    ("hydrogen/hydrogen.vti", Format::Vti, [64, 64, 64], 1.0, 1.0, 4856.008970333326),
+const OTHERS: [PeerVolume; 3] = [
+    ("HeadMRVolume.mhd", Format::MetaImage, [48, 62, 42], [4.0, 255.0, 3058332.0]),
+    ("vase.vti", Format::Vti, [115, 101, 75], [1.0, 239.0, 10723131.0]),
+    ("hydrogen/hydrogen.vti", Format::Vti, [64, 64, 64], [1.0, 1.0, 4856.008970333326]),
 ];
+type PeerVolume = (&'static str, Format, [usize; 3], [f64; 3]);
 
 #[test]
 fn real_volumes_read_as_by_itk_and_vtk() {
     let Some(root) = corpus::find("") else { return };
     let folder = root.join("volume/vtk/Data");
-    for (file, format, size, step, most, sum) in OTHERS {
+    for (file, format, size, [step, most, sum]) in OTHERS {
         let bytes = std::fs::read(folder.join(file)).expect(file);
         assert_eq!(Format::sniff(&bytes), Some(format), "{file}");
         let mut open = |path: &str| std::fs::read(folder.join(path)).map_err(|error| error.to_string());
