@@ -171,6 +171,10 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         let node = Node { name: self.stage.name(prim), matrix, ..Node::default() };
         push_large(&mut self.scene.nodes, node)?;
         push(&mut self.worlds, context.world)?;
+        if kind != "Mesh" && !self.stage.property_names(prim, "primvars:").is_empty() {
+            let what = "values of prims that are no meshes, which meshes below inherit, were left out";
+            self.stage.note("inherited-primvars", what, &prim.path);
+        }
         match &*kind {
             "Mesh" => self.scene.nodes[number].part = self.mesh(prim, &context)?,
             "PointInstancer" => {
@@ -179,7 +183,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             }
             _ if SILENT.contains(&&*kind) => {}
             _ => {
-                let left_out = self.left_out.entry(kind).or_default();
+                let left_out = self.left_out.entry(kind.clone()).or_default();
                 left_out.count += 1;
                 if left_out.first.is_empty() {
                     left_out.first.clone_from(&prim.path);
@@ -193,7 +197,11 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
                 push(&mut self.scene.nodes[number].children, child)?;
             }
         }
-        Ok(self.finished(number, is_reset))
+        let node = self.finished(number, is_reset);
+        if node.is_none() && !is_reset && kind == "Xform" {
+            self.stage.note("empty-nodes", "prims with nothing to show have no node", &prim.path);
+        }
+        Ok(node)
     }
 
     /// Takes a node away again that shows nothing, and one from its parents whose transform is not theirs.
@@ -447,6 +455,11 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
 
     /// Passes on what was noted.
     fn tell(self, warnings: &mut Warnings) {
+        let n_deletions = self.stage.layers.iter().map(|layer| layer.about.n_deletions).sum();
+        if n_deletions > 0 {
+            let what = "list edits that delete were not applied: what they delete is there";
+            warnings.count_all("deletions-ignored", n_deletions, what);
+        }
         let n_all: u64 = self.left_out.values().map(|left_out| left_out.count).sum();
         let listed: Vec<String> = self
             .left_out

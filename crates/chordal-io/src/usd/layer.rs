@@ -130,6 +130,8 @@ pub(super) struct UsdLayerAbout {
     pub certificate: Option<Value>,
     /// Why a certificate could not be read.
     pub bad_certificate: Option<String>,
+    /// List edits that delete, which are not applied.
+    pub n_deletions: u64,
     /// Attributes of meshes that are not known, with the name of the first.
     pub n_skipped: u64,
     pub first_skipped: Option<Box<str>>,

@@ -178,7 +178,8 @@ impl UsdaParser<'_> {
         }
         let mut key = self.scanner.word()?;
         let is_edit = LIST_EDITS.contains(&key);
-        let is_taken_away = key == "delete" || key == "reorder";
+        let is_deletion = key == "delete";
+        let is_taken_away = is_deletion || key == "reorder";
         if is_edit {
             key = self.scanner.word()?;
         }
@@ -187,6 +188,7 @@ impl UsdaParser<'_> {
         }
         self.scanner.need(b'=')?;
         if is_taken_away {
+            self.about.n_deletions += u64::from(is_deletion);
             return self.scanner.skip_value(self.depth);
         }
         let arcs = |parser: &mut Self| parser.arcs();
@@ -281,7 +283,8 @@ impl UsdaParser<'_> {
             "variantSet" => return self.variant_set(prim, depth),
             _ => {}
         }
-        let is_taken_away = word == "delete" || word == "reorder";
+        let is_deletion = word == "delete";
+        let is_taken_away = is_deletion || word == "reorder";
         loop {
             match word {
                 "custom" | "uniform" | "varying" | "config" => {}
@@ -299,6 +302,7 @@ impl UsdaParser<'_> {
             return Err(self.scanner.expected("a property, a prim or '}'"));
         }
         if word == "rel" {
+            self.about.n_deletions += u64::from(is_deletion);
             return self.relationship(prim, at, is_taken_away);
         }
         let mut type_name = word.to_owned();

@@ -260,3 +260,16 @@ fn cages_are_one_where_they_have_the_same_rules() {
     let one = file(&triangle("t"));
     assert!(matches!(usd::read(one.as_bytes(), &limits).unwrap().content, Content::Polygons(_)));
 }
+
+#[test]
+fn what_is_inherited_deleted_or_empty_is_said() {
+    let inherited =
+        format!("def Xform \"a\" {{ color3f[] primvars:displayColor = [(1, 0, 0)]\n{} }}", triangle("m"));
+    assert_eq!(codes(&file(&inherited)), ["inherited-primvars"]);
+    let deleted = format!("def Xform \"a\" ( delete references = </b> ) {{ {} }}", triangle("m"));
+    assert_eq!(codes(&file(&deleted)), ["deletions-ignored"]);
+    let empty = format!("def Xform \"a\" {{ def Xform \"place\" {{}}\n{} }}", triangle("m"));
+    assert_eq!(codes(&file(&empty)), ["empty-nodes"]);
+    let plain = format!("def Xform \"a\" {{ {} }}", triangle("m"));
+    assert_eq!(codes(&file(&plain)), [""; 0]);
+}
