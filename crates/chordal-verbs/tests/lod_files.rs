@@ -132,8 +132,8 @@ fn levels_of_a_patch_are_as_near_as_they_say() {
 /// Any tiles that stand for all regions are as near as the one that is off most.
 #[test]
 fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
-    // A wavy plate of 4,608 triangles, all of whose coordinates single precision holds.
-    let n = 48_u32;
+    // A wavy plate of 8,192 triangles, all of whose coordinates single precision holds.
+    let n = 64_u32;
     let height = |i: u32, j: u32| (0.25 * ((f64::from(i) / 7.0).sin() + (f64::from(j) / 9.0).cos())) as f32;
     let mut text = String::new();
     for j in 0..=n {
@@ -152,7 +152,7 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
     let truth = triangles(given);
     let mut random = Random::new(3);
     let made =
-        lod(loaded(text.as_bytes(), Format::Obj), &spec("0.002", 200), &Job::default()).expect("levels");
+        lod(loaded(text.as_bytes(), Format::Obj), &spec("0.002", 400), &Job::default()).expect("levels");
     let files = made.tileset().expect("files");
     let read = |name: &str| -> Mesh {
         let bytes = &files.beside.iter().find(|file| file.name == name).expect("a file").bytes;
@@ -162,9 +162,9 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
     };
     let list: Value = serde_json::from_slice(&files.document).unwrap();
     let mut n_mixed = 0;
-    for round in 0..6 {
+    for round in 0..12 {
         // Children in the place of a tile by chance, more and more often.
-        let go_on = 0.5 + f64::from(round) / 13.0;
+        let go_on = 0.5 + f64::from(round) / 26.0;
         let (mut open, mut shown) = (vec![&list["root"]], Vec::new());
         while let Some(tile) = open.pop() {
             match tile["children"].as_array() {
@@ -190,5 +190,5 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
         let back = points(&soup, &mut random).into_iter().map(|p| truth.distance(p)).fold(0.0, f64::max);
         holds(there.max(back), most, "cut");
     }
-    assert!(n_mixed > 1, "{n_mixed}");
+    assert!(n_mixed > 3, "{n_mixed}");
 }

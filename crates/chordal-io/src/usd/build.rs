@@ -198,7 +198,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             }
         }
         let node = self.finished(number, is_reset);
-        if node.is_none() && !is_reset && kind == "Xform" {
+        if node.is_none() && kind == "Xform" && self.stage.child_names(prim)?.is_empty() {
             self.stage.note("empty-nodes", "prims with nothing to show have no node", &prim.path);
         }
         Ok(node)
