@@ -1,4 +1,5 @@
 //! `PartInstance`: the parts of a scene under the transforms of their nodes, for formats without nodes.
+use crate::matrix::product;
 use crate::scene::IDENTITY;
 use crate::{Part, Scene, WriteError};
 use chordal::Mesh;
@@ -90,21 +91,6 @@ pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, Wri
         open.extend(node.children.iter().rev().map(|child| (*child, matrix)));
     }
     Ok(found)
-}
-
-/// `a · b`, column-major. If one is the identity, the result is exactly the other, also for −0.
-fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
-    if *a == IDENTITY {
-        return *b;
-    }
-    if *b == IDENTITY {
-        return *a;
-    }
-    std::array::from_fn(|i| {
-        let (column, row) = (i / 4, i % 4);
-        let term = |k: usize| a[4 * k + row] * b[4 * column + k];
-        (term(0) + term(1)) + (term(2) + term(3))
-    })
 }
 
 impl InstanceTransform {

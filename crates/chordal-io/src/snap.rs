@@ -1,9 +1,10 @@
 //! `snap`: rounds positions to what a format stores. Snap first, then validate and bound what is written.
+use crate::Polygons;
 use crate::format::Format;
 use crate::format_columns::PositionPrecision;
 use crate::single_precision::{F32_BOTTOM, F32_STEP, origin_of, restore, store};
 use chordal::Mesh;
-use chordal::math::{Box3, add_up, mul_up};
+use chordal::math::{Box3, add_up, greater, mul_up};
 use std::fmt;
 
 /// A mesh rounded to the positions that a format stores.
@@ -62,19 +63,49 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<SnappedMesh, CoordinateOverfl
         PositionPrecision::Single => [0.0; 3],
         PositionPrecision::SingleAboutOrigin => origin_of(mesh),
     };
-    let mut moved_at_most = 0.0_f64;
+    let mut moved_at_most = 0.0;
     let mut positions = Vec::with_capacity(mesh.positions().len());
     for &position in mesh.positions() {
-        let snapped: [f64; 3] = std::array::from_fn(|k| restore(origin[k], store(origin[k], position[k])));
-        if let Some(k) = (0..3).find(|k| !snapped[*k].is_finite()) {
-            return Err(CoordinateOverflow { value: position[k] });
-        }
-        moved_at_most = moved_at_most.max(distance_up(position, snapped));
+        let snapped = snapped(position, origin)?;
+        moved_at_most = greater(distance_up(position, snapped), moved_at_most);
         positions.push(snapped);
     }
     // The positions are finite and equal where they were equal, so the mesh cannot refuse them.
     let mesh = mesh.with_positions(positions).map_err(|_| CoordinateOverflow { value: f64::INFINITY })?;
     Ok(SnappedMesh { mesh, origin, moved_at_most })
+}
+
+/// A position as it reads back where it is stored about an origin.
+fn snapped(position: [f64; 3], origin: [f64; 3]) -> Result<[f64; 3], CoordinateOverflow> {
+    let snapped: [f64; 3] = std::array::from_fn(|k| restore(origin[k], store(origin[k], position[k])));
+    match (0..3).find(|k| !snapped[*k].is_finite()) {
+        Some(k) => Err(CoordinateOverflow { value: position[k] }),
+        None => Ok(snapped),
+    }
+}
+
+/// The most that rounding to a format moves a vertex of polygons, rounded up; 0 where all are kept to the last
+/// bit. Their text may have more digits than the type that the format gives them.
+///
+/// # Errors
+/// [`CoordinateOverflow`] when a coordinate overflows single precision.
+///
+/// ```
+/// use chordal::explicit::Cage;
+/// use chordal_io::{Format, Frame, Polygons, polygon_rounding};
+/// let square = vec![[0.1, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let polygons = Polygons::from_cage(Cage::new(square, [[0, 1, 2, 3]])?, Frame::default());
+/// assert_eq!(polygon_rounding(&polygons, Format::Obj)?, 0.0);
+/// assert!((1e-9..2e-9).contains(&polygon_rounding(&polygons, Format::Usda)?));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn polygon_rounding(polygons: &Polygons, format: Format) -> Result<f64, CoordinateOverflow> {
+    if format.precision() == PositionPrecision::Double {
+        return Ok(0.0);
+    }
+    polygons.cage.positions().iter().try_fold(0.0, |most, position| {
+        Ok(greater(distance_up(*position, snapped(*position, [0.0; 3])?), most))
+    })
 }
 
 /// The most that [`snap`] can move a vertex of any mesh inside `bounds`, known before the mesh is built.

@@ -4,7 +4,7 @@ use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, Refinem
 use crate::request::MeshRequest;
 use crate::{Input, MeshFailure, Normals, Shape, formats};
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{Bound, RefusalCode};
+use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
 use chordal::explicit::subdivision::{CornerTexcoords, Scheme};
@@ -12,8 +12,8 @@ use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{
-    FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, snap, write, write_files,
-    write_polygons, write_polygons_files,
+    FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, polygon_rounding, snap, write,
+    write_files, write_polygons, write_polygons_files,
 };
 use std::io::Write;
 
@@ -170,7 +170,10 @@ pub fn refine(
     }
     certificate.refined = Some(RefinementFacts::new(&refined.cage, levels));
     if as_polygons {
+        let moved = polygon_rounding(&refined, to)?;
+        let rounded = Bound::proved(0.0, moved, Reference::InputTriangles);
         let bound = bound_to_limit(&refined.cage, job);
+        let bound = bound.map(|bound| if moved > 0.0 { bound.then(&rounded) } else { bound });
         certificate.bound = bound.map(|bound| crate::report::BoundFacts::new(&bound));
         certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(|lost| lost.to_string().into()));
         certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&refined.cage)));

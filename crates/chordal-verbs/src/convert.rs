@@ -12,8 +12,8 @@ use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
 use chordal_io::{
     FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, WriteError, losses,
-    losses_of_polygons, write, write_files, write_polygons, write_polygons_files, write_polylines,
-    write_volume,
+    losses_of_polygons, polygon_rounding, write, write_files, write_polygons, write_polygons_files,
+    write_polylines, write_volume,
 };
 use serde_json::Value;
 use std::io::Write;
@@ -145,7 +145,12 @@ pub fn convert(mut input: Input, to: Format) -> Result<ConvertOutcome, MeshFailu
             let lost = losses_of_polygons(&polygons, to);
             certificate.notes.extend(lost.iter().map(|lost| lost.to_string().into()));
             certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&polygons.cage)));
-            (ConvertedShape::Polygons(polygons), Bound::exact(Reference::InputTriangles))
+            let moved = polygon_rounding(&polygons, to)?;
+            let bound = match moved {
+                0.0 => Bound::exact(Reference::InputTriangles),
+                _ => Bound::proved(0.0, moved, Reference::InputTriangles),
+            };
+            (ConvertedShape::Polygons(polygons), bound)
         }
         Shape::Drawing(drawing) => {
             certificate.notes.extend(line_losses(&drawing, to));

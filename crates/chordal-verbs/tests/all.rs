@@ -2,6 +2,7 @@
 //! the library is linked once and not once a file.
 mod assets;
 mod baking;
+mod cages;
 mod common;
 mod corpus;
 mod deviation;

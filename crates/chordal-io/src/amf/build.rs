@@ -1,5 +1,6 @@
 //! `AmfNodeBuilder`: the nodes of a scene from constellations, which say what stands where.
 use super::document::{AmfConstellation, AmfInstance, AmfTarget};
+use crate::matrix::sine_cosine;
 use crate::scene::IDENTITY;
 use crate::text::{grouped, show};
 use crate::{FileLocation, Node, ReadError, Scene};
@@ -130,21 +131,6 @@ fn weight(target: AmfTarget, weights: &[u64]) -> u64 {
         AmfTarget::Object(_) => 1,
         AmfTarget::Constellation(constellation) => weights[constellation],
     }
-}
-
-/// Sine and cosine of an angle in degrees, exact for multiples of a right angle.
-fn sine_cosine(degrees: f64) -> [f64; 2] {
-    // The remainder of a division is exact.
-    let turned = degrees % 360.0;
-    let turned = if turned < 0.0 { turned + 360.0 } else { turned };
-    for (right, exact) in [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (180.0, [0.0, -1.0]), (270.0, [-1.0, 0.0])]
-    {
-        if turned == right {
-            return exact;
-        }
-    }
-    let radians = turned.to_radians();
-    [libm::sin(radians), libm::cos(radians)]
 }
 
 /// The matrix of an instance: turned about x, then y, then z, then moved.

@@ -6,8 +6,9 @@ use super::looks::{ColladaEffect, ColladaMaterial};
 use super::primitives::{
     ColladaPrimitive, MOST_INPUTS, PrimitiveInput, PrimitiveKind, PrimitiveScope, local,
 };
-use super::transform::{TransformKind, product};
+use super::transform::TransformKind;
 use crate::grow::{push, push_large, with_room};
+use crate::matrix::product;
 use crate::scene::IDENTITY;
 use crate::text::{LineTokens, integer, is_space, number, number_error, show};
 use crate::warnings::Warnings;

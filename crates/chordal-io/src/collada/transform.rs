@@ -1,4 +1,5 @@
 //! The matrices of Collada's transforms, column-major.
+use crate::matrix::{cross, sine_cosine};
 use crate::scene::IDENTITY;
 use chordal::math::unit;
 
@@ -57,21 +58,6 @@ impl TransformKind {
     }
 }
 
-/// Sine and cosine of an angle in degrees, exact for multiples of a right angle.
-fn sine_cosine(degrees: f64) -> [f64; 2] {
-    // The remainder of a division is exact.
-    let turned = degrees % 360.0;
-    let turned = if turned < 0.0 { turned + 360.0 } else { turned };
-    for (right, exact) in [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (180.0, [0.0, -1.0]), (270.0, [-1.0, 0.0])]
-    {
-        if turned == right {
-            return exact;
-        }
-    }
-    let radians = turned.to_radians();
-    [libm::sin(radians), libm::cos(radians)]
-}
-
 /// A turn about an axis, by Rodrigues' formula.
 fn turned(axis: [f64; 3], degrees: f64) -> Option<[f64; 16]> {
     if degrees == 0.0 {
@@ -86,10 +72,6 @@ fn turned(axis: [f64; 3], degrees: f64) -> Option<[f64; 16]> {
         [t * x * z + s * y, t * y * z - s * x, t * z * z + c],
     ];
     Some(placed(columns, [0.0; 3]))
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Standing at a point, looking along −z at another one.
@@ -108,24 +90,10 @@ fn placed(columns: [[f64; 3]; 3], origin: [f64; 3]) -> [f64; 16] {
     matrix
 }
 
-/// `a · b`, column-major.
-pub(super) fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
-    if *a == IDENTITY {
-        return *b;
-    }
-    if *b == IDENTITY {
-        return *a;
-    }
-    std::array::from_fn(|i| {
-        let (column, row) = (i / 4, i % 4);
-        let term = |k: usize| a[4 * k + row] * b[4 * column + k];
-        (term(0) + term(1)) + (term(2) + term(3))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matrix::product;
 
     #[test]
     fn matrices_are_those_of_the_specification() {

@@ -1,5 +1,6 @@
 //! `DicomSeries`: slices of one series in their order along the normal, and the lattice that they lie on.
 use super::slice::DicomSlice;
+use crate::matrix::cross;
 use crate::text::show;
 use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
@@ -63,10 +64,6 @@ fn refused(code: &'static str, file: &str, message: &str) -> ReadError {
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Checks that all slices have the size, the type and the directions of the first.

@@ -3,6 +3,7 @@
 //! Source: Pixar Animation Studios, *UsdGeomXformOp* and *UsdGeomXformable*, openusd.org, 2024.
 use super::stage::{StagePrim, UsdStage};
 use crate::ReadError;
+use crate::matrix::{product, sine_cosine};
 use crate::scene::IDENTITY;
 
 /// The operation that says that transforms of ancestors do not count.
@@ -17,21 +18,6 @@ pub(super) struct LocalTransform {
     pub matrix: [f64; 16],
     /// Whether it is to the world instead.
     pub is_reset: bool,
-}
-
-/// The product of matrices, column-major; exactly the other one where one is the identity.
-pub(super) fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
-    if *a == IDENTITY {
-        return *b;
-    }
-    if *b == IDENTITY {
-        return *a;
-    }
-    std::array::from_fn(|i| {
-        let (column, row) = (i / 4, i % 4);
-        let term = |k: usize| a[4 * k + row] * b[4 * column + k];
-        (term(0) + term(1)) + (term(2) + term(3))
-    })
 }
 
 impl UsdStage<'_, '_> {
@@ -117,24 +103,9 @@ fn scaling([x, y, z]: [f64; 3]) -> [f64; 16] {
     matrix
 }
 
-/// Degrees in a quarter of a turn.
-const QUARTER: f64 = 90.0;
-
 /// A rotation about an axis, X, Y or Z. Quarters of a turn are exact.
 fn rotation(axis: u8, degrees: f64) -> [f64; 16] {
-    // Full turns are four quarters.
-    let quarters = degrees / QUARTER;
-    let (sin, cos) = if quarters == quarters.trunc() {
-        match (quarters % 4.0 + 4.0) % 4.0 {
-            0.0 => (0.0, 1.0),
-            1.0 => (1.0, 0.0),
-            2.0 => (0.0, -1.0),
-            _ => (-1.0, 0.0),
-        }
-    } else {
-        let angle = degrees.to_radians();
-        (libm::sin(angle), libm::cos(angle))
-    };
+    let [sin, cos] = sine_cosine(degrees);
     let (i, j) = match axis {
         b'X' => (1, 2),
         b'Y' => (2, 0),

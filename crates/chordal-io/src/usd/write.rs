@@ -15,7 +15,8 @@ use std::io::Write;
 ///
 /// Each node becomes a prim, under one root; a node that only shows a part is a mesh itself. A part that
 /// several nodes show is written once, and inherited by the others. Positions are the shortest decimals that
-/// read back to the same f64; the type of USD's points is `float`, to which programs round them. The unit and
+/// read back to the same f64; the type of USD's points is `float`, to which programs round them, so that
+/// [`crate::snap`] and [`crate::polygon_rounding`] say how far they move. The unit and
 /// the axis that is up are those of the scene, or a metre and y. Materials become preview surfaces, and groups
 /// of faces subsets. The certificate is in `customLayerData`. [`crate::losses`] lists what is lost;
 /// pictures are named only where they are written beside the file, by [`crate::write_files`].
