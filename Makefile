@@ -3,7 +3,8 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint test-rust test-web test-looks test-tiles test-studio test-python
+.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint
+.PHONY: test-rust test-web test-looks test-tiles test-studio test-python
 .PHONY: tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
@@ -180,10 +181,10 @@ test-python: tested need-python
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
-# What `make test` leaves to this, so that it takes twenty minutes: nine of ten random cases of every sweep that asks
+# What `make test` leaves to this, so that it takes 25 minutes from cold and not hours: nine of ten random cases of every sweep that asks
 # chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields.
 # PROPTEST_CASES is for the sweeps at proptest's own number.
-test-long: WHEEL := --release
+test-long: WHEEL := --profile release
 test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
