@@ -1,6 +1,6 @@
 //! `SceneAssets`: what a scene has beside its meshes and the nodes that place them: materials with their
 //! textures, cameras, lights, animations, skins.
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
 /// What a scene has beside its meshes and nodes, in the terms of glTF: each list holds glTF's objects, which
@@ -120,4 +120,14 @@ pub(crate) fn collect_of_members(members: &Map<String, Value>, names: &mut Vec<S
         }
         collect_extensions(value, names);
     }
+}
+
+/// The material that the writer gives to meshes without one: glTF's default is a metal, which viewers without
+/// an environment show black. `open` where triangles are seen from behind.
+pub(crate) fn plain_material(open: bool) -> Value {
+    let mut plain = json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } });
+    if open {
+        plain["doubleSided"] = json!(true);
+    }
+    plain
 }

@@ -56,6 +56,7 @@ pub mod vti;
 pub mod vtk;
 mod warnings;
 mod word_reader;
+mod worst_snap;
 mod write;
 mod xml_elements;
 mod xml_text;
@@ -74,9 +75,10 @@ pub use polygons::{PolygonSurface, Polygons};
 pub use read::{read, read_with};
 pub use scene::{Content, Node, Part, ReadOutcome, Scene};
 pub use side_file::{FileSet, SideFile, picture_extensions};
-pub use snap::{CoordinateOverflow, SnappedMesh, polygon_rounding, snap, worst_snap};
+pub use snap::{CoordinateOverflow, SnappedMesh, polygon_rounding, snap};
 pub use unpacked::unpacked;
 pub use volume::Volume;
+pub use worst_snap::worst_snap;
 pub use write::{write, write_files, write_polygons, write_polygons_files, write_polylines, write_volume};
 
 /// Runs the example of the page in `docs/` with the tests.

@@ -2,9 +2,10 @@
 use crate::Polygons;
 use crate::format::Format;
 use crate::format_columns::PositionPrecision;
-use crate::single_precision::{F32_BOTTOM, F32_STEP, origin_of, restore, store};
+use crate::single_precision::{origin_of, restore, store};
+use crate::worst_snap::distance_up;
 use chordal::Mesh;
-use chordal::math::{Box3, add_up, greater, mul_up};
+use chordal::math::greater;
 use std::fmt;
 
 /// A mesh rounded to the positions that a format stores.
@@ -108,58 +109,10 @@ pub fn polygon_rounding(polygons: &Polygons, format: Format) -> Result<f64, Coor
     })
 }
 
-/// The most that [`snap`] can move a vertex of any mesh inside `bounds`, known before the mesh is built.
-///
-/// Infinite where `snap` may refuse. Zero for the empty box and for formats that keep every bit.
-///
-/// ```
-/// use chordal::math::Box3;
-/// use chordal_io::{Format, worst_snap};
-///
-/// let bounds = Box3 { min: [-1.0; 3], max: [1.0; 3] };
-/// assert_eq!(worst_snap(&bounds, Format::Obj), 0.0);
-/// assert!(worst_snap(&bounds, Format::Glb) < 2.1e-7);
-/// ```
-#[must_use]
-pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
-    let precision = format.precision();
-    if bounds.is_empty() || precision == PositionPrecision::Double {
-        return 0.0;
-    }
-    let axis = |k: usize| {
-        let reach = bounds.min[k].abs().max(bounds.max[k].abs());
-        if reach > f64::from(f32::MAX) {
-            return f64::INFINITY;
-        }
-        // The largest stored number: a coordinate or, about an origin, either that too, where reach
-        // ≤ 2·half, or the distance to the origin. The origin is off the centre by at most half / 16 or, far
-        // out, by half a single-precision step of the centre, 2⁻²⁴·reach. 2·half + 2⁻²³·reach covers all.
-        let half = add_up(0.5 * bounds.max[k], -0.5 * bounds.min[k]);
-        let about_centre = add_up(mul_up(2.0, half), mul_up(F32_STEP, reach));
-        let stored =
-            if precision == PositionPrecision::Single || reach < about_centre { reach } else { about_centre };
-        // Rounding to f32 costs half a step, relative or at the bottom of the range. Subtracting the origin
-        // and adding it back cost half a step of f64 each, of numbers below 2·reach.
-        let single = add_up(mul_up(stored, 0.5 * F32_STEP), F32_BOTTOM);
-        add_up(single, mul_up(2.0 * f64::EPSILON, reach))
-    };
-    let side = [axis(0), axis(1), axis(2)];
-    if side.iter().any(|s| s.is_infinite()) { f64::INFINITY } else { distance_up([0.0; 3], side) }
-}
-
-/// An upper bound of the distance of two points; 0 for equal points.
-fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let apart: [f64; 3] = std::array::from_fn(|k| (a[k] - b[k]).abs());
-    if apart == [0.0; 3] {
-        return 0.0;
-    }
-    let side = apart.map(|d| if d == 0.0 { 0.0 } else { d.next_up() });
-    Box3 { min: [0.0; 3], max: side }.diagonal()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::worst_snap;
     use proptest::prelude::*;
 
     fn cloud(centre: [f64; 3], size: f64, unit: &[[f64; 3]]) -> Mesh {

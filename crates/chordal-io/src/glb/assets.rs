@@ -7,7 +7,7 @@ use super::meshopt;
 use super::model::{GltfModel, item};
 use super::node_tree::NodeTree;
 use super::report::GlbWarnings;
-use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage};
+use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage, plain_material};
 use crate::{FileLocation, MATERIAL, ReadError, Scene};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
@@ -44,16 +44,6 @@ pub(super) struct PartAssets {
 fn members_without(object: &JsonValue, left_out: &[&str]) -> Map<String, Value> {
     let kept = object.entries().iter().filter(|(key, _)| !left_out.contains(&&**key));
     kept.map(|(key, value)| (key.to_string(), value.to_value())).collect()
-}
-
-/// The material that the writer gives to meshes without one: glTF's default is a metal, which viewers without
-/// an environment show black. `open` where triangles are seen from behind.
-pub(super) fn plain_material(open: bool) -> Value {
-    let mut plain = json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } });
-    if open {
-        plain["doubleSided"] = json!(true);
-    }
-    plain
 }
 
 impl<'a> AssetReader<'a> {

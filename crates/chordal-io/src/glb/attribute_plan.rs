@@ -1,7 +1,7 @@
 //! `AttributePlan`: the attributes that the part of a mesh gets, decided before any is read.
-use super::deformation::{CommonTarget, SkinPlan, common_targets, has_width, morph_semantic};
 use super::format::AccessorType;
 use super::model::{GltfMesh, GltfModel, item};
+use super::skin_plan::{CommonTarget, SkinPlan, common_targets, has_width, morph_semantic};
 use chordal::explicit::Semantic;
 use std::collections::BTreeMap;
 

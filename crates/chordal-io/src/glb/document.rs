@@ -1,10 +1,10 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
-use super::assets::plain_material;
 use super::deformation::{has_skin, skin_sets, targets_of};
+use super::material_runs::material_runs;
 use super::node_list;
-use super::split::{material_groups, split};
+use super::split::split;
 use super::streams::{AccessorStream, stored_bounds};
-use crate::assets::{ImageContent, SceneAssets, collect_extensions};
+use crate::assets::{ImageContent, SceneAssets, collect_extensions, plain_material};
 use crate::single_precision::origin_of;
 use crate::{CoordinateOverflow, Frame, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
@@ -332,17 +332,6 @@ impl<'a> GltfDocument<'a> {
             root.insert("extensionsRequired".to_owned(), json!(required));
         }
         root.insert("extensionsUsed".to_owned(), json!(used));
-    }
-}
-
-/// The runs of faces with one material: its group, and how many faces. [`split`] has put them together.
-fn material_runs(mesh: &Mesh) -> Vec<(usize, usize)> {
-    match material_groups(mesh) {
-        Some(groups) => {
-            let runs = groups.values.chunk_by(|a, b| a == b);
-            runs.map(|run| (run[0] as usize, run.len())).collect()
-        }
-        None => vec![(0, mesh.faces().len())],
     }
 }
 

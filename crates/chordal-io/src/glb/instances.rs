@@ -7,7 +7,7 @@ use super::format::{AccessorFormat, AccessorType, ComponentType};
 use super::lint::is_unit_quaternion;
 use super::model::{GltfAttributes, GltfModel};
 use super::report::GlbWarnings;
-use super::transform::compose;
+use super::trs::compose;
 use crate::{Conformance, FileLocation, Limits, Node, ReadError, Scene};
 use serde_json::json;
 

@@ -1,5 +1,5 @@
 //! `GlbLevels`: the parts of a scene in several levels of detail.
-use super::node_list::takes_levels;
+use super::level_hosts::takes_levels;
 use crate::{Part, Scene, WriteError};
 use serde_json::Value;
 

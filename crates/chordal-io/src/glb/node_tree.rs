@@ -3,7 +3,7 @@ use super::json::JsonValue;
 use super::lod_nodes::LodNodes;
 use super::model::{GltfModel, item};
 use super::report::GlbWarnings;
-use super::{LOD, instances, transform};
+use super::{LOD, instances, trs};
 use crate::{FileLocation, Limits, Node, ReadError, Scene};
 use std::collections::BTreeSet;
 
@@ -48,7 +48,7 @@ impl NodeTree {
             children.iter().for_each(|child| has_parent[*child] = true);
             let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
             let translation = node.translation.unwrap_or_default();
-            let trs = || transform::compose(translation, rotation, node.scale.unwrap_or([1.0; 3]));
+            let trs = || trs::compose(translation, rotation, node.scale.unwrap_or([1.0; 3]));
             nodes[i] = Node {
                 name: node.name.to_owned(),
                 matrix: node.matrix.as_deref().copied().unwrap_or_else(trs),

@@ -1,9 +1,9 @@
 //! `PartReader`: reads meshes of the file into parts: vertices, triangles, attributes.
 use super::accessor_rows::{AccessorError, AccessorRows};
 use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning};
-use super::deformation::SkinPlan;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
+use super::skin_plan::SkinPlan;
 use super::triangles::{PrimitiveIndices, triangles};
 use crate::{FileLocation, Limits, MATERIAL, Part, ReadError};
 use chordal::Mesh;

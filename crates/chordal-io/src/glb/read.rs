@@ -1,5 +1,6 @@
 //! The GLB reader.
 use super::assets::AssetReader;
+use super::dangling_references::drop_dangling_references;
 use super::json::{self, JsonValue};
 use super::leniency::ForgivenIssues;
 use super::lint::{self, GltfLint};
@@ -8,7 +9,7 @@ use super::node_tree::NodeTree;
 use super::parts::PartReader;
 use super::report::GlbWarnings;
 use super::{DECODED_PER_BYTE, INSTANCING, LOD};
-use super::{container, deformation, external, meshopt, packed_views};
+use super::{container, external, meshopt, packed_views};
 use crate::files::FileOpener;
 use crate::text::is_space;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, TextureOrigin};
@@ -127,7 +128,7 @@ pub(crate) fn read_with(
         part.properties = Some(properties).filter(|map| !map.is_empty()).map(Box::new);
     }
     report.append(parts.report);
-    deformation::drop_dangling_references(&mut scene, &mut report);
+    drop_dangling_references(&mut scene, &mut report);
     report.append(placing);
     scene.frame = Frame {
         up: Some(Axis::Y),

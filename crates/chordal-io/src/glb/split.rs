@@ -1,7 +1,7 @@
 //! `split`: moves attributes of corners and faces to vertices, which are duplicated where they differ.
-use crate::MATERIAL;
+use super::material_runs::{is_material, material_groups};
 use chordal::Mesh;
-use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
+use chordal::explicit::{Attribute, Domain, InvalidMesh};
 use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -24,16 +24,6 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
         return Ok(mesh);
     }
     split_rows(&mesh).map(Cow::Owned)
-}
-
-/// The groups of faces that name materials.
-pub(super) fn material_groups(mesh: &Mesh) -> Option<&Attribute> {
-    mesh.attributes().iter().find(|attribute| is_material(attribute))
-}
-
-fn is_material(attribute: &Attribute) -> bool {
-    let is_kind = matches!(&attribute.semantic, Semantic::Group(kind) if kind == MATERIAL);
-    is_kind && attribute.domain == Domain::Face && attribute.width == 1
 }
 
 /// The same triangles, those of one material one after another, in the order of first appearance.

@@ -1,4 +1,5 @@
 //! Transforms of nodes: column-major matrices, and their glTF node properties.
+use super::trs::{compose, rotation_matrix};
 use crate::scene::IDENTITY;
 use chordal::math::greater;
 use serde_json::{Map, Value, json};
@@ -149,34 +150,6 @@ fn quaternion(r: &[f64; 9]) -> [f64; 4] {
     q[j] = (r[3 * i + j] + r[3 * j + i]) * half;
     q[k] = (r[3 * i + k] + r[3 * k + i]) * half;
     q
-}
-
-/// The rotation of a unit quaternion (x, y, z, w), three columns.
-fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [f64; 9] {
-    [
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y + z * w),
-        2.0 * (x * z - y * w),
-        2.0 * (x * y - z * w),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z + x * w),
-        2.0 * (x * z + y * w),
-        2.0 * (y * z - x * w),
-        1.0 - 2.0 * (x * x + y * y),
-    ]
-}
-
-/// The matrix that scales, then rotates, then translates.
-pub(super) fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> [f64; 16] {
-    let r = rotation_matrix(rotation);
-    let mut m = IDENTITY;
-    for column in 0..3 {
-        for row in 0..3 {
-            m[4 * column + row] = r[3 * column + row] * scale[column];
-        }
-    }
-    m[12..15].copy_from_slice(&translation);
-    m
 }
 
 #[cfg(test)]
