@@ -1,7 +1,8 @@
 //! `fill_holes`: fills the holes inside boundary loops.
 use super::cap::{cap, loop_normal};
+use super::limits::check_limits;
 use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
-use super::mended_mesh::{MendedMesh, check_limits};
+use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError, Metric};
 use crate::check::{Finding, Witness, boundary_path, has_zero_area};

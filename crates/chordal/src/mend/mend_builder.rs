@@ -1,6 +1,6 @@
 //! `MendBuilder`: the rows and faces of a new mesh, each with the element of the old mesh that its attributes
 //! come from.
-use super::mended_mesh::refusal;
+use super::limits::refusal;
 use crate::Mesh;
 use crate::budget::{JobError, RefusalCode};
 use crate::explicit::{Attribute, Domain, Semantic};

@@ -1,6 +1,7 @@
 //! `MendedMesh`: the result of a repair: the mesh, what was changed, and how far the surface moved.
+use super::limits::refusal;
 use crate::Mesh;
-use crate::budget::{Bound, Job, JobError, Message, Reference, Refusal, RefusalCode};
+use crate::budget::{Bound, JobError, Reference, RefusalCode};
 use crate::check::Finding;
 
 /// The result of a repair.
@@ -67,27 +68,4 @@ impl MendedMesh {
 fn nonempty_changes<const N: usize>(changes: [(&'static str, Finding); N]) -> Vec<MendChange> {
     let met = changes.into_iter().filter(|(_, found)| !found.is_none());
     met.map(|(what, found)| MendChange { what, finding: found }).collect()
-}
-
-/// Checks whether a repair may start: the job is not cancelled, and its memory limit is sufficient.
-pub(super) fn check_limits(mesh: &Mesh, job: &Job) -> Result<(), JobError> {
-    if job.is_cancelled() {
-        return Err(JobError::Cancelled);
-    }
-    // Counted: a face and its sources 64 bytes, in and out 24, twins and sets 48; a row and its source 48, in
-    // and out 56.
-    let attributes: usize = mesh.attributes().iter().map(|attribute| attribute.values.len()).sum();
-    let bytes = 136 * mesh.faces().len() + 104 * mesh.positions().len() + 16 * attributes;
-    if bytes as u64 > job.memory_limit {
-        let limit = job.memory_limit;
-        return Err(refusal(
-            RefusalCode::TooMuchMemory,
-            format!("mending needs about {bytes} bytes; the limit is {limit}"),
-        ));
-    }
-    Ok(())
-}
-
-pub(super) fn refusal(code: RefusalCode, message: impl Into<Message>) -> JobError {
-    JobError::Refused(Refusal::new(code, message))
 }

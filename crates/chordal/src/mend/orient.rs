@@ -1,6 +1,7 @@
 //! `orient`: turns faces so that neighbours are wound consistently and closed components face outwards.
+use super::limits::{check_limits, refusal};
 use super::mend_builder::{MendBuilder, MendFace};
-use super::mended_mesh::{MendedMesh, check_limits, refusal};
+use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError, RefusalCode};
 use crate::check::{Facing, Finding, MeshConnectivity, Witness};

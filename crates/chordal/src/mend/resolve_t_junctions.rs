@@ -1,7 +1,8 @@
 //! `resolve_t_junctions`: makes vertices in the middle of an edge corners of the face there.
 use super::cut_faces::{FaceCutter, VertexInsertion};
+use super::limits::check_limits;
 use super::mend_builder::{MendBuilder, MendFace};
-use super::mended_mesh::{MendedMesh, check_limits};
+use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError, Tolerance};
 use crate::check::{Finding, MeshConnectivity, MeshLocation, Witness, has_zero_area, vertices_in_edges};

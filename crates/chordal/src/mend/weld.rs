@@ -1,5 +1,6 @@
 //! `weld`: makes vertices at equal or close coordinates one position.
-use super::mended_mesh::{MendedMesh, check_limits, refusal};
+use super::limits::{check_limits, refusal};
+use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError, RefusalCode, Tolerance};
 use crate::check::{Finding, PointTree, Witness};

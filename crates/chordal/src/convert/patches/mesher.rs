@@ -11,6 +11,7 @@ use super::subpatch::{PatchSurface, Subpatch, SubpatchKind, SubpatchShape};
 use super::texcoords;
 use super::tile::{self, PatchTileMesh};
 use super::tile_border;
+use super::tile_counts;
 use crate::budget::{Bound, Bounded, Failure, Job, Progress, RefusalCode, par_map};
 use crate::check;
 use crate::explicit::{Mesh, PatchSide};
@@ -394,7 +395,7 @@ impl TilePlan<'_> {
             if is_rough {
                 extraordinary_tile::count_triangles(counts)
             } else {
-                tile::count_triangles(tile, counts, poles)
+                tile_counts::count_triangles(tile, counts, poles)
             }
         });
         per_tile.sum()

@@ -18,3 +18,4 @@ pub(super) mod subpatch;
 pub(super) mod texcoords;
 pub(super) mod tile;
 pub(super) mod tile_border;
+pub(super) mod tile_counts;

@@ -3,8 +3,9 @@
 use super::plan::PatchTile;
 use super::seams::TileSeams;
 use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
-use super::tile::{self, PatchTileMesh};
+use super::tile::PatchTileMesh;
 use super::tile_border;
+use super::tile_counts;
 use crate::budget::{Job, par_map};
 use crate::explicit::{Attribute, Chart, Domain, LimitSheet, LimitSurface, Mesh, PatchSide, Semantic};
 use crate::math::greater;
@@ -72,7 +73,7 @@ pub(crate) fn with_texcoords(
             match subpatches[tile.subpatch as usize].shape {
                 SubpatchShape::Bezier(_) => {
                     let counts = PatchSide::ALL.map(|side| seams.count(first + k, side));
-                    local.extend(tile::inner_places(tile, counts).map(point));
+                    local.extend(tile_counts::inner_places(tile, counts).map(point));
                 }
                 SubpatchShape::Extraordinary(_) => local.extend(done.inner.iter().map(|_| point([0.5, 0.5]))),
             }

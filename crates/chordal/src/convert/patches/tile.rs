@@ -6,6 +6,7 @@ use super::plan::PatchTile;
 use super::seams::TileSeams;
 use super::subpatch::{Subpatch, SubpatchShape};
 use super::tile_border::{BorderVertex, walk_side};
+use super::tile_counts::cell_counts;
 use crate::explicit::{Patch, PatchSide, bernstein, face_normal};
 use crate::math::{greater, lesser};
 use glam::DVec3;
@@ -144,34 +145,6 @@ pub(crate) fn normal_deviation(
         most = seen.map(|normal| (normal - own).length()).fold(most, greater);
     }
     most
-}
-
-/// The number of triangles of a tile with `counts` segments on its sides, of which `poles` have no length: by
-/// Euler, 2·inner + border − 2, less the degenerate ones.
-pub(crate) fn count_triangles(tile: &PatchTile, counts: [u32; 4], poles: [bool; 4]) -> u64 {
-    let [n, m] = cell_counts(tile, counts).map(u64::from);
-    let border: u64 = counts.iter().map(|c| u64::from(*c)).sum();
-    let flat: u64 = counts.iter().zip(poles).filter(|c| c.1).map(|c| u64::from(*c.0)).sum();
-    (2 * (n - 1) * (m - 1) + border - 2).saturating_sub(flat)
-}
-
-/// Cells in each direction, given the segments on the sides: a tile without inner vertices can only join two
-/// opposite sides.
-fn cell_counts(tile: &PatchTile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
-    if tile.m == 1 && left == 1 && right == 1 {
-        [tile.n, 1]
-    } else if tile.n == 1 && bottom == 1 && top == 1 {
-        [1, tile.m.max(2)]
-    } else {
-        [tile.n.max(2), tile.m.max(2)]
-    }
-}
-
-/// The parameters of the inner vertices in the tile's unit square, for these segment counts of its sides.
-pub(super) fn inner_places(tile: &PatchTile, counts: [u32; 4]) -> impl Iterator<Item = [f64; 2]> {
-    let [n, m] = cell_counts(tile, counts);
-    let at = |k: u32, n: u32| f64::from(k) / f64::from(n);
-    (1..m).flat_map(move |j| (1..n).map(move |i| [at(i, n), at(j, m)]))
 }
 
 impl TileTriangulator<'_> {
