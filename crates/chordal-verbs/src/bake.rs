@@ -1,4 +1,5 @@
 //! `bake`: a signed distance grid from triangles.
+use crate::merged_parts;
 use crate::report::{Certificate, DistanceGridFacts};
 use crate::{Input, MeshFailure, Shape, flatten, formats};
 use chordal::Mesh;
@@ -67,7 +68,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     };
     let placed = flatten::flatten(scene)?;
     certificate.notes.extend(placed.note());
-    let mesh = flatten::one_mesh(&placed.scene)?;
+    let mesh = merged_parts::one_mesh(&placed.scene)?;
     if mesh.faces().is_empty() {
         return Err(MeshFailure::refused(RefusalCode::Empty, "there are no triangles to be away from"));
     }

@@ -1,4 +1,5 @@
 //! `deviation`: the distance between two shapes, certified from both sides.
+use crate::merged_parts;
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
 use crate::{Input, MeshFailure, Shape, field, flatten};
 use chordal::budget::advice::Message;
@@ -147,7 +148,7 @@ impl ComparedSurface {
             Shape::Scene(scene) => {
                 let placed = flatten::flatten(scene)?;
                 certificate.notes.extend(placed.note());
-                let mesh = flatten::one_mesh(&placed.scene)?.into_owned();
+                let mesh = merged_parts::one_mesh(&placed.scene)?.into_owned();
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),

@@ -1,5 +1,6 @@
 //! `load`: parses bytes to a shape, with everything that a report says about its input.
 use crate::digest::sha256;
+use crate::file_extension::extension;
 use crate::{Shape, script};
 use chordal::budget::advice::{Message, Setting};
 use chordal::math::Box3;
@@ -153,30 +154,4 @@ fn format_of(bytes: &[u8], hint: FormatHint) -> Result<Format, ReadError> {
         let message = Message::from(what).words("; ").setting(Setting::From).words(" names the format");
         ReadError::new("unknown-format", FileLocation::File, message)
     })
-}
-
-/// The extension of a file's name. `obj.gz` counts as one, as does any other of a format that is packed.
-#[must_use]
-pub fn extension(name: &str) -> Option<&str> {
-    let file = name.rsplit(['/', '\\']).next()?;
-    let (stem, last) = file.rsplit_once('.')?;
-    let under = stem.rsplit_once('.').filter(|(name, _)| last.eq_ignore_ascii_case("gz") && !name.is_empty());
-    let packed = under.filter(|(_, under)| Format::from_extension(under).is_some());
-    Some(packed.map_or(last, |(name, _)| &file[name.len() + 1..]))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn finds_the_extension_of_the_last_name_only() {
-        assert_eq!(extension("a.b/teapot"), None);
-        assert_eq!(extension("a/teapot.tar.obj"), Some("obj"));
-        assert_eq!(extension("a.b/brain.NII.gz"), Some("NII.gz"));
-        assert_eq!(extension("brain.tar.gz"), Some("gz"));
-        assert_eq!(extension("a.b.mha.GZ"), Some("mha.GZ"));
-        assert_eq!(extension(".nii.gz"), Some("gz"));
-        assert_eq!(extension("C:\\x\\teapot.GLB"), Some("GLB"));
-    }
 }

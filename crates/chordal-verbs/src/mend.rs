@@ -1,8 +1,8 @@
 //! `mend`: repairs the defects that `inspect` found, one repair at a time, as the result reads back from a
 //! format.
 use crate::finish::finish_triangles;
-use crate::flatten::{part_scales, scaled_up};
 use crate::pass_through::pass_through;
+use crate::placements::{part_scales, scaled_up};
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::request::MeshRequest;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};

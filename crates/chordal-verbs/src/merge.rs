@@ -1,6 +1,6 @@
 //! Puts meshes together as one, with what their vertices, corners and faces carry.
 use crate::file_rows::unsupported;
-use crate::flatten::concatenated;
+use crate::merged_parts::concatenated;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal_io::WriteError;

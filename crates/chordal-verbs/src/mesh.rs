@@ -2,11 +2,11 @@
 //! a format.
 use crate::drop_attributes::drop_normals;
 use crate::finish::finish_triangles;
-use crate::notes::too_fine_note;
 use crate::pass_through::pass_through;
 use crate::report::{BudgetFacts, Certificate};
 use crate::request::MeshRequest;
 use crate::simplify::simplify_scene;
+use crate::too_fine::too_fine_note;
 use crate::{
     BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, Shape, cage, field, filled_regions, formats,
     isosurface, polylines,

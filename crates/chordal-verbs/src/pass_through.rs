@@ -1,6 +1,7 @@
 //! Passes triangles through unchanged, at the precision of a format.
 use crate::MeshFailure;
 use crate::flatten::{self, TransformedScene};
+use crate::placements;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::math::{add_up, greater};
@@ -18,11 +19,11 @@ pub(crate) fn pass_through(
     let placed = if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     notes.extend(placed.note());
     let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
-    let stretch = flatten::part_scales(&scene);
+    let stretch = placements::part_scales(&scene);
     let mut moved = 0.0;
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
         let snapped = snap(&part.mesh, to)?;
-        let part_moved = flatten::scaled_up(snapped.moved_at_most, stretch);
+        let part_moved = placements::scaled_up(snapped.moved_at_most, stretch);
         moved = greater(part_moved, moved);
         part.mesh = snapped.mesh;
     }

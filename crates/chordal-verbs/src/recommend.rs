@@ -1,6 +1,6 @@
 //! The repairs that `inspect` recommends: they were tried on the triangles, and helped.
-use crate::flatten::part_scales;
 use crate::mend::{RepairStep, trial_steps};
+use crate::placements::part_scales;
 use chordal::Job;
 use chordal::budget::advice::Cure;
 use chordal::check::Defect;

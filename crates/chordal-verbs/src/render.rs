@@ -3,10 +3,11 @@
 use crate::ImplicitShape;
 use crate::deviation::ComparedPair;
 use crate::filled_regions::FilledRegions;
+use crate::merged_parts;
 use crate::report::{
     BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts,
 };
-use crate::{BudgetSpec, Input, MeshFailure, Shape, flatten};
+use crate::{BudgetSpec, Input, MeshFailure, Shape};
 use chordal::budget::advice::Message;
 use chordal::budget::camera::{Camera, Projection, Screen};
 use chordal::budget::{Failure, Length, Pixels, Refusal, RefusalCode, View};
@@ -93,7 +94,7 @@ pub fn render(
     let options = RenderOptions { up: up_axis(input.shape.frame()), ..*options };
     match &input.shape {
         Shape::Scene(scene) => {
-            let mesh = flatten::one_mesh(scene)?;
+            let mesh = merged_parts::one_mesh(scene)?;
             draw_mesh(&mesh, &options, certificate, job)
         }
         Shape::Field(field) => draw_field(field, &options, certificate, job),

@@ -1,13 +1,11 @@
 //! `MeshRequest`: a budget for one shape and one format, and how a conversion runs within it.
 use crate::MeshFailure;
-use chordal::budget::{
-    Bound, Bounded, Budget, Failure, PixelBudget, Pixels, Reference, RefusalCode, Tolerance,
-};
+use crate::rounded_mesh::snap_with_bound;
+use chordal::budget::{Bound, Bounded, Budget, Failure, PixelBudget, Pixels, RefusalCode, Tolerance};
 use chordal::convert::Spacing;
-use chordal::explicit::Topology;
 use chordal::math::{Box3, greater, sub_down, sub_up};
-use chordal::{Job, Mesh, mend};
-use chordal_io::{Format, snap, worst_snap};
+use chordal::{Job, Mesh};
+use chordal_io::{Format, worst_snap};
 
 /// The target of a conversion: the budget, resolved for the shape, and the format.
 #[derive(Clone, Copy, Debug)]
@@ -105,34 +103,6 @@ impl MeshRequest {
     pub fn snap(&self, mesh: &Mesh, bound: Bound, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
         snap_with_bound(mesh, bound, self.to, self.budget.pixels, job)
     }
-}
-
-/// Rounds a mesh to the precision of a format and adds the displacement to the bound.
-///
-/// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from
-/// there to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the
-/// surface closed.
-pub(crate) fn snap_with_bound(
-    mesh: &Mesh,
-    bound: Bound,
-    to: Format,
-    pixels: Option<PixelBudget>,
-    job: &Job,
-) -> Result<Bounded<Mesh>, MeshFailure> {
-    let snapped = snap(mesh, to)?;
-    if snapped.moved_at_most == 0.0 {
-        return Ok(Bounded { shape: snapped.mesh, bound });
-    }
-    let whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
-    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
-    let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
-    let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
-    let mut chain = bound.then(&step);
-    // The rounding of normals is negligible at realistic angles.
-    chain.angle_deg = bound.angle_deg;
-    let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
-    chain.pixels = pixels.and_then(both);
-    Ok(Bounded { shape: whole.mesh, bound: chain })
 }
 
 /// The box grown by the rounding of evaluated points, which may leave the hull of their control points: an

@@ -1,8 +1,11 @@
 //! Simplifies the triangles of a scene, part by part: the `mesh` verb for triangles.
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
-use crate::flatten::{self, MergedParts, TransformedScene};
+use crate::flatten::{self, TransformedScene};
+use crate::format_rounding;
+use crate::merged_parts::MergedParts;
 use crate::notes::{deformation_note, reduction_notes};
+use crate::placements;
 use crate::report::{AttributeFacts, Certificate};
 use crate::request::MeshRequest;
 use chordal::budget::advice::Message;
@@ -39,7 +42,7 @@ pub(crate) fn simplify_scene(
         }
     }
     notes.extend(deformation_note(&scene));
-    let stretch = flatten::part_scales(&scene);
+    let stretch = placements::part_scales(&scene);
     // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
     let shares: Vec<PartBudget> = match &eye {
@@ -48,7 +51,7 @@ pub(crate) fn simplify_scene(
     };
     // 2. Part by part.
     let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
-    let is_alone = flatten::n_places(&scene) == 1;
+    let is_alone = placements::n_places(&scene) == 1;
     let mut all = ReductionStats::default();
     let mut worst: Option<Bound> = None;
     let mut pixels = eye.map(|_| 0.0);
@@ -58,13 +61,13 @@ pub(crate) fn simplify_scene(
         let snapped = snap(&made.shape.mesh, *to)?;
         let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
         let before = std::mem::replace(&mut part.mesh, snapped.mesh);
-        let snapped = flatten::scaled_up(snapped.moved_at_most, *stretch);
+        let snapped = placements::scaled_up(snapped.moved_at_most, *stretch);
         let seen = eye.and_then(|eye| share.pixels_of(&made, snapped, placed, &eye.view));
         let bound = made.bound.then(&step);
         if part.mesh.faces().len() < before.faces().len() {
             notes.extend(measure_attributes(attributes, [&before, &part.mesh], &bound, job)?);
         }
-        let most = flatten::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), *stretch);
+        let most = placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), *stretch);
         let most = if placed == 0.0 { most } else { add_up(most, placed) };
         if !most.is_finite() {
             let message = "the transforms of the scene take its coordinates out of range";
@@ -137,7 +140,7 @@ fn uniform_budgets(
 ) -> Result<Vec<PartBudget>, MeshFailure> {
     let MeshRequest { budget, to, bounds, .. } = request;
     let length = length_for_all(budget, bounds)?;
-    let lost = flatten::worst_rounding(scene, stretch, *to);
+    let lost = format_rounding::worst_rounding(scene, stretch, *to);
     let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
     let left = match length {
         Some(length) => {
@@ -166,11 +169,11 @@ fn view_budgets(
 ) -> Result<Vec<PartBudget>, MeshFailure> {
     let MeshRequest { budget, to, .. } = request;
     let limits = Budget { length: budget.length, pixels: budget.pixels, ..Budget::default() };
-    let boxes = flatten::boxes_of_parts(scene)?;
+    let boxes = placements::boxes_of_parts(scene)?;
     let mut shares = Vec::with_capacity(boxes.len());
     for ((part, stretch), (boxes, is_as_it_is)) in scene.parts.iter().zip(stretch).zip(boxes) {
-        let boxes: Vec<Box3> = boxes.iter().map(|place| flatten::pad_box(place, placed)).collect();
-        let lost = flatten::scaled_up(flatten::part_rounding(part, *to), *stretch);
+        let boxes: Vec<Box3> = boxes.iter().map(|place| placements::pad_box(place, placed)).collect();
+        let lost = placements::scaled_up(format_rounding::part_rounding(part, *to), *stretch);
         let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
         let mut left = Budget::default();
         for place in boxes.iter().filter(|place| !place.is_empty()) {
@@ -202,7 +205,7 @@ const ROOM_TO_THE_EYE: f64 = 1.125;
 /// A length of the scene as the budget of a part that is scaled by `stretch`; no limit where nothing is left
 /// of it.
 fn part_budget(length: Option<f64>, stretch: f64) -> Budget {
-    let length = length.and_then(|length| flatten::length_in_part(length, stretch));
+    let length = length.and_then(|length| placements::length_in_part(length, stretch));
     Budget { length, ..Budget::default() }
 }
 
@@ -271,7 +274,7 @@ fn simplify_part(
 /// they matter most.
 fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, MeshFailure> {
     let n_parts = scene.parts.len();
-    if flatten::n_places(scene) == 1 {
+    if placements::n_places(scene) == 1 {
         return Ok(vec![most; n_parts]);
     }
     let MergedParts { mesh, places } = MergedParts::from_scene(scene, Topology::Positions)?;

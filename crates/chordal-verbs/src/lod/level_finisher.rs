@@ -1,6 +1,6 @@
 //! `LevelFinisher`: levels as they will be written, with their normals and rounded.
 use crate::file_rows::to_file_rows;
-use crate::request::snap_with_bound;
+use crate::rounded_mesh::snap_with_bound;
 use crate::{MeshFailure, Normals};
 use chordal::budget::Bound;
 use chordal::budget::advice::Message;

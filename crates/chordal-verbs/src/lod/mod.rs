@@ -1,4 +1,5 @@
 //! `lod`: levels of detail of any surface, each with its own bound, as one glTF or as 3D Tiles.
+mod gltf_levels;
 mod level_finisher;
 mod level_mesh;
 mod outcome;
@@ -7,8 +8,8 @@ mod source;
 mod tile_hierarchy;
 mod tileset;
 
-use crate::notes::too_fine_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output};
+use crate::too_fine::too_fine_note;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape};
 use chordal::Job;
 use chordal::budget::camera::MinDistanceView;

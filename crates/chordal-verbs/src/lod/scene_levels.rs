@@ -2,7 +2,7 @@
 use super::level_finisher::LevelFinisher;
 use super::level_mesh::LevelMesh;
 use crate::MeshFailure;
-use crate::flatten;
+use crate::placements;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::lod::LodLevel;
@@ -130,8 +130,8 @@ impl SceneLevels {
 
     fn scene_level(&self, choice: Vec<usize>, stretch: &[f64]) -> Result<SceneLevel, MeshFailure> {
         let is_alone = choice.len() == 1
-            && flatten::n_places(&self.finest) == 1
-            && flatten::is_untransformed(&self.finest);
+            && placements::n_places(&self.finest) == 1
+            && placements::is_untransformed(&self.finest);
         let mut most = 0.0;
         let (mut triangles, mut vertices) = (0, 0);
         for (part, level) in choice.iter().enumerate() {
@@ -187,5 +187,5 @@ impl SceneLevels {
 
 /// The upper end of a part's bound where its transforms lengthen it by `stretch`.
 fn error_in(bound: &Bound, stretch: f64) -> f64 {
-    flatten::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), stretch)
+    placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), stretch)
 }

@@ -4,8 +4,11 @@ use super::scene_levels::LevelChains;
 use super::{LodParts, LodSpec};
 use crate::drop_attributes::{drop_attributes, drop_normals};
 use crate::flatten::{self, TransformedScene};
+use crate::format_rounding;
 use crate::merge::{MergedMesh, merge};
+use crate::merged_parts;
 use crate::notes::{deformation_note, reduction_notes};
+use crate::placements;
 use crate::request::MeshRequest;
 use crate::{MeshFailure, Normals, Shape, cage, field, isosurface};
 use chordal::budget::advice::Message;
@@ -82,7 +85,7 @@ impl LevelSource<'_> {
             // Existing normals are to preserve no edge.
             drop_normals(&mut scene, notes)?;
         }
-        let stretch = flatten::part_scales(&scene);
+        let stretch = placements::part_scales(&scene);
         let is_empty = |(part, stretch): (&Part, &f64)| part.mesh.faces().is_empty() || *stretch == 0.0;
         if scene.parts.iter().zip(&stretch).all(is_empty) {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
@@ -129,12 +132,12 @@ impl LevelSource<'_> {
         stretch: &[f64],
         bounds: Box3,
     ) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
-        let lost = flatten::worst_rounding(scene, stretch, Format::Glb);
+        let lost = format_rounding::worst_rounding(scene, stretch, Format::Glb);
         let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
         let left = request.reserve_rounding(lost)?.length.unwrap_or(self.finest);
         let length = |((part, stretch), takes_levels): ((&Part, &f64), bool)| {
             let changes = takes_levels && !part.mesh.faces().is_empty();
-            if changes { flatten::length_in_part(left.get(), *stretch) } else { None }
+            if changes { placements::length_in_part(left.get(), *stretch) } else { None }
         };
         Ok(scene.parts.iter().zip(stretch).zip(glb::takes_levels(scene)).map(length).collect())
     }
@@ -334,7 +337,7 @@ fn tessellate(
         MeshFailure::Refused(refusal) => JobError::Refused(refusal),
         other => unsupported(other.message()),
     })?;
-    let mesh = flatten::one_mesh(&scene).map(|mesh| mesh.into_owned());
+    let mesh = merged_parts::one_mesh(&scene).map(|mesh| mesh.into_owned());
     let mesh = mesh.map_err(|error| unsupported(error.to_string().into()))?;
     Ok(Bounded { shape: mesh, bound })
 }

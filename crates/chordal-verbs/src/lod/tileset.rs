@@ -1,12 +1,13 @@
 //! Levels as 3D Tiles: a chain, or a tree of regions.
 use super::TileErrors;
+use super::gltf_levels::file_extras;
 use super::level_mesh::LevelMesh;
-use super::outcome::{LodLayout, LodOutcome, file_extras};
+use super::outcome::{LodLayout, LodOutcome};
 use super::scene_levels::SceneLevels;
 use super::tile_hierarchy::TileHierarchy;
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
-use crate::flatten;
+use crate::placements;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, RefusalCode};
 use chordal::explicit::InvalidMesh;
@@ -146,7 +147,7 @@ impl LodOutcome {
     fn geometric_error(&self, bound: &Bound, metres: f64, finer: f64) -> f64 {
         let lens = &self.spec.lens;
         let own = bound.at_most().unwrap_or(f64::INFINITY);
-        let error = flatten::scaled_up(own, metres);
+        let error = placements::scaled_up(own, metres);
         let far = SwitchDistances::new(&[own], *lens, self.spec.pixels).distance(0).filter(|d| d.is_finite());
         let said = match (self.spec.errors, far.zip(lens.focal_px())) {
             (TileErrors::Scaled, Some((distance, focal))) => {
@@ -202,7 +203,7 @@ fn largest_error(tiles: &[Tile]) -> f64 {
 /// The extras of a tile.
 fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
     json!({ "chordal": {
-        "at_most": flatten::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
+        "at_most": placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
         "evidence": bound.evidence().as_str(), "reference": bound.reference.as_str(),
     }})
 }

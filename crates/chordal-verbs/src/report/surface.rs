@@ -2,7 +2,7 @@
 use super::part_check::PartCheck;
 use super::scene_check::SceneCheck;
 use super::validity_counts::ValidityCounts;
-use crate::flatten::IDENTITY;
+use crate::placements::IDENTITY;
 use chordal::budget::advice::Cure;
 use chordal::check::findings::Finding;
 use chordal::check::{Component, Facing, outward};

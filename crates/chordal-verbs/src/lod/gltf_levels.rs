@@ -1,0 +1,113 @@
+//! How levels of detail are written as one glTF with `MSFT_lod`.
+use super::LodOutcome;
+use super::level_mesh::LevelMesh;
+use super::outcome::LodLayout;
+use super::scene_levels::{SceneLevel, SceneLevels};
+use crate::placements;
+use crate::report::{BoundFacts, Certificate};
+use chordal::budget::Bound;
+use chordal::lod::selection::SwitchDistances;
+use chordal::math::{greater, lesser};
+use chordal_io::{FileSet, Format, WriteError, glb};
+use serde_json::{Value, json};
+use std::io::Write;
+
+impl LodOutcome {
+    /// Writes all levels as one glTF with `MSFT_lod`, binary or as JSON with all in it.
+    ///
+    /// # Errors
+    /// As for [`glb::write_levels`]; [`WriteError::Unsupported`] for other formats than glTF, and where the
+    /// finest level is cut in space.
+    pub fn write(&self, format: Format, out: &mut dyn Write) -> Result<(), WriteError> {
+        let (levels, coverages, certificate) = self.gltf_parts()?;
+        let levels = gltf_levels(levels, &coverages, &certificate);
+        match format {
+            Format::Glb => glb::write_levels(&levels, out),
+            Format::Gltf => glb::write_levels_embedded(&levels, out),
+            other => Err(WriteError::Unsupported(format!("{other} holds no levels of detail"))),
+        }
+    }
+
+    /// Writes all levels as a glTF called `stem` with its buffer and pictures beside it.
+    ///
+    /// # Errors
+    /// As for [`Self::write`].
+    pub fn write_files(&self, stem: &str) -> Result<FileSet<'static>, WriteError> {
+        let (levels, coverages, certificate) = self.gltf_parts()?;
+        let levels = gltf_levels(levels, &coverages, &certificate);
+        glb::write_levels_files(&levels, stem).map(FileSet::into_owned)
+    }
+
+    /// What a glTF of levels is made of: the levels, the screen coverages, the certificate.
+    fn gltf_parts(&self) -> Result<(&SceneLevels, Vec<Vec<f64>>, Value), WriteError> {
+        let LodLayout::Levels(levels) = &self.made else {
+            return Err(WriteError::Unsupported(
+                "what is cut in space is a tileset, not one file".to_owned(),
+            ));
+        };
+        let extras =
+            |level: &SceneLevel| extras_of(&self.certificate, &level.bound, level.triangles, level.vertices);
+        let mut of_levels: Vec<Value> = levels.levels.iter().map(extras).collect();
+        let is_one = of_levels.len() == 1 && levels.coarser.iter().all(Vec::is_empty);
+        let certificate = if is_one { of_levels.remove(0) } else { json!({ "levels": of_levels }) };
+        Ok((levels, self.coverages(levels), certificate))
+    }
+
+    /// By node: the fraction of the screen that the bounding sphere of its part covers where each level gives
+    /// way to the next. Viewers use its centre, which may be half a diagonal behind the side of the box.
+    fn coverages(&self, levels: &SceneLevels) -> Vec<Vec<f64>> {
+        let lens = &self.spec.lens;
+        let pixels = f64::from(lens.screen.width_px) * f64::from(lens.screen.height_px);
+        let placements = placements::node_placements(&levels.finest);
+        let of_node = |(node, place): (&chordal_io::Node, Option<placements::NodePlacement>)| {
+            let bounds = node.part.map(|part| &levels.bounds[part]).filter(|bounds| bounds.len() > 1);
+            let Some(bounds) = bounds else { return Vec::new() };
+            let place = place.unwrap_or(placements::NodePlacement { stretch: 0.0, size: 0.0 });
+            let error = |bound: &Bound| {
+                placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), place.stretch)
+            };
+            let errors: Vec<f64> = bounds.iter().map(error).collect();
+            let switches = SwitchDistances::new(&errors, *lens, self.spec.pixels);
+            let mut before = f64::INFINITY;
+            (0..errors.len())
+                .map(|k| {
+                    let next = switches.distance(k + 1).filter(|d| d.is_finite());
+                    let Some((distance, focal)) = next.zip(lens.focal_px()) else { return 0.0 };
+                    let across = place.size * focal / (distance + 0.5 * place.size);
+                    let share = 0.25 * std::f64::consts::PI * across * across / pixels;
+                    let share = if place.size > 0.0 { share } else { 0.0 };
+                    // Fractions decrease from level to level, also where the part is larger than the screen
+                    // or is scaled to nothing.
+                    let most = if before <= 1.0 { 0.99 * before } else { 1.0 };
+                    let least = (errors.len() - k) as f64 * f64::MIN_POSITIVE;
+                    before = greater(lesser(share, most), least);
+                    before
+                })
+                .collect()
+        };
+        levels.finest.nodes.iter().zip(placements).map(of_node).collect()
+    }
+}
+
+fn gltf_levels<'a>(
+    levels: &'a SceneLevels,
+    coverages: &'a [Vec<f64>],
+    certificate: &'a Value,
+) -> glb::GlbLevels<'a> {
+    let SceneLevels { finest: scene, coarser, .. } = levels;
+    glb::GlbLevels { scene, coarser, coverages, certificate: Some(certificate) }
+}
+
+/// The extras of one mesh in its file.
+pub(super) fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Value {
+    extras_of(certificate, &made.bound, made.triangles, made.vertices)
+}
+
+fn extras_of(certificate: &Certificate, bound: &Bound, triangles: u64, vertices: u64) -> Value {
+    json!({
+        "version": certificate.version,
+        "input": certificate.input,
+        "bound": BoundFacts::new(bound),
+        "output": { "triangles": triangles, "vertices": vertices },
+    })
+}

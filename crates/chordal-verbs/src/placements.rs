@@ -1,0 +1,261 @@
+//! Where the nodes of a scene show its parts: how far their transforms stretch lengths, and what rounding costs them.
+use chordal::budget::Tolerance;
+use chordal::math::{Box3, Interval, add_up, div_down, greater, lesser, mul_up, sqrt_up, sub_down};
+use chordal_io::{Part, Scene, WriteError};
+
+/// A column-major 4 × 4 matrix.
+type Matrix4 = [f64; 16];
+
+pub(crate) const IDENTITY: Matrix4 =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// A length times a stretch, rounded up; a length of 0 stays 0 and a stretch of 1 changes nothing.
+pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
+    if length == 0.0 || stretch == 0.0 {
+        0.0
+    } else if stretch == 1.0 {
+        length
+    } else {
+        mul_up(length, stretch)
+    }
+}
+
+/// A length of the scene in the coordinates of a part that is scaled by `stretch`; `None` where nothing is left of
+/// it.
+pub(crate) fn length_in_part(length: f64, stretch: f64) -> Option<Tolerance> {
+    let own = (stretch > 0.0).then(|| div_down(length, stretch));
+    own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok())
+}
+
+/// By part: the largest factor by which its transforms lengthen, over all placements; 0 for a part without
+/// any.
+pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
+    let mut stretch = vec![0.0; scene.parts.len()];
+    for place in part_placements(scene) {
+        let most: &mut f64 = &mut stretch[place.part];
+        *most = greater(place.stretch, *most);
+    }
+    stretch
+}
+
+/// Whether every placement of a scene is without a transform.
+pub(crate) fn is_untransformed(scene: &Scene) -> bool {
+    part_placements(scene).iter().all(|place| place.is_identity)
+}
+
+/// One placement of a part.
+pub(crate) struct PartPlacement {
+    node: usize,
+    pub part: usize,
+    pub is_identity: bool,
+    /// The number of transforms between the part and the scene.
+    depth: u32,
+    /// The product of the transforms, as it is rounded.
+    matrix: Matrix4,
+    /// The product of the transforms' absolute values: an upper bound of their exact product.
+    magnitude: Matrix4,
+    /// The largest factor by which the transforms together lengthen, rounded up.
+    stretch: f64,
+}
+
+impl PartPlacement {
+    /// Composes this placement with a node's matrix.
+    fn compose(&self, node: usize, matrix: &Matrix4, part: usize) -> Self {
+        if *matrix == IDENTITY {
+            return Self { node, part, ..*self };
+        }
+        Self {
+            node,
+            part,
+            is_identity: false,
+            depth: self.depth + 1,
+            matrix: product(&self.matrix, matrix),
+            magnitude: product(&self.magnitude, &matrix.map(f64::abs)),
+            stretch: scaled_up(largest_stretch(matrix), self.stretch),
+        }
+    }
+
+    /// How far the rounding of its transforms can move a vertex of the part.
+    ///
+    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d
+    /// transforms are off by less than `7d` half steps, relative to the product of the absolute values. `8d`
+    /// whole steps cover that and the rounding of the estimate, which has as many operations.
+    pub fn rounding(&self, part: &Part) -> f64 {
+        let bounds = part.mesh.bounds();
+        if bounds.is_empty() {
+            return 0.0;
+        }
+        let reach: [f64; 3] = std::array::from_fn(|k| {
+            let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
+            greater(low, high)
+        });
+        let m = &self.magnitude;
+        let steps = 8.0 * f64::from(self.depth) * f64::EPSILON;
+        let squares = (0..3).fold(0.0, |sum, row| {
+            let largest = m[row] * reach[0] + m[4 + row] * reach[1] + m[8 + row] * reach[2] + m[12 + row];
+            let off = mul_up(largest, steps);
+            add_up(sum, mul_up(off, off))
+        });
+        sqrt_up(squares)
+    }
+}
+
+/// All placements, by walking the scene from its roots with an explicit stack. Readers make sure that nodes
+/// are a forest.
+pub(crate) fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
+    let outside = PartPlacement {
+        node: 0,
+        part: 0,
+        is_identity: true,
+        depth: 0,
+        matrix: IDENTITY,
+        magnitude: IDENTITY,
+        stretch: 1.0,
+    };
+    let mut found = Vec::new();
+    let mut open: Vec<(usize, std::rc::Rc<PartPlacement>)> = Vec::new();
+    let outside = std::rc::Rc::new(outside);
+    open.extend(scene.roots.iter().map(|root| (*root, outside.clone())));
+    while let Some((index, parent)) = open.pop() {
+        let node = &scene.nodes[index];
+        let here = std::rc::Rc::new(parent.compose(index, &node.matrix, 0));
+        if let Some(part) = node.part {
+            found.push(PartPlacement { part, ..*here });
+        }
+        open.extend(node.children.iter().map(|child| (*child, here.clone())));
+    }
+    found
+}
+
+fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
+    std::array::from_fn(|i| (0..4).map(|k| a[4 * k + i % 4] * b[i / 4 * 4 + k]).sum())
+}
+
+/// An upper bound of the largest factor by which the linear part M lengthens, 1 for a rotation but for rounding: no
+/// eigenvalue of MᵀM exceeds the largest sum of absolute values in a row of it, nor its trace.
+fn largest_stretch(m: &Matrix4) -> f64 {
+    let dot = |a: usize, b: usize| -> f64 {
+        let terms = [0, 1, 2].map(|k| Interval::point(m[4 * a + k]) * Interval::point(m[4 * b + k]));
+        let sum = terms[0] + terms[1] + terms[2];
+        greater(sum.lo().abs(), sum.hi().abs())
+    };
+    let row = |a: usize| add_up(add_up(dot(a, 0), dot(a, 1)), dot(a, 2));
+    let rows = [1, 2].into_iter().fold(row(0), |most, a| greater(row(a), most));
+    let trace = add_up(add_up(dot(0, 0), dot(1, 1)), dot(2, 2));
+    sqrt_up(lesser(rows, trace))
+}
+
+/// Where a node shows its part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NodePlacement {
+    /// The largest factor by which its transforms lengthen, rounded up.
+    pub stretch: f64,
+    /// The longest diagonal of the part's own box, in world coordinates.
+    pub size: f64,
+}
+
+/// By node: where it shows a part; `None` for other nodes, and for those that no scene shows.
+pub(crate) fn node_placements(scene: &Scene) -> Vec<Option<NodePlacement>> {
+    let mut found = vec![None; scene.nodes.len()];
+    for PartPlacement { node, part, matrix, stretch, .. } in part_placements(scene) {
+        let bounds = scene.parts[part].mesh.bounds();
+        let extent: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
+        let diagonal = |signs: [f64; 2]| {
+            let [x, y, z] = [extent[0], signs[0] * extent[1], signs[1] * extent[2]];
+            let along = [0, 1, 2].map(|row| matrix[row] * x + matrix[4 + row] * y + matrix[8 + row] * z);
+            along.iter().map(|x| x * x).sum::<f64>().sqrt()
+        };
+        let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(diagonal);
+        let size = diagonals.into_iter().fold(0.0, |most, size| greater(size, most));
+        found[node] = Some(NodePlacement { stretch, size });
+    }
+    found
+}
+
+/// The part of each placement, in the order of [`Scene::world_meshes`].
+pub(crate) fn parts_in_order(scene: &Scene) -> Vec<usize> {
+    let mut found = Vec::new();
+    let mut open: Vec<usize> = scene.roots.iter().rev().copied().collect();
+    while let Some(node) = open.pop() {
+        let node = &scene.nodes[node];
+        found.extend(node.part);
+        open.extend(node.children.iter().rev());
+    }
+    found
+}
+
+/// The number of triangles in a scene, counted once for each placement.
+pub(crate) fn n_placed_faces(scene: &Scene) -> u64 {
+    let parts = parts_in_order(scene).into_iter();
+    parts.fold(0, |n, part| n.saturating_add(scene.parts[part].mesh.faces().len() as u64))
+}
+
+/// The number of placements in a scene.
+pub(crate) fn n_places(scene: &Scene) -> usize {
+    parts_in_order(scene).len()
+}
+
+/// By part: a box around each of its placements in world coordinates, rounding included, and whether it has a
+/// single placement without a transform.
+///
+/// # Errors
+/// As [`one_mesh`].
+pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, WriteError> {
+    let mut found = vec![(Vec::new(), true); scene.parts.len()];
+    for ((_, mesh), part) in scene.world_meshes()?.into_iter().zip(parts_in_order(scene)) {
+        found[part].0.push(mesh.bounds());
+    }
+    for place in part_placements(scene) {
+        let (boxes, is_as_it_is) = &mut found[place.part];
+        *is_as_it_is &= place.is_identity && boxes.len() == 1;
+        if !place.is_identity {
+            // All placements of the part, since they come in another order; a box may only be too large.
+            let off = place.rounding(&scene.parts[place.part]);
+            boxes.iter_mut().for_each(|place| *place = pad_box(place, off));
+        }
+    }
+    Ok(found)
+}
+
+/// A box grown by a length on every side, rounded outward.
+pub(crate) fn pad_box(place: &Box3, off: f64) -> Box3 {
+    if off == 0.0 {
+        return *place;
+    }
+    Box3 { min: place.min.map(|x| sub_down(x, off)), max: place.max.map(|x| add_up(x, off)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_testkit::Random;
+
+    #[test]
+    fn the_stretch_is_never_too_small_and_that_of_a_rotation_is_one() {
+        let mut random = Random::new(9);
+        for round in 0..2000 {
+            let mut m = IDENTITY;
+            for k in [0, 1, 2, 4, 5, 6, 8, 9, 10] {
+                m[k] = random.signed() * f64::from(2_i32.pow(round % 5));
+            }
+            if round % 3 == 0 {
+                // Of rank 1.
+                (0..3).for_each(|k| (m[4 + k], m[8 + k]) = (-0.7 * m[k], 0.2 * m[k]));
+            }
+            let stretch = largest_stretch(&m);
+            let frobenius = [0, 1, 2, 4, 5, 6, 8, 9, 10].map(|k| m[k] * m[k]).iter().sum::<f64>().sqrt();
+            assert!(stretch <= frobenius * (1.0 + 1e-12), "{stretch} {frobenius}");
+            for _ in 0..50 {
+                let v = [random.signed(), random.signed(), random.signed()];
+                let size = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+                let image = [0, 1, 2].map(|r| m[r] * v[0] + m[4 + r] * v[1] + m[8 + r] * v[2]);
+                let long = image.iter().map(|x| x * x).sum::<f64>().sqrt();
+                assert!(long <= stretch * size * (1.0 + 1e-12), "{long} {stretch} {size}");
+            }
+            let (sin, cos) = random.signed().mul_add(3.0, 0.0).sin_cos();
+            let mut turn = IDENTITY;
+            (turn[0], turn[1], turn[4], turn[5]) = (cos, sin, -sin, cos);
+            assert!((1.0 - 1e-15..1.0 + 1e-14).contains(&largest_stretch(&turn)));
+        }
+    }
+}

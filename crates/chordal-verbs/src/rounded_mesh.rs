@@ -1,0 +1,34 @@
+//! `snap_with_bound`: a mesh at the positions that a format holds, with the bound that covers the rounding.
+use crate::MeshFailure;
+use chordal::budget::{Bound, Bounded, PixelBudget, Reference};
+use chordal::explicit::Topology;
+use chordal::{Job, Mesh, mend};
+use chordal_io::{Format, snap};
+
+/// Rounds a mesh to the precision of a format and adds the displacement to the bound.
+///
+/// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from
+/// there to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the
+/// surface closed.
+pub(crate) fn snap_with_bound(
+    mesh: &Mesh,
+    bound: Bound,
+    to: Format,
+    pixels: Option<PixelBudget>,
+    job: &Job,
+) -> Result<Bounded<Mesh>, MeshFailure> {
+    let snapped = snap(mesh, to)?;
+    if snapped.moved_at_most == 0.0 {
+        return Ok(Bounded { shape: snapped.mesh, bound });
+    }
+    let whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
+    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
+    let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
+    let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
+    let mut chain = bound.then(&step);
+    // The rounding of normals is negligible at realistic angles.
+    chain.angle_deg = bound.angle_deg;
+    let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
+    chain.pixels = pixels.and_then(both);
+    Ok(Bounded { shape: whole.mesh, bound: chain })
+}
