@@ -9,6 +9,7 @@ use crate::load;
 use crate::numbers::{RoundingDirection, grouped, point, short};
 use crate::output::OutputTarget;
 use crate::output_format::volume_format;
+use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use chordal::budget::advice::Spell;
@@ -71,12 +72,12 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let spec = BakeSpec { cells: args.cells as usize, band: args.band };
     let outcome = bake(input, &spec, to, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| execution::fault(&name, &failure, ""))?;
+        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     if let Some(facts) = outcome.certificate.baked.as_ref().filter(|facts| !facts.solid.is_solid) {
         console.warn(&name, &[&facts.solid.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = RunFacts { input_triangles, ..execution::facts("bake", name, target.name(), bytes) };
+    let run = RunFacts { input_triangles, ..run_outcome::facts("bake", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -7,9 +7,12 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::inspect_text::quoted;
 use crate::load;
-use crate::output::{OutputTarget, OverwritePolicy};
+use crate::output::OutputTarget;
 use crate::output_format::writable_format;
-use crate::output_set::{OutputSetArgs, SetPlace};
+use crate::output_set::OutputSetArgs;
+use crate::output_set_write::SetPlace;
+use crate::overwrite::OverwritePolicy;
+use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
 use chordal::budget::advice::Spell;
@@ -90,13 +93,14 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     if needs_mesh(&input.shape, to) {
         return Err(Fault::usage(mesh_advice(&input.shape, &name, output)));
     }
-    let outcome =
-        convert(input, to).spelled(&CommandLine).map_err(|failure| execution::fault(&name, &failure, ""))?;
+    let outcome = convert(input, to)
+        .spelled(&CommandLine)
+        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
-    let run = RunFacts { input_triangles, ..execution::facts("convert", name, target.name(), bytes) };
+    let run = RunFacts { input_triangles, ..run_outcome::facts("convert", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     console.result(&report.to_value(), &summary_text(&report), stdout)
 }

@@ -7,6 +7,7 @@ use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, point, short};
+use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
 use chordal::budget::Length;
@@ -73,7 +74,7 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| execution::fault(&names, &failure, ""))?;
+        .map_err(|failure| run_outcome::fault(&names, &failure, ""))?;
     let run = RunFacts { input: Some(first.name()), ..report.run };
     report.run = clock.fill(run, &job);
     console.warn(&names, &report.certificate.notes);

@@ -1,6 +1,6 @@
 //! `FolderLock`: one job alone writes a folder. The lock is that of a file beside the folder, which the system
 //! gives back when the job ends, however it ends.
-use crate::output::parent;
+use crate::overwrite::parent;
 use crate::signal;
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions, TryLockError};

@@ -29,12 +29,17 @@ mod output;
 mod output_folder;
 mod output_format;
 mod output_set;
+mod output_set_write;
+mod output_write;
+mod overwrite;
 mod render;
 mod require;
+mod run_outcome;
 mod signal;
 pub mod spelling;
 mod studio;
 mod summary;
+mod temp_output;
 mod volume;
 mod volume_text;
 

@@ -7,9 +7,12 @@ use crate::fault::Fault;
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
-use crate::output::{OutputTarget, parent};
+use crate::output::OutputTarget;
 use crate::output_folder::{FolderPlace, OutputFolder};
-use crate::output_set::{OutputSetArgs, SetPlace};
+use crate::output_set::OutputSetArgs;
+use crate::output_set_write::SetPlace;
+use crate::overwrite::parent;
+use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use chordal::budget::advice::Spell;
@@ -169,10 +172,10 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let name = source.name();
     let outcome = lod(input, &spec, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| execution::fault(&name, &failure, ""))?;
+        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     let written = output.name();
     let bytes = output.write(args, &outcome, &name)?;
-    let run = RunFacts { input_triangles, ..execution::facts("lod", name, written, bytes) };
+    let run = RunFacts { input_triangles, ..run_outcome::facts("lod", name, written, bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)
@@ -275,7 +278,7 @@ impl OpenOutput {
                 let files = outcome
                     .tileset()
                     .map_err(|failure| failure.spelled(&CommandLine))
-                    .map_err(|failure| execution::fault(input, &failure, ""))?;
+                    .map_err(|failure| run_outcome::fault(input, &failure, ""))?;
                 folder.write(&files, LIST)
             }
             Self::OneFile(target, format) => {

@@ -9,7 +9,9 @@ use crate::load;
 use crate::numbers::grouped;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
-use crate::output_set::{OutputSetArgs, SetPlace};
+use crate::output_set::OutputSetArgs;
+use crate::output_set_write::SetPlace;
+use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, plural};
 use chordal::budget::Length;
@@ -110,12 +112,12 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let name = source.name();
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| execution::fault(&name, &failure, ""))?;
+        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     let one = &mut |out: &mut dyn io::Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
-    let run = RunFacts { input_triangles, ..execution::facts("mend", name, target.name(), bytes) };
+    let run = RunFacts { input_triangles, ..run_outcome::facts("mend", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report.to_value(), &summary_text(&report), stdout)

@@ -8,7 +8,9 @@ use crate::input::InputSource;
 use crate::load;
 use crate::output::OutputTarget;
 use crate::output_format::output_format;
-use crate::output_set::{OutputSetArgs, SetPlace};
+use crate::output_set::OutputSetArgs;
+use crate::output_set_write::SetPlace;
+use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary;
 use crate::volume::VolumeArgs;
@@ -161,11 +163,11 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let input_triangles = input.shape.n_triangles();
     if let Some(level) = args.result.level {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
-        let outcome = made.map_err(|failure| execution::fault(&source.name(), &failure, ""))?;
+        let outcome = made.map_err(|failure| run_outcome::fault(&source.name(), &failure, ""))?;
         let one = &mut |out: &mut dyn Write| outcome.write(out);
         let place = place(outcome.names_files());
         let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
-        let run = execution::facts("mesh", source.name(), target.name(), bytes);
+        let run = run_outcome::facts("mesh", source.name(), target.name(), bytes);
         return print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout);
     }
     if !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
@@ -176,7 +178,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let (outcome, unmet) = match mesh(input, &spec, to, &job).spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
-            let fault = execution::fault(&name, &failure, &hint(args, &failure));
+            let fault = run_outcome::fault(&name, &failure, &hint(args, &failure));
             match failure {
                 MeshFailure::Unmet(best) if args.budget.keep_best => (*best, Some(fault)),
                 _ => return Err(fault),
@@ -187,7 +189,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let place = place(outcome.names_files());
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
 
-    let run = RunFacts { input_triangles, ..execution::facts("mesh", name, target.name(), bytes) };
+    let run = RunFacts { input_triangles, ..run_outcome::facts("mesh", name, target.name(), bytes) };
     print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }

@@ -9,8 +9,9 @@
 //! Only files of the verb's own names are ever removed. A folder with anything else in it is refused.
 use crate::fault::{Fault, plainly};
 use crate::folder_lock::FolderLock;
-use crate::output::{self, OverwritePolicy, keep_permissions, unwritable};
+use crate::overwrite::{self, OverwritePolicy};
 use crate::signal;
+use crate::temp_output::{self, keep_permissions, unwritable};
 use chordal_io::{FileSet, WriteError};
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -73,7 +74,7 @@ impl FolderPlace {
 
     /// Whether a file stands in it.
     pub fn holds(&self, file: &Path) -> bool {
-        let at = output::parent(file).canonicalize();
+        let at = overwrite::parent(file).canonicalize();
         matches!((at, self.path.canonicalize()), (Ok(at), Ok(own)) if at == own)
     }
 
@@ -82,7 +83,7 @@ impl FolderPlace {
     /// # Errors
     /// When another job writes it, or the folder that it stands in cannot be written.
     pub fn open(self) -> Result<OutputFolder, Fault> {
-        let parent = output::parent(&self.path);
+        let parent = overwrite::parent(&self.path);
         fs::create_dir_all(parent).map_err(|error| self.unwritable_parent(&error))?;
         let lock = FolderLock::acquire(&self.path).map_err(|error| match error.kind() {
             io::ErrorKind::WouldBlock => Fault::output(
@@ -177,7 +178,7 @@ impl FolderPlace {
     }
 
     fn unwritable_parent(&self, error: &io::Error) -> Fault {
-        let parent = output::parent(&self.path).display();
+        let parent = overwrite::parent(&self.path).display();
         fault_at(&self.path, &format!("cannot write into {parent}: {}", plainly(error)))
     }
 
@@ -189,7 +190,7 @@ impl FolderPlace {
 
     /// Puts right what killed jobs left of this folder: whoever holds the lock is the only one who may.
     fn sweep(&self) {
-        let Ok(entries) = fs::read_dir(output::parent(&self.path)) else { return };
+        let Ok(entries) = fs::read_dir(overwrite::parent(&self.path)) else { return };
         let prefix = self.aside_prefix();
         for entry in entries.flatten() {
             let name = entry.file_name();
@@ -234,7 +235,7 @@ fn fault_at(path: &Path, what: &str) -> Fault {
 fn is_mount_point(folder: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     let device = |path: &Path| fs::metadata(path).map(|metadata| metadata.dev());
-    matches!((device(folder), device(output::parent(folder))), (Ok(own), Ok(above)) if own != above)
+    matches!((device(folder), device(overwrite::parent(folder))), (Ok(own), Ok(above)) if own != above)
 }
 
 #[cfg(not(unix))]
@@ -250,7 +251,7 @@ struct AsideFolder {
 
 impl AsideFolder {
     fn create(place: &FolderPlace) -> Result<Self, Fault> {
-        let (parent, prefix, is_own) = (output::parent(&place.path), place.aside_prefix(), place.is_own);
+        let (parent, prefix, is_own) = (overwrite::parent(&place.path), place.aside_prefix(), place.is_own);
         // Another process can have the name only if it had this one's number before and was killed.
         for attempt in 0..1000 {
             let path = parent.join(format!("{prefix}{}-{attempt}.tmp", std::process::id()));
@@ -296,9 +297,9 @@ impl OutputFolder {
             written.map_err(|error| unwritable(&self.place.join(name).display().to_string(), &error))?;
             bytes += content.len() as u64;
         }
-        output::sync_folder(&self.aside.path.join(document));
+        temp_output::sync_folder(&self.aside.path.join(document));
         signal::without_interruption(|| self.commit())?;
-        output::sync_folder(&self.place.path);
+        temp_output::sync_folder(&self.place.path);
         Ok(bytes)
     }
 

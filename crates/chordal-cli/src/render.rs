@@ -8,6 +8,7 @@ use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, point, short};
 use crate::output::OutputTarget;
+use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary;
 use chordal::budget::advice::Spell;
@@ -127,10 +128,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
         None => render(&input, &options, fineness(args), &job),
     };
-    let outcome = outcome.spelled(&CommandLine).map_err(|failure| execution::fault(&name, &failure, ""))?;
+    let outcome = outcome.spelled(&CommandLine).map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = RunFacts { input_triangles, ..execution::facts("render", name, target.name(), bytes) };
+    let run = RunFacts { input_triangles, ..run_outcome::facts("render", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
     let Screen { width_px, height_px } = outcome.camera.screen;

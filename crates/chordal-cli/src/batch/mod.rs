@@ -12,7 +12,7 @@ use crate::args::{ConsoleArgs, bytes};
 use crate::console::{Console, StdoutUse, print, printable};
 use crate::fault::{Exit, Fault, plainly};
 use crate::memory;
-use crate::output::OverwritePolicy;
+use crate::overwrite::OverwritePolicy;
 use crate::signal;
 use clap::Args;
 use inputs::BatchInputs;

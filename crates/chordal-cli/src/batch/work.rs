@@ -8,7 +8,7 @@ use super::verb::BatchVerb;
 use crate::console::Console;
 use crate::fault::{Exit, Fault, plainly};
 use crate::input::InputSource;
-use crate::output::{OverwritePolicy, refuse_input, refuse_occupied};
+use crate::overwrite::{OverwritePolicy, refuse_input, refuse_occupied};
 use chordal_verbs::sha256_of;
 use serde_json::Value;
 use std::ffi::OsString;

@@ -1,0 +1,82 @@
+//! What an output may not replace: refused with exit code 4, before any work and again at its end.
+//!
+//! That is an output that is the input, that exists (unless `--force`), or that is a folder, a device or a symbolic
+//! link. A link is refused even with `--force`: replacing it and writing through it are both surprising, and naming
+//! the file itself costs nothing.
+use crate::fault::Fault;
+use crate::input::InputSource;
+use std::fs;
+use std::path::Path;
+
+/// What happens to a file that already has the output's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OverwritePolicy {
+    /// It stays, and the command fails.
+    Keep,
+    /// It is replaced, as a whole and at the end.
+    Replace,
+}
+
+/// Refuses an output that is the input.
+///
+/// # Errors
+/// Then.
+pub fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
+    let InputSource::File(input) = input else { return Ok(()) };
+    if !is_same_file(input, output) {
+        return Ok(());
+    }
+    Err(Fault::output("output-is-input", format!("{}: the output is the input", output.display())))
+}
+
+/// Whether both names lead to one file, by whatever links.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let id = |path| fs::metadata(path).map(|m| (m.dev(), m.ino()));
+        matches!((id(a), id(b)), (Ok(a), Ok(b)) if a == b)
+    }
+    #[cfg(not(unix))]
+    matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Refuses an output whose name is taken, unless by a file that may be replaced.
+///
+/// # Errors
+/// When it should not be written.
+pub fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
+    let name = path.display();
+    let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
+    let kind = metadata.file_type();
+    if kind.is_symlink() {
+        return Err(Fault::output(
+            "output-is-link",
+            format!("{name}: this is a symbolic link; name the file that it leads to"),
+        ));
+    }
+    if !kind.is_file() {
+        let what = if kind.is_dir() { "a folder" } else { "a device, pipe or socket" };
+        return Err(Fault::output(
+            "output-is-no-file",
+            format!("{name}: this is {what}, not a file; '-' writes to stdout"),
+        ));
+    }
+    match existing {
+        OverwritePolicy::Replace => Ok(()),
+        OverwritePolicy::Keep => Err(exists(path)),
+    }
+}
+
+/// The fault of a file that may not be replaced.
+pub fn exists(path: &Path) -> Fault {
+    Fault::output("output-exists", format!("{}: the file exists; --force replaces it", path.display()))
+}
+
+/// The folder that a path stands in.
+pub fn parent(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
