@@ -1,6 +1,7 @@
 //! The integration tests of the library, one module a file of this folder, in one program:
 //! the library is linked once and not once a file.
 mod attack;
+mod attribute_limits;
 mod attributes;
 mod baking;
 mod box3_laws;

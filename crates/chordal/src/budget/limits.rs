@@ -1,5 +1,5 @@
 //! `Budget`: the allowed error, in units, in pixels at a view, in degrees, or as a number of triangles.
-use super::{Pixels, Refusal, RefusalCode, Tolerance, View};
+use super::{AttributeLimits, Pixels, Refusal, RefusalCode, Tolerance, View};
 use crate::math::{Box3, lesser};
 use std::fmt;
 use std::str::FromStr;
@@ -71,6 +71,8 @@ pub struct Budget {
     pub pixels: Option<PixelBudget>,
     /// The largest angle between the triangles' normals and the true ones, in degrees.
     pub angle_deg: Option<f64>,
+    /// How far attributes of a mesh may be from those of the original.
+    pub attributes: AttributeLimits,
     /// The largest number of triangles.
     pub triangles: Option<u64>,
     /// The largest number of polyline segments, all together.
@@ -136,6 +138,10 @@ impl Budget {
     pub(crate) fn check_for_surfaces(&self) -> Result<(), Refusal> {
         if !self.has_limit() {
             let message = "a budget needs a length, pixels at a view, or a number of triangles";
+            return Err(Refusal::new(RefusalCode::Budget, message));
+        }
+        if self.attributes.is_set() {
+            let message = "limits on attributes are for triangles that have some, when they are simplified";
             return Err(Refusal::new(RefusalCode::Budget, message));
         }
         match self.angle_deg {

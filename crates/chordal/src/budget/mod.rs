@@ -1,5 +1,6 @@
 //! Error budgets and bounds: the error that is allowed ([`Budget`]), the error that was made ([`Bound`]), and
 //! the conditions of a run ([`Job`]); and what a caller sets or is told ([`Setting`], [`Message`]).
+mod attribute_limits;
 mod bound;
 mod bounded;
 mod cure;
@@ -15,6 +16,7 @@ mod setting;
 mod tolerance;
 mod view;
 
+pub use attribute_limits::{AttributeLimits, InvalidAttributeLimit};
 pub use bound::{Bound, Evidence, Metric, Reference};
 pub use bounded::{Bounded, Failure, Refusal, RefusalCode};
 pub(crate) use cure::Cure;

@@ -2,7 +2,8 @@
 use super::reduction::ReductionStats;
 use super::simplify::{ProgressiveSimplifier, SimplifiedMesh, SimplifyInput};
 use crate::budget::{
-    Bound, Bounded, ErrorLimit, Job, JobError, Message, Reference, Refusal, RefusalCode, Tolerance,
+    AttributeLimits, Bound, Bounded, ErrorLimit, Job, JobError, Message, Reference, Refusal, RefusalCode,
+    Tolerance,
 };
 use crate::explicit::{Mesh, Topology};
 use crate::math::sub_down;
@@ -50,6 +51,8 @@ pub struct LodSteps {
     /// The fraction of the finest error that tessellating a smooth shape may use, between 0 and 1.
     /// Simplification gets the rest and makes better use of it.
     pub tessellation_share: f64,
+    /// How far attributes of every level may be from those of the original.
+    pub attributes: AttributeLimits,
 }
 
 impl LodSteps {
@@ -63,6 +66,7 @@ impl LodSteps {
             stop_at_triangles: 64,
             max_untiled_triangles: usize::MAX,
             tessellation_share: 0.5,
+            attributes: AttributeLimits::default(),
         }
     }
 }
@@ -153,6 +157,7 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
             topology,
             fixed_rows: &[],
             limit: ErrorLimit::uniform(steps.finest.get()),
+            attributes: steps.attributes,
             job,
         };
         let mut progress = ProgressiveSimplifier::new(&asked)?;

@@ -1,11 +1,12 @@
 //! `EdgeCollapser`: collapses edges, the cheapest first, as long as the surface stays manifold and no face
 //! flips.
+use super::attribute_guard::{AttributeGuard, WedgesAfter};
 use super::bucket_queue::BucketQueue;
 use super::error_monitor::{CollapseChange, ErrorMonitor};
 use super::local_tolerance::LocalTolerance;
 use super::quadric::Quadric;
 use super::surface::{HalfEdgeSurface, NONE};
-use super::wedges::{WedgeTransfer, Wedges};
+use super::wedges::{WedgeChange, WedgeTransfer, Wedges};
 use crate::budget::Job;
 use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{Box3, cross, difference, dot, greater, lesser, unit_and_length};
@@ -46,6 +47,8 @@ pub(super) struct EdgeCollapser {
     pub is_line: Vec<bool>,
     pub monitor: Option<ErrorMonitor>,
     pub wedges: Option<Wedges>,
+    /// Keeps attributes within their limits; needs the monitor.
+    pub attribute_guard: Option<AttributeGuard>,
     /// By vertex: whether it is at its original position.
     pub is_original: Vec<bool>,
     /// By vertex: upper bound of the distance of the feature lines that it represents from it and its edges.
@@ -116,6 +119,7 @@ impl EdgeCollapser {
             is_line,
             monitor: None,
             wedges: None,
+            attribute_guard: None,
             is_original: vec![true; n_vertices],
             feature_deviation: vec![0.0; n_vertices],
             face_cost: vec![0.0; n / 3],
@@ -253,6 +257,7 @@ impl EdgeCollapser {
                 && self.satisfies_link_condition(h)
                 && self.flips_no_face(&shrink)
                 && self.stays_within_tolerance(&shrink, until)
+                && self.keeps_attributes(&shrink, until)
             {
                 self.apply(&shrink);
             }
@@ -435,9 +440,9 @@ impl EdgeCollapser {
         )
     }
 
-    /// Updates the wedges of the corners around the edge.
-    fn update_wedges(&mut self, shrink: &EdgeCollapse) {
-        let Some(wedges) = &mut self.wedges else { return };
+    /// What a collapse does to the values of the corners around its edge.
+    fn wedge_change(&self, shrink: &EdgeCollapse) -> Option<WedgeChange> {
+        let wedges = self.wedges.as_ref()?;
         let (h, across) = (shrink.h, self.surface.twin[shrink.h as usize]);
         // Left and right of the edge, at its start and at its end.
         let mut at_start = [wedges.corner_row[h as usize], NONE];
@@ -447,32 +452,46 @@ impl EdgeCollapser {
             at_end[1] = wedges.corner_row[across as usize];
         }
         let goes_from_start = shrink.anchor != CollapseAnchor::Start;
-        if shrink.anchor == CollapseAnchor::None {
-            if self.kind[self.surface.start[h as usize] as usize] == CollapseVertexKind::Smooth {
-                let values = blend_nearest(wedges, &self.surface, &self.at, shrink, &self.before);
-                wedges.set_row(at_end[0], &values);
-            } else {
-                let [p, r] =
-                    [self.surface.start[h as usize], self.surface.end(h)].map(|v| self.at[v as usize]);
-                let along = difference(r, p);
-                let t = dot(difference(shrink.to, p), along) / dot(along, along);
-                let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
-                let values: Vec<_> = (0..2)
-                    .filter(|side| at_end[*side] != NONE)
-                    .map(|side| (at_end[side], wedges.blend(&[(at_start[side], 1.0 - t), (at_end[side], t)])))
-                    .collect();
-                values.iter().for_each(|(wedge, values)| wedges.set_row(*wedge, values));
-            }
-        }
+        let rows = if shrink.anchor != CollapseAnchor::None {
+            Vec::new()
+        } else if self.kind[self.surface.start[h as usize] as usize] == CollapseVertexKind::Smooth {
+            vec![(at_end[0], blend_nearest(wedges, &self.surface, &self.at, shrink, &self.before))]
+        } else {
+            let [p, r] = [self.surface.start[h as usize], self.surface.end(h)].map(|v| self.at[v as usize]);
+            let along = difference(r, p);
+            let t = dot(difference(shrink.to, p), along) / dot(along, along);
+            let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
+            (0..2)
+                .filter(|side| at_end[*side] != NONE)
+                .map(|side| (at_end[side], wedges.blend(&[(at_start[side], 1.0 - t), (at_end[side], t)])))
+                .collect()
+        };
         let [left, right] = if goes_from_start { at_end } else { at_start };
-        let end = WedgeTransfer { h, at_start: goes_from_start, left, right };
-        wedges.transfer(&self.surface, &self.is_line, &end);
+        Some(WedgeChange { rows, transfer: WedgeTransfer { h, at_start: goes_from_start, left, right } })
+    }
+
+    /// Whether attributes stay within their limits, as far as vertices of the original tell.
+    fn keeps_attributes(&self, shrink: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
+        let (Some(guard), Some(wedges), Some(watch)) = (&self.attribute_guard, &self.wedges, &self.monitor)
+        else {
+            return true;
+        };
+        let Some(change) = self.wedge_change(shrink) else { return true };
+        let ends = [self.surface.start[shrink.h as usize], self.surface.end(shrink.h)];
+        let change = WedgesAfter::new(wedges, &change, &self.surface, &self.is_line);
+        let faces: Vec<_> = self.after.iter().map(|after| change.face(*after, ends, &self.surface)).collect();
+        guard.allows(&watch.samples, &faces, until.tolerance)
     }
 
     fn apply(&mut self, shrink: &EdgeCollapse) {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
-        self.update_wedges(shrink);
+        if let Some(change) = self.wedge_change(shrink)
+            && let Some(wedges) = &mut self.wedges
+        {
+            change.rows.iter().for_each(|(wedge, values)| wedges.set_row(*wedge, values));
+            wedges.transfer(&self.surface, &self.is_line, &change.transfer);
+        }
         if let Some(watch) = &mut self.monitor {
             watch.samples.commit(&self.before);
         }

@@ -1,4 +1,5 @@
 //! Level of detail: meshes with fewer triangles and a bounded error.
+mod attribute_guard;
 mod bucket_queue;
 mod chain;
 mod edge_collapse;

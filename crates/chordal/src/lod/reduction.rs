@@ -1,11 +1,12 @@
 //! `MeshReduction`: a mesh during simplification, from its preparation to each extracted mesh.
+use super::attribute_guard::AttributeGuard;
 use super::edge_collapse::{CollapseVertexKind, EdgeCollapser, StopCriterion};
 use super::error_monitor::{CheckLevel, ErrorMonitor};
 use super::flat_normals::{is_flat, updated_normal};
 use super::local_tolerance::LocalTolerance;
 use super::surface::{HalfEdgeSurface, ManifoldSplit, NONE};
 use super::wedges::{Wedges, is_carried};
-use crate::budget::{ErrorLimit, Job, JobError};
+use crate::budget::{AttributeLimits, ErrorLimit, Job, JobError};
 use crate::check::{ProximityChecker, ViolationReport};
 use crate::explicit::{Attribute, DisjointSets, Domain, InvalidMesh, Mesh, Topology};
 use crate::math::{Box3, difference, exponent, greater, length, lesser, power_of_two};
@@ -144,6 +145,20 @@ impl<'a> MeshReduction<'a> {
         }
         self.engine.monitor = Some(ErrorMonitor::new(surface, &self.engine.at, &points, job)?);
         Ok(())
+    }
+
+    /// Remembers the values of attributes, before anything is collapsed.
+    pub fn start_attribute_guard(&mut self) {
+        let EdgeCollapser { surface, wedges, at, attribute_guard, .. } = &mut self.engine;
+        *attribute_guard = wedges.as_ref().map(|wedges| AttributeGuard::new(surface, wedges, at.len()));
+    }
+
+    /// Limits attributes to a share of `limits`, where their values are remembered.
+    pub fn limit_attributes(&mut self, limits: &AttributeLimits, share: f64) {
+        let EdgeCollapser { wedges, attribute_guard, .. } = &mut self.engine;
+        if let (Some(guard), Some(wedges)) = (attribute_guard, wedges) {
+            *guard = guard.limited(wedges, limits, share);
+        }
     }
 
     /// Resets all check levels, for a larger length.

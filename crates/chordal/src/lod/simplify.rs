@@ -2,12 +2,15 @@
 use super::error_monitor::CheckLevel;
 use super::local_tolerance::LocalTolerance;
 use super::reduction::{MeshReduction, ReductionStats};
+use super::wedges::is_carried;
 use crate::budget::{
-    Bound, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, Reference, RefusalCode,
+    AttributeLimits, Bound, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, Reference,
+    RefusalCode, Tolerance,
 };
+use crate::check::findings::{AttributeDeviation, attribute_deviation};
 use crate::check::{Deviation, Goal, OneSidedDistance, ViolationReport, deviation, tolerance_violations};
-use crate::explicit::{Mesh, Topology};
-use crate::math::{Box3, lesser};
+use crate::explicit::{Mesh, Semantic, Topology};
+use crate::math::{Box3, greater, lesser};
 
 /// A simplified mesh, with details beside the bound.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,6 +107,10 @@ pub fn simplify(
     };
     let mut made = if allowed.constant() == Some(f64::INFINITY) {
         match budget.triangles {
+            Some(_) if budget.attributes.is_set() => {
+                let message = "limits on attributes need a length or pixels beside them";
+                return Err(Failure::refused(RefusalCode::Budget, message));
+            }
             Some(most) => simplify_to_count(mesh, most, topology, job)?,
             None => {
                 return Err(Failure::refused(
@@ -113,7 +120,8 @@ pub fn simplify(
             }
         }
     } else {
-        simplify_within(&SimplifyInput { mesh, topology, fixed_rows: &[], limit: allowed, job })?
+        let attributes = budget.attributes;
+        simplify_within(&SimplifyInput { mesh, topology, fixed_rows: &[], limit: allowed, attributes, job })?
     };
     if let Some(PixelBudget { view, .. }) = &budget.pixels {
         // Both are proved: the largest over the pieces, each in its place, and that of the largest distance
@@ -167,6 +175,7 @@ pub(super) struct SimplifyInput<'a> {
     /// whole mesh.
     pub fixed_rows: &'a [bool],
     pub limit: ErrorLimit,
+    pub attributes: AttributeLimits,
     pub job: &'a Job,
 }
 
@@ -178,6 +187,13 @@ const SHARE: f64 = 0.99;
 const ATTEMPTS: u32 = 14;
 /// From this attempt on, nothing changes any more where the one before deviated too much. Chosen.
 const LAST_LOOK: u32 = 8;
+
+/// The fraction of limits on attributes that collapses may use at first; the rest is for points between vertices.
+/// Chosen.
+const ATTRIBUTE_SHARE: f64 = 0.9;
+/// Limits are cut to no less than this share from one attempt to the next: one bad place says little of the others.
+/// Chosen.
+const LEAST_CUT: f64 = 0.3;
 
 /// As few triangles as fit within a length.
 pub(super) fn simplify_within(asked: &SimplifyInput<'_>) -> Result<Bounded<SimplifiedMesh>, JobError> {
@@ -194,16 +210,20 @@ pub(super) struct ProgressiveSimplifier<'a> {
     proved: MeshReduction<'a>,
     /// Whether any proof has succeeded.
     is_proved: bool,
+    attributes: AttributeLimits,
 }
 
 impl<'a> ProgressiveSimplifier<'a> {
     pub fn new(asked: &SimplifyInput<'a>) -> Result<Self, JobError> {
-        let SimplifyInput { mesh, topology, fixed_rows: stays, job, .. } = *asked;
+        let SimplifyInput { mesh, topology, fixed_rows: stays, attributes, job, .. } = *asked;
         let mut proved = MeshReduction::from_region(mesh, topology, stays);
         if !proved.is_empty() {
             proved.start_monitor(job)?;
+            if attributes.is_set() {
+                proved.start_attribute_guard();
+            }
         }
-        Ok(Self { mesh, proved, is_proved: false })
+        Ok(Self { mesh, proved, is_proved: false, attributes })
     }
 
     /// The original mesh.
@@ -224,6 +244,7 @@ impl<'a> ProgressiveSimplifier<'a> {
         let mesh = self.mesh;
         let room = self.proved.local_tolerance(allowed, SHARE);
         let mut tried: Option<(MeshReduction<'_>, ViolationReport)> = None;
+        let mut attribute_share = ATTRIBUTE_SHARE;
         for attempt in 1..=ATTEMPTS {
             let mut reduction = self.proved.clone();
             match &tried {
@@ -236,6 +257,7 @@ impl<'a> ProgressiveSimplifier<'a> {
                     reduction.raise_check_levels(tried, places, more);
                 }
             }
+            reduction.limit_attributes(&self.attributes, attribute_share);
             reduction.run(0, &room, job)?;
             reduction.drop_small_components(&room, job)?;
             if self.is_proved && reduction.n_faces() == self.proved.n_faces() {
@@ -244,6 +266,11 @@ impl<'a> ProgressiveSimplifier<'a> {
             let made = reduction.mesh();
             let places = tolerance_violations(mesh, &made, allowed, job)?;
             if places.is_empty() {
+                let excess = self.attribute_excess(&made, places.at_most, job)?;
+                if excess > 1.0 {
+                    attribute_share *= greater(ATTRIBUTE_SHARE / excess, LEAST_CUT);
+                    continue;
+                }
                 let found = deviation(mesh, &made, &Goal::default(), job)?;
                 let mut found = bounded(made, &found, places.at_most, reduction.stats);
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
@@ -254,6 +281,28 @@ impl<'a> ProgressiveSimplifier<'a> {
             tried = Some((reduction, places));
         }
         Ok(None)
+    }
+
+    /// The largest measured difference of attributes, as a multiple of its limit; 0 without limits. Lines between
+    /// charts may have moved by `moved`.
+    fn attribute_excess(&self, made: &Mesh, moved: f64, job: &Job) -> Result<f64, JobError> {
+        if !self.attributes.is_set() {
+            return Ok(0.0);
+        }
+        let found = attribute_deviation(self.mesh, made, Tolerance::new(moved).ok(), job)?;
+        let share = |found: &AttributeDeviation| {
+            let most = match found.semantic {
+                Semantic::TexCoord(_) => self.attributes.texcoord()?,
+                Semantic::Normal
+                    if self.mesh.attribute(&Semantic::Normal).is_some_and(|n| is_carried(self.mesh, n)) =>
+                {
+                    self.attributes.normal_deg()?
+                }
+                _ => return None,
+            };
+            Some(found.largest / most)
+        };
+        Ok(found.iter().filter_map(share).fold(0.0, greater))
     }
 }
 

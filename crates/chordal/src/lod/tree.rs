@@ -3,7 +3,8 @@ use super::reduction::ReductionStats;
 use super::region_tree::RegionTree;
 use super::simplify::{SimplifiedMesh, SimplifyInput, simplify_within};
 use crate::budget::{
-    Bound, Bounded, ErrorLimit, Job, JobError, Message, Refusal, RefusalCode, Tolerance, par_map,
+    AttributeLimits, Bound, Bounded, ErrorLimit, Job, JobError, Message, Refusal, RefusalCode, Tolerance,
+    par_map,
 };
 use crate::explicit::{Mesh, Topology};
 use std::collections::BTreeMap;
@@ -53,13 +54,16 @@ pub struct TilingOptions {
     pub max_triangles: usize,
     /// A single tile for the whole mesh with at most this many triangles is the root.
     pub stop_at_triangles: usize,
+    /// How far attributes of every tile may be from those of `finest`.
+    pub attributes: AttributeLimits,
 }
 
 impl TilingOptions {
     /// Tiles of up to 65,536 triangles, errors that start at `step` and double, until 64 triangles or fewer.
     #[must_use]
     pub fn from_step(step: Tolerance) -> Self {
-        Self { step, factor: 2.0, max_triangles: 1 << 16, stop_at_triangles: 64 }
+        let attributes = AttributeLimits::default();
+        Self { step, factor: 2.0, max_triangles: 1 << 16, stop_at_triangles: 64, attributes }
     }
 }
 
@@ -186,6 +190,7 @@ impl TileTreeInput<'_> {
             topology: self.topology,
             fixed_rows: &stays,
             limit: ErrorLimit::uniform(length.get()),
+            attributes: self.cuts.attributes,
             job: self.job,
         };
         simplify_within(&asked).map(Some)

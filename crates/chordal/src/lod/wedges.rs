@@ -3,6 +3,7 @@ use super::flat_normals::is_flat;
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
 use crate::math::{dot, greater, lesser};
+use std::ops::Range;
 
 /// One row of values for all corners around a vertex between two feature lines.
 ///
@@ -23,6 +24,7 @@ struct WedgeColumns {
     from: usize,
     width: usize,
     blending: WedgeBlending,
+    limited: Option<LimitedAttribute>,
 }
 
 /// How values are blended.
@@ -102,7 +104,17 @@ impl Wedges {
         let mut spans = Vec::new();
         let mut width = 0;
         for a in carried {
-            spans.push(WedgeColumns { from: width, width: a.width, blending: blending(&a.semantic) });
+            let limited = match a.semantic {
+                Semantic::TexCoord(_) if a.width == 2 => Some(LimitedAttribute::Texcoord),
+                Semantic::Normal if a.width == 3 => Some(LimitedAttribute::Normal),
+                _ => None,
+            };
+            spans.push(WedgeColumns {
+                from: width,
+                width: a.width,
+                blending: blending(&a.semantic),
+                limited,
+            });
             width += a.width;
         }
         let rows = mesh.faces().as_flattened();
@@ -182,15 +194,13 @@ impl Wedges {
     /// Normalizes directions to length 1; a zero direction stays as it is.
     fn normalize_directions(&mut self, wedge: u32) {
         let row = &mut self.values[wedge as usize * self.width..][..self.width];
-        for span in
-            self.spans.iter().filter(|span| span.blending == WedgeBlending::Direction && span.width >= 3)
-        {
-            let v = &mut row[span.from..span.from + 3];
-            let size = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-            if size > 0.0 && size.is_finite() {
-                v.iter_mut().for_each(|x| *x /= size);
-            }
-        }
+        normalize_directions(&self.spans, row);
+    }
+
+    /// The row with its directions normalized to length 1.
+    pub fn normalized(&self, mut row: Vec<f64>) -> Vec<f64> {
+        normalize_directions(&self.spans, &mut row);
+        row
     }
 
     /// The blend of rows by weights.
@@ -232,34 +242,79 @@ impl Wedges {
     /// Gives the corners at one end of a collapsed edge the rows of the other end: those left of the edge the
     /// row of the corner `left`, those right of it that of `right`. Feature lines separate left from right.
     pub fn transfer(&mut self, surface: &HalfEdgeSurface, is_line: &[bool], end: &WedgeTransfer) {
-        let WedgeTransfer { h, at_start, left, right } = *end;
-        let across = surface.twin[h as usize];
-        // Left of the edge, away from it, until the next line; then right of it.
-        let first_left = if at_start { h } else { next_in_face(h) };
-        self.sweep_fan(surface, is_line, first_left, at_start, left);
-        if across != NONE {
-            let first_right = if at_start { next_in_face(across) } else { across };
-            self.sweep_fan(surface, is_line, first_right, !at_start, right);
-        }
+        transferred_corners(surface, is_line, end, |corner, row| self.corner_row[corner as usize] = row);
     }
 
-    fn sweep_fan(&mut self, surface: &HalfEdgeSurface, is_line: &[bool], first: u32, ccw: bool, row: u32) {
-        let mut g = first;
-        loop {
-            self.corner_row[g as usize] = row;
-            // Around the vertex: counter-clockwise across the incoming edge, clockwise across the outgoing
-            // one.
-            let edge = if ccw { previous_in_face(g) } else { g };
-            let t = surface.twin[edge as usize];
-            if t == NONE || is_line[edge as usize] {
-                break;
-            }
-            g = if ccw { t } else { next_in_face(t) };
-            if g == first {
-                break;
-            }
+    /// The columns of the attributes that can have limits.
+    pub fn limited_columns(&self) -> impl Iterator<Item = (Range<usize>, LimitedAttribute)> + '_ {
+        self.spans.iter().filter_map(|span| Some((span.from..span.from + span.width, span.limited?)))
+    }
+}
+
+fn normalize_directions(spans: &[WedgeColumns], row: &mut [f64]) {
+    for span in spans.iter().filter(|span| span.blending == WedgeBlending::Direction && span.width >= 3) {
+        let v = &mut row[span.from..span.from + 3];
+        let size = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        if size > 0.0 && size.is_finite() {
+            v.iter_mut().for_each(|x| *x /= size);
         }
     }
+}
+
+/// Calls `visit` with each corner that [`Wedges::transfer`] changes, and its new row.
+pub(super) fn transferred_corners(
+    surface: &HalfEdgeSurface,
+    is_line: &[bool],
+    end: &WedgeTransfer,
+    mut visit: impl FnMut(u32, u32),
+) {
+    let WedgeTransfer { h, at_start, left, right } = *end;
+    let across = surface.twin[h as usize];
+    // Left of the edge, away from it, until the next line; then right of it.
+    let first_left = if at_start { h } else { next_in_face(h) };
+    sweep_fan(surface, is_line, (first_left, at_start), |corner| visit(corner, left));
+    if across != NONE {
+        let first_right = if at_start { next_in_face(across) } else { across };
+        sweep_fan(surface, is_line, (first_right, !at_start), |corner| visit(corner, right));
+    }
+}
+
+/// Visits the corners around a vertex from the first on, counter-clockwise or clockwise, until the next line.
+fn sweep_fan(
+    surface: &HalfEdgeSurface,
+    is_line: &[bool],
+    (first, ccw): (u32, bool),
+    mut visit: impl FnMut(u32),
+) {
+    let mut g = first;
+    loop {
+        visit(g);
+        // Around the vertex: counter-clockwise across the incoming edge, clockwise across the outgoing one.
+        let edge = if ccw { previous_in_face(g) } else { g };
+        let t = surface.twin[edge as usize];
+        if t == NONE || is_line[edge as usize] {
+            break;
+        }
+        g = if ccw { t } else { next_in_face(t) };
+        if g == first {
+            break;
+        }
+    }
+}
+
+/// An attribute whose difference a budget can limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LimitedAttribute {
+    /// Texture coordinates of two components.
+    Texcoord,
+    Normal,
+}
+
+/// What a collapse does to the values of the corners around it.
+pub(super) struct WedgeChange {
+    /// Rows with their new values, before directions are normalized.
+    pub rows: Vec<(u32, Vec<f64>)>,
+    pub transfer: WedgeTransfer,
 }
 
 /// See [`Wedges::transfer`].

@@ -1,0 +1,192 @@
+//! `AttributeGuard`: keeps texture coordinates and normals within their limits during simplification.
+use super::local_tolerance::LocalTolerance;
+use super::samples::SamplesByFace;
+use super::surface::{HalfEdgeSurface, NONE};
+use super::wedges::{LimitedAttribute, WedgeChange, Wedges, transferred_corners};
+use crate::budget::AttributeLimits;
+use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
+use crate::math::elementary::cos;
+use crate::math::{dot, lesser};
+use std::ops::Range;
+use std::rc::Rc;
+
+/// The limits, and the values that the vertices of the original have.
+///
+/// It compares the values of every vertex of the original with those at the nearest point of the faces after a
+/// collapse. It guides and proves nothing: `check::attribute_deviation` measures the result.
+#[derive(Clone)]
+pub(super) struct AttributeGuard {
+    original: Rc<OriginalRows>,
+    limits: Vec<ColumnLimit>,
+}
+
+/// By vertex of the original: its rows, one for each side of the lines that meet there.
+struct OriginalRows {
+    /// The rows of vertex `v` are `first[v]..first[v + 1]`.
+    first: Vec<u32>,
+    values: Vec<f64>,
+    width: usize,
+}
+
+/// The limit of one attribute.
+#[derive(Clone, Debug)]
+struct ColumnLimit {
+    columns: Range<usize>,
+    most: ValueLimit,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum ValueLimit {
+    /// The square of the largest distance.
+    DistanceSq(f64),
+    /// The cosine of the largest angle.
+    Cosine(f64),
+}
+
+/// A face after a collapse: its corners, and the values there.
+pub(super) struct FaceAfter<'a> {
+    corners: [[f64; 3]; 3],
+    rows: [&'a [f64]; 3],
+}
+
+impl AttributeGuard {
+    /// The guard of a surface that has not changed yet, without limits.
+    pub fn new(surface: &HalfEdgeSurface, wedges: &Wedges, n_vertices: usize) -> Self {
+        let width = wedges.limited_columns().map(|(columns, _)| columns.end).max().unwrap_or(0);
+        let mut original = OriginalRows { first: vec![0], values: Vec::new(), width };
+        let mut rows = Vec::new();
+        for v in 0..n_vertices as u32 {
+            rows.clear();
+            if surface.outgoing[v as usize] != NONE {
+                rows.extend(surface.one_ring(v).map(|corner| wedges.corner_row[corner as usize]));
+            }
+            rows.sort_unstable();
+            rows.dedup();
+            rows.iter().for_each(|row| original.values.extend_from_slice(&wedges.row(*row)[..width]));
+            let n = original.first[v as usize] + rows.len() as u32;
+            original.first.push(n);
+        }
+        Self { original: Rc::new(original), limits: Vec::new() }
+    }
+
+    /// The same with limits, of which collapses may use a share.
+    pub fn limited(&self, wedges: &Wedges, limits: &AttributeLimits, share: f64) -> Self {
+        let limit = |(columns, attribute): (Range<usize>, LimitedAttribute)| {
+            let most = match attribute {
+                LimitedAttribute::Texcoord => {
+                    let most = share * limits.texcoord()?;
+                    ValueLimit::DistanceSq(most * most)
+                }
+                LimitedAttribute::Normal => {
+                    ValueLimit::Cosine(cos((share * limits.normal_deg()?).to_radians()))
+                }
+            };
+            Some(ColumnLimit { columns, most })
+        };
+        Self { original: self.original.clone(), limits: wedges.limited_columns().filter_map(limit).collect() }
+    }
+
+    /// Whether the values of all vertices that a pending collapse reassigned are near those of the new faces.
+    ///
+    /// The nearest point decides; where it differs too much, as beside a seam that moved, so may another of the
+    /// faces that is within the tolerance.
+    pub fn allows(
+        &self,
+        samples: &SamplesByFace,
+        faces: &[(u32, FaceAfter<'_>)],
+        room: &LocalTolerance,
+    ) -> bool {
+        let n_vertices = self.original.first.len() - 1;
+        samples.reassignments().iter().filter(|(sample, _)| (*sample as usize) < n_vertices).all(
+            |&(sample, nearest)| {
+                let p = samples.at[sample as usize];
+                let mut rows = self.original.rows(sample);
+                rows.all(|row| {
+                    let is_near = |(_, face): &&(u32, FaceAfter<'_>)| {
+                        room.holds_sample(sample, distance_sq_to_triangle(p, face.corners))
+                    };
+                    let holder = faces.iter().filter(|(face, _)| *face == nearest);
+                    let others = faces.iter().filter(|(face, _)| *face != nearest).filter(is_near);
+                    holder.chain(others).any(|(_, face)| self.is_close(row, p, face))
+                })
+            },
+        )
+    }
+
+    /// Whether a row is near the values at the point of a face that is nearest to `p`.
+    fn is_close(&self, row: &[f64], p: [f64; 3], face: &FaceAfter<'_>) -> bool {
+        let weights = closest_on_triangle(p, face.corners);
+        let value = |k: usize| (0..3).map(|i| weights[i] * face.rows[i][k]).sum::<f64>();
+        self.limits.iter().all(|limit| {
+            let from = limit.columns.start;
+            match limit.most {
+                ValueLimit::DistanceSq(most) => {
+                    let off = [from, from + 1].map(|k| value(k) - row[k]);
+                    off[0] * off[0] + off[1] * off[1] <= most
+                }
+                ValueLimit::Cosine(least) => {
+                    let [p, q]: [[f64; 3]; 2] =
+                        [std::array::from_fn(|k| value(from + k)), std::array::from_fn(|k| row[from + k])];
+                    let sizes = (dot(p, p) * dot(q, q)).sqrt();
+                    // A vertex without a normal has no angle to any other.
+                    dot(q, q) == 0.0 || dot(p, q) >= lesser(least, 1.0 - SMALLEST_TURN) * sizes
+                }
+            }
+        })
+    }
+}
+
+/// One less the cosine below which an angle is not told from 0, so that rounding is no turn. Chosen: some thousand
+/// times what dot products and roots round by, and an angle of a ten-thousandth of a degree.
+const SMALLEST_TURN: f64 = 1e-12;
+
+impl OriginalRows {
+    fn rows(&self, v: u32) -> impl Iterator<Item = &[f64]> {
+        let [from, to] = [self.first[v as usize], self.first[v as usize + 1]].map(|i| i as usize);
+        (from..to).map(|row| &self.values[row * self.width..][..self.width])
+    }
+}
+
+/// The values at corners as they would be after a collapse.
+pub(super) struct WedgesAfter<'a> {
+    wedges: &'a Wedges,
+    /// Corners whose row changes, with the new one.
+    corners: Vec<(u32, u32)>,
+    /// Rows whose values change, with the new ones.
+    rows: Vec<(u32, Vec<f64>)>,
+}
+
+impl<'a> WedgesAfter<'a> {
+    pub fn new(
+        wedges: &'a Wedges,
+        change: &WedgeChange,
+        surface: &HalfEdgeSurface,
+        is_line: &[bool],
+    ) -> Self {
+        let mut corners = Vec::new();
+        transferred_corners(surface, is_line, &change.transfer, |corner, row| corners.push((corner, row)));
+        let normalized = |(row, values): &(u32, Vec<f64>)| (*row, wedges.normalized(values.clone()));
+        Self { wedges, corners, rows: change.rows.iter().map(normalized).collect() }
+    }
+
+    /// A face after the collapse of the edge between `ends`, with the values at its corners: first that at the new
+    /// point.
+    pub fn face(
+        &self,
+        (face, corners): (u32, [[f64; 3]; 3]),
+        ends: [u32; 2],
+        surface: &HalfEdgeSurface,
+    ) -> (u32, FaceAfter<'_>) {
+        let own = (3 * face..3 * face + 3).find(|h| ends.contains(&surface.start[*h as usize]));
+        let at = own.unwrap_or(3 * face);
+        let rows = [at, next_in_face(at), previous_in_face(at)].map(|corner| self.row_at(corner));
+        (face, FaceAfter { corners, rows })
+    }
+
+    fn row_at(&self, corner: u32) -> &[f64] {
+        let moved = self.corners.iter().find(|(moved, _)| *moved == corner);
+        let row = moved.map_or(self.wedges.corner_row[corner as usize], |(_, row)| *row);
+        let new = self.rows.iter().find(|(changed, _)| *changed == row);
+        new.map_or_else(|| self.wedges.row(row), |(_, values)| values)
+    }
+}
