@@ -21,6 +21,8 @@ class BudgetArguments(TypedDict):
     length: tuple[str, str] | None
     pixels: tuple[float, str] | None
     angle_deg: float | None
+    uv_error: float | None
+    normal_error: float | None
     triangles: int | None
     segments: int | None
     spacing: str
@@ -34,6 +36,8 @@ def budget_arguments(
     pixels: SupportsFloat | None,
     view: str | View | None,
     angle: SupportsFloat | None = None,
+    uv_error: SupportsFloat | None = None,
+    normal_error: SupportsFloat | None = None,
     triangles: SupportsIndex | None = None,
     segments: SupportsIndex | None = None,
     spacing: str = "fewest",
@@ -47,6 +51,8 @@ def budget_arguments(
         "length": _tol(tol) or _rel(rel),
         "pixels": _pixels(pixels, view),
         "angle_deg": None if angle is None else number("angle", angle),
+        "uv_error": None if uv_error is None else number("uv_error", uv_error),
+        "normal_error": None if normal_error is None else number("normal_error", normal_error),
         "triangles": None if triangles is None else positive("triangles", triangles),
         "segments": None if segments is None else positive("segments", segments),
         "spacing": text("spacing", spacing) or "",

@@ -157,6 +157,8 @@ class Shape:
         pixels: SupportsFloat | None = None,
         view: str | View | None = None,
         angle: SupportsFloat | None = None,
+        uv_error: SupportsFloat | None = None,
+        normal_error: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
         require: Literal["proved", "measured"] | None = None,
         progress: Progress | None = None,
@@ -166,7 +168,10 @@ class Shape:
         `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` the same as a share
         of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is
         the most triangles: the best mesh with no more than these. `angle`, beside one of them and for smooth surfaces, is the
-        largest angle between the triangles' normals and the shape's, in degrees. All that are given hold. `require` is the
+        largest angle between the triangles' normals and the shape's, in degrees. `uv_error` and
+        `normal_error`, beside `tol`, `rel` or `pixels`, are for triangles that have texture coordinates and normals: the
+        largest distance to those of the input, where 1 is the texture's side, and the largest angle, in degrees; both are
+        measured. All that are given hold. `require` is the
         evidence that a field's mesh needs, "proved", or "measured", which is sooner there; unless it is said, a proof
         where there is anything to prove with, and a measurement for functions without a Lipschitz constant.
 
@@ -187,6 +192,8 @@ class Shape:
             pixels=pixels,
             view=view,
             angle=angle,
+            uv_error=uv_error,
+            normal_error=normal_error,
             triangles=triangles,
             require=require,
             counted="triangles",

@@ -48,6 +48,8 @@ class Volume(Shape):
         pixels: SupportsFloat | None = None,
         view: str | View | None = None,
         angle: SupportsFloat | None = None,
+        uv_error: SupportsFloat | None = None,
+        normal_error: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
         require: Literal["proved", "measured"] | None = None,
         progress: Callable[[str, int, int], object] | None = None,
@@ -72,7 +74,7 @@ class Volume(Shape):
             "labels": None if labels is None else [] if labels == "all" else _labels(labels),
         }
         source = self._source.surface(meant)
-        nothing = all(limit is None for limit in (tol, rel, pixels, view, angle, triangles))
+        nothing = all(limit is None for limit in (tol, rel, pixels, view, angle, uv_error, normal_error, triangles))
         budget = (
             _NO_BUDGET
             if nothing
@@ -82,6 +84,8 @@ class Volume(Shape):
                 pixels=pixels,
                 view=view,
                 angle=angle,
+                uv_error=uv_error,
+                normal_error=normal_error,
                 triangles=triangles,
                 counted="triangles",
                 require=require,
@@ -94,6 +98,8 @@ _NO_BUDGET: BudgetArguments = {
     "length": None,
     "pixels": None,
     "angle_deg": None,
+    "uv_error": None,
+    "normal_error": None,
     "triangles": None,
     "segments": None,
     "spacing": "fewest",

@@ -1,6 +1,6 @@
 //! Arguments that several verbs share: input, output, report; and how their values are read.
 use crate::memory;
-use chordal::budget::{InvalidLength, Length, Unit};
+use chordal::budget::{AttributeLimits, InvalidLength, Length, Unit};
 use chordal::math::Box3;
 use chordal_io::{Axis, Format, PolygonSurface};
 use clap::{Args, ValueEnum};
@@ -125,6 +125,45 @@ pub struct OutputArgs {
     /// Threads to use; 0 means all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
+}
+
+/// What attributes of triangles may lose, beside a length or pixels.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Budget")]
+pub struct AttributeArgs {
+    /// For triangles that have some, beside a length or pixels: the largest distance to the input's texture
+    /// coordinates, 0.01 or 1% of the texture's side. Measured
+    #[arg(long, value_name = "DISTANCE", value_parser = texcoord_distance, allow_hyphen_values = true)]
+    pub uv_error: Option<f64>,
+
+    /// For triangles that have some, beside a length or pixels: the largest angle to the input's normals, as in 10deg.
+    /// Measured; flat shading follows the faces
+    #[arg(long, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true)]
+    pub normal_error: Option<f64>,
+}
+
+impl AttributeArgs {
+    /// The limits, which the parsers have accepted.
+    pub fn limits(self) -> AttributeLimits {
+        AttributeLimits::new(self.uv_error, self.normal_error).unwrap_or_default()
+    }
+}
+
+fn texcoord_distance(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |share| (share, 0.01));
+    match number.trim().parse::<f64>().map(|number| number * unit) {
+        Ok(distance) if AttributeLimits::new(Some(distance), None).is_ok() => Ok(distance),
+        _ => Err("a distance of texture coordinates is above 0, as in 0.01 or 1%".into()),
+    }
+}
+
+/// An angle in degrees.
+pub(crate) fn angle(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix("deg").unwrap_or(text).trim().parse();
+    match number {
+        Ok(angle) if angle > 0.0 && angle <= 180.0 => Ok(angle),
+        _ => Err("an angle is above 0 and at most 180 degrees, as in 5deg".into()),
+    }
 }
 
 /// The reason alone: the message that it becomes part of names the text already.

@@ -1,5 +1,5 @@
 //! `chordal lod`
-use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
+use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
@@ -14,7 +14,7 @@ use crate::output_set_write::SetPlace;
 use crate::overwrite::parent;
 use crate::run_outcome;
 use crate::spelling::CommandLine;
-use crate::summary::SummaryLines;
+use crate::summary::{SummaryLines, attribute};
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Length, Pixels, View};
@@ -38,45 +38,54 @@ Examples:
   chordal lod model.star --px 1 --tol 0.01% --view \"3840x2160 fov=60\" -o tiles/ --json")]
 pub struct LodArgs {
     /// The most that may be lost on the screen, in device pixels: what viewers of the tiles are to be set to
-    #[arg(long, value_name = "PIXELS", default_value = "1", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        help_heading = "Budget",
+        value_name = "PIXELS",
+        default_value = "1",
+        allow_hyphen_values = true
+    )]
     pub px: Pixels,
 
     /// The screen and the lens that distances are for, as in "1920x1080 fov=60"; dist=LENGTH says the same as
     /// --nearest
-    #[arg(long, value_name = "VIEW", default_value = "1920x1080 fov=60", value_parser = lens)]
+    #[arg(long, help_heading = "Budget", value_name = "VIEW", default_value = "1920x1080 fov=60", value_parser = lens)]
     pub view: LodLens,
 
     /// The nearest that the eye comes to the shape's box: the finest level is fine enough there. Unless said:
     /// where the box fills the height of the screen
-    #[arg(long, value_name = "LENGTH", value_parser = distance, allow_hyphen_values = true)]
+    #[arg(long, help_heading = "Budget", value_name = "LENGTH", value_parser = distance, allow_hyphen_values = true)]
     pub nearest: Option<f64>,
 
     /// What the finest level may lose, instead of what --nearest says: 0.1, 0.1mm, or 0.05% of the diagonal
     /// of the box
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "nearest")]
+    #[arg(long, help_heading = "Budget", value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "nearest")]
     pub tol: Option<Length>,
 
+    #[command(flatten)]
+    pub attributes: AttributeArgs,
+
     /// More distances for the table of what is shown from where, as in 1,10,100
-    #[arg(long, value_name = "LENGTHS", value_delimiter = ',', value_parser = distance)]
+    #[arg(long, help_heading = "Levels", value_name = "LENGTHS", value_delimiter = ',', value_parser = distance)]
     pub distances: Vec<f64>,
 
     /// What tiles say of their errors: scaled, so that the formula of viewers, which holds in the middle of
     /// the screen, keeps the pixels everywhere on it; or plain, the proved errors
-    #[arg(long, value_name = "WHICH", default_value = "scaled")]
+    #[arg(long, help_heading = "Levels", value_name = "WHICH", default_value = "scaled")]
     pub errors: TileErrorsArg,
 
     /// For tiles: the most triangles of one; a finest level with more is cut in space, with borders that
     /// match
-    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    #[arg(long, help_heading = "Levels", value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub tile_triangles: u64,
 
     /// One mesh out of all parts, so that small ones can vanish into others. Unless said, each part has levels of its
     /// own, and nodes, instances, skins and animations are kept
-    #[arg(long)]
+    #[arg(long, help_heading = "Levels")]
     pub merge: bool,
 
     /// Normals of triangles, as for mesh
-    #[arg(long, value_name = "HOW", default_value = "auto")]
+    #[arg(long, help_heading = "Levels", value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
 
     #[command(flatten)]
@@ -162,6 +171,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         length: args.tol,
         distances: args.distances.clone(),
         normals: args.normals,
+        attributes: args.attributes.limits(),
         errors: match args.errors {
             TileErrorsArg::Scaled => TileErrors::Scaled,
             TileErrorsArg::Plain => TileErrors::Plain,
@@ -358,6 +368,7 @@ fn levels(lines: &mut SummaryLines, facts: &LevelsFacts) {
                 level.evidence,
             ),
         );
+        level.attributes.iter().for_each(|facts| lines.add("attribute", attribute(facts)));
     }
     let left_out = listed.iter().filter(|is_listed| !**is_listed).count();
     lines.add_if(

@@ -1,5 +1,5 @@
 //! `chordal mesh`
-use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
+use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, angle, length};
 use crate::clock::Clock;
 use crate::console::{Console, StdoutUse};
 use crate::execution;
@@ -82,6 +82,9 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "budget", allow_hyphen_values = true)]
     pub angle: Option<f64>,
 
+    #[command(flatten)]
+    pub attributes: AttributeArgs,
+
     /// The most triangles: the best mesh with no more than these
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub triangles: Option<u64>,
@@ -131,14 +134,6 @@ pub enum SpacingArg {
     Fewest,
     /// Equal steps of the parameter
     Even,
-}
-
-fn angle(text: &str) -> Result<f64, String> {
-    let number = text.strip_suffix("deg").unwrap_or(text).trim().parse();
-    match number {
-        Ok(angle) if angle > 0.0 && angle <= 180.0 => Ok(angle),
-        _ => Err("an angle is above 0 and at most 180 degrees, as in 5deg".into()),
-    }
 }
 
 /// Reads, meshes, writes, reports.
@@ -248,6 +243,7 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         length: args.budget.tol,
         pixels,
         angle_deg: args.budget.angle,
+        attributes: args.budget.attributes.limits(),
         triangles: args.budget.triangles,
         segments: args.budget.segments,
         spacing,

@@ -181,7 +181,7 @@ pub(crate) fn plural(count: u64, what: &str) -> String {
 }
 
 /// How far one attribute went off.
-fn attribute(facts: &AttributeFacts) -> String {
+pub fn attribute(facts: &AttributeFacts) -> String {
     let unit = if facts.unit == "degrees" { " degrees" } else { "" };
     let off = facts.largest.zip(facts.rms).map_or("by what is no number".to_owned(), |(largest, rms)| {
         format!(

@@ -314,3 +314,76 @@ fn what_makes_no_sense_is_said_before_work() {
     run(&["lod", &input, "-o", &out, "--tol", "0.1", "-q"]).succeeds();
     run(&["lod", &input, "-o", &out, "--tol", "0.1"]).fails_with(4, &["a.glb"]);
 }
+
+/// A bent sheet of 2,048 triangles with texture coordinates that run unevenly.
+fn textured_sheet() -> String {
+    let mut text = String::new();
+    let at = |k: u32| f64::from(k) / 32.0;
+    for (u, v) in (0..33).flat_map(|i| (0..33).map(move |j| (at(i), at(j)))) {
+        text += &format!("v {u} {v} {}\n", 0.2 * (3.0 * u).sin() * (2.0 * v).cos());
+        text += &format!("vt {} {v}\n", u + 0.03 * (20.0 * u).sin());
+    }
+    for (i, j) in (0..32).flat_map(|i| (0..32).map(move |j| (i, j))) {
+        let [a, b, c, d] = [33 * i + j + 1, 33 * i + j + 34, 33 * i + j + 35, 33 * i + j + 2];
+        text += &format!("f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}\n");
+    }
+    text
+}
+
+#[test]
+fn limits_on_texture_coordinates_hold_for_every_level_and_are_reported() {
+    let folder = Folder::new("lod-uv");
+    let (input, output) = (folder.file("sheet.obj", &textured_sheet()), folder.text("sheet.glb"));
+    let lod = |more: &[&str]| {
+        let made =
+            run(&[&["lod", &input, "--tol", "0.05%", "-o", &output, "--force", "--json"], more].concat());
+        assert_eq!(made.code, 0, "{made:?}");
+        checked(made.report())["certificate"].clone()
+    };
+    let free = lod(&[]);
+    assert!(free["levels"]["levels"].as_array().unwrap().iter().all(|level| level["attributes"].is_null()));
+    let made = lod(&["--uv-error", "1%", "--normal-error", "20deg"]);
+    assert_eq!(made["budget"]["texcoord"], 0.01);
+    assert_eq!(made["budget"]["normal_deg"], 20.0);
+    let levels = made["levels"]["levels"].as_array().unwrap();
+    assert!(levels.len() > 1);
+    for level in levels {
+        let off = level["attributes"][0]["largest"].as_f64().unwrap();
+        assert!(level["attributes"][0]["name"] == "texcoord 0" && off <= 0.01, "{level}");
+    }
+    let coarsest =
+        |levels: &Value| levels["levels"]["levels"].as_array().unwrap().last().unwrap()["triangles"].as_u64();
+    assert!(coarsest(&made) > coarsest(&free));
+    // In the text as well, and in the command for one mesh.
+    let text = run(&["lod", &input, "--tol", "0.05%", "-o", &output, "--force", "--uv-error", "0.01"]);
+    assert!(text.stdout.contains("texcoord 0"), "{text:?}");
+    let mesh = |more: &[&str]| {
+        let made =
+            run(&[&["mesh", &input, "--tol", "2%", "-o", &output, "--force", "--json"], more].concat());
+        assert_eq!(made.code, 0, "{made:?}");
+        let certificate = checked(made.report())["certificate"].clone();
+        (
+            certificate["output"]["triangles"].as_u64(),
+            certificate["attributes"][0]["largest"].as_f64().unwrap(),
+        )
+    };
+    let (free, limited) = (mesh(&[]), mesh(&["--uv-error", "1%"]));
+    assert!(limited.0 > free.0 && limited.1 <= 0.01 && free.1 > 0.01, "{free:?} {limited:?}");
+}
+
+#[test]
+fn limits_on_attributes_that_make_no_sense_are_refused() {
+    let folder = Folder::new("uv-refused");
+    let (input, output) = (folder.file("sheet.obj", &textured_sheet()), folder.text("sheet.glb"));
+    for (words, code) in [
+        (&["mesh", &input, "--triangles", "100", "--uv-error", "1%", "-o", &output][..], 5),
+        (&["mesh", TEAPOT, "--tol", "0.1", "--uv-error", "1%", "-o", &output], 5),
+        (&["lod", TEAPOT, "--tol", "0.1", "--normal-error", "5", "-o", &output], 5),
+        (&["mesh", &input, "--tol", "1%", "--uv-error", "0", "-o", &output], 2),
+        (&["lod", &input, "--normal-error", "200deg", "-o", &output], 2),
+    ] {
+        let made = run(words);
+        assert_eq!(made.code, code, "{words:?} {made:?}");
+        assert!(!folder.names().iter().any(|name| name.ends_with(".glb")));
+    }
+}

@@ -195,3 +195,20 @@ fn requirements_make_inspect_a_check() {
     let json = run(&["inspect", &open, "--require", "closed", "--json"]);
     assert_eq!((json.code, &json.report()["certificate"]["valid"]["closed"]), (1, &false.into()));
 }
+
+#[test]
+fn the_schema_knows_every_format() {
+    let schema: Value = serde_json::from_str(
+        &std::fs::read_to_string(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../docs/schema/report.schema.json"
+        ))
+        .unwrap(),
+    )
+    .unwrap();
+    let named = &schema["$defs"]["input"]["properties"]["format"]["enum"];
+    let named: Vec<&str> = named.as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    let formats: Vec<String> = chordal_io::Format::all().map(|format| format.to_string()).collect();
+    assert!(formats.len() > 20);
+    assert!(formats.iter().all(|format| named.contains(&format.as_str())), "{formats:?} in {named:?}");
+}

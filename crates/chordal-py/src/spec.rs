@@ -1,6 +1,8 @@
 //! A budget, from Python's arguments.
 use crate::failure;
-use chordal::budget::{InvalidLength, Length, PixelBudget, Pixels, View};
+use chordal::budget::{
+    AttributeLimits, InvalidAttributeLimit, InvalidLength, Length, PixelBudget, Pixels, View,
+};
 use chordal_verbs::{BudgetSpec, Normals, Spacing};
 use pyo3::prelude::*;
 use std::str::FromStr;
@@ -16,6 +18,10 @@ pub(crate) struct BudgetArguments {
     pixels: Option<(f64, String)>,
     /// Degrees between normals.
     angle_deg: Option<f64>,
+    /// The largest distance of texture coordinates.
+    uv_error: Option<f64>,
+    /// The largest angle to the input's normals, in degrees.
+    normal_error: Option<f64>,
     /// The most triangles.
     triangles: Option<u64>,
     /// The most segments.
@@ -38,10 +44,19 @@ impl BudgetArguments {
             let view = view.parse::<View>().map_err(|error| wrong("view", error.to_string()))?;
             PyResult::Ok(PixelBudget { pixels, view })
         });
+        let attributes = AttributeLimits::new(self.uv_error, self.normal_error);
+        let attributes = attributes.map_err(|error| {
+            let name = match error {
+                InvalidAttributeLimit::Texcoord(_) => "uv_error",
+                InvalidAttributeLimit::Normal(_) => "normal_error",
+            };
+            wrong(name, error.to_string())
+        });
         Ok(BudgetSpec {
             length: length.transpose()?,
             pixels: pixels.transpose()?,
             angle_deg: self.angle_deg,
+            attributes: attributes?,
             triangles: self.triangles,
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,

@@ -46,6 +46,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             "the budget has no limit: no length, no pixels, no count",
         ));
     }
+    spec.check_attributes(&input.shape)?;
     let mut certificate = Certificate::from_input(&input);
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));

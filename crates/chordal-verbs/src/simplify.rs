@@ -9,7 +9,9 @@ use crate::placements;
 use crate::report::{AttributeFacts, Certificate};
 use crate::request::MeshRequest;
 use chordal::budget::advice::Message;
-use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
+use chordal::budget::{
+    AttributeLimits, Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View,
+};
 use chordal::check::findings::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
@@ -101,6 +103,12 @@ struct PartBudget {
 }
 
 impl PartBudget {
+    /// With limits on attributes, where it limits a length or pixels.
+    fn limited(mut self, attributes: AttributeLimits) -> Self {
+        self.budget.attributes = attributes;
+        self
+    }
+
     /// The error on the screen of a part that was simplified by pixels, or not at all: of that step, of
     /// rounding to the format and of its transform.
     fn pixels_of(
@@ -156,7 +164,7 @@ fn uniform_budgets(
         let triangles = counts.as_ref().map(|counts| counts[part]);
         PartBudget { budget: Budget { triangles, ..part_budget(left, *stretch) }, boxes: Vec::new() }
     };
-    Ok(stretch.iter().enumerate().map(share).collect())
+    Ok(stretch.iter().enumerate().map(share).map(|share| share.limited(budget.attributes)).collect())
 }
 
 /// Budgets where one eye sees the scene: what the placements of each part allow. For a part in world
@@ -193,7 +201,7 @@ fn view_budgets(
         if !is_as_it_is {
             left = part_budget(left.length.map(Tolerance::get), *stretch);
         }
-        shares.push(PartBudget { budget: left, boxes });
+        shares.push(PartBudget { budget: left, boxes }.limited(budget.attributes));
     }
     Ok(shares)
 }
@@ -255,7 +263,12 @@ fn simplify_part(
     let unchanged = || {
         let mut bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
         bound.pixels = Some(0.0);
-        let shape = SimplifiedMesh { mesh: part.mesh.clone(), worst: None, stats: ReductionStats::default() };
+        let shape = SimplifiedMesh {
+            mesh: part.mesh.clone(),
+            worst: None,
+            stats: ReductionStats::default(),
+            attributes: Vec::new(),
+        };
         (n_faces > 0).then_some(Bounded { shape, bound })
     };
     let enough = budget.triangles.is_none_or(|count| count >= n_faces);

@@ -1,7 +1,9 @@
 //! `BudgetSpec`: a budget as a user requests it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
+use chordal::budget::{
+    AttributeLimits, Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits,
+};
 use chordal::convert::Spacing;
 
 /// A budget whose length can be a percentage or have a unit.
@@ -20,6 +22,8 @@ pub struct BudgetSpec {
     pub pixels: Option<PixelBudget>,
     /// The largest angle between the normals of the triangles and those of the shape, in degrees.
     pub angle_deg: Option<f64>,
+    /// How far attributes of triangles may be from those of the input.
+    pub attributes: AttributeLimits,
     /// The most triangles.
     pub triangles: Option<u64>,
     /// The most segments of polylines, all together.
@@ -57,6 +61,21 @@ impl BudgetSpec {
         Err(wrong)
     }
 
+    /// Checks that limits on attributes apply: triangles have some, and a length or pixels stand beside them.
+    pub(crate) fn check_attributes(&self, shape: &Shape) -> Result<(), MeshFailure> {
+        if !self.attributes.is_set() {
+            return Ok(());
+        }
+        let message = if !matches!(shape, Shape::Scene(_)) {
+            "limits on texture coordinates and normals are for triangles that have some: this shape gets its own"
+        } else if self.length.is_none() && self.pixels.is_none() {
+            "limits on texture coordinates and normals need a length or pixels beside them"
+        } else {
+            return Ok(());
+        };
+        Err(MeshFailure::refused(RefusalCode::Budget, message))
+    }
+
     /// The evidence that a mesh or polylines of this shape need.
     fn required_of(&self, shape: &Shape) -> RequiredEvidence {
         let provable = match shape {
@@ -75,6 +94,7 @@ impl BudgetSpec {
         let mut budget = Budget {
             pixels: self.pixels,
             angle_deg: self.angle_deg,
+            attributes: self.attributes,
             triangles: self.triangles,
             segments: self.segments,
             require: self.required_of(shape),

@@ -69,6 +69,7 @@ fn spec() -> LodSpec {
         length: None,
         distances: Vec::new(),
         normals: chordal_verbs::Normals::Auto,
+        attributes: chordal::budget::AttributeLimits::default(),
         errors: TileErrors::Scaled,
         tile_triangles: None,
         parts: LodParts::Separate,

@@ -1,9 +1,10 @@
 //! `LevelFinisher`: levels as they will be written, with their normals and rounded.
+use super::LodSpec;
 use crate::file_rows::to_file_rows;
 use crate::rounded_mesh::snap_with_bound;
 use crate::{MeshFailure, Normals};
-use chordal::budget::Bound;
 use chordal::budget::advice::Message;
+use chordal::budget::{AttributeLimits, Bound};
 use chordal::explicit::Topology;
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Format, Frame, Part, Scene, SceneAssets};
@@ -11,6 +12,8 @@ use chordal_io::{Format, Frame, Part, Scene, SceneAssets};
 /// What every level gets: normals, the frame, materials.
 pub(super) struct LevelFinisher {
     normals: Normals,
+    /// How far attributes may go off.
+    pub attributes: AttributeLimits,
     from: Format,
     frame: Frame,
     /// The materials.
@@ -18,8 +21,9 @@ pub(super) struct LevelFinisher {
 }
 
 impl LevelFinisher {
-    pub fn new(normals: Normals, from: Format, frame: Frame, assets: SceneAssets) -> Self {
-        Self { normals, from: normals_by(from), frame, assets }
+    pub fn new(spec: &LodSpec, from: Format, frame: Frame, assets: SceneAssets) -> Self {
+        let LodSpec { normals, attributes, .. } = *spec;
+        Self { normals, attributes, from: normals_by(from), frame, assets }
     }
 
     /// A mesh as a scene of its own.

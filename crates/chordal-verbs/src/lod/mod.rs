@@ -13,7 +13,7 @@ use crate::too_fine::too_fine_note;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape};
 use chordal::Job;
 use chordal::budget::camera::MinDistanceView;
-use chordal::budget::{Budget, Length, Pixels, RefusalCode, Tolerance, View};
+use chordal::budget::{AttributeLimits, Budget, Length, Pixels, RefusalCode, Tolerance, View};
 use chordal::lod::selection::SwitchDistances;
 use chordal_io::Format;
 use level_finisher::LevelFinisher;
@@ -44,6 +44,8 @@ pub struct LodSpec {
     pub errors: TileErrors,
     /// The most triangles of a tile: a finest level with more is cut in space. `None` for no tiles.
     pub tile_triangles: Option<u64>,
+    /// How far attributes of every level may be from those of the input.
+    pub attributes: AttributeLimits,
     /// Whether the parts of a scene have levels of their own.
     pub parts: LodParts,
 }
@@ -92,15 +94,20 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
             "levels change with the distance, which parallel rays do not see: give the view a field of view";
         return Err(MeshFailure::Usage(message.into()));
     }
+    if spec.attributes.is_set() && !matches!(input.shape, Shape::Scene(_)) {
+        let message = "limits on texture coordinates and normals are for triangles that have some";
+        return Err(MeshFailure::refused(RefusalCode::Budget, message));
+    }
     let mut certificate = Certificate::from_input(&input);
     let diagonal = input.shape.diagonal()?;
     let finest = finest(&input.shape, spec, &mut certificate)?;
-    certificate.budget = Some(BudgetFacts::new(&Budget::length(finest)));
+    let budget = Budget { attributes: spec.attributes, ..Budget::length(finest) };
+    certificate.budget = Some(BudgetFacts::new(&budget));
     let (frame, from) = (*input.shape.frame(), input.format);
     let source = LevelSource { spec, finest, job };
     let made = source.levels(input.shape, &mut certificate.notes)?;
     let assets = made.assets();
-    let finisher = LevelFinisher::new(spec.normals, from, frame, assets);
+    let finisher = LevelFinisher::new(spec, from, frame, assets);
     let made = match made {
         SourceLevels::Chains(chains) => {
             LodLayout::Levels(Box::new(SceneLevels::new(*chains, &finisher, &mut certificate.notes, job)?))

@@ -1,6 +1,6 @@
 //! `LodOutcome`: levels of detail with their certificate.
 use super::LodSpec;
-use super::scene_levels::SceneLevels;
+use super::scene_levels::{SceneLevel, SceneLevels};
 use super::tile_hierarchy::TileHierarchy;
 use crate::report::{Certificate, LevelChoiceFacts, LevelFacts, LevelsFacts, ViewFacts};
 use chordal::budget::camera::MinDistanceView;
@@ -54,22 +54,24 @@ impl LodLayout {
         match self {
             Self::Levels(levels) => {
                 let levels = levels.levels.iter();
-                levels.map(|level| facts_of(level.triangles, level.vertices, &level.bound)).collect()
+                levels.map(facts_of).collect()
             }
             Self::Cut(cut) => cut.counts(),
         }
     }
 }
 
-fn facts_of(triangles: u64, vertices: u64, bound: &Bound) -> LevelFacts {
+fn facts_of(level: &SceneLevel) -> LevelFacts {
+    let SceneLevel { bound, triangles, vertices, attributes, .. } = level;
     LevelFacts {
-        triangles,
-        vertices,
+        triangles: *triangles,
+        vertices: *vertices,
         at_least: bound.at_least(),
         at_most: bound.at_most().unwrap_or(f64::INFINITY),
         evidence: bound.evidence().as_str(),
         distance: None,
         tiles: 1,
+        attributes: attributes.clone(),
     }
 }
 

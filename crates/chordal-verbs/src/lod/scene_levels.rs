@@ -3,8 +3,10 @@ use super::level_finisher::LevelFinisher;
 use super::level_mesh::LevelMesh;
 use crate::MeshFailure;
 use crate::placements;
+use crate::report::AttributeFacts;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
+use chordal::check::findings::AttributeDeviation;
 use chordal::lod::LodLevel;
 use chordal::math::greater;
 use chordal::{Bounded, Job};
@@ -20,6 +22,8 @@ pub(super) struct SceneLevels {
     pub coarser: Vec<Vec<Part>>,
     /// By part: the bounds of all its levels in its own coordinates, the finest first.
     pub bounds: Vec<Vec<Bound>>,
+    /// By part and level: how far attributes are off, where they have limits.
+    attributes: Vec<Vec<Vec<AttributeDeviation>>>,
     /// The levels of the whole, the finest first.
     pub levels: Vec<SceneLevel>,
 }
@@ -33,6 +37,8 @@ pub(super) struct SceneLevel {
     pub bound: Bound,
     pub triangles: u64,
     pub vertices: u64,
+    /// How far attributes are off, where they have limits.
+    pub attributes: Vec<AttributeFacts>,
 }
 
 /// A scene, and its parts at full precision in levels.
@@ -66,10 +72,12 @@ impl SceneLevels {
     ) -> Result<Self, MeshFailure> {
         let LevelChains { scene: mut finest, stretch, chains, moved_at_most, finest: tolerance } = source;
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
-        let (mut coarser, mut bounds) = (Vec::new(), Vec::new());
+        let (mut coarser, mut bounds, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
         for (part, chain) in finest.parts.iter_mut().zip(chains) {
             let mut levels: Vec<Bounded<Part>> = Vec::new();
+            let mut off = Vec::new();
             for level in chain {
+                let level_attributes = level.attributes;
                 let bound = if moved_at_most > 0.0 { level.bound.then(&moved) } else { level.bound };
                 let own = Part {
                     name: part.name.clone(),
@@ -82,6 +90,7 @@ impl SceneLevels {
                 let is_coarser = |finer: &Bounded<Part>| level.bound.at_most() > finer.bound.at_most();
                 if levels.last().is_none_or(is_coarser) {
                     levels.push(level);
+                    off.push(level_attributes);
                 }
             }
             let mut meshes = Vec::with_capacity(levels.len());
@@ -96,8 +105,9 @@ impl SceneLevels {
             *part = meshes.remove(0);
             coarser.push(meshes);
             bounds.push(own);
+            attributes.push(off);
         }
-        let mut made = Self { finest, coarser, bounds, levels: Vec::new() };
+        let mut made = Self { finest, coarser, bounds, attributes, levels: Vec::new() };
         made.choose_levels(&stretch, tolerance)?;
         Ok(made)
     }
@@ -134,9 +144,11 @@ impl SceneLevels {
             && placements::is_untransformed(&self.finest);
         let mut most = 0.0;
         let (mut triangles, mut vertices) = (0, 0);
+        let mut attributes = Vec::new();
         for (part, level) in choice.iter().enumerate() {
             most = greater(error_in(&self.bounds[part][*level], stretch[part]), most);
             let mesh = &self.part(part, *level).mesh;
+            self.attributes[part][*level].iter().for_each(|off| AttributeFacts::add(&mut attributes, off));
             triangles += mesh.faces().len() as u64;
             vertices += mesh.positions().len() as u64;
         }
@@ -149,7 +161,7 @@ impl SceneLevels {
             [level] if is_alone => self.bounds[0][*level].clone(),
             _ => Bound::proved(0.0, most, Reference::InputTriangles),
         };
-        Ok(SceneLevel { choice, bound, triangles, vertices })
+        Ok(SceneLevel { choice, bound, triangles, vertices, attributes })
     }
 
     fn part(&self, part: usize, level: usize) -> &Part {

@@ -110,7 +110,9 @@ impl LevelSource<'_> {
         let lengths = self.part_lengths(scene, stretch, bounds)?;
         let mut left = most;
         for (part, length) in scene.parts.iter().zip(lengths) {
-            let finest = LodSteps { max_untiled_triangles: 0, ..LodSteps::from_finest(self.finest) };
+            let attributes = self.spec.attributes;
+            let finest =
+                LodSteps { max_untiled_triangles: 0, attributes, ..LodSteps::from_finest(self.finest) };
             let n = match length {
                 Some(length) => {
                     let chain = part_chain(part, &LodSteps { finest: length, ..finest }, self.job)?;
@@ -165,13 +167,15 @@ impl LevelSource<'_> {
         for (part, length) in scene.parts.iter().zip(lengths) {
             let chain = match length {
                 Some(length) => {
-                    let steps = LodSteps { stop_at_triangles, ..LodSteps::from_finest(length) };
+                    let attributes = self.spec.attributes;
+                    let steps = LodSteps { stop_at_triangles, attributes, ..LodSteps::from_finest(length) };
                     part_chain(part, &steps, self.job)?
                 }
                 None => vec![LodLevel {
                     mesh: part.mesh.clone(),
                     bound: Bound::proved(0.0, 0.0, Reference::InputTriangles),
                     stats: ReductionStats::default(),
+                    attributes: Vec::new(),
                 }],
             };
             if let Some(coarsest) = chain.last() {
@@ -227,7 +231,13 @@ impl LevelSource<'_> {
     fn steps(&self, budget: &Budget) -> LodSteps {
         let finest = budget.length.unwrap_or(self.finest);
         let max_untiled_triangles = self.most_of_a_tile();
-        LodSteps { max_untiled_triangles, stop_at_triangles: LAST_LEVEL, ..LodSteps::from_finest(finest) }
+        let attributes = self.spec.attributes;
+        LodSteps {
+            max_untiled_triangles,
+            stop_at_triangles: LAST_LEVEL,
+            attributes,
+            ..LodSteps::from_finest(finest)
+        }
     }
 
     /// The levels of a single mesh.

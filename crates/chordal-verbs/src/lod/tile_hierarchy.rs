@@ -70,7 +70,11 @@ impl TileHierarchy {
         let step =
             step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
         let step = step.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "the shape has no size"))?;
-        let cuts = TilingOptions { max_triangles: most, ..TilingOptions::from_step(step) };
+        let cuts = TilingOptions {
+            max_triangles: most,
+            attributes: finisher.attributes,
+            ..TilingOptions::from_step(step)
+        };
         let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
         let made = lod::tiling::tree(&made, Topology::Positions, &cuts, job)?;
         let mut stats = ReductionStats::default();
@@ -126,6 +130,7 @@ impl TileHierarchy {
                 evidence: self.finest.bound.evidence().as_str(),
                 distance: None,
                 tiles,
+                attributes: Vec::new(),
             };
             if levels.last().is_none_or(|finer| at_most > finer.at_most && level.triangles < finer.triangles)
             {

@@ -14,6 +14,12 @@ pub struct BudgetFacts {
     pub view: Option<ViewFacts>,
     /// The largest angle to the true normals, in degrees.
     pub angle_deg: Option<f64>,
+    /// The largest distance to the texture coordinates of the input.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texcoord: Option<f64>,
+    /// The largest angle to the normals of the input, in degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_deg: Option<f64>,
     /// The most triangles.
     pub triangles: Option<u64>,
     /// The most segments of polylines.
@@ -29,6 +35,8 @@ impl BudgetFacts {
             pixels: budget.pixels.map(|pixels| pixels.pixels.get()),
             view: budget.pixels.map(|pixels| ViewFacts::new(&pixels.view)),
             angle_deg: budget.angle_deg,
+            texcoord: budget.attributes.texcoord(),
+            normal_deg: budget.attributes.normal_deg(),
             triangles: budget.triangles,
             segments: budget.segments,
         }

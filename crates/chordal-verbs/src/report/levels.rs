@@ -1,5 +1,5 @@
 //! Levels of detail in the report.
-use super::ViewFacts;
+use super::{AttributeFacts, ViewFacts};
 use serde::Serialize;
 
 /// The levels, their switch distances, and the level shown at some distances.
@@ -18,7 +18,7 @@ pub struct LevelsFacts {
 }
 
 /// One level of the whole shape.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LevelFacts {
     /// Its triangles.
     pub triangles: u64,
@@ -35,6 +35,9 @@ pub struct LevelFacts {
     pub distance: Option<f64>,
     /// The number of its files.
     pub tiles: u64,
+    /// How far attributes are from those of the input, where they have limits.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub attributes: Vec<AttributeFacts>,
 }
 
 /// The level shown at a distance.

@@ -5,6 +5,7 @@ use crate::budget::{
     AttributeLimits, Bound, Bounded, ErrorLimit, Job, JobError, Message, Reference, Refusal, RefusalCode,
     Tolerance,
 };
+use crate::check::findings::AttributeDeviation;
 use crate::explicit::{Mesh, Topology};
 use crate::math::sub_down;
 use std::borrow::Cow;
@@ -18,6 +19,8 @@ pub struct LodLevel {
     pub bound: Bound,
     /// What could not be collapsed, and what was left out.
     pub stats: ReductionStats,
+    /// How far attributes are from those of the original: measured where the steps limit them.
+    pub attributes: Vec<AttributeDeviation>,
 }
 
 impl LodLevel {
@@ -196,7 +199,8 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
 /// A level; `made` is the bound of a smooth shape's triangles before they were simplified.
 fn level_of(fewer: Bounded<SimplifiedMesh>, made: Option<&Bound>) -> LodLevel {
     let bound = made.map_or(fewer.bound.clone(), |made| made.then(&fewer.bound));
-    LodLevel { mesh: fewer.shape.mesh, bound, stats: fewer.shape.stats }
+    let SimplifiedMesh { mesh, stats, attributes, .. } = fewer.shape;
+    LodLevel { mesh, bound, stats, attributes }
 }
 
 fn refuse<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {

@@ -22,6 +22,8 @@ pub struct SimplifiedMesh {
     pub worst: Option<OneSidedDistance>,
     /// What could not be collapsed, and what was left out.
     pub stats: ReductionStats,
+    /// How far attributes are from those of the original: measured where the budget limits them.
+    pub attributes: Vec<AttributeDeviation>,
 }
 
 type SimplifyFailure = Failure<SimplifiedMesh>;
@@ -52,6 +54,10 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 /// faces. Where the mesh is non-manifold or inconsistently wound it stays as it is, and [`ReductionStats`]
 /// says how many vertices that locks. A separate component is removed only where a length covers its absence,
 /// never for a count.
+///
+/// *Attributes.* With [`AttributeLimits`] beside a length or pixels, texture coordinates and normals are within them as
+/// [`attribute_deviation`] measures it, at four samples a face of either mesh; where no attempt is, the mesh stays
+/// as it is. Measured, not proved.
 ///
 /// *Inputs.* n × 3 positions, m × 3 indices; `topology` says which rows are one position. Attributes are
 /// carried along.
@@ -266,13 +272,15 @@ impl<'a> ProgressiveSimplifier<'a> {
             let made = reduction.mesh();
             let places = tolerance_violations(mesh, &made, allowed, job)?;
             if places.is_empty() {
-                let excess = self.attribute_excess(&made, places.at_most, job)?;
+                let attributes = self.attribute_deviation(&made, places.at_most, job)?;
+                let excess = self.attribute_excess(&attributes);
                 if excess > 1.0 {
                     attribute_share *= greater(ATTRIBUTE_SHARE / excess, LEAST_CUT);
                     continue;
                 }
                 let found = deviation(mesh, &made, &Goal::default(), job)?;
                 let mut found = bounded(made, &found, places.at_most, reduction.stats);
+                found.shape.attributes = attributes;
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
                 found.bound.pixels = by_place.then_some(places.pixels);
                 (self.proved, self.is_proved) = (reduction, true);
@@ -283,32 +291,42 @@ impl<'a> ProgressiveSimplifier<'a> {
         Ok(None)
     }
 
-    /// The largest measured difference of attributes, as a multiple of its limit; 0 without limits. Lines between
-    /// charts may have moved by `moved`.
-    fn attribute_excess(&self, made: &Mesh, moved: f64, job: &Job) -> Result<f64, JobError> {
+    /// How far attributes are from those of the original, where they have limits. Lines between charts may have
+    /// moved by `moved`.
+    fn attribute_deviation(
+        &self,
+        made: &Mesh,
+        moved: f64,
+        job: &Job,
+    ) -> Result<Vec<AttributeDeviation>, JobError> {
         if !self.attributes.is_set() {
-            return Ok(0.0);
+            return Ok(Vec::new());
         }
-        let found = attribute_deviation(self.mesh, made, Tolerance::new(moved).ok(), job)?;
+        attribute_deviation(self.mesh, made, Tolerance::new(moved).ok(), job)
+    }
+
+    /// The largest difference as a multiple of its limit.
+    fn attribute_excess(&self, found: &[AttributeDeviation]) -> f64 {
+        let normals = self.mesh.attribute(&Semantic::Normal);
+        let has_own_normals = normals.is_some_and(|normals| is_carried(self.mesh, normals));
         let share = |found: &AttributeDeviation| {
             let most = match found.semantic {
                 Semantic::TexCoord(_) => self.attributes.texcoord()?,
-                Semantic::Normal
-                    if self.mesh.attribute(&Semantic::Normal).is_some_and(|n| is_carried(self.mesh, n)) =>
-                {
-                    self.attributes.normal_deg()?
-                }
+                Semantic::Normal if has_own_normals => self.attributes.normal_deg()?,
                 _ => return None,
             };
             Some(found.largest / most)
         };
-        Ok(found.iter().filter_map(share).fold(0.0, greater))
+        found.iter().filter_map(share).fold(0.0, greater)
     }
 }
 
 fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
     let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
-    Bounded { shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats: kept }, bound }
+    Bounded {
+        shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats: kept, attributes: Vec::new() },
+        bound,
+    }
 }
 
 /// The bound by [`deviation`]. Another proof of the same distance, `at_most`, may lower its upper end. Two
@@ -320,5 +338,5 @@ fn bounded(mesh: Mesh, found: &Deviation, at_most: f64, kept: ReductionStats) ->
     let most = if least <= at_most && at_most < most { at_most } else { most };
     let mut bound = Bound::proved(least, most, Reference::InputTriangles);
     bound.at = found.bound.at;
-    Bounded { shape: SimplifiedMesh { mesh, worst, stats: kept }, bound }
+    Bounded { shape: SimplifiedMesh { mesh, worst, stats: kept, attributes: Vec::new() }, bound }
 }
