@@ -87,6 +87,17 @@ pub fn attribute_deviation(
     moved: Option<Tolerance>,
     job: &Job,
 ) -> Result<Vec<AttributeDeviation>, JobError> {
+    attribute_deviation_within(a, b, moved, &|_| None, job).map(|(found, _)| found)
+}
+
+/// The same, with the faces of either mesh that have a sample beyond the limit of its attribute, ascending.
+pub(crate) fn attribute_deviation_within(
+    a: &Mesh,
+    b: &Mesh,
+    moved: Option<Tolerance>,
+    limit: &dyn Fn(&Semantic) -> Option<f64>,
+    job: &Job,
+) -> Result<(Vec<AttributeDeviation>, [Vec<u32>; 2]), JobError> {
     let pairs: Vec<[&Attribute; 2]> = a
         .attributes()
         .iter()
@@ -98,8 +109,10 @@ pub fn attribute_deviation(
         .filter(|pair| pair.iter().all(|of| of.domain != Domain::Face))
         .collect();
     if pairs.is_empty() || a.faces().is_empty() || b.faces().is_empty() {
-        return Ok(Vec::new());
+        return Ok(Default::default());
     }
+    let limits: Vec<f64> =
+        pairs.iter().map(|pair| limit(&pair[0].semantic).unwrap_or(f64::INFINITY)).collect();
     job.run(|| {
         let place = a.bounds().union(b.bounds());
         let sides = [
@@ -109,18 +122,25 @@ pub fn attribute_deviation(
         let looked = AttributeComparison {
             scale: AttributeComparison::scale_of(&place),
             reach: moved.map_or(0.0, Tolerance::get),
+            limits,
             job,
         };
         let mut all = vec![AttributeErrorStats::default(); pairs.len()];
-        for [from, to] in [[&sides[0], &sides[1]], [&sides[1], &sides[0]]] {
-            looked.sample(from, to).iter().for_each(|chunk| add(&mut all, chunk));
+        let mut beyond = [Vec::new(), Vec::new()];
+        for ([from, to], beyond) in
+            [[&sides[0], &sides[1]], [&sides[1], &sides[0]]].into_iter().zip(&mut beyond)
+        {
+            for chunk in looked.sample(from, to) {
+                add(&mut all, &chunk.of_attributes);
+                beyond.extend(chunk.beyond);
+            }
         }
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
         let said =
             |(pair, tally): (&[&Attribute; 2], &AttributeErrorStats)| tally.finished(&pair[0].semantic);
-        Ok(pairs.iter().zip(&all).map(said).collect())
+        Ok((pairs.iter().zip(&all).map(said).collect(), beyond))
     })
 }
 
@@ -329,12 +349,21 @@ fn add(all: &mut [AttributeErrorStats], more: &[AttributeErrorStats]) {
     }
 }
 
+/// What a chunk of faces differs by.
+struct ChunkDifferences {
+    of_attributes: Vec<AttributeErrorStats>,
+    /// Faces with a sample beyond a limit.
+    beyond: Vec<u32>,
+}
+
 /// The parameters of a comparison.
 struct AttributeComparison<'a> {
     /// A power of two that scales the extent to about 1, so that no product leaves the range of f64.
     scale: f64,
     /// How far a seam may have moved.
     reach: f64,
+    /// By attribute: the largest difference that is no violation.
+    limits: Vec<f64>,
     job: &'a Job,
 }
 
@@ -352,10 +381,11 @@ impl AttributeComparison<'_> {
     }
 
     /// Compares the samples of one mesh with the other, by chunk and attribute.
-    fn sample(&self, from: &AttributeMesh, to: &AttributeMesh) -> Vec<Vec<AttributeErrorStats>> {
+    fn sample(&self, from: &AttributeMesh, to: &AttributeMesh) -> Vec<ChunkDifferences> {
         let chunks: Vec<&[[u32; 3]]> = from.mesh.faces().chunks(CHUNK).collect();
         par_map(self.job, &chunks, |number, chunk| {
-            let mut found = vec![AttributeErrorStats::default(); from.carried.len()];
+            let of_attributes = vec![AttributeErrorStats::default(); from.carried.len()];
+            let mut found = ChunkDifferences { of_attributes, beyond: Vec::new() };
             if !self.job.is_cancelled() {
                 for i in 0..chunk.len() {
                     self.sample_face(from, to, (CHUNK * number + i) as u32, &mut found);
@@ -365,13 +395,8 @@ impl AttributeComparison<'_> {
         })
     }
 
-    fn sample_face(
-        &self,
-        from: &AttributeMesh,
-        to: &AttributeMesh,
-        face: u32,
-        found: &mut [AttributeErrorStats],
-    ) {
+    fn sample_face(&self, from: &AttributeMesh, to: &AttributeMesh, face: u32, found: &mut ChunkDifferences) {
+        let mut is_beyond = false;
         let corners = from.mesh.corners(face as usize);
         let normal = self.normal(corners);
         let share = length(normal) / SAMPLES.len() as f64;
@@ -384,7 +409,8 @@ impl AttributeComparison<'_> {
             if dot(normal, self.normal(to.mesh.corners(near.face as usize))) < 0.0 {
                 there = self.nearest_facing(&to.bvh, at, normal).unwrap_or(there);
             }
-            for ((own, other), found) in from.carried.iter().zip(&to.carried).zip(&mut *found) {
+            let pairs = from.carried.iter().zip(&to.carried).zip(&self.limits);
+            for (((own, other), limit), found) in pairs.zip(&mut found.of_attributes) {
                 let apart_from = |there: &BarycentricPoint| {
                     value_difference([(from.mesh, own, &here), (to.mesh, other, there)])
                 };
@@ -400,8 +426,10 @@ impl AttributeComparison<'_> {
                     });
                 }
                 found.add_sample(least, p, share);
+                is_beyond |= least > *limit;
             }
         }
+        found.beyond.extend(is_beyond.then_some(face));
     }
 
     /// The normal of a triangle with twice its area as length, scaled.

@@ -30,6 +30,7 @@ mod triangle_intersection;
 mod validity;
 mod winding;
 
+pub(crate) use attributes::attribute_deviation_within;
 pub use components::{Component, Facing, components, inside_out, outward};
 pub(crate) use connectivity::MeshConnectivity;
 pub use defect::Defect;

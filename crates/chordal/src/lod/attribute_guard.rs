@@ -17,8 +17,14 @@ use std::rc::Rc;
 #[derive(Clone)]
 pub(super) struct AttributeGuard {
     original: Rc<OriginalRows>,
-    limits: Vec<ColumnLimit>,
+    limits: Rc<[ColumnLimit]>,
+    /// By vertex of the original: how often its limits were lowered.
+    cuts: Vec<u8>,
 }
+
+/// The fractions of the limits that collapses may use, the first at first and the next where an attempt was beyond
+/// them; after the last nothing changes there. Chosen: the rest is for points between vertices.
+const SHARES: [f64; 3] = [0.9, 0.6, 0.3];
 
 /// By vertex of the original: its rows, one for each side of the lines that meet there.
 struct OriginalRows {
@@ -28,11 +34,10 @@ struct OriginalRows {
     width: usize,
 }
 
-/// The limit of one attribute.
-#[derive(Clone, Debug)]
+/// The limit of one attribute, by the share that may be used.
 struct ColumnLimit {
     columns: Range<usize>,
-    most: ValueLimit,
+    most: [ValueLimit; SHARES.len()],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +55,13 @@ pub(super) struct FaceAfter<'a> {
 }
 
 impl AttributeGuard {
-    /// The guard of a surface that has not changed yet, without limits.
-    pub fn new(surface: &HalfEdgeSurface, wedges: &Wedges, n_vertices: usize) -> Self {
+    /// The guard of a surface that has not changed yet.
+    pub fn new(
+        surface: &HalfEdgeSurface,
+        wedges: &Wedges,
+        n_vertices: usize,
+        limits: &AttributeLimits,
+    ) -> Self {
         let width = wedges.limited_columns().map(|(columns, _)| columns.end).max().unwrap_or(0);
         let mut original = OriginalRows { first: vec![0], values: Vec::new(), width };
         let mut rows = Vec::new();
@@ -66,24 +76,38 @@ impl AttributeGuard {
             let n = original.first[v as usize] + rows.len() as u32;
             original.first.push(n);
         }
-        Self { original: Rc::new(original), limits: Vec::new() }
-    }
-
-    /// The same with limits, of which collapses may use a share.
-    pub fn limited(&self, wedges: &Wedges, limits: &AttributeLimits, share: f64) -> Self {
         let limit = |(columns, attribute): (Range<usize>, LimitedAttribute)| {
             let most = match attribute {
                 LimitedAttribute::Texcoord => {
-                    let most = share * limits.texcoord()?;
-                    ValueLimit::DistanceSq(most * most)
+                    let most = limits.texcoord()?;
+                    SHARES.map(|share| ValueLimit::DistanceSq((share * most) * (share * most)))
                 }
                 LimitedAttribute::Normal => {
-                    ValueLimit::Cosine(cos((share * limits.normal_deg()?).to_radians()))
+                    let most = limits.normal_deg()?;
+                    SHARES.map(|share| ValueLimit::Cosine(cos((share * most).to_radians())))
                 }
             };
             Some(ColumnLimit { columns, most })
         };
-        Self { original: self.original.clone(), limits: wedges.limited_columns().filter_map(limit).collect() }
+        let limits = wedges.limited_columns().filter_map(limit).collect();
+        Self { original: Rc::new(original), limits, cuts: vec![0; n_vertices] }
+    }
+
+    /// Takes back all cuts of limits.
+    pub fn reset(&mut self) {
+        self.cuts.fill(0);
+    }
+
+    /// Cuts the limits that an earlier attempt had once more for some samples; those that are no vertices have none.
+    pub fn tighten(&mut self, before: &Self, mut samples: Vec<u32>) {
+        samples.sort_unstable();
+        samples.dedup();
+        self.cuts.clone_from(&before.cuts);
+        for sample in samples {
+            if let Some(cuts) = self.cuts.get_mut(sample as usize) {
+                *cuts = lesser(*cuts + 1, SHARES.len() as u8);
+            }
+        }
     }
 
     /// Whether the values of all vertices that a pending collapse reassigned are near those of the new faces.
@@ -96,9 +120,12 @@ impl AttributeGuard {
         faces: &[(u32, FaceAfter<'_>)],
         room: &LocalTolerance,
     ) -> bool {
-        let n_vertices = self.original.first.len() - 1;
-        samples.reassignments().iter().filter(|(sample, _)| (*sample as usize) < n_vertices).all(
+        samples.reassignments().iter().filter(|(sample, _)| (*sample as usize) < self.cuts.len()).all(
             |&(sample, nearest)| {
+                let cuts = usize::from(self.cuts[sample as usize]);
+                if cuts >= SHARES.len() {
+                    return false;
+                }
                 let p = samples.at[sample as usize];
                 let mut rows = self.original.rows(sample);
                 rows.all(|row| {
@@ -107,19 +134,19 @@ impl AttributeGuard {
                     };
                     let holder = faces.iter().filter(|(face, _)| *face == nearest);
                     let others = faces.iter().filter(|(face, _)| *face != nearest).filter(is_near);
-                    holder.chain(others).any(|(_, face)| self.is_close(row, p, face))
+                    holder.chain(others).any(|(_, face)| self.is_close(row, (p, cuts), face))
                 })
             },
         )
     }
 
-    /// Whether a row is near the values at the point of a face that is nearest to `p`.
-    fn is_close(&self, row: &[f64], p: [f64; 3], face: &FaceAfter<'_>) -> bool {
+    /// Whether a row is near the values at the point of a face that is nearest to `p`, where limits were cut so often.
+    fn is_close(&self, row: &[f64], (p, cuts): ([f64; 3], usize), face: &FaceAfter<'_>) -> bool {
         let weights = closest_on_triangle(p, face.corners);
         let value = |k: usize| (0..3).map(|i| weights[i] * face.rows[i][k]).sum::<f64>();
         self.limits.iter().all(|limit| {
             let from = limit.columns.start;
-            match limit.most {
+            match limit.most[cuts] {
                 ValueLimit::DistanceSq(most) => {
                     let off = [from, from + 1].map(|k| value(k) - row[k]);
                     off[0] * off[0] + off[1] * off[1] <= most

@@ -82,12 +82,13 @@ pub(super) struct MeshReduction<'a> {
 
 impl<'a> MeshReduction<'a> {
     pub fn new(mesh: &'a Mesh, topology: Topology) -> Self {
-        Self::from_region(mesh, topology, &[])
+        Self::from_region(mesh, topology, &[], &AttributeLimits::default())
     }
 
     /// A part of a larger mesh. The rows that `stays` marks are fixed, with all edges and values between
-    /// them. Rows of one position are marked alike; an empty list means a whole mesh.
-    pub fn from_region(mesh: &'a Mesh, topology: Topology, stays: &[bool]) -> Self {
+    /// them. Rows of one position are marked alike; an empty list means a whole mesh. Normals that jump by more
+    /// than half their limit are kept apart.
+    pub fn from_region(mesh: &'a Mesh, topology: Topology, stays: &[bool], limits: &AttributeLimits) -> Self {
         let is_part = !stays.is_empty();
         let ids = topology.ids(mesh);
         let ManifoldSplit { surface, first_fan: place, is_locked: mut is_tied, row, n_collapsed: collapsed } =
@@ -99,7 +100,7 @@ impl<'a> MeshReduction<'a> {
         let tied_vertices = is_tied.iter().filter(|tied| **tied).count() as u64;
         let stays = |row: u32| stays.get(row as usize).copied().unwrap_or(false);
         is_tied.iter_mut().zip(&row).for_each(|(tied, row)| *tied |= stays(*row));
-        let (wedges, is_line) = Wedges::from_mesh(mesh, &surface, stays);
+        let (wedges, is_line) = Wedges::from_mesh(mesh, &surface, stays, limits);
         let kind = vertex_kinds(&surface, &is_line, &is_tied);
         let mut engine = EdgeCollapser::new(surface, at, kind, is_line);
         engine.wedges = wedges;
@@ -147,18 +148,49 @@ impl<'a> MeshReduction<'a> {
         Ok(())
     }
 
-    /// Remembers the values of attributes, before anything is collapsed.
-    pub fn start_attribute_guard(&mut self) {
+    /// Limits attributes to the values that they have now, before anything is collapsed.
+    pub fn start_attribute_guard(&mut self, limits: &AttributeLimits) {
         let EdgeCollapser { surface, wedges, at, attribute_guard, .. } = &mut self.engine;
-        *attribute_guard = wedges.as_ref().map(|wedges| AttributeGuard::new(surface, wedges, at.len()));
+        *attribute_guard =
+            wedges.as_ref().map(|wedges| AttributeGuard::new(surface, wedges, at.len(), limits));
     }
 
-    /// Limits attributes to a share of `limits`, where their values are remembered.
-    pub fn limit_attributes(&mut self, limits: &AttributeLimits, share: f64) {
-        let EdgeCollapser { wedges, attribute_guard, .. } = &mut self.engine;
-        if let (Some(guard), Some(wedges)) = (attribute_guard, wedges) {
-            *guard = guard.limited(wedges, limits, share);
+    /// Resets the shares of the limits of attributes that collapses may use, for a larger length.
+    pub fn reset_attribute_shares(&mut self) {
+        self.engine.attribute_guard.iter_mut().for_each(AttributeGuard::reset);
+    }
+
+    /// Lowers the shares of the limits of attributes where the mesh of `tried`, an earlier attempt, was beyond
+    /// them: around faces of the original, and around faces of that mesh.
+    pub fn tighten_attributes(&mut self, tried: &Self, beyond: &[Vec<u32>; 2]) {
+        let (Some(guard), Some(before), Some(then)) =
+            (&mut self.engine.attribute_guard, &tried.engine.attribute_guard, &tried.engine.monitor)
+        else {
+            return;
+        };
+        let original = beyond[0].iter().flat_map(|face| then.original_corners(*face)).filter(|v| *v != NONE);
+        let mut places: Vec<u32> = original.collect();
+        let faces = tried.faces();
+        for face in &beyond[1] {
+            places.extend(tried.samples_around(then, faces[*face as usize]));
         }
+        guard.tighten(before, places);
+    }
+
+    /// The samples that a face holds or, where it holds none, those of the faces around it.
+    fn samples_near(&self, monitor: &ErrorMonitor, face: u32) -> Vec<u32> {
+        let here: Vec<u32> = monitor.samples.of_face(face).collect();
+        if !here.is_empty() {
+            return here;
+        }
+        self.samples_around(monitor, face)
+    }
+
+    /// The samples that a face and those around it hold.
+    fn samples_around(&self, monitor: &ErrorMonitor, face: u32) -> Vec<u32> {
+        let surface = &self.engine.surface;
+        let around = surface.corners(face).into_iter().flat_map(|v| surface.one_ring(v));
+        around.flat_map(|h| monitor.samples.of_face(h / 3)).collect()
     }
 
     /// Resets all check levels, for a larger length.
@@ -193,16 +225,10 @@ impl<'a> MeshReduction<'a> {
                 corners.into_iter().for_each(|v| mark(v, cost));
             }
         }
-        let surface = &tried.engine.surface;
         let faces = tried.faces();
         for far in &places.violations[1] {
             let face = faces[far.face as usize];
-            let mut here: Vec<u32> = then.samples.of_face(face).collect();
-            if here.is_empty() {
-                let around = surface.corners(face).into_iter().flat_map(|v| surface.one_ring(v));
-                here = around.flat_map(|h| then.samples.of_face(h / 3)).collect();
-            }
-            here.into_iter().for_each(|sample| mark(sample, made_at(face)));
+            tried.samples_near(then, face).into_iter().for_each(|sample| mark(sample, made_at(face)));
         }
         watch.check_levels = care;
     }

@@ -7,10 +7,13 @@ use crate::budget::{
     AttributeLimits, Bound, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, Reference,
     RefusalCode, Tolerance,
 };
-use crate::check::findings::{AttributeDeviation, attribute_deviation};
-use crate::check::{Deviation, Goal, OneSidedDistance, ViolationReport, deviation, tolerance_violations};
+use crate::check::findings::AttributeDeviation;
+use crate::check::{
+    Deviation, Goal, OneSidedDistance, ViolationReport, attribute_deviation_within, deviation,
+    tolerance_violations,
+};
 use crate::explicit::{Mesh, Semantic, Topology};
-use crate::math::{Box3, greater, lesser};
+use crate::math::{Box3, lesser};
 
 /// A simplified mesh, with details beside the bound.
 #[derive(Clone, Debug, PartialEq)]
@@ -194,13 +197,6 @@ const ATTEMPTS: u32 = 14;
 /// From this attempt on, nothing changes any more where the one before deviated too much. Chosen.
 const LAST_LOOK: u32 = 8;
 
-/// The fraction of limits on attributes that collapses may use at first; the rest is for points between vertices.
-/// Chosen.
-const ATTRIBUTE_SHARE: f64 = 0.9;
-/// Limits are cut to no less than this share from one attempt to the next: one bad place says little of the others.
-/// Chosen.
-const LEAST_CUT: f64 = 0.3;
-
 /// As few triangles as fit within a length.
 pub(super) fn simplify_within(asked: &SimplifyInput<'_>) -> Result<Bounded<SimplifiedMesh>, JobError> {
     let mut progress = ProgressiveSimplifier::new(asked)?;
@@ -222,11 +218,11 @@ pub(super) struct ProgressiveSimplifier<'a> {
 impl<'a> ProgressiveSimplifier<'a> {
     pub fn new(asked: &SimplifyInput<'a>) -> Result<Self, JobError> {
         let SimplifyInput { mesh, topology, fixed_rows: stays, attributes, job, .. } = *asked;
-        let mut proved = MeshReduction::from_region(mesh, topology, stays);
+        let mut proved = MeshReduction::from_region(mesh, topology, stays, &attributes);
         if !proved.is_empty() {
             proved.start_monitor(job)?;
             if attributes.is_set() {
-                proved.start_attribute_guard();
+                proved.start_attribute_guard(&attributes);
             }
         }
         Ok(Self { mesh, proved, is_proved: false, attributes })
@@ -249,21 +245,21 @@ impl<'a> ProgressiveSimplifier<'a> {
         }
         let mesh = self.mesh;
         let room = self.proved.local_tolerance(allowed, SHARE);
-        let mut tried: Option<(MeshReduction<'_>, ViolationReport)> = None;
-        let mut attribute_share = ATTRIBUTE_SHARE;
+        let mut tried: Option<(MeshReduction<'_>, ViolationReport, [Vec<u32>; 2])> = None;
         for attempt in 1..=ATTEMPTS {
             let mut reduction = self.proved.clone();
             match &tried {
                 None => {
                     reduction.reset_check_levels();
+                    reduction.reset_attribute_shares();
                     reduction.freeze_too_close(&room);
                 }
-                Some((tried, places)) => {
+                Some((tried, places, beyond)) => {
                     let more = if attempt < LAST_LOOK { CheckLevel::escalate } else { CheckLevel::freeze };
                     reduction.raise_check_levels(tried, places, more);
+                    reduction.tighten_attributes(tried, beyond);
                 }
             }
-            reduction.limit_attributes(&self.attributes, attribute_share);
             reduction.run(0, &room, job)?;
             reduction.drop_small_components(&room, job)?;
             if self.is_proved && reduction.n_faces() == self.proved.n_faces() {
@@ -272,10 +268,9 @@ impl<'a> ProgressiveSimplifier<'a> {
             let made = reduction.mesh();
             let places = tolerance_violations(mesh, &made, allowed, job)?;
             if places.is_empty() {
-                let attributes = self.attribute_deviation(&made, places.at_most, job)?;
-                let excess = self.attribute_excess(&attributes);
-                if excess > 1.0 {
-                    attribute_share *= greater(ATTRIBUTE_SHARE / excess, LEAST_CUT);
+                let (attributes, beyond) = self.attribute_deviation(&made, places.at_most, job)?;
+                if beyond.iter().any(|faces| !faces.is_empty()) {
+                    tried = Some((reduction, places, beyond));
                     continue;
                 }
                 let found = deviation(mesh, &made, &Goal::default(), job)?;
@@ -286,38 +281,30 @@ impl<'a> ProgressiveSimplifier<'a> {
                 (self.proved, self.is_proved) = (reduction, true);
                 return Ok(Some(found));
             }
-            tried = Some((reduction, places));
+            tried = Some((reduction, places, Default::default()));
         }
         Ok(None)
     }
 
-    /// How far attributes are from those of the original, where they have limits. Lines between charts may have
-    /// moved by `moved`.
+    /// How far attributes are from those of the original, where they have limits, and the faces of either mesh that
+    /// are beyond them. Lines between charts may have moved by `moved`.
     fn attribute_deviation(
         &self,
         made: &Mesh,
         moved: f64,
         job: &Job,
-    ) -> Result<Vec<AttributeDeviation>, JobError> {
+    ) -> Result<(Vec<AttributeDeviation>, [Vec<u32>; 2]), JobError> {
         if !self.attributes.is_set() {
-            return Ok(Vec::new());
+            return Ok(Default::default());
         }
-        attribute_deviation(self.mesh, made, Tolerance::new(moved).ok(), job)
-    }
-
-    /// The largest difference as a multiple of its limit.
-    fn attribute_excess(&self, found: &[AttributeDeviation]) -> f64 {
         let normals = self.mesh.attribute(&Semantic::Normal);
         let has_own_normals = normals.is_some_and(|normals| is_carried(self.mesh, normals));
-        let share = |found: &AttributeDeviation| {
-            let most = match found.semantic {
-                Semantic::TexCoord(_) => self.attributes.texcoord()?,
-                Semantic::Normal if has_own_normals => self.attributes.normal_deg()?,
-                _ => return None,
-            };
-            Some(found.largest / most)
+        let limit = |semantic: &Semantic| match semantic {
+            Semantic::TexCoord(_) => self.attributes.texcoord(),
+            Semantic::Normal if has_own_normals => self.attributes.normal_deg(),
+            _ => None,
         };
-        found.iter().filter_map(share).fold(0.0, greater)
+        attribute_deviation_within(self.mesh, made, Tolerance::new(moved).ok(), &limit, job)
     }
 }
 

@@ -1,7 +1,9 @@
 //! `Wedges`: the attribute values at the corners of triangles, shared where no feature line separates them.
 use super::flat_normals::is_flat;
 use super::surface::{HalfEdgeSurface, NONE};
+use crate::budget::AttributeLimits;
 use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
+use crate::math::elementary::cos;
 use crate::math::{dot, greater, lesser};
 use std::ops::Range;
 
@@ -68,6 +70,7 @@ impl Wedges {
         mesh: &Mesh,
         surface: &HalfEdgeSurface,
         stays: impl Fn(u32) -> bool,
+        limits: &AttributeLimits,
     ) -> (Option<Self>, Vec<bool>) {
         let mut is_line = lines_of_faces(mesh, surface);
         let carried: Vec<&Attribute> = mesh.attributes().iter().filter(|a| is_carried(mesh, a)).collect();
@@ -75,6 +78,10 @@ impl Wedges {
             return (None, is_line);
         }
         let mut wedges = Self::from_corners(mesh, &carried);
+        let crease = limits.normal_deg().map_or(CREASE_COSINE, |most| {
+            let half = cos((0.5 * most).to_radians());
+            greater(half, CREASE_COSINE)
+        });
         let mut joined = DisjointSets::new(wedges.values.len() / wedges.width);
         for h in 0..surface.start.len() as u32 {
             let t = surface.twin[h as usize];
@@ -83,7 +90,7 @@ impl Wedges {
             }
             let [a, b, c, d] =
                 [h, next_in_face(t), next_in_face(h), t].map(|corner| wedges.corner_row[corner as usize]);
-            if wedges.jumps(a, b) || wedges.jumps(c, d) {
+            if wedges.jumps([a, b], crease) || wedges.jumps([c, d], crease) {
                 is_line[h as usize] = true;
                 is_line[t as usize] = true;
             }
@@ -142,8 +149,9 @@ impl Wedges {
         &self.values[wedge as usize * self.width..][..self.width]
     }
 
-    /// Whether two rows differ so much that the edge between them is a feature line.
-    fn jumps(&self, a: u32, b: u32) -> bool {
+    /// Whether two rows differ so much that the edge between them is a feature line. `crease` is the cosine from
+    /// which on directions do not.
+    fn jumps(&self, [a, b]: [u32; 2], crease: f64) -> bool {
         if a == b {
             return false;
         }
@@ -155,7 +163,7 @@ impl Wedges {
                 WedgeBlending::Heaviest | WedgeBlending::Linear => a != b,
                 WedgeBlending::Direction if span.width >= 3 => {
                     let [p, q] = [a, b].map(|v| [v[0], v[1], v[2]]);
-                    let turned = dot(p, q) < CREASE_COSINE * (dot(p, p) * dot(q, q)).sqrt();
+                    let turned = dot(p, q) < crease * (dot(p, p) * dot(q, q)).sqrt();
                     turned || (span.width == 4 && a[3] != b[3])
                 }
                 // Texture coordinates have two components, colours three or four.
