@@ -1,6 +1,7 @@
 //! Arguments that several verbs share: input, output, report; and how their values are read.
 use crate::memory;
-use chordal::budget::{AttributeLimits, InvalidLength, Length, Unit};
+use chordal::budget::attributes::AttributeLimits;
+use chordal::budget::{InvalidLength, Length, Unit};
 use chordal::math::Box3;
 use chordal_io::{Axis, Format, PolygonSurface};
 use clap::{Args, ValueEnum};

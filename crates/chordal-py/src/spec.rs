@@ -1,8 +1,7 @@
 //! A budget, from Python's arguments.
 use crate::failure;
-use chordal::budget::{
-    AttributeLimits, InvalidAttributeLimit, InvalidLength, Length, PixelBudget, Pixels, View,
-};
+use chordal::budget::attributes::{AttributeLimits, InvalidAttributeLimit};
+use chordal::budget::{InvalidLength, Length, PixelBudget, Pixels, View};
 use chordal_verbs::{BudgetSpec, Normals, Spacing};
 use pyo3::prelude::*;
 use std::str::FromStr;

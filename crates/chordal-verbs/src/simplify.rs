@@ -9,9 +9,8 @@ use crate::placements;
 use crate::report::{AttributeFacts, Certificate};
 use crate::request::MeshRequest;
 use chordal::budget::advice::Message;
-use chordal::budget::{
-    AttributeLimits, Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View,
-};
+use chordal::budget::attributes::AttributeLimits;
+use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
 use chordal::check::findings::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};

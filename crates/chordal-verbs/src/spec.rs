@@ -1,9 +1,8 @@
 //! `BudgetSpec`: a budget as a user requests it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{
-    AttributeLimits, Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits,
-};
+use chordal::budget::attributes::AttributeLimits;
+use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
 use chordal::convert::Spacing;
 
 /// A budget whose length can be a percentage or have a unit.

@@ -69,7 +69,7 @@ fn spec() -> LodSpec {
         length: None,
         distances: Vec::new(),
         normals: chordal_verbs::Normals::Auto,
-        attributes: chordal::budget::AttributeLimits::default(),
+        attributes: chordal::budget::attributes::AttributeLimits::default(),
         errors: TileErrors::Scaled,
         tile_triangles: None,
         parts: LodParts::Separate,

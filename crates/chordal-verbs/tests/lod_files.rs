@@ -17,7 +17,7 @@ fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
         length: Some(tol.parse().unwrap()),
         distances: Vec::new(),
         normals: Normals::Auto,
-        attributes: chordal::budget::AttributeLimits::default(),
+        attributes: chordal::budget::attributes::AttributeLimits::default(),
         errors: TileErrors::Plain,
         tile_triangles: Some(tile_triangles),
         parts: LodParts::Separate,

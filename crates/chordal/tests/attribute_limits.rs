@@ -1,7 +1,8 @@
 //! Limits on attributes: what is made within them is measured to be within them, and they cost triangles.
 use crate::solids::shapes;
 
-use chordal::budget::{AttributeLimits, Failure, Reference, RefusalCode};
+use chordal::budget::attributes::AttributeLimits;
+use chordal::budget::{Failure, Reference, RefusalCode};
 use chordal::check::findings::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, NormalWeight, Semantic, Shading, Topology, with_normals};
 use chordal::lod::tiling::{TilingOptions, tree};

@@ -12,8 +12,9 @@ use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Outp
 use crate::too_fine::too_fine_note;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape};
 use chordal::Job;
+use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::camera::MinDistanceView;
-use chordal::budget::{AttributeLimits, Budget, Length, Pixels, RefusalCode, Tolerance, View};
+use chordal::budget::{Budget, Length, Pixels, RefusalCode, Tolerance, View};
 use chordal::lod::selection::SwitchDistances;
 use chordal_io::Format;
 use level_finisher::LevelFinisher;

@@ -7,11 +7,11 @@ use std::fmt;
 /// flat shading the normals are those of the faces, and have no limit.
 ///
 /// ```
-/// use chordal::budget::AttributeLimits;
+/// use chordal::budget::attributes::AttributeLimits;
 /// let limits = AttributeLimits::new(Some(0.01), None)?; // a hundredth of the texture
 /// assert_eq!(limits.texcoord(), Some(0.01));
 /// assert!(AttributeLimits::new(None, Some(200.0)).is_err());
-/// # Ok::<(), chordal::budget::InvalidAttributeLimit>(())
+/// # Ok::<(), chordal::budget::attributes::InvalidAttributeLimit>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AttributeLimits {

@@ -16,7 +16,7 @@ mod setting;
 mod tolerance;
 mod view;
 
-pub use attribute_limits::{AttributeLimits, InvalidAttributeLimit};
+pub(crate) use attribute_limits::AttributeLimits;
 pub use bound::{Bound, Evidence, Metric, Reference};
 pub use bounded::{Bounded, Failure, Refusal, RefusalCode};
 pub(crate) use cure::Cure;
@@ -39,6 +39,11 @@ pub mod advice {
     pub use super::cure::Cure;
     pub use super::message::{Message, Spell, Spelling};
     pub use super::setting::Setting;
+}
+
+/// Limits on the attributes of simplified meshes.
+pub mod attributes {
+    pub use super::attribute_limits::{AttributeLimits, InvalidAttributeLimit};
 }
 
 /// Cameras, and how large a length is on their screen.
