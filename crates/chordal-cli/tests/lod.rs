@@ -333,7 +333,7 @@ fn textured_sheet() -> String {
 #[test]
 fn limits_on_texture_coordinates_hold_for_every_level_and_are_reported() {
     let folder = Folder::new("lod-uv");
-    let (input, output) = (folder.file("sheet.obj", &textured_sheet()), folder.text("sheet.glb"));
+    let (input, output) = (folder.file("sheet.obj", textured_sheet()), folder.text("sheet.glb"));
     let lod = |more: &[&str]| {
         let made =
             run(&[&["lod", &input, "--tol", "0.05%", "-o", &output, "--force", "--json"], more].concat());
@@ -374,7 +374,7 @@ fn limits_on_texture_coordinates_hold_for_every_level_and_are_reported() {
 #[test]
 fn limits_on_attributes_that_make_no_sense_are_refused() {
     let folder = Folder::new("uv-refused");
-    let (input, output) = (folder.file("sheet.obj", &textured_sheet()), folder.text("sheet.glb"));
+    let (input, output) = (folder.file("sheet.obj", textured_sheet()), folder.text("sheet.glb"));
     for (words, code) in [
         (&["mesh", &input, "--triangles", "100", "--uv-error", "1%", "-o", &output][..], 5),
         (&["mesh", TEAPOT, "--tol", "0.1", "--uv-error", "1%", "-o", &output], 5),
