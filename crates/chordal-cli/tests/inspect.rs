@@ -436,3 +436,44 @@ fn a_format_without_indices_is_sized_by_its_positions() {
         assert!(shown.contains("  drawing     0.67 vertices a triangle"), "{shown}");
     }
 }
+
+#[test]
+fn a_seam_that_is_open_by_a_rounding_is_named_and_welding_within_its_gap_closes_it() {
+    // A sphere by longitude and latitude, whose last meridian is at sin(2π), which is not 0.
+    let (n, m) = (24, 12);
+    let mut text = String::new();
+    for (j, i) in (0..=m).flat_map(|j| (0..=n).map(move |i| (j, i))) {
+        let [t, p] = [f64::from(j) / f64::from(m), 2.0 * f64::from(i) / f64::from(n)]
+            .map(|x| x * std::f64::consts::PI);
+        text += &format!("v {} {} {}\n", t.sin() * p.cos(), t.sin() * p.sin(), t.cos());
+    }
+    for (j, i) in (0..m).flat_map(|j| (0..n).map(move |i| (j, i))) {
+        let a = j * (n + 1) + i + 1;
+        let [b, c, d] = [a + 1, a + n + 1, a + n + 2];
+        if j > 0 {
+            text += &format!("f {a} {c} {b}\n");
+        }
+        if j + 1 < m {
+            text += &format!("f {b} {c} {d}\n");
+        }
+    }
+    let folder = Folder::new("inspect-seam");
+    let (input, output) = (folder.file("sphere.obj", &text), folder.text("mended.obj"));
+    let made = run(&["inspect", &input]);
+    let tolerance = made.stdout.split("--weld=").nth(1).and_then(|rest| rest.split('`').next());
+    let tolerance = tolerance.unwrap_or_else(|| panic!("{}", made.stdout));
+    assert!(tolerance.parse::<f64>().is_ok_and(|gap| gap > 1e-17 && gap < 1e-15), "{tolerance}");
+    let report = run(&["inspect", &input, "--json"]).report();
+    let seams = &report["certificate"]["valid"]["open_seams"];
+    let vertices = seams["vertices"].as_u64();
+    assert!(
+        vertices.is_some_and(|n| n >= 20)
+            && seams["gap"].as_f64().is_some_and(|gap| gap <= tolerance.parse().unwrap()),
+        "{seams}"
+    );
+    let welded = run(&["mend", &input, &format!("--weld={tolerance}"), "--drop-degenerate", "-o", &output]);
+    assert_eq!(welded.code, 0, "{welded:?}");
+    let report = run(&["inspect", &output, "--json"]).report();
+    let valid = &report["certificate"]["valid"];
+    assert!(valid["closed"] == true && valid["open_seams"].is_null(), "{valid}");
+}

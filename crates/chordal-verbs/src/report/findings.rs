@@ -67,6 +67,7 @@ impl FindingFacts {
 
     fn new(defect: Defect, count: u64, valid: &ValidityFacts) -> Self {
         let cures = cures(defect, valid);
+        let seams = valid.anatomy.as_ref().and_then(|anatomy| anatomy.open_seams.as_ref());
         let [one, several] = defect.words();
         Self {
             of: defect.name(),
@@ -74,7 +75,13 @@ impl FindingFacts {
             weight: if defect.severity() == Severity::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
             // A repair with a side effect says so where it is named.
-            means: if cures.contains(&Cure::FillHoles) { may_cross() } else { defect.meaning().into() },
+            means: if let (Defect::BoundaryEdges, Some(seams)) = (defect, seams) {
+                seams.meaning()
+            } else if cures.contains(&Cure::FillHoles) {
+                may_cross()
+            } else {
+                defect.meaning().into()
+            },
             advice: advice(defect, valid, &cures),
             cures,
             options: Vec::new(),

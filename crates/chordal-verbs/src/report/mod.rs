@@ -47,7 +47,7 @@ pub use overshade::{OvershadeFacts, ShadingFacts};
 use part_check::witness_facts;
 pub(crate) use part_check::{CheckDepth, CountError};
 pub use repairs::{ChangeFacts, RepairFacts};
-pub use surface::{ComponentFacts, MOST_COMPONENTS, SurfaceFacts};
+pub use surface::{ComponentFacts, MOST_COMPONENTS, OpenSeamFacts, SurfaceFacts};
 pub(crate) use validity::CountedTriangles;
 pub use validity::{OtherCounts, PartValidity, ValidityFacts};
 pub use validity_counts::ValidityCounts;

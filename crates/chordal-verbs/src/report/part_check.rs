@@ -3,7 +3,7 @@ use super::witness::WitnessFacts;
 use crate::file_rows::rows_of;
 use chordal::Mesh;
 use chordal::budget::JobError;
-use chordal::check::findings::{Finding, MeshConnectivity, MeshLocation, Witness};
+use chordal::check::findings::{Finding, MeshConnectivity, MeshLocation, OpenSeams, Witness};
 use chordal::check::{Component, Defect, Validity, inside_out, self_intersections};
 use chordal::explicit::Topology;
 use chordal_io::{Format, WriteError};
@@ -35,6 +35,7 @@ pub(super) struct PartCheck {
     pub duplicate_vertices: Finding,
     pub components: Vec<Component>,
     pub inside_out: Finding,
+    pub open_seams: OpenSeams,
     /// `None` where they were not searched for.
     pub self_intersections: Option<Finding>,
 }
@@ -61,6 +62,7 @@ impl TopologyChecks {
                 CheckDepth::Full => surface.components(),
                 CheckDepth::Deep(job) => surface.components_under(job).map_err(CountError::Stopped)?,
             };
+            checked.open_seams = surface.open_seams();
             checked.inside_out = inside_out(&mesh, &checked.components);
             Ok(())
         })?;
@@ -113,6 +115,7 @@ impl PartCheck {
             duplicate_vertices: Finding::default(),
             components: Vec::new(),
             inside_out: Finding::default(),
+            open_seams: OpenSeams::default(),
             self_intersections: None,
         }
     }
@@ -141,7 +144,8 @@ impl PartCheck {
         let named = Defect::ALL.iter().map(|defect| (defect.name(), self.finding(*defect)));
         let opposite = ("opposite_faces", Some(&self.found.opposite_faces));
         let mut facts = Vec::new();
-        for (of, finding) in named.chain([opposite]) {
+        let seams = ("open_seam_vertices", Some(&self.open_seams.vertices));
+        for (of, finding) in named.chain([opposite, seams]) {
             for witness in finding.into_iter().flat_map(|finding| &finding.witnesses) {
                 facts.push(witness_facts(of, part, witness));
             }

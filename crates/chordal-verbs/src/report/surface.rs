@@ -3,9 +3,10 @@ use super::part_check::PartCheck;
 use super::scene_check::SceneCheck;
 use super::validity_counts::ValidityCounts;
 use crate::placements::IDENTITY;
-use chordal::budget::advice::Cure;
+use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::check::findings::Finding;
 use chordal::check::{Component, Facing, outward};
+use chordal::math::greater;
 use chordal_io::Scene;
 use serde::Serialize;
 
@@ -22,6 +23,9 @@ pub struct SurfaceFacts {
     /// Pairs of intersecting triangles, including those of different placements; `None` where they were not
     /// searched for, or the transforms cannot be applied.
     pub self_intersections: Option<u64>,
+    /// Boundaries that nearly coincide; `None` where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub open_seams: Option<OpenSeamFacts>,
     /// The average number of triangles at a position; `None` without triangles.
     pub triangles_per_vertex: Option<f64>,
     /// Whether no node moves a part. Otherwise all points, areas and volumes here are in the parts' own
@@ -36,6 +40,38 @@ pub struct SurfaceFacts {
     /// The repairs that helped when tried on these triangles; `None` where none were tried.
     #[serde(skip)]
     pub prescribed: Option<Vec<Cure>>,
+}
+
+/// Boundary vertices that nearly coincide with others, so that the surface looks closed and is not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OpenSeamFacts {
+    /// The vertices, over all parts.
+    pub vertices: u64,
+    /// The largest distance of one of them from its nearest: welding within it closes the seams. In the coordinates of
+    /// its part.
+    pub gap: f64,
+}
+
+impl OpenSeamFacts {
+    fn total(parts: &[&PartCheck]) -> Option<Self> {
+        let seams = || parts.iter().map(|part| &part.open_seams);
+        let vertices = seams().map(|seams| seams.vertices.count).sum();
+        (vertices > 0).then(|| Self { vertices, gap: seams().map(|seams| seams.gap).fold(0.0, greater) })
+    }
+
+    /// What they mean, and the tolerance that closes them.
+    pub(super) fn meaning(&self) -> Message {
+        // Two digits, rounded up.
+        let rounded = |x: f64| format!("{x:.1e}");
+        let is_enough = |text: &String| text.parse::<f64>().is_ok_and(|x| x >= self.gap);
+        let tolerance = Some(rounded(self.gap)).filter(is_enough).unwrap_or_else(|| rounded(1.06 * self.gap));
+        let words = format!(
+            "the surface ends there, so that it has no inside; {} of its boundary vertices are within {tolerance} of others, \
+             which `mend ",
+            self.vertices
+        );
+        Message::from(words).value(Setting::Cure(Cure::Weld), &tolerance).words("` joins")
+    }
 }
 
 /// The most components that are listed.
@@ -119,6 +155,7 @@ impl SurfaceFacts {
             outward: outward_of(parts),
             inside_out: parts.iter().map(|part| part.inside_out.count).sum(),
             self_intersections: crossing.map(|all| all.iter().map(|finding| finding.count).sum()),
+            open_seams: OpenSeamFacts::total(parts),
             triangles_per_vertex: triangles_per_vertex(parts),
             in_place: scene.nodes.iter().all(|node| node.matrix == IDENTITY),
             area: sum(|part| part.found.measure.area),

@@ -2,6 +2,7 @@
 use super::components::{Component, components_of, components_under};
 use super::duplicates::duplicate_positions;
 use super::finding::Finding;
+use super::open_seams::{OpenSeams, open_seams_of};
 use super::t_junctions::t_junctions_of;
 use super::validity::{Validity, validity_of};
 use crate::budget::{Job, JobError, Tolerance};
@@ -92,6 +93,13 @@ impl<'a> MeshConnectivity<'a> {
     #[must_use]
     pub fn t_junctions(&self, within: Option<Tolerance>) -> Finding {
         t_junctions_of(self, within)
+    }
+
+    /// Boundary vertices that nearly coincide with others: within a 1024th of the boundary edges there, and a 65,536th
+    /// of the diagonal of the mesh's box. n log n for n of them.
+    #[must_use]
+    pub fn open_seams(&self) -> OpenSeams {
+        open_seams_of(self)
     }
 
     /// The rule by which two rows are one position.

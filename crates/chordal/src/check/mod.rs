@@ -18,6 +18,7 @@ mod limit_deviation;
 mod loop_deviation;
 mod measure;
 mod nesting;
+mod open_seams;
 mod overshade;
 mod parallel;
 mod point_tree;
@@ -76,6 +77,7 @@ pub mod findings {
     pub use super::defect::Severity;
     pub use super::finding::{Finding, MAX_WITNESSES, MeshLocation, Witness};
     pub use super::measure::{Measure, measure};
+    pub use super::open_seams::OpenSeams;
 }
 
 /// What triangles cost a graphics processor beyond their pixels.
