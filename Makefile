@@ -104,6 +104,7 @@ test-web: tested need-wasm need-node tests/web/node_modules
 	node tests/web/tileset.mjs $(TARGET)/web/painted_tiles
 	node tests/web/validate.mjs $(TARGET)/web/*.glb $(TARGET)/web/painted_tiles/*.glb
 	node tests/web/meshopt.mjs crates/chordal-io/tests/data/meshopt_streams.json
+	node tests/web/draco.mjs crates/chordal-io/tests/data/draco_streams.json
 
 # An asset before and after each verb in three.js, and one without its materials, which has to be seen.
 LOOKS := $(TARGET)/web/looks

@@ -55,6 +55,9 @@ impl<'m> AccessorRows<'m> {
             // Strides are 252 at most, or 64 when they follow from the format.
             base = Some((bytes(model, view, offset, length)?, stride as usize));
         }
+        if let Some(rows) = &found.unpacked {
+            base = Some((rows, format.row_length() as usize));
+        }
         let mut sparse = None;
         if let Some(rows) = &found.sparse {
             let (Some(index_component), Some(index_view), Some(value_view)) =

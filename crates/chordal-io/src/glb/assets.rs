@@ -1,5 +1,6 @@
 //! Reads what a file has beside meshes and nodes into [`SceneAssets`].
 use super::accessor_rows::AccessorRows;
+use super::draco::DRACO;
 use super::format::ComponentType;
 use super::json::JsonValue;
 use super::leniency::ForgivenIssues;
@@ -17,7 +18,7 @@ use std::collections::BTreeMap;
 const KEPT_EXTENSIONS: [&str; 3] = ["KHR_lights_punctual", "KHR_node_visibility", "KHR_xmp_json_ld"];
 
 /// Extensions of primitives that the reader of parts warns of.
-const TOLD_OF_PARTS: [&str; 2] = ["KHR_draco_mesh_compression", "KHR_materials_variants"];
+const TOLD_OF_PARTS: [&str; 2] = [DRACO, "KHR_materials_variants"];
 
 /// The assets of a file.
 pub(super) struct AssetReader<'a> {

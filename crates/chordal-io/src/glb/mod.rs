@@ -6,6 +6,7 @@ mod container;
 mod dangling_references;
 pub(crate) mod deformation;
 mod document;
+mod draco;
 mod external;
 mod format;
 mod instances;

@@ -90,6 +90,8 @@ pub(super) struct GltfAccessor {
     pub min: Option<Box<[f64]>>,
     pub max: Option<Box<[f64]>>,
     pub sparse: Option<Box<GltfSparse>>,
+    /// The rows, tightly packed, where a primitive's compressed stream held them.
+    pub unpacked: Option<Vec<u8>>,
 }
 
 impl GltfAccessor {
@@ -157,7 +159,8 @@ pub(super) struct GltfPrimitive<'a> {
     pub variants: Vec<(usize, String)>,
     pub n_joints: u64,
     pub n_texcoords: u64,
-    pub draco: bool,
+    /// What compresses it.
+    pub draco: Option<GltfDracoStream<'a>>,
 }
 
 impl GltfPrimitive<'_> {
@@ -166,10 +169,27 @@ impl GltfPrimitive<'_> {
         self.attributes.iter().find(|(name, _)| *name == "POSITION").and_then(|(_, accessor)| *accessor)
     }
 
+    /// The accessors that its compressed stream fills, each with its attribute in the stream: `None` for
+    /// indices.
+    pub fn stream_accessors(&self) -> Vec<(usize, Option<u32>)> {
+        let Some(stream) = &self.draco else { return Vec::new() };
+        let id_of = |name: &str| stream.attributes.iter().find(|(known, _)| *known == name)?.1;
+        let attributes = self.attributes.iter();
+        let named = attributes.filter_map(|(name, accessor)| Some(((*accessor)?, Some(id_of(name)?))));
+        named.chain(self.indices.map(|indices| (indices, None))).collect()
+    }
+
     /// Whether it has triangles.
     pub fn is_drawn(&self) -> bool {
         self.mode.is_some_and(|mode| mode >= 4) && self.position().is_some()
     }
+}
+
+/// What `KHR_draco_mesh_compression` says of a primitive.
+pub(super) struct GltfDracoStream<'a> {
+    pub view: Option<usize>,
+    /// The number in the stream of each attribute.
+    pub attributes: Vec<(&'a str, Option<u32>)>,
 }
 
 /// A node of the scene graph.

@@ -1,6 +1,7 @@
 //! `PartReader`: reads meshes of the file into parts: vertices, triangles, attributes.
 use super::accessor_rows::{AccessorError, AccessorRows};
 use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning};
+use super::draco;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
 use super::skin_plan::SkinPlan;
@@ -125,12 +126,17 @@ impl<'m> PartReader<'m> {
             );
             return Ok(());
         };
-        if primitive.draco {
-            if item(&self.model.accessors, Some(position)).is_none_or(|accessor| accessor.view.is_none()) {
-                let what = "the primitive is compressed by KHR_draco_mesh_compression, which is not read";
-                return Err(ReadError::new("unsupported-extension", place(), what));
+        if primitive.draco.is_some() {
+            if draco::has_plain_copy(self.model, primitive) {
+                self.report.add(
+                    "draco-copy-ignored",
+                    place(),
+                    "Draco copies of plain primitives were ignored",
+                );
+            } else if item(&self.model.accessors, Some(position)).is_none_or(|rows| rows.unpacked.is_none()) {
+                let what = "the stream of Draco that holds the triangles could not be decoded";
+                return Err(ReadError::new(draco::BROKEN_STREAM, place(), what));
             }
-            self.report.add("draco-copy-ignored", place(), "Draco copies of plain primitives were ignored");
         }
         let key = (&primitive.attributes, primitive.targets.as_deref());
         let (first, count) = match draft.blocks.get(&key) {

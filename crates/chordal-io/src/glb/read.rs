@@ -9,7 +9,7 @@ use super::node_tree::NodeTree;
 use super::parts::PartReader;
 use super::report::GlbWarnings;
 use super::{DECODED_PER_BYTE, INSTANCING, LOD};
-use super::{container, external, meshopt, packed_views};
+use super::{container, draco, external, meshopt, packed_views};
 use crate::files::FileOpener;
 use crate::text::is_space;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, TextureOrigin};
@@ -20,7 +20,8 @@ use serde_json::Value;
 const OBJECT_BYTES: u64 = 512;
 
 /// Extensions that are read, or do not change the triangles; `*` matches any ending.
-const HARMLESS: [&str; 17] = [
+const HARMLESS: [&str; 18] = [
+    draco::DRACO,
     "KHR_mesh_quantization",
     "KHR_materials_*",
     "KHR_texture_*",
@@ -66,7 +67,7 @@ const HARMLESS: [&str; 17] = [
 ///
 /// # Errors
 /// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is exceeded,
-/// an unknown extension is required (Draco), a compressed view is broken, the triangles need another file, or
+/// an unknown extension is required, a compressed view or primitive is broken, the triangles need another file, or
 /// an error of gltf-validator.
 ///
 /// ```
@@ -115,6 +116,7 @@ pub(crate) fn read_with(
         quota = decode_quota(bytes.len() + model.n_external(), limits);
     }
     quota = packed_views::unpack(&mut model, &mut lint, quota)?;
+    quota = draco::unpack(&mut model, &mut lint, limits, quota)?;
     check_zeros(&model, limits, quota)?;
     lint::link(&mut lint, &mut model);
     let forgiven = ForgivenIssues::judge(lint.issues, limits, &mut report)?;
@@ -193,7 +195,7 @@ fn check_zeros(model: &GltfModel<'_>, limits: &Limits, quota: u64) -> Result<(),
     let mut left = quota;
     for (i, accessor) in model.accessors.iter().enumerate() {
         let Some((accessor, count)) = accessor.as_ref().and_then(|a| Some((a, a.count?))) else { continue };
-        if accessor.view.is_some() {
+        if accessor.view.is_some() || accessor.unpacked.is_some() {
             continue;
         }
         let row = accessor.format().map_or(1, |format| format.row_length());

@@ -116,3 +116,19 @@ pub fn refused_unless_lenient(json: &Value, bin: &[u8], code: &str, pointer: &st
     assert!(loaded.warnings.iter().any(|warning| warning.code == code), "{:?}", loaded.warnings);
     scene_of(loaded).0
 }
+
+/// The bytes of a text in base64.
+pub fn base64(text: &str) -> Vec<u8> {
+    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let (mut out, mut bits, mut n_bits) = (Vec::new(), 0_u32, 0);
+    for byte in text.bytes().filter(|byte| *byte != b'=') {
+        let digit = DIGITS.iter().position(|digit| *digit == byte).expect("a digit");
+        bits = (bits << 6 | digit as u32) & 0xFFFF;
+        n_bits += 6;
+        if n_bits >= 8 {
+            n_bits -= 8;
+            out.push((bits >> n_bits) as u8);
+        }
+    }
+    out
+}

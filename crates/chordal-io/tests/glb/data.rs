@@ -11,7 +11,6 @@ const REFUSED: &[(&str, &str)] = &[
         "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS",
     ),
     ("corner/trimesh/models/cube.glb", "GLB_CHUNK_LENGTH_UNALIGNED"),
-    ("gltf/khronos/testdata/Box/glTF_Binary/Box_Draco.glb", "unsupported-extension"),
     ("gltf/khronos/testdata/CesiumMan/glTF_Binary/CesiumMan.glb", "ACCESSOR_WEIGHTS_NON_NORMALIZED"),
 ];
 

@@ -3,6 +3,7 @@ mod assets;
 mod build;
 mod data;
 mod deformation;
+mod draco;
 mod errors;
 mod files;
 mod hostile_container;

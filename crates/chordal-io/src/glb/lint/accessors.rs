@@ -64,7 +64,7 @@ impl<'a> GltfLint<'a> {
         }
         self.name(map);
         self.extensions(map, ExtensionHost::Other);
-        GltfAccessor { view, offset, count, component, kind, normalized, min, max, sparse }
+        GltfAccessor { view, offset, count, component, kind, normalized, min, max, sparse, unpacked: None }
     }
 
     /// The minimum or maximum values: single-precision numbers, or integers within the range of the type.

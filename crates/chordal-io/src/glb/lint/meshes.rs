@@ -2,9 +2,12 @@
 use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
 use super::{ANY, GltfLint, IntegerRule, PointerToken};
+use crate::glb::draco::DRACO;
 use crate::glb::format::{AccessorFormat, AccessorType, ComponentType};
 use crate::glb::json::JsonValue;
-use crate::glb::model::{GltfAccessor, GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
+use crate::glb::model::{
+    GltfAccessor, GltfAttributes, GltfDracoStream, GltfMesh, GltfModel, GltfPrimitive, item,
+};
 use AccessorType::{Scalar, Vec2, Vec3, Vec4};
 use ComponentType::{F32, I8, I16, U8, U16, U32};
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,9 +68,22 @@ impl<'a> GltfLint<'a> {
         let found = self.extensions(map, ExtensionHost::Primitive);
         let mut variants = Vec::new();
         self.each_extension(found, |lint, _, value| lint.variants(value, &mut variants));
-        let draco = map.get("extensions").and_then(|all| all.get("KHR_draco_mesh_compression")).is_some();
+        let draco = map.get("extensions").and_then(|all| all.get(DRACO));
+        let draco =
+            draco.map(|value| self.within("extensions", |lint| lint.within(DRACO, |lint| lint.draco(value))));
         let [n_joints, n_texcoords] = counts;
         GltfPrimitive { attributes, indices, material, mode, targets, variants, n_joints, n_texcoords, draco }
+    }
+
+    /// The stream that compresses a primitive.
+    fn draco(&mut self, map: &'a JsonValue) -> GltfDracoStream<'a> {
+        let view = self.index(map, "bufferView", true);
+        let view = view.filter(|view| self.resolved("bufferViews", *view, "bufferView".into()));
+        let named = self.object(map, "attributes", true);
+        let named = named.map(|all| self.within("attributes", |lint| lint.named_accessors(all)));
+        let id = |id: Option<usize>| id.and_then(|id| u32::try_from(id).ok());
+        let attributes = named.unwrap_or_default().into_iter().map(|(name, value)| (name, id(value)));
+        GltfDracoStream { view, attributes: attributes.collect() }
     }
 
     fn attributes(&mut self, map: &'a JsonValue) -> GltfAttributes<'a> {

@@ -5,7 +5,7 @@ mod filters;
 mod hostile;
 mod streams;
 
-use super::build::glb_of;
+use super::build::{base64, glb_of};
 use chordal::explicit::Semantic;
 use chordal_io::{Content, Limits, ReadError, glb};
 use serde_json::{Value, json};
@@ -70,22 +70,6 @@ fn attribute(file: &[u8], limits: &Limits) -> Result<Vec<u8>, ReadError> {
     let Content::Scene(scene) = loaded.content else { panic!("no scene") };
     let rows = scene.parts[0].mesh.attribute(&Semantic::Custom("_B".to_owned())).expect("_B");
     Ok(rows.values.iter().map(|x| *x as u8).collect())
-}
-
-/// The bytes of a text in base64.
-fn base64(text: &str) -> Vec<u8> {
-    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let (mut out, mut bits, mut n_bits) = (Vec::new(), 0_u32, 0);
-    for byte in text.bytes().filter(|byte| *byte != b'=') {
-        let digit = DIGITS.iter().position(|digit| *digit == byte).expect("a digit");
-        bits = (bits << 6 | digit as u32) & 0xFFFF;
-        n_bits += 6;
-        if n_bits >= 8 {
-            n_bits -= 8;
-            out.push((bits >> n_bits) as u8);
-        }
-    }
-    out
 }
 
 /// A row of `tests/data/meshopt_streams.json`: a stream and what it decodes to.
