@@ -96,6 +96,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     let outcome = convert(input, to)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+    let outcome = outcome.packed(args.set.packing());
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };

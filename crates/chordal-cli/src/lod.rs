@@ -182,7 +182,8 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let name = source.name();
     let outcome = lod(input, &spec, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?
+        .packed(args.set.packing());
     let written = output.name();
     let bytes = output.write(args, &outcome, &name)?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("lod", name, written, bytes) };

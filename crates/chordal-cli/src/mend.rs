@@ -113,6 +113,7 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let outcome = mend(input, &args.spec(), to, &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+    let outcome = outcome.packed(args.set.packing());
     let one = &mut |out: &mut dyn io::Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };

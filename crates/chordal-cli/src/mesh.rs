@@ -159,6 +159,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     if let Some(level) = args.result.level {
         let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| run_outcome::fault(&source.name(), &failure, ""))?;
+        let outcome = outcome.packed(args.set.packing());
         let one = &mut |out: &mut dyn Write| outcome.write(out);
         let place = place(outcome.names_files());
         let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
@@ -180,6 +181,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
             }
         }
     };
+    let outcome = outcome.packed(args.set.packing());
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let place = place(outcome.names_files());
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;

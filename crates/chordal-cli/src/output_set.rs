@@ -3,7 +3,8 @@ use crate::fault::Fault;
 use crate::output::OutputTarget;
 use crate::overwrite::refuse_occupied;
 use chordal_io::Format;
-use clap::Args;
+use chordal_io::glb::GltfPacking;
+use clap::{Args, ValueEnum};
 
 /// Arguments of verbs whose output may be several files.
 #[derive(Args, Debug)]
@@ -12,14 +13,34 @@ pub struct OutputSetArgs {
     /// For .gltf: write the buffer (.bin) and the pictures as files beside it, instead of into it as text
     #[arg(long)]
     pub separate: bool,
+    /// For .glb and .gltf: compress vertices and triangles, without loss, as readers unpack by an extension
+    #[arg(long, value_name = "CODEC")]
+    pub compress: Option<Compression>,
+}
+
+/// How a glTF is compressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Compression {
+    /// `EXT_meshopt_compression`
+    Meshopt,
 }
 
 impl OutputSetArgs {
+    /// How a glTF stores its numbers.
+    pub fn packing(&self) -> GltfPacking {
+        GltfPacking { is_compressed: self.compress == Some(Compression::Meshopt) }
+    }
+
     /// Refuses what cannot be several files, and what is there already, as far as that is known before the work.
     ///
     /// # Errors
     /// When several files were asked for, and the format or the target has one, or a file should not be written.
     pub fn check(&self, target: &OutputTarget, format: Format) -> Result<(), Fault> {
+        if self.compress.is_some() && !matches!(format, Format::Glb | Format::Gltf) {
+            return Err(Fault::usage(format!(
+                "--compress is for .glb and .gltf; {format} holds plain numbers"
+            )));
+        }
         if !self.separate {
             return Ok(());
         }

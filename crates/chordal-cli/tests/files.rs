@@ -306,6 +306,11 @@ fn several_files_are_for_formats_and_places_that_have_them() {
     };
     mesh(&folder.text("b.glb"), &[]).fails_with(2, &["--separate", ".gltf", "glb"]);
     mesh("-", &["--to", "gltf"]).fails_with(2, &["--separate", "stdout"]);
+    let compress = |output: &str| run(&["convert", &input, &folder.text(output), "--compress", "meshopt"]);
+    compress("b.ply").fails_with(2, &["--compress", ".glb", "ply"]);
+    let (patch, made) = (folder.file("p.bpt", PATCH), folder.text("c.gltf"));
+    run(&["mesh", &patch, "--tol", "0.0001", "--compress", "meshopt", "-o", &made, "-q"]).succeeds();
+    assert!(std::fs::read_to_string(made).expect("text").contains("EXT_meshopt_compression"));
     mesh(&folder.text("b.bin"), &["--to", "gltf"]).fails_with(2, &["b.bin", "buffer"]);
     run(&["lod", &input, "-o", &folder.text("t/"), "--separate"]).fails_with(2, &["--separate", "tiles"]);
     assert_eq!(folder.names(), ["a.obj"]);

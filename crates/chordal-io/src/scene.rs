@@ -1,4 +1,5 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
+use crate::glb::GltfPacking;
 use crate::{Curves, Drawing, Frame, MATERIAL, Polygons, SceneAssets, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
@@ -69,6 +70,8 @@ pub struct Scene {
     pub groups: BTreeMap<String, Vec<String>>,
     /// Materials with their textures, cameras, lights, animations.
     pub assets: Box<SceneAssets>,
+    /// How glTF stores its numbers. Readers leave it at the plain form, whatever the form of their file.
+    pub packing: GltfPacking,
 }
 
 /// The shape that a reader found.

@@ -11,6 +11,7 @@ use chordal::explicit::subdivision::{CornerTexcoords, Scheme};
 use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
+use chordal_io::glb::GltfPacking;
 use chordal_io::{
     FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, polygon_rounding, snap, write,
     write_files, write_polygons, write_polygons_files,
@@ -86,6 +87,15 @@ pub struct RefineOutcome {
 }
 
 impl RefineOutcome {
+    /// Stores the numbers of triangles in another way, where the format is glTF.
+    #[must_use]
+    pub fn packed(mut self, packing: GltfPacking) -> Self {
+        if let ControlMesh::Triangles(scene) = &mut self.made {
+            scene.packing = packing;
+        }
+        self
+    }
+
     /// Writes the mesh, and the certificate where the format can carry it.
     ///
     /// # Errors

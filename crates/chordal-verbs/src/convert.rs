@@ -10,6 +10,7 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Reference};
 use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
+use chordal_io::glb::GltfPacking;
 use chordal_io::{
     FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, WriteError, losses,
     losses_of_polygons, polygon_rounding, write, write_files, write_polygons, write_polygons_files,
@@ -45,6 +46,15 @@ pub struct ConvertOutcome {
 }
 
 impl ConvertOutcome {
+    /// Stores the numbers of triangles in another way, where the format is glTF.
+    #[must_use]
+    pub fn packed(mut self, packing: GltfPacking) -> Self {
+        if let ConvertedShape::Triangles(scene) = &mut self.made {
+            scene.packing = packing;
+        }
+        self
+    }
+
     /// Writes the shape, and the certificate where the format can carry it. Samples keep the certificate that
     /// they came with: they are the same to the bit, so that it still holds.
     ///

@@ -1,14 +1,17 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
 use super::deformation::{has_skin, skin_sets, targets_of};
+use super::draw_order::in_draw_order;
 use super::material_runs::material_runs;
+use super::meshopt;
 use super::node_list;
+use super::packing::GltfPacking;
 use super::split::split;
-use super::streams::{AccessorStream, stored_bounds};
+use super::streams::{AccessorStream, CompressedStream, stored_bounds};
 use crate::assets::{ImageContent, SceneAssets, collect_extensions, plain_material};
 use crate::single_precision::origin_of;
 use crate::{CoordinateOverflow, Frame, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
-use chordal::explicit::{Domain, Semantic};
+use chordal::explicit::{Domain, InvalidMesh, Semantic};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -22,8 +25,12 @@ pub(super) struct GltfPart<'a> {
 }
 
 impl<'a> GltfPart<'a> {
-    pub fn from_part(part: &'a Part, frame: &Frame) -> Result<Self, WriteError> {
-        let mesh = split(&part.mesh).map_err(|error| WriteError::Unsupported(error.to_string()))?;
+    pub fn from_part(part: &'a Part, frame: &Frame, packing: GltfPacking) -> Result<Self, WriteError> {
+        let too_large = |error: InvalidMesh| WriteError::Unsupported(error.to_string());
+        let mut mesh = split(&part.mesh).map_err(too_large)?;
+        if packing.is_compressed {
+            mesh = Cow::Owned(in_draw_order(&mesh).map_err(too_large)?);
+        }
         let n_points = mesh.positions().len();
         if mesh.faces().is_empty() && n_points > 0 {
             let name = &part.name;
@@ -39,6 +46,7 @@ impl<'a> GltfPart<'a> {
 /// The JSON that is being built, and the streams behind its accessors.
 pub(super) struct GltfDocument<'a> {
     assets: &'a SceneAssets,
+    packing: GltfPacking,
     accessors: Vec<Value>,
     views: Vec<Value>,
     meshes: Vec<Value>,
@@ -50,6 +58,8 @@ pub(super) struct GltfDocument<'a> {
     /// The content of the BIN chunk, in order.
     pub streams: Vec<AccessorStream<'a>>,
     n_bytes: u64,
+    /// The bytes that compressed views have once they are unpacked, each from a multiple of four on.
+    n_unpacked: u64,
     /// For each part its mesh, unless it is empty, and its origin.
     shown: Vec<node_list::PartMesh>,
     /// The materials for meshes without and with a boundary, once they are used.
@@ -58,9 +68,10 @@ pub(super) struct GltfDocument<'a> {
 
 impl<'a> GltfDocument<'a> {
     /// Starts with the materials of a scene, and with its images.
-    pub fn new(assets: &'a SceneAssets) -> Self {
+    pub fn new(assets: &'a SceneAssets, packing: GltfPacking) -> Self {
         let mut document = Self {
             assets,
+            packing,
             accessors: Vec::new(),
             views: Vec::new(),
             meshes: Vec::new(),
@@ -70,6 +81,7 @@ impl<'a> GltfDocument<'a> {
             skins: Vec::new(),
             streams: Vec::new(),
             n_bytes: 0,
+            n_unpacked: 0,
             shown: Vec::new(),
             material: [None; 2],
         };
@@ -165,7 +177,7 @@ impl<'a> GltfDocument<'a> {
             return Err(CoordinateOverflow { value: *value }.into());
         }
         let mut attributes = Map::new();
-        let at = self.add(AccessorStream::positions(mesh, shape.origin));
+        let at = self.add(AccessorStream::positions(mesh, shape.origin))?;
         self.accessors[at]["min"] = json!(bounds[0]);
         self.accessors[at]["max"] = json!(bounds[1]);
         attributes.insert("POSITION".to_owned(), json!(at));
@@ -175,11 +187,11 @@ impl<'a> GltfDocument<'a> {
             if attributes.contains_key(&name) {
                 return Err(WriteError::Unsupported(format!("two attributes are called {name}")));
             }
-            attributes.insert(name, json!(self.add(stream)));
+            attributes.insert(name, json!(self.add(stream)?));
         }
         for (set, found) in skin_sets(mesh).into_iter().enumerate() {
             for stream in AccessorStream::skin_set(set, found) {
-                attributes.insert(stream.name.clone().unwrap_or_default(), json!(self.add(stream)));
+                attributes.insert(stream.name.clone().unwrap_or_default(), json!(self.add(stream)?));
             }
         }
         let targets = self.add_targets(mesh)?;
@@ -188,7 +200,7 @@ impl<'a> GltfDocument<'a> {
         for (group, n_faces) in material_runs(mesh) {
             let faces = &mesh.faces()[first..first + n_faces];
             first += n_faces;
-            let indices = self.add(AccessorStream::indices(faces, mesh.positions().len()));
+            let indices = self.add(AccessorStream::indices(faces, mesh.positions().len()))?;
             let material =
                 match group.checked_sub(1).filter(|material| *material < self.assets.materials.len()) {
                     Some(material) => material,
@@ -215,7 +227,7 @@ impl<'a> GltfDocument<'a> {
         for found in targets_of(mesh) {
             let mut target = Map::new();
             for (name, attribute) in found {
-                let at = self.add(AccessorStream::morph(name, attribute)?);
+                let at = self.add(AccessorStream::morph(name, attribute)?)?;
                 if name == "POSITION" {
                     let mut bounds = [vec![f64::INFINITY; 3], vec![f64::NEG_INFINITY; 3]];
                     for (i, x) in attribute.values.iter().enumerate() {
@@ -233,14 +245,41 @@ impl<'a> GltfDocument<'a> {
         Ok(targets)
     }
 
-    fn add(&mut self, stream: AccessorStream<'a>) -> usize {
+    fn add(&mut self, stream: AccessorStream<'a>) -> Result<usize, WriteError> {
         let [component_type, count] = [json!(stream.component_type()), json!(stream.count())];
         let kind = stream.kind();
-        let view = self.add_view(stream);
+        let compressed = if self.packing.is_compressed { stream.compressed()? } else { None };
+        let view = match compressed {
+            Some(compressed) => self.add_compressed(compressed),
+            None => self.add_view(stream),
+        };
         self.accessors.push(json!({
             "bufferView": view, "componentType": component_type, "count": count, "type": kind
         }));
-        self.accessors.len() - 1
+        Ok(self.accessors.len() - 1)
+    }
+
+    /// Adds a view that is compressed: the stream, and the view over the bytes that it unpacks to.
+    fn add_compressed(&mut self, compressed: CompressedStream) -> usize {
+        let CompressedStream { stream, stride, count, is_index, target } = compressed;
+        let at = self.n_bytes;
+        let mut packed = json!({
+            "buffer": 0, "byteOffset": at, "byteLength": stream.len(), "byteStride": stride, "count": count,
+        });
+        packed["mode"] = json!(if is_index { "TRIANGLES" } else { "ATTRIBUTES" });
+        let n_unpacked = count * stride;
+        let mut view = json!({ "buffer": 1, "byteOffset": self.n_unpacked, "byteLength": n_unpacked });
+        if !is_index {
+            view["byteStride"] = json!(stride);
+        }
+        view["target"] = json!(target);
+        view["extensions"] = json!({ meshopt::NAMES[0]: packed });
+        self.n_unpacked += (n_unpacked as u64).next_multiple_of(4);
+        let stream = AccessorStream::compressed_bytes(stream);
+        self.n_bytes += stream.n_padded();
+        self.streams.push(stream);
+        self.views.push(view);
+        self.views.len() - 1
     }
 
     fn add_view(&mut self, stream: AccessorStream<'a>) -> usize {
@@ -291,7 +330,13 @@ impl<'a> GltfDocument<'a> {
         root.insert("scene".to_owned(), json!(0));
         let roots = if nodes.roots.is_empty() { json!({}) } else { json!({ "nodes": nodes.roots }) };
         root.insert("scenes".to_owned(), json!([roots]));
-        let buffers = if self.n_bytes == 0 { vec![] } else { vec![json!({ "byteLength": self.n_bytes })] };
+        let mut buffers =
+            if self.n_bytes == 0 { vec![] } else { vec![json!({ "byteLength": self.n_bytes })] };
+        if self.n_unpacked > 0 {
+            // It has no bytes: it is what readers unpack.
+            let fallback = json!({ meshopt::NAMES[0]: { "fallback": true } });
+            buffers.push(json!({ "byteLength": self.n_unpacked, "extensions": fallback }));
+        }
         for (name, list) in [
             ("nodes", &nodes.list),
             ("meshes", &self.meshes),
@@ -321,13 +366,16 @@ impl<'a> GltfDocument<'a> {
         }
         let mut used = self.assets.used_extensions();
         nodes.list.iter().for_each(|node| collect_extensions(node, &mut used));
+        let meshopt = (self.n_unpacked > 0).then(|| meshopt::NAMES[0].to_owned());
+        used.extend(meshopt.clone());
         used.sort_unstable();
         used.dedup();
         if used.is_empty() {
             return;
         }
-        let required: Vec<&String> =
+        let mut required: Vec<&String> =
             self.assets.required_extensions.iter().filter(|name| used.contains(name)).collect();
+        required.extend(meshopt.iter().filter(|name| !self.assets.required_extensions.contains(name)));
         if !required.is_empty() {
             root.insert("extensionsRequired".to_owned(), json!(required));
         }

@@ -4,7 +4,7 @@ use super::level_set::GlbLevels;
 use super::node_list::NodeLevels;
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
 use crate::side_file::{side_stem, uri_of};
-use crate::{CoordinateOverflow, FileSet, Frame, Part, Scene, SceneAssets, SideFile, WriteError};
+use crate::{CoordinateOverflow, FileSet, Part, Scene, SceneAssets, SideFile, WriteError};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::io::Write;
@@ -39,10 +39,10 @@ fn with_assets<T>(
     write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<T, WriteError>,
 ) -> Result<T, WriteError> {
     let GlbLevels { scene, coarser, coverages, certificate } = levels;
-    let shapes = gltf_parts(&scene.parts, &scene.frame)?;
-    let coarser_shapes = coarser.iter().map(|parts| gltf_parts(parts, &scene.frame));
+    let shapes = gltf_parts(&scene.parts, scene)?;
+    let coarser_shapes = coarser.iter().map(|parts| gltf_parts(parts, scene));
     let coarser_shapes = coarser_shapes.collect::<Result<Vec<_>, _>>()?;
-    let mut document = GltfDocument::new(assets);
+    let mut document = GltfDocument::new(assets, scene.packing);
     for (part, shape) in scene.parts.iter().zip(&shapes) {
         document.add_part(part, shape)?;
     }
@@ -57,8 +57,9 @@ fn with_assets<T>(
     write(&document, json)
 }
 
-fn gltf_parts<'a>(parts: &'a [Part], frame: &Frame) -> Result<Vec<GltfPart<'a>>, WriteError> {
-    parts.iter().map(|part| GltfPart::from_part(part, frame)).collect()
+/// Parts that are placed as those of a scene, in the form that glTF can hold.
+fn gltf_parts<'a>(parts: &'a [Part], scene: &Scene) -> Result<Vec<GltfPart<'a>>, WriteError> {
+    parts.iter().map(|part| GltfPart::from_part(part, &scene.frame, scene.packing)).collect()
 }
 
 /// Writes the JSON with the buffer in it.

@@ -1,11 +1,13 @@
 //! `AccessorStream`: one accessor to be written: its rows, and how they become bytes.
 use super::deformation::SkinSet;
+use super::meshopt;
 use crate::WriteError;
 use crate::single_precision::store;
 use chordal::Mesh;
 use chordal::convert::gpu::IndexBuffer;
 use chordal::explicit::{Attribute, Semantic};
 use chordal::math::{greater, lesser, unit};
+use std::borrow::Cow;
 use std::io::Write;
 
 /// Bytes that are collected before they go to the sink.
@@ -26,7 +28,7 @@ pub(super) enum AccessorSource<'a> {
     /// Texture coordinates that begin at the lower left corner: v is turned over.
     TurnedTexcoords(&'a Attribute),
     /// Bytes as they are.
-    Bytes(&'a [u8]),
+    Bytes(Cow<'a, [u8]>),
     /// Indices of joints, four a vertex.
     Joints(Vec<u16>),
     /// Weights of joints, four a vertex.
@@ -39,6 +41,18 @@ pub(super) struct AccessorStream<'a> {
     pub name: Option<String>,
     /// Its rows.
     pub rows: AccessorSource<'a>,
+}
+
+/// The rows of an accessor, compressed.
+pub(super) struct CompressedStream {
+    pub stream: Vec<u8>,
+    /// The bytes of a row, once it is unpacked.
+    pub stride: usize,
+    /// The number of rows.
+    pub count: usize,
+    /// Whether they are corners of triangles.
+    pub is_index: bool,
+    pub target: u32,
 }
 
 impl<'a> AccessorStream<'a> {
@@ -54,7 +68,38 @@ impl<'a> AccessorStream<'a> {
 
     /// Bytes that are no rows of vertices.
     pub fn bytes(bytes: &'a [u8]) -> Self {
-        Self { name: None, rows: AccessorSource::Bytes(bytes) }
+        Self { name: None, rows: AccessorSource::Bytes(Cow::Borrowed(bytes)) }
+    }
+
+    /// A compressed stream.
+    pub fn compressed_bytes(stream: Vec<u8>) -> Self {
+        Self { name: None, rows: AccessorSource::Bytes(Cow::Owned(stream)) }
+    }
+
+    /// The rows compressed, unless that makes them longer.
+    ///
+    /// # Errors
+    /// As for [`Self::write`].
+    pub fn compressed(&self) -> Result<Option<CompressedStream>, WriteError> {
+        let (Some(target), count) = (self.target(), self.count()) else { return Ok(None) };
+        let n_bytes = self.n_bytes();
+        if n_bytes == 0 {
+            return Ok(None);
+        }
+        let (is_index, stream) = match self.rows {
+            AccessorSource::Short(faces) | AccessorSource::Long(faces) => {
+                (true, meshopt::encode_triangles(faces))
+            }
+            _ => {
+                let mut bytes = Vec::new();
+                self.write(&mut bytes)?;
+                // Rows are of numbers of four bytes, or of four of two.
+                (false, meshopt::encode_rows(&bytes, bytes.len() / count))
+            }
+        };
+        let stride = n_bytes as usize / count;
+        let is_shorter = (stream.len() as u64) < n_bytes;
+        Ok(is_shorter.then_some(CompressedStream { stream, stride, count, is_index, target }))
     }
 
     /// The positions of a mesh about an origin.
@@ -252,7 +297,13 @@ pub(super) fn stored_bounds(mesh: &Mesh, origin: [f64; 3]) -> [[f64; 3]; 2] {
 /// vector.
 fn unit_or_axis(row: &[f64], axis: usize) -> [f64; 3] {
     let along_axis = || std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 });
-    unit([row[0], row[1], row[2]]).unwrap_or_else(along_axis)
+    let v = [row[0], row[1], row[2]];
+    // What was of length 1 before it was rounded to single precision stays as it is, to the last bit.
+    let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (squared - 1.0).abs() < 4.0 * f64::from(f32::EPSILON) {
+        return v;
+    }
+    unit(v).unwrap_or_else(along_axis)
 }
 
 /// Checks that single precision can hold the values, and that they fit the semantic.

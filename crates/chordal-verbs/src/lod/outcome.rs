@@ -7,6 +7,7 @@ use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Bound, View};
 use chordal::lod::selection::{HYSTERESIS, SwitchDistances};
 use chordal_io::Scene;
+use chordal_io::glb::GltfPacking;
 use std::borrow::Cow;
 
 /// Levels of detail with their certificate.
@@ -76,6 +77,16 @@ fn facts_of(level: &SceneLevel) -> LevelFacts {
 }
 
 impl LodOutcome {
+    /// Stores the numbers of all levels in another way.
+    #[must_use]
+    pub fn packed(mut self, packing: GltfPacking) -> Self {
+        match &mut self.made {
+            LodLayout::Levels(levels) => levels.finest.packing = packing,
+            LodLayout::Cut(cut) => cut.tiles.iter_mut().for_each(|tile| tile.scene.packing = packing),
+        }
+        self
+    }
+
     /// A level as it will be written, the finest first, with its bound; `None` where the finest level is cut
     /// in space, and beyond the last one.
     #[must_use]

@@ -184,7 +184,7 @@ impl SceneLevels {
             return Some(Cow::Borrowed(&self.finest));
         }
         let parts = choice.iter().enumerate().map(|(part, level)| self.part(part, *level).clone());
-        let Scene { nodes, roots, frame, certificate, groups, assets, .. } = &self.finest;
+        let Scene { nodes, roots, frame, certificate, groups, assets, packing, .. } = &self.finest;
         Some(Cow::Owned(Scene {
             parts: parts.collect(),
             nodes: nodes.clone(),
@@ -193,6 +193,7 @@ impl SceneLevels {
             certificate: certificate.clone(),
             groups: groups.clone(),
             assets: assets.clone(),
+            packing: *packing,
         }))
     }
 }

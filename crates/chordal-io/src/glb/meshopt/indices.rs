@@ -1,8 +1,9 @@
 //! The index codecs: triangles by edges and vertices that came shortly before, and plain lists of indices.
 use super::packed_bytes::{PackedBytes, split};
+use super::recent_items::RecentItems;
 
 /// The length of the table of codes at the end of a list of triangles: defined by the format.
-const TABLE: usize = 16;
+pub(super) const TABLE: usize = 16;
 /// The reserved bytes at the end of a list of indices: defined by the format.
 const SEQUENCE_TAIL: usize = 4;
 
@@ -25,31 +26,6 @@ impl<'a> IndexSink<'a> {
         }
         place.copy_from_slice(kept);
         Ok(())
-    }
-}
-
-/// The last sixteen things, the newest first.
-struct RecentItems<T> {
-    items: [T; 16],
-    n_pushed: usize,
-}
-
-impl<T: Copy + Default> RecentItems<T> {
-    fn new() -> Self {
-        Self { items: [T::default(); 16], n_pushed: 0 }
-    }
-
-    fn push(&mut self, item: T) {
-        self.items[self.n_pushed % 16] = item;
-        self.n_pushed += 1;
-    }
-
-    /// The item that came `age` pushes before the newest; an error where so many were never pushed.
-    fn get(&self, age: u8) -> Result<T, String> {
-        let place = self.n_pushed.checked_sub(usize::from(age) + 1);
-        let place =
-            place.ok_or_else(|| "a triangle names an edge or a vertex before the first".to_owned())?;
-        Ok(self.items[place % 16])
     }
 }
 
@@ -79,7 +55,7 @@ impl TriangleDecoder<'_> {
 
     /// A triangle on a recent edge: `edge` is its age, `code` tells the third corner.
     fn on_edge(&mut self, version: u8, edge: u8, code: u8) -> Result<[u32; 3], String> {
-        let [a, b] = self.edges.get(edge)?;
+        let [a, b] = recent(self.edges.get(edge))?;
         // Version 1 has two codes for the neighbours of the last stored index, which version 0 has not.
         let c = match code {
             0 => self.next(),
@@ -89,7 +65,7 @@ impl TriangleDecoder<'_> {
                 self.last
             }
             age => {
-                let c = self.vertices.get(age)?;
+                let c = recent(self.vertices.get(age))?;
                 self.push_edges([[c, b], [a, c]]);
                 return Ok([a, b, c]);
             }
@@ -110,7 +86,7 @@ impl TriangleDecoder<'_> {
                 15 => self.stored()?,
                 age => {
                     is_new[k] = false;
-                    self.vertices.get(age - 1)?
+                    recent(self.vertices.get(age - 1))?
                 }
             };
         }
@@ -123,6 +99,11 @@ impl TriangleDecoder<'_> {
     fn push_edges<const N: usize>(&mut self, edges: [[u32; 2]; N]) {
         edges.into_iter().for_each(|edge| self.edges.push(edge));
     }
+}
+
+/// What a triangle names, if it is there.
+fn recent<T>(item: Option<T>) -> Result<T, String> {
+    item.ok_or_else(|| "a triangle names an edge or a vertex before the first".to_owned())
 }
 
 fn unzigzag(x: u32) -> u32 {

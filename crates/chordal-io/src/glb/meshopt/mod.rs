@@ -1,5 +1,7 @@
 //! The codecs of `EXT_meshopt_compression` and `KHR_meshopt_compression`: a view's bytes from a stream.
 //!
+//! Rows and triangles are also encoded, in the oldest version that every reader knows.
+//!
 //! There are three bitstreams: vertices of any stride, triangles by their indices, and other indices, each in
 //! versions 0 and 1. Vertices may pass a filter afterwards. The codecs are written in safe Rust after the
 //! descriptions of the formats, since the original library is C++, and since a file is hostile: a stream that
@@ -15,7 +17,10 @@
 mod filters;
 mod indices;
 mod packed_bytes;
+mod recent_items;
 mod vertices;
+mod write_triangles;
+mod write_vertices;
 
 /// The names of the extension, in the order in which they are looked for.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
@@ -117,6 +122,16 @@ impl MeshoptLayout {
     pub fn n_bytes(&self) -> u64 {
         self.count.saturating_mul(self.stride)
     }
+}
+
+/// Encodes rows of attributes of `stride` bytes, of which there is one at least: see [`MeshoptMode::Attributes`].
+pub(super) fn encode_rows(rows: &[u8], stride: usize) -> Vec<u8> {
+    write_vertices::encode(rows, stride)
+}
+
+/// Encodes triangles, each of which may come out turned to another first corner: see [`MeshoptMode::Triangles`].
+pub(super) fn encode_triangles(triangles: &[[u32; 3]]) -> Vec<u8> {
+    write_triangles::encode(triangles)
 }
 
 /// Decodes a stream into as many zeros as its layout has bytes. The layout breaks no rule.

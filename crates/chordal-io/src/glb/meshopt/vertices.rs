@@ -2,17 +2,17 @@
 use super::packed_bytes::{PackedBytes, split};
 
 /// Rows in a group. This and the next two: defined by the format.
-const GROUP: usize = 16;
+pub(super) const GROUP: usize = 16;
 /// The most rows in a block.
-const BLOCK_ROWS: usize = 256;
+pub(super) const BLOCK_ROWS: usize = 256;
 /// The most bytes that the rows of a block have.
-const BLOCK_BYTES: usize = 8192;
+pub(super) const BLOCK_BYTES: usize = 8192;
 
 /// The least length of the tail by version: its start is filled up with zeros.
-const LEAST_TAIL: [usize; 2] = [32, 24];
+pub(super) const LEAST_TAIL: [usize; 2] = [32, 24];
 
 /// How many bits a difference has in a group, by the two bits of the group's header.
-const BITS_V0: [u8; 4] = [0, 2, 4, 8];
+pub(super) const BITS_V0: [u8; 4] = [0, 2, 4, 8];
 /// The same in version 1, by the control mode of the byte.
 const BITS_V1: [[u8; 4]; 2] = [[0, 1, 2, 4], [1, 2, 4, 8]];
 

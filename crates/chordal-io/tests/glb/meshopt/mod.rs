@@ -4,6 +4,7 @@ mod files;
 mod filters;
 mod hostile;
 mod streams;
+mod written;
 
 use super::build::{base64, glb_of};
 use chordal::explicit::Semantic;
