@@ -18,6 +18,7 @@ use crate::summary::{SummaryLines, attribute};
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Length, Pixels, View};
+use chordal_io::tiles::GeoPlace;
 use chordal_io::{Format, picture_extensions};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
 use chordal_verbs::{Input, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod};
@@ -83,6 +84,11 @@ pub struct LodArgs {
     /// own, and nodes, instances, skins and animations are kept
     #[arg(long, help_heading = "Levels")]
     pub merge: bool,
+
+    /// For tiles: where on the Earth the origin stands, with x to the east: degrees north, degrees east, metres
+    /// above the ellipsoid of WGS 84
+    #[arg(long, help_heading = "Levels", value_name = "LAT,LON[,H]", allow_hyphen_values = true)]
+    pub at: Option<GeoPlace>,
 
     /// Normals of triangles, as for mesh
     #[arg(long, help_heading = "Levels", value_name = "HOW", default_value = "auto")]
@@ -154,6 +160,9 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         return Err(Fault::usage(message.to_owned()));
     }
     let form = LodForm::of(&args.output.output)?;
+    if args.at.is_some() && form != LodForm::Tiles {
+        return Err(Fault::usage("--at is for a folder of 3D Tiles: a glTF has no place on the Earth"));
+    }
     let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
@@ -178,6 +187,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         },
         tile_triangles: (form == LodForm::Tiles).then_some(args.tile_triangles),
         parts: if args.merge { LodParts::Merged } else { LodParts::Separate },
+        place: args.at,
     };
     let name = source.name();
     let outcome = lod(input, &spec, &job)

@@ -156,6 +156,32 @@ fn tiles_of_patches_say_errors_by_which_viewers_keep_the_pixel() {
 }
 
 #[test]
+fn tiles_stand_at_a_place_on_the_earth() {
+    let folder = Folder::new("lod-place");
+    let lod = |name: &str, more: &[&str]| {
+        let output = folder.text(name);
+        run(&[&["lod", TEAPOT, "-o", &output, "--nearest", "40", "-q"][..], more].concat())
+    };
+    let root = |name: &str| -> Value {
+        let list = std::fs::read(folder.path(name).join("tileset.json")).unwrap();
+        serde_json::from_slice::<Value>(&list).unwrap()["root"].clone()
+    };
+    lod("plain/", &[]).succeeds();
+    lod("pole/", &["--at", "90,0,50"]).succeeds();
+    // At the North Pole on longitude 0, east is y, north is -x, and up is z.
+    let matrix: Vec<f64> =
+        root("pole")["transform"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    assert_eq!(matrix[..12], [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    assert!((matrix[14] - 6_356_802.314_245_179).abs() < 1e-8, "{matrix:?}");
+    assert_eq!(root("pole")["boundingVolume"], root("plain")["boundingVolume"]);
+    assert!(root("plain")["transform"].is_null());
+    lod("south/", &["--at", "-33.9,-70"]).succeeds();
+    lod("x.glb", &["--at", "1,2"]).fails_with(2, &["--at", "3D Tiles"]);
+    lod("y/", &["--at", "91,2"]).fails_with(2, &["latitude"]);
+    lod("z/", &["--at", "1"]).fails_with(2, &["LATITUDE,LONGITUDE"]);
+}
+
+#[test]
 fn a_large_mesh_is_cut_into_tiles_and_the_table_counts_them() {
     let folder = Folder::new("lod-cut");
     // Far from the origin, where coordinates of tiles cannot be about zero.

@@ -73,6 +73,7 @@ fn spec() -> LodSpec {
         errors: TileErrors::Scaled,
         tile_triangles: None,
         parts: LodParts::Separate,
+        place: None,
     }
 }
 

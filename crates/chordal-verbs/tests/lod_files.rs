@@ -21,6 +21,7 @@ fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
         errors: TileErrors::Plain,
         tile_triangles: Some(tile_triangles),
         parts: LodParts::Separate,
+        place: None,
     }
 }
 

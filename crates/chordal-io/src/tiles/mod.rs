@@ -2,6 +2,7 @@
 //! content.
 mod bounds;
 mod content;
+mod geo_place;
 mod parse;
 mod read;
 mod subtree;
@@ -11,6 +12,7 @@ mod write;
 pub use crate::files::FileOpener;
 pub use bounds::{aligned_box, content_bounds};
 pub use content::content;
+pub use geo_place::GeoPlace;
 pub use read::read;
 pub use tileset::{BoundingVolume, ImplicitTiling, Refine, Subdivision, Tile, Tileset};
 pub use write::{InvalidTileset, TileFault, write};

@@ -54,7 +54,7 @@ pub enum TileFault {
     BadUri(String),
     /// The tree is deeper than 50 levels.
     TooDeep,
-    /// It has something that is only read: a transform other than a translation of the root, or an implicit
+    /// It has something that is only read: a transform other than a rigid one of the root, or an implicit
     /// tiling.
     OnlyRead(&'static str),
 }
@@ -199,10 +199,11 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
     if tile.children.is_empty() && error != 0.0 {
         return Err(TileFault::LeafError(error));
     }
-    let turns = tile.transform.as_deref().is_some_and(|matrix| parent.is_some() || !is_translation(matrix));
-    for (is_there, what) in
-        [(turns, "a transform other than a shift of the root"), (tile.implicit.is_some(), "implicit tiling")]
-    {
+    let bends = tile.transform.as_deref().is_some_and(|matrix| parent.is_some() || !is_rigid(matrix));
+    for (is_there, what) in [
+        (bends, "a transform other than a rigid one of the root"),
+        (tile.implicit.is_some(), "implicit tiling"),
+    ] {
         if is_there {
             return Err(TileFault::OnlyRead(what));
         }
@@ -218,13 +219,20 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
     }
 }
 
-/// Whether a column-major matrix is a translation.
-fn is_translation(matrix: &[f64; 16]) -> bool {
-    (0..16).all(|i| match i {
-        0 | 5 | 10 | 15 => matrix[i] == 1.0,
-        12..=14 => matrix[i].is_finite(),
-        _ => matrix[i] == 0.0,
-    })
+/// Whether a column-major matrix moves and turns and does nothing else, up to rounding: errors and boxes keep
+/// their size.
+fn is_rigid(matrix: &[f64; 16]) -> bool {
+    // A few roundings of a rotation's entries.
+    const ROUNDING: f64 = 1e-14;
+    let at = |column: usize, row: usize| matrix[4 * column + row % 3];
+    let is_near = |x: f64, expected: f64| (x - expected).abs() <= ROUNDING;
+    let product = |i: usize, j: usize| (0..3).map(|k| at(i, k) * at(j, k)).sum::<f64>();
+    let is_square = (0..3).all(|i| (0..3).all(|j| is_near(product(i, j), f64::from(u8::from(i == j)))));
+    // The third axis is the cross product of the others: nothing is mirrored.
+    let normal = |k: usize| at(0, k + 1) * at(1, k + 2) - at(0, k + 2) * at(1, k + 1);
+    let is_rotation = is_square && (0..3).all(|k| is_near(normal(k), at(2, k)));
+    let last_row = [matrix[3], matrix[7], matrix[11], matrix[15]];
+    is_rotation && last_row == [0.0, 0.0, 0.0, 1.0] && matrix[12..15].iter().all(|x| x.is_finite())
 }
 
 /// The box of a tile, if it is axis-aligned.

@@ -1,6 +1,6 @@
 //! What the writer writes, and what it refuses.
 use super::build::{Folder, chain, cube, read_in, tileset};
-use chordal_io::tiles::{BoundingVolume, Refine, Tile, TileFault, Tileset, write};
+use chordal_io::tiles::{BoundingVolume, GeoPlace, Refine, Tile, TileFault, Tileset, write};
 use serde_json::{Value, json};
 
 #[test]
@@ -138,7 +138,7 @@ fn trees_that_are_too_deep_for_readers_are_refused() {
 fn what_is_only_read_is_not_written() {
     let mut tileset = tileset(&[0.5, 0.0]);
     tileset.root.transform = Some(Box::new([0.0; 16]));
-    let only_read = TileFault::OnlyRead("a transform other than a shift of the root");
+    let only_read = TileFault::OnlyRead("a transform other than a rigid one of the root");
     assert_eq!(fault(&tileset), ("/root".to_owned(), only_read.clone()));
     let mut shift = Box::new([0.0; 16]);
     [0, 5, 10, 15].iter().for_each(|i| shift[*i] = 1.0);
@@ -146,6 +146,21 @@ fn what_is_only_read_is_not_written() {
     tileset.root.transform = Some(shift.clone());
     let (read, _) = read_in(&Folder::new(), &write(&tileset).expect("written")).expect("read");
     assert_eq!(read, tileset);
+    // On the Earth the root is turned, too; twice the size, or mirrored, it has other errors or sides.
+    let berlin = GeoPlace::new(52.52, 13.405, 34.0).expect("a place").matrix();
+    tileset.root.transform = Some(Box::new(berlin));
+    let (read, _) = read_in(&Folder::new(), &write(&tileset).expect("written")).expect("read");
+    assert_eq!(read.root.transform.as_deref(), Some(&berlin));
+    let changed = |change: fn(usize, f64) -> f64| {
+        let mut other = tileset.clone();
+        other.root.transform = Some(Box::new(std::array::from_fn(|i| change(i, berlin[i]))));
+        fault(&other)
+    };
+    let refused = ("/root".to_owned(), only_read.clone());
+    assert_eq!(changed(|i, x| if i < 12 { 2.0 * x } else { x }), refused);
+    assert_eq!(changed(|i, x| if i < 4 { -x } else { x }), refused);
+    assert_eq!(changed(|i, x| if i == 13 { f64::NAN } else { x }), refused);
+    tileset.root.transform = Some(shift);
     // A child's box is in the space of its own transform, which nothing here takes back.
     tileset.root.children[0].transform = tileset.root.transform.take();
     assert_eq!(fault(&tileset), ("/root/children/0".to_owned(), only_read));

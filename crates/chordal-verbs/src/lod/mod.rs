@@ -17,6 +17,7 @@ use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Budget, Length, Pixels, RefusalCode, Tolerance, View};
 use chordal::lod::selection::SwitchDistances;
 use chordal_io::Format;
+use chordal_io::tiles::GeoPlace;
 use level_finisher::LevelFinisher;
 use outcome::LodLayout;
 use scene_levels::SceneLevels;
@@ -49,6 +50,9 @@ pub struct LodSpec {
     pub attributes: AttributeLimits,
     /// Whether the parts of a scene have levels of their own.
     pub parts: LodParts,
+    /// Where on the Earth the origin of a tileset stands. There x of the scene is east and up is up: y is north
+    /// where z is up, and -z is where y is.
+    pub place: Option<GeoPlace>,
 }
 
 /// What the parts of a scene become.

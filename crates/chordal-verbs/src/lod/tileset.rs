@@ -120,7 +120,11 @@ impl LodOutcome {
         self.made.finest_scene().frame.metres_per_unit.unwrap_or(1.0)
     }
 
-    fn tileset_from_root(&self, root: Tile) -> Tileset {
+    fn tileset_from_root(&self, mut root: Tile) -> Tileset {
+        if let Some(place) = self.spec.place {
+            let own = root.transform.as_deref();
+            root.transform = Some(Box::new(own.map_or(place.matrix(), |own| moved(&place.matrix(), own))));
+        }
         let scaled = self.spec.errors == TileErrors::Scaled;
         let pixels = self.spec.pixels.get();
         let said = if scaled {
@@ -206,6 +210,15 @@ fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
         "at_most": placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
         "evidence": bound.evidence().as_str(), "reference": bound.reference.as_str(),
     }})
+}
+
+/// A matrix that moves by the last column of another first.
+fn moved(matrix: &[f64; 16], first: &[f64; 16]) -> [f64; 16] {
+    let mut out = *matrix;
+    for k in 0..3 {
+        out[12 + k] = (0..3).fold(matrix[12 + k], |sum, j| sum + matrix[4 * j + k] * first[12 + j]);
+    }
+    out
 }
 
 /// The matrix that moves coordinates back from their origin, in the space of tiles: z-up and in metres.
