@@ -1,6 +1,7 @@
 //! Parsing of text formats: lines, tokens, numbers, and how an error shows a token.
 use crate::{FileLocation, ReadError};
-use memchr::{memchr, memchr2};
+use memchr::{memchr, memchr2, memchr2_iter};
+use std::sync::OnceLock;
 
 /// A token as an error shows it: quoted, escaped, and cut where it is long.
 pub(crate) fn show(token: &[u8]) -> String {
@@ -60,6 +61,43 @@ impl<'a> Iterator for TextLines<'a> {
         self.line += 1;
         Some((self.line, &rest[..end]))
     }
+}
+
+/// How many bytes lie between two counts of a [`LineIndex`].
+const LINE_COUNT_STEP: usize = 4096; // a count per page: a place costs what reading one page costs
+
+/// The lines of a text by the offsets of their bytes, in time that does not grow with the text.
+#[derive(Debug, Default)]
+pub(crate) struct LineIndex {
+    /// The ends of lines before each step.
+    n_ends: OnceLock<Vec<u32>>,
+}
+
+impl LineIndex {
+    /// The line of a byte of the text, which is the same at every call; beyond the end, the last one.
+    pub(crate) fn line_at(&self, text: &[u8], offset: usize) -> u64 {
+        let offset = offset.min(text.len().saturating_sub(1));
+        let n_ends = self.n_ends.get_or_init(|| {
+            let mut sum = 0;
+            let starts = (0..=text.len()).step_by(LINE_COUNT_STEP);
+            starts
+                .map(|start| {
+                    let before = sum;
+                    sum += ends_of_lines(text, start, start + LINE_COUNT_STEP);
+                    before
+                })
+                .collect()
+        });
+        let step = offset / LINE_COUNT_STEP;
+        let before = ends_of_lines(text, step * LINE_COUNT_STEP, offset);
+        u64::from(n_ends[step] + before) + 1
+    }
+}
+
+/// How many lines end in a range of a text.
+fn ends_of_lines(text: &[u8], start: usize, end: usize) -> u32 {
+    let is_end = |i: &usize| text[start + i] == b'\n' || text.get(start + i + 1) != Some(&b'\n');
+    memchr2_iter(b'\n', b'\r', &text[start..end.min(text.len())]).filter(is_end).count() as u32
 }
 
 /// The text of a file, from its first letter.
@@ -223,6 +261,26 @@ mod tests {
         assert_eq!(lines, expected);
         assert_eq!(TextLines::new(b"").count(), 0);
         assert_eq!(TextLines::new(b"\n").count(), 1);
+    }
+
+    #[test]
+    fn the_line_of_a_byte_is_the_one_that_counting_finds() {
+        for end in ["\n", "\r", "\r\n", "\n\r", "\r\r\n"] {
+            // Lines of 0 to 12 letters, so that ends of all kinds lie across a step.
+            let mut text = String::new();
+            for i in 0..LINE_COUNT_STEP / 2 {
+                text.push_str(&"x".repeat(i * 5 % 13));
+                text.push_str(end);
+            }
+            let text = text.as_bytes();
+            let index = LineIndex::default();
+            for at in (0..text.len()).step_by(61).chain(LINE_COUNT_STEP - 9..LINE_COUNT_STEP + 9) {
+                let plain = TextLines::new(&text[..=at]).count() as u64;
+                assert_eq!(index.line_at(text, at), plain, "byte {at} of lines with {end:?}");
+            }
+            assert_eq!(index.line_at(text, usize::MAX), index.line_at(text, text.len() - 1));
+        }
+        assert_eq!(LineIndex::default().line_at(b"", 7), 1);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::layer::{
 };
 use super::value::{UsdType, UsdValue};
 use crate::grow::{push, push_large, push_many};
+use crate::text::LineIndex;
 use crate::{Limits, ReadError};
 use std::borrow::Cow;
 
@@ -39,7 +40,15 @@ pub(super) fn read_crate<'a>(
     let CrateReader { mut prims, about, .. } = reader;
     let by_name = sorted_by_name(&prims)?;
     link(&mut prims, &by_name, &tables, &bytes)?;
-    Ok(UsdLayer { path: path.to_owned(), prims, by_name, about, tables: Some(tables), bytes })
+    Ok(UsdLayer {
+        path: path.to_owned(),
+        prims,
+        by_name,
+        about,
+        tables: Some(tables),
+        bytes,
+        lines: LineIndex::default(),
+    })
 }
 
 struct CrateReader<'a> {

@@ -3,7 +3,7 @@
 use super::crate_tables::CrateTables;
 use super::value::{UsdType, UsdValue};
 use crate::grow::push_large;
-use crate::text::{TextLines, grouped};
+use crate::text::{LineIndex, grouped};
 use crate::{FileLocation, ReadError};
 use serde_json::Value;
 use std::borrow::Cow;
@@ -111,6 +111,7 @@ pub(super) struct UsdLayer<'a> {
     /// Its path below the folder or in the package; empty for the first one.
     pub path: String,
     pub bytes: Cow<'a, [u8]>,
+    pub lines: LineIndex,
     /// The first is the root, whose children are the prims at the top.
     pub prims: Vec<UsdPrim>,
     /// All prims, sorted by parent and name.
@@ -301,7 +302,7 @@ impl UsdLayer<'_> {
     pub(super) fn place(&self, at: u32) -> FileLocation {
         match self.tables {
             Some(_) => FileLocation::Row { list: "spec", row: u64::from(at) },
-            None => line_of(&self.bytes, at as usize),
+            None => FileLocation::Line(self.lines.line_at(&self.bytes, at as usize)),
         }
     }
 
@@ -309,12 +310,6 @@ impl UsdLayer<'_> {
     pub(super) fn prefix(&self) -> String {
         if self.path.is_empty() { String::new() } else { format!("{}: ", self.path) }
     }
-}
-
-/// The line of a byte.
-pub(super) fn line_of(bytes: &[u8], at: usize) -> FileLocation {
-    let before = &bytes[..(at + 1).min(bytes.len())];
-    FileLocation::Line(TextLines::new(before).last().map_or(1, |(line, _)| line))
 }
 
 /// The error of a tree that is too deep.

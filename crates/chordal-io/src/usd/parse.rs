@@ -9,6 +9,7 @@ use super::layer::{
 use super::scanner::UsdaScanner;
 use super::value::UsdType;
 use crate::grow::push;
+use crate::text::LineIndex;
 use crate::{Limits, ReadError};
 use std::borrow::Cow;
 
@@ -34,7 +35,15 @@ pub(super) fn parse<'a>(
     parser.layer()?;
     let UsdaParser { prims, about, .. } = parser;
     let by_name = sorted_by_name(&prims)?;
-    Ok(UsdLayer { path: path.to_owned(), bytes, prims, by_name, about, tables: None })
+    Ok(UsdLayer {
+        path: path.to_owned(),
+        bytes,
+        lines: LineIndex::default(),
+        prims,
+        by_name,
+        about,
+        tables: None,
+    })
 }
 
 struct UsdaParser<'a> {

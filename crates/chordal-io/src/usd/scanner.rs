@@ -1,6 +1,5 @@
 //! `UsdaScanner`: the words of USD's text form.
-use super::layer::line_of;
-use crate::text::{is_space, show};
+use crate::text::{LineIndex, is_space, show};
 use crate::{FileLocation, ReadError};
 use memchr::memchr;
 
@@ -21,7 +20,7 @@ impl<'a> UsdaScanner<'a> {
     }
 
     pub(super) fn place(&self) -> FileLocation {
-        line_of(self.bytes, self.at)
+        FileLocation::Line(LineIndex::default().line_at(self.bytes, self.at))
     }
 
     /// The error of something else than what has to be here.

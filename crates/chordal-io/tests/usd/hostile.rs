@@ -1,5 +1,5 @@
 //! Texts that lie, each with its one error.
-use super::{TRIANGLE, codes, error, file, triangle};
+use super::{TRIANGLE, codes, error, file, scene, triangle};
 use chordal_io::{Limits, usd};
 
 #[test]
@@ -190,4 +190,13 @@ fn files_outside_the_folder_are_not_asked_for() {
     assert_eq!(asked, [""; 0]);
     let warnings = outcome.unwrap().warnings;
     assert_eq!((warnings[0].code, warnings[0].count), ("layer-missing", 4));
+}
+
+/// The places of warnings are lines: found by counting from the start, this file took 22 s.
+#[test]
+fn many_meshes_are_read_in_time_that_grows_with_the_text() {
+    let text = file(&(0..8_000).map(|i| triangle(&format!("m{i}"))).collect::<String>());
+    let start = std::time::Instant::now();
+    assert_eq!(scene(&text).parts.len(), 8_000);
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
 }
