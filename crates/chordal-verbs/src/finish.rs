@@ -1,11 +1,12 @@
 //! The last step of the verbs: checks a result as its format holds it, and completes the report.
+use crate::collapsed_faces::drop_collapsed_faces;
 use crate::file_rows::to_file_rows;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation};
 use chordal::budget::{Bound, PixelBudget, RequiredEvidence, Tolerance};
 use chordal::math::lesser;
-use chordal_io::{Polylines, Scene, losses};
+use chordal_io::{Format, Polylines, Scene, losses};
 
 const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
@@ -21,7 +22,17 @@ pub(crate) fn finish_triangles(
 ) -> Result<MeshOutcome, MeshFailure> {
     let to = asked.to;
     certificate.notes.extend(losses(&scene, to)?.iter().map(|lost| lost.to_string().into()));
-    let scene = to_file_rows(scene, to)?;
+    let mut scene = to_file_rows(scene, to)?;
+    // 3MF forbids triangles with a corner twice.
+    if to == Format::ThreeMf {
+        let moved = drop_collapsed_faces(&mut scene)?;
+        if moved.at_most() != Some(0.0) {
+            // A triangle without area has no normal.
+            let angle_deg = bound.angle_deg;
+            bound = bound.then(&moved);
+            bound.angle_deg = angle_deg;
+        }
+    }
     bound.pixels = pixels_of(asked, &bound);
     certificate.bound = Some(BoundFacts::new(&bound));
     let counted = CountedTriangles::from_scene(&scene, to)?;

@@ -21,6 +21,7 @@
 mod bake;
 mod cage;
 mod cage_size;
+mod collapsed_faces;
 mod convert;
 mod deviation;
 mod digest;
@@ -39,6 +40,7 @@ mod inspect;
 mod isosurface;
 mod load;
 mod lod;
+mod max_bound;
 mod mend;
 mod merge;
 mod merged_parts;

@@ -1,15 +1,16 @@
 //! `mend`: repairs the defects that `inspect` found, one repair at a time, as the result reads back from a
 //! format.
 use crate::finish::finish_triangles;
+use crate::max_bound::max_bound;
 use crate::pass_through::pass_through;
-use crate::placements::{part_scales, scaled_up};
+use crate::placements::part_scales;
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::request::MeshRequest;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};
 use chordal::budget::advice::Cure;
-use chordal::budget::{Bound, Budget, Length, Metric, Reference, RefusalCode, Tolerance};
+use chordal::budget::{Bound, Budget, Length, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
-use chordal::math::{div_down, greater};
+use chordal::math::div_down;
 use chordal::mend::{
     Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
     orient, resolve_t_junctions, split_non_manifold, weld,
@@ -257,25 +258,6 @@ fn part_tolerance(within: Tolerance, stretch: f64) -> Result<Tolerance, MeshFail
             format!("{within} is no length for a part that is shown {stretch} times as large"),
         )
     })
-}
-
-/// The larger of two bounds, of which the second is in the coordinates of a part.
-fn max_bound(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailure> {
-    let one_sided = [&all, part].iter().any(|bound| bound.metric == Metric::OneSided);
-    let at_most = all.at_most().zip(part.at_most()).map(|(all, part)| {
-        let part = scaled_up(part, stretch);
-        greater(all, part)
-    });
-    if at_most.is_some_and(|most| !most.is_finite()) {
-        return Err(MeshFailure::refused(
-            RefusalCode::NotFinite,
-            "the transforms of the scene take its coordinates out of range",
-        ));
-    }
-    let evidence = all.evidence().weaker(part.evidence());
-    let mut wider = Bound::with_evidence(0.0, at_most, evidence, Reference::InputTriangles);
-    wider.metric = if one_sided { Metric::OneSided } else { Metric::Hausdorff };
-    Ok(wider)
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ const TYPES: &str = concat!(
 /// triangles. The unit is the scene's, or millimetres where it has none. 3MF is z-up: items of a y-up
 /// scene are turned by the exact map (x, y, z) → (x, −z, y). Colours become bytes, one for each corner.
 /// Face groups `material` become base materials if each has one colour; where a part has other colours,
-/// these are written and the materials not. The certificate is a metadata entry. [`crate::losses`] lists
+/// these are written and the materials not. Triangles with a corner twice are left out. The certificate is a metadata entry. [`crate::losses`] lists
 /// what is lost.
 ///
 /// Objects are written as models, which printers take for solids; whether they are closed is not looked at.

@@ -185,6 +185,9 @@ impl<'a> ModelWriter<'a> {
         writeln!(out, "</vertices>\n<triangles>")?;
         for (face_idx, face) in part.mesh.faces().iter().enumerate() {
             let [a, b, c] = face.map(|vertex| numbers[vertex as usize]);
+            if a == b || b == c || c == a {
+                continue;
+            }
             write!(out, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
             match properties {
                 PartProperties::Nothing => {}

@@ -1,10 +1,14 @@
 //! `SceneProperties`: materials and colours of a scene, as 3MF can hold them.
 use super::properties::{CHANNEL, ColorBytes, MATERIAL};
+use crate::instances::first_rows;
 use crate::{Part, Scene};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::math::{greater, lesser};
 use serde_json::Value;
 use std::collections::BTreeMap;
+
+/// The largest coordinate that lib3mf reads.
+const LIB3MF_LIMIT: f64 = 1e9; // its `NMR_MESH_MAXCOORDINATE`
 
 /// What a material is shown in where nothing says.
 const WHITE: ColorBytes = [0xFF; 4];
@@ -225,6 +229,19 @@ pub(crate) fn changes(scene: &Scene) -> Vec<String> {
     if materials.iter().any(has_looks) {
         let what = "3MF holds names and base colours of materials: textures and all else were left out";
         found.extend(materials.iter().filter(|material| has_looks(material)).map(|_| what.to_owned()));
+    }
+    for part in &scene.parts {
+        let first_rows = first_rows(&part.mesh);
+        let is_collapsed = |face: &&[u32; 3]| {
+            let [a, b, c] = face.map(|row| first_rows[row as usize]);
+            a == b || b == c || c == a
+        };
+        let collapsed = part.mesh.faces().iter().filter(is_collapsed);
+        found.extend(collapsed.map(|_| "3MF holds no triangles with a corner twice".to_owned()));
+    }
+    let mut coordinates = scene.parts.iter().flat_map(|part| part.mesh.positions().as_flattened());
+    if coordinates.any(|x| x.abs() > LIB3MF_LIMIT) {
+        found.push("lib3mf, which programs read 3MF by, refuses coordinates over 1,000,000,000".to_owned());
     }
     if SceneProperties::new(scene).lacks_materials {
         found.push(

@@ -53,7 +53,10 @@ fn coordinate() -> impl Strategy<Value = f64> {
 
 fn any_mesh() -> impl Strategy<Value = Mesh> {
     let position = prop::array::uniform3(coordinate());
-    (prop::collection::vec(position, 3..20), prop::collection::vec(prop::array::uniform3(0..3_u32), 1..20))
+    // 3MF holds no triangle with a corner twice.
+    let face =
+        prop::sample::select(vec![[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2_u32]]);
+    (prop::collection::vec(position, 3..20), prop::collection::vec(face, 1..20))
         .prop_map(|(positions, faces)| Mesh::new(positions, faces).unwrap())
 }
 
@@ -127,7 +130,10 @@ proptest! {
         let values: Vec<f64> = bytes.iter().cycle().take(rows * width).map(|b| f64::from(*b) / 255.0).collect();
         let mesh = with(mesh, Semantic::Color(0), domain, width, values);
         let scene = Scene::from_mesh("", mesh.clone(), MILLIMETRES);
-        prop_assert_eq!(losses(&scene, Format::ThreeMf).unwrap(), []);
+        let mut lost = losses(&scene, Format::ThreeMf).unwrap();
+        // Some coordinates are over what lib3mf reads.
+        lost.retain(|lost| !lost.message.to_string().contains("lib3mf"));
+        prop_assert_eq!(lost, []);
         let read = back(&scene);
         let (truth, found) = (&mesh.attributes()[0], &read.parts[0].mesh.attributes()[0]);
         prop_assert_eq!((&found.semantic, found.domain, found.width), (&Semantic::Color(0), Domain::Corner, 4));
@@ -315,4 +321,15 @@ fn scenes_that_3mf_cannot_hold_are_refused_by_name() {
     let points = Mesh::new(vec![[0.0; 3]], Vec::new()).unwrap();
     assert!(refused(&Scene::from_mesh("cloud", points, MILLIMETRES)).contains("part \"cloud\" has 1 points"));
     assert_eq!(back(&Scene::default()).parts, []);
+}
+
+#[test]
+fn triangles_with_a_corner_twice_are_left_out_and_named() {
+    let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2e9, 0.0]];
+    let scene = Scene::from_mesh("", Mesh::new(corners, vec![[0, 1, 2], [2, 2, 0]]).unwrap(), MILLIMETRES);
+    assert_eq!(back(&scene).parts[0].mesh.faces(), [[0, 1, 2]]);
+    let lost: Vec<String> =
+        losses(&scene, Format::ThreeMf).unwrap().iter().map(|lost| lost.message.to_string()).collect();
+    let limit = "lib3mf, which programs read 3MF by, refuses coordinates over 1,000,000,000";
+    assert_eq!(lost, ["3MF holds no triangles with a corner twice", limit]);
 }

@@ -167,7 +167,7 @@ fn point_bits(p: [f64; 3]) -> PointBits {
 
 /// The distance from what the flat faces of `mesh` covered to the remaining surface. Faces that were cut
 /// still cover the same points.
-fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError> {
+pub(super) fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError> {
     let flat = || {
         let corners = (0..mesh.faces().len()).map(|face| mesh.corners(face));
         corners.filter(|corners| has_zero_area(*corners))

@@ -14,6 +14,7 @@
 //! ```
 mod cap;
 mod cut_faces;
+mod drop_collapsed;
 mod drop_degenerate;
 mod drop_duplicates;
 mod drop_unused;
@@ -27,6 +28,7 @@ mod resolve_t_junctions;
 mod split_non_manifold;
 mod weld;
 
+pub use drop_collapsed::drop_collapsed;
 pub use drop_degenerate::drop_degenerate;
 pub use drop_duplicates::{Duplicates, drop_duplicates};
 pub use drop_unused::drop_unused;
