@@ -27,17 +27,33 @@ pub(crate) fn read(
     }
 }
 
-/// Serialises the certificate as one line without a line break.
+/// Serialises the certificate as one line without a line break, in ASCII: the header of a PLY holds no other
+/// letters.
 ///
 /// # Errors
 /// [`WriteError::Unsupported`] when the line is longer than readers accept by default.
 pub(crate) fn line(certificate: &Value) -> Result<String, WriteError> {
     // The comment's own prefix precedes it.
     let limit = Limits::default().header_line - 32;
-    let line = certificate.to_string();
+    let line = in_ascii(&certificate.to_string());
     if line.len() > limit {
         let message = format!("a certificate of {} bytes does not fit into a line of {limit}", line.len());
         return Err(WriteError::Unsupported(message));
     }
     Ok(line)
+}
+
+/// JSON with the same content: letters beyond ASCII are in its strings, where an escape says the same.
+fn in_ascii(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for letter in json.chars() {
+        if letter.is_ascii() {
+            text.push(letter);
+            continue;
+        }
+        for unit in letter.encode_utf16(&mut [0; 2]) {
+            text.push_str(&format!("\\u{unit:04x}"));
+        }
+    }
+    text
 }

@@ -1,10 +1,11 @@
 //! `losses`: what of a scene a format cannot hold.
 use crate::format_columns::TriangleFormat;
-use crate::instances::{first_rows, part_instances};
+use crate::instances::{PartInstance, first_rows, part_instances};
 use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
 use chordal::Mesh;
 use chordal::explicit::subdivision::{Boundary, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
+use serde_json::{Map, Value};
 
 /// What writing a scene in a format leaves out, counted in parts, so that nothing is lost silently. Rounding
 /// is not counted here. For GLB the list is empty: its writer reports for itself what it cannot write.
@@ -59,10 +60,17 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     ] {
         list.iter().for_each(|_| count(format!("{title} holds no {what}")));
     }
+    words_of(scene).for_each(|what| count(format!("{title} holds no {what}")));
     if let Some(changes) = changes {
         changes(scene).into_iter().for_each(&mut count);
     }
     let parts = if *has_nodes { Vec::new() } else { part_instances(scene)? };
+    if *has_parts {
+        let has_two =
+            |placed: &&PartInstance<'_>| placed.name != placed.part.name && !placed.part.name.is_empty();
+        let two = parts.iter().filter(has_two);
+        two.for_each(|_| count(format!("{title} holds one name of a part: that of its node")));
+    }
     if parts.len() > 1 && !has_parts {
         parts.iter().for_each(|_| count(format!("{title} holds one part: all were joined")));
     }
@@ -79,6 +87,24 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         }
     }
     Ok(lost)
+}
+
+/// What glTF says of a scene in words, which no other format holds, once for each object that says it.
+fn words_of(scene: &Scene) -> impl Iterator<Item = String> {
+    let extras = |properties: &Map<String, Value>| properties.contains_key("extras");
+    let of_parts =
+        scene.parts.iter().filter_map(|part| part.properties.as_deref()).filter(move |p| extras(p));
+    let of_nodes = scene.nodes.iter().map(|node| &node.properties).filter(move |p| extras(p));
+    let of_file = scene.assets.about.keys().map(|key| match &**key {
+        "extras" => "extras of the file".to_owned(),
+        key => format!("'{}' of the file", key.escape_default()),
+    });
+    let extensions = scene.assets.extensions.keys();
+    of_parts
+        .map(|_| "extras of meshes".to_owned())
+        .chain(of_nodes.map(|_| "extras of nodes".to_owned()))
+        .chain(of_file)
+        .chain(extensions.map(|name| format!("extension '{}'", name.escape_default())))
 }
 
 /// What writing a cage as polygons leaves out. USDA holds everything, OBJ all but the looks of materials.
@@ -149,4 +175,78 @@ fn describe(attribute: &Attribute) -> String {
         Domain::Face => "faces",
     };
     format!("{what} of {domain}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Frame, glb, obj};
+    use serde_json::json;
+
+    fn scene() -> Scene {
+        let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+        Scene::from_mesh("mesh", mesh, Frame::default())
+    }
+
+    fn said(scene: &Scene, format: Format) -> Vec<String> {
+        losses(scene, format).unwrap().iter().map(|lost| lost.message.to_string()).collect()
+    }
+
+    #[test]
+    fn what_only_gltf_says_is_named() {
+        let mut scene = scene();
+        let extras: Map<String, Value> = [("extras".to_owned(), json!({ "a": 1 }))].into_iter().collect();
+        scene.parts[0].properties = Some(Box::new(extras.clone()));
+        scene.nodes[0].properties = extras.clone();
+        scene.assets.about = extras;
+        scene.assets.about.insert("copyright".to_owned(), json!("us"));
+        scene.assets.extensions.insert("KHR_lights_punctual".to_owned(), json!({}));
+        for format in [Format::Obj, Format::Usda, Format::Vtp] {
+            let title = format.to_string().to_uppercase();
+            let what = [
+                "extras of meshes",
+                "extras of nodes",
+                "extras of the file",
+                "'copyright' of the file",
+                "extension 'KHR_lights_punctual'",
+            ];
+            let expected = what.map(|what| format!("{title} holds no {what}"));
+            assert_eq!(said(&scene, format)[..5], expected);
+        }
+        assert!(said(&scene, Format::Glb).is_empty());
+    }
+
+    #[test]
+    fn a_second_name_of_a_part_is_named() {
+        let mut scene = scene();
+        assert!(said(&scene, Format::Obj).is_empty());
+        scene.nodes[0].name = "node".to_owned();
+        assert_eq!(said(&scene, Format::Obj), ["OBJ holds one name of a part: that of its node"]);
+    }
+
+    #[test]
+    fn names_of_groups_are_extras_of_a_gltf() {
+        let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\no cube\nf 1 2 3\no tetra\nf 3 2 1\n";
+        let outcome = obj::read(text, &crate::Limits::default()).unwrap();
+        let crate::Content::Scene(scene) = outcome.content else { unreachable!() };
+        let mut bytes = Vec::new();
+        glb::write(&scene, None, &mut bytes).unwrap();
+        let crate::Content::Scene(back) = glb::read(&bytes, &crate::Limits::default()).unwrap().content
+        else {
+            unreachable!()
+        };
+        assert_eq!(back.assets.about["extras"]["groups"], json!({ "o": ["", "cube", "tetra"] }));
+    }
+
+    #[test]
+    fn an_empty_scene_comes_back_of_an_obj_with_a_certificate() {
+        let mut bytes = Vec::new();
+        obj::write(&Scene::default(), Some(&json!({ "name": "\u{e9}\u{1f600}" })), &mut bytes).unwrap();
+        assert!(bytes.is_ascii());
+        let crate::Content::Scene(back) = obj::read(&bytes, &crate::Limits::default()).unwrap().content
+        else {
+            unreachable!()
+        };
+        assert_eq!(back.certificate, Some(json!({ "name": "\u{e9}\u{1f600}" })));
+    }
 }

@@ -9,7 +9,7 @@ use super::split::split;
 use super::streams::{AccessorStream, CompressedStream, stored_bounds};
 use crate::assets::{ImageContent, SceneAssets, collect_extensions, plain_material};
 use crate::single_precision::origin_of;
-use crate::{CoordinateOverflow, Frame, Part, Scene, TextureOrigin, WriteError};
+use crate::{CoordinateOverflow, Frame, MATERIAL, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Domain, InvalidMesh, Semantic};
 use chordal::math::{greater, lesser};
@@ -311,20 +311,28 @@ impl<'a> GltfDocument<'a> {
         node_list::nodes(scene, &self.shown, levels)
     }
 
-    /// The content of the JSON chunk; `certificate` becomes an extra.
-    pub fn json(&self, nodes: &node_list::NodeList, certificate: Option<&Value>) -> Map<String, Value> {
+    /// The content of the JSON chunk; `certificate` becomes an extra, and so do the names of groups of faces,
+    /// of which vertices have the numbers.
+    pub fn json(
+        &self,
+        scene: &Scene,
+        nodes: &node_list::NodeList,
+        certificate: Option<&Value>,
+    ) -> Map<String, Value> {
         let mut root = Map::new();
         let mut asset =
             json!({ "version": "2.0", "generator": concat!("Chordal ", env!("CARGO_PKG_VERSION")) });
         for (key, value) in &self.assets.about {
             asset[key] = value.clone();
         }
-        if let Some(certificate) = certificate {
+        let groups = Some(group_names(scene)).filter(|groups| !groups.is_empty()).map(Value::Object);
+        for (key, value) in [("groups", groups), ("chordal", certificate.cloned())] {
+            let Some(value) = value else { continue };
             // Extras of another kind than an object would be lost, and are rare.
             if !asset["extras"].is_object() {
                 asset["extras"] = json!({});
             }
-            asset["extras"]["chordal"] = certificate.clone();
+            asset["extras"][key] = value;
         }
         root.insert("asset".to_owned(), asset);
         root.insert("scene".to_owned(), json!(0));
@@ -381,6 +389,16 @@ impl<'a> GltfDocument<'a> {
         }
         root.insert("extensionsUsed".to_owned(), json!(used));
     }
+}
+
+/// The names of the groups of faces that parts of the scene have, by kind. Those of materials are theirs.
+fn group_names(scene: &Scene) -> Map<String, Value> {
+    let is_used = |kind: &str| {
+        let semantic = Semantic::Group(kind.to_owned());
+        kind != MATERIAL && scene.parts.iter().any(|part| part.mesh.attribute(&semantic).is_some())
+    };
+    let used = scene.groups.iter().filter(|(kind, _)| is_used(kind));
+    used.map(|(kind, names)| (kind.clone(), json!(names))).collect()
 }
 
 /// The attributes of a mesh; texture and colour sets are numbered from zero without gaps, as glTF demands.

@@ -53,7 +53,7 @@ fn with_assets<T>(
     }
     let nodes = document.nodes(scene, &NodeLevels { coarser: added, coverages })?;
     document.add_animations(scene, nodes.first);
-    let json = document.json(&nodes, *certificate);
+    let json = document.json(scene, &nodes, *certificate);
     write(&document, json)
 }
 

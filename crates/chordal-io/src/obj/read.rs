@@ -173,6 +173,8 @@ impl<'a> ObjReader<'a> {
         let Some(word) = tokens.next() else { return Ok(()) };
         if word.starts_with(b"#") {
             if let Some(text) = statement.strip_prefix(CERTIFICATE) {
+                // An empty scene has no other line.
+                self.n_known += 1;
                 self.certificate =
                     crate::certificate::read(text, self.limits, FileLocation::Line(line), &mut self.warnings);
             }

@@ -141,7 +141,8 @@ impl<'a> SceneWriter<'a> {
             _ => None,
         };
         // A mesh alone has no place for materials that others could share.
-        let is_wrapped = only.is_none_or(|only| is_mesh(only) && !assets.materials.is_empty());
+        let is_wrapped = only
+            .is_none_or(|only| is_mesh(only) && has_one_name(only, scene) && !assets.materials.is_empty());
         let name = only.filter(|_| !is_wrapped).map_or("Scene", |only| &*only.name);
         let root = UsdNames::default().unique(name, "Node");
         let materials = UsdMaterialWriter::new(assets, format!("/{root}/Materials"));
@@ -187,7 +188,8 @@ impl<'a> SceneWriter<'a> {
                 None => UsdNames::default().unique(shown, "Node"),
             };
             let path = format!("{above}/{name}");
-            if is_mesh(node) {
+            let is_known = node.part.is_some_and(|part| self.first[part].is_some());
+            if is_mesh(node) && (is_known || has_one_name(node, scene)) {
                 self.mesh(node, &UsdPrimName { name: &name, shown, path: &path }, &mut writer)?;
                 continue;
             }
@@ -271,7 +273,13 @@ enum WriteStep {
     Close,
 }
 
-/// Whether a node shows a part and nothing else.
+/// Whether a node can be written as a mesh: it shows a part and nothing else.
 fn is_mesh(node: &Node) -> bool {
     node.part.is_some() && node.children.is_empty()
+}
+
+/// Whether a prim of the node's name says the name of its part too.
+fn has_one_name(node: &Node, scene: &Scene) -> bool {
+    let part = node.part.and_then(|part| scene.parts.get(part));
+    part.is_none_or(|part| node.name.is_empty() || part.name.is_empty() || part.name == node.name)
 }

@@ -235,3 +235,11 @@ fn a_cage_comes_back_whole() {
         }
     }
 }
+
+#[test]
+fn a_mesh_with_another_name_than_its_node_stands_below_it() {
+    let mut named = Scene::from_mesh("mesh", rich(), frame());
+    named.nodes[0].name = "node".to_owned();
+    let back = scene(&written(&named));
+    assert_eq!((&*back.nodes[0].name, &*back.parts[0].name), ("node", "mesh"));
+}
