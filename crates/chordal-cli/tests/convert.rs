@@ -86,7 +86,7 @@ fn names_places_and_loose_vertices_are_named_where_they_are_lost() {
     assert!(!notes(&glb).contains("nodes"), "{}", notes(&glb));
     // The file has a node that turns it.
     let stl = convert(&folder, "a.glb", "a.stl", &[]);
-    assert!(notes(&stl).contains("stl holds no nodes"), "{}", notes(&stl));
+    assert!(notes(&stl).contains("stl holds no nodes or their names"), "{}", notes(&stl));
     let loose = convert(&folder, "a.obj", "b.stl", &[]);
     assert!(notes(&loose).contains("no vertices beside those of its triangles (1x)"), "{}", notes(&loose));
     assert!(!notes(&convert(&folder, "a.obj", "b.obj", &[])).contains("vertices"));

@@ -331,7 +331,7 @@ fn structure_losses(scene: &Scene, to: Format) -> Vec<Message> {
     };
     if !to.has_nodes() {
         let n = scene.nodes.iter().filter(says_more).count();
-        count(n, format!("{to} holds no nodes: the triangles stand where these place them"));
+        count(n, format!("{to} holds no nodes or their names: the triangles stand where these place them"));
     }
     if !to.has_parts() {
         let n = scene.parts.iter().filter(|part| !part.name.is_empty()).count();

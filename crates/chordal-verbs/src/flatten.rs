@@ -3,6 +3,7 @@ use crate::placements::part_placements;
 use chordal::budget::advice::Message;
 use chordal::math::greater;
 use chordal_io::{Node, Part, Scene, WriteError};
+use serde_json::{Map, Value};
 
 /// A scene with its transforms applied, and a bound of the rounding.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,16 +53,25 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         assets: scene.assets.clone(),
         ..Scene::default()
     };
-    for (name, mesh) in scene.world_meshes()? {
-        let one = Scene::from_part(
-            Part { name: name.to_owned(), mesh: mesh.into_owned(), indexed, ..Part::default() },
-            scene.frame,
-        );
+    for (place, (name, mesh)) in places.iter().zip(scene.world_meshes()?) {
+        let (part, node) = (&scene.parts[place.part], &scene.nodes[place.node]);
         let at = flat.parts.len();
-        flat.parts.extend(one.parts);
-        flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
+        let mesh = mesh.into_owned();
+        flat.parts.push(Part { mesh, indexed, name: part.name.clone(), properties: part.properties.clone() });
+        flat.nodes.push(Node {
+            name: name.to_owned(),
+            part: Some(at),
+            properties: properties_beside_transform(node),
+            ..Node::default()
+        });
         flat.roots.push(at);
     }
     let left_out = times.iter().filter(|times| **times == 0).count();
     Ok(TransformedScene { scene: flat, moved_at_most, left_out })
+}
+
+/// What a node says beside its transform.
+fn properties_beside_transform(node: &Node) -> Map<String, Value> {
+    let is_transform = |key: &str| matches!(key, "translation" | "rotation" | "scale");
+    node.properties.iter().filter(|(key, _)| !is_transform(key)).map(|(k, v)| (k.clone(), v.clone())).collect()
 }

@@ -45,7 +45,7 @@ pub(crate) fn is_untransformed(scene: &Scene) -> bool {
 
 /// One placement of a part.
 pub(crate) struct PartPlacement {
-    node: usize,
+    pub node: usize,
     pub part: usize,
     pub is_identity: bool,
     /// The number of transforms between the part and the scene.
@@ -100,8 +100,8 @@ impl PartPlacement {
     }
 }
 
-/// All placements, by walking the scene from its roots with an explicit stack. Readers make sure that nodes
-/// are a forest.
+/// All placements in the order of the tree, as [`Scene::world_meshes`] gives them, by walking the scene from its
+/// roots with an explicit stack. Readers make sure that nodes are a forest.
 pub(crate) fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
     let outside = PartPlacement {
         node: 0,
@@ -115,14 +115,14 @@ pub(crate) fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
     let mut found = Vec::new();
     let mut open: Vec<(usize, std::rc::Rc<PartPlacement>)> = Vec::new();
     let outside = std::rc::Rc::new(outside);
-    open.extend(scene.roots.iter().map(|root| (*root, outside.clone())));
+    open.extend(scene.roots.iter().rev().map(|root| (*root, outside.clone())));
     while let Some((index, parent)) = open.pop() {
         let node = &scene.nodes[index];
         let here = std::rc::Rc::new(parent.compose(index, &node.matrix, 0));
         if let Some(part) = node.part {
             found.push(PartPlacement { part, ..*here });
         }
-        open.extend(node.children.iter().map(|child| (*child, here.clone())));
+        open.extend(node.children.iter().rev().map(|child| (*child, here.clone())));
     }
     found
 }
