@@ -5,7 +5,7 @@ SHELL := /bin/bash
 .NOTPARALLEL:
 .PHONY: help demo studio test test-long bench pictures install clean fmt-check lint
 .PHONY: test-rust test-web test-looks test-tiles test-studio test-python
-.PHONY: tested tilesets test-viewers bench-studio
+.PHONY: fuzz need-fuzz tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
@@ -188,9 +188,15 @@ test-python: tested need-python
 # chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields.
 # PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: WHEEL := --profile release
-test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
+test-long: need-rust need-fuzz test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
+	$(MAKE) fuzz
+
+# What a release takes for each reader: two hours of one core.
+FUZZ_SECONDS ?= 7200
+fuzz: need-fuzz need-python ## every reader fed with random bytes for FUZZ_SECONDS each
+	python3 fuzz/run.py --seconds $(FUZZ_SECONDS)
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
 	$(MAKE) -C bench
@@ -229,6 +235,12 @@ need-rust:
 		|| { echo "Chordal needs Rust 1.95 or newer, not $$version: install rustup from https://rustup.rs, which fetches it." >&2; exit 1; }
 	@command -v cc > /dev/null \
 		|| { echo "Rust needs a C linker: install gcc (on Debian: apt install gcc libc6-dev)." >&2; exit 1; }
+
+need-fuzz: need-rust
+	@$(CARGO) +nightly --version > /dev/null 2>&1 \
+		|| { echo "Fuzzing needs a nightly compiler: run 'rustup toolchain install nightly --profile minimal'." >&2; exit 1; }
+	@$(CARGO) +nightly fuzz --version > /dev/null 2>&1 \
+		|| { echo "Fuzzing needs cargo-fuzz: run 'cargo install cargo-fuzz'." >&2; exit 1; }
 
 need-wasm: need-rust
 	@[ -d "$$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ] \

@@ -70,6 +70,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsStr
         Ok(cli) => cli,
         Err(error) => return refuse_arguments(&error),
     };
+    signal::end_aborts_with_a_code();
     let json = wants_json(&cli.verb);
     let done = match cli.verb {
         Verb::Mesh(args) => mesh::run(&args),

@@ -106,6 +106,22 @@ fn end_children(all: &mut StartedChildren) {
     }
 }
 
+/// Makes an exit code of the abort with which a failed allocation ends the process. Lists whose length a file decides
+/// are reserved in advance and end in a sentence; this is for the small ones between them. Where the runtime aborts for
+/// another reason (a stack that ran over) it has said so on stderr, and the code is the same.
+///
+/// What is unfinished stays under its own name, as after a kill: nothing may be allocated any more to remove it.
+#[cfg(unix)]
+pub fn end_aborts_with_a_code() {
+    let always = Arc::new(AtomicBool::new(true));
+    // A system without such a handler keeps its own.
+    let _ = signal_hook::flag::register_conditional_shutdown(libc::SIGABRT, Exit::Budget as i32, always);
+}
+
+/// Other systems have no such signal.
+#[cfg(not(unix))]
+pub fn end_aborts_with_a_code() {}
+
 /// Installs the handler. It does not wait for the job, which could be in a long step or in a blocking read.
 ///
 /// A second handler, or a system without signals, is no reason to fail: then the system's own handling stays,

@@ -145,6 +145,31 @@ fn one_broken_file_stops_nobody_and_the_exit_code_says_so() {
     assert_eq!(names, [".chordal-batch", "good.json", "manifest.jsonl", "patch.json"]);
 }
 
+/// A process for each file takes half a minute for a thousand, so only the long tests take as many.
+#[test]
+fn h84_of_a_thousand_files_three_are_broken_and_the_report_names_them() {
+    let n: u64 = if chordal_testkit::is_long() { 1000 } else { 100 };
+    let folder = Folder::new("batch-thousand");
+    let broken = [7, n / 2, n - 1];
+    for i in 0..n {
+        let text = if broken.contains(&i) { "v 0 0 0\nf 1 2 3\n" } else { CLOSED_OBJ };
+        folder.file(&format!("{i:04}.obj"), text);
+    }
+    let done = batch(&folder, &["convert", ".", "-o", "out", "--json", "--to", "stl"]);
+    assert_eq!((done.code, summary(&done)), (1, [n, n - 3, 0, 0, 3, 0]), "{done:?}");
+    let lines = manifest(&folder, "out");
+    assert_eq!(lines.len() as u64, n);
+    let mut failed: Vec<&Value> = lines.iter().filter(|line| line["exit"] != 0).collect();
+    failed.sort_by_key(|line| line["input"].to_string());
+    for (line, i) in failed.iter().zip(broken) {
+        assert_eq!((&line["input"], &line["exit"]), (&format!("{i:04}.obj").into(), &3.into()));
+        assert!(line["error"].as_str().unwrap().contains("line 2"), "{line}");
+    }
+    assert_eq!(failed.len(), 3);
+    let written = common::names(&folder.path("out")).iter().filter(|name| name.ends_with(".stl")).count();
+    assert_eq!(written as u64, n - 3);
+}
+
 #[test]
 fn a_batch_that_was_killed_goes_on_where_it_was() {
     let folder = Folder::new("batch-kill");

@@ -93,3 +93,31 @@ fn h80_two_jobs_on_one_output_leave_one_whole_file() {
     assert!(fs::read(&output).unwrap() == new);
     assert_eq!(folder.names(), ["a.ply", "undisturbed.ply"]);
 }
+
+/// The limits go from one at which the program hardly starts to one at which it ends well.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_failed_allocation_is_an_exit_code_and_no_abort() {
+    let folder = Folder::new("no-memory");
+    folder.file("many.obj", &format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(500_000)));
+    let program = chordal(&[]).get_program().to_owned();
+    let mut seen = std::collections::BTreeSet::new();
+    // Address space in kilobytes: the program's own is some fifty megabytes.
+    for kilobytes in (40_000..240_000).step_by(10_000) {
+        let out = folder.path("out.ply");
+        let limited = std::process::Command::new("sh")
+            .args(["-c", &format!("ulimit -v {kilobytes}; exec \"$0\" convert \"$1\" \"$2\" --force -q")])
+            .arg(&program)
+            .args([folder.path("many.obj"), out.clone()])
+            .env("RAYON_NUM_THREADS", "1")
+            .output()
+            .unwrap();
+        let Some(code) = limited.status.code() else { panic!("{kilobytes} kB: {limited:?}") };
+        seen.insert(code);
+        // Below some limit the program cannot even be loaded, which is the shell's 127.
+        assert!([0, 3, 5, 127].contains(&code), "{kilobytes} kB: {limited:?}");
+        assert_eq!(out.exists(), code == 0, "{kilobytes} kB: {limited:?}");
+        let _ = std::fs::remove_file(&out);
+    }
+    assert!(seen.contains(&0) && seen.contains(&5), "{seen:?}");
+}

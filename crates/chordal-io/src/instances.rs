@@ -263,7 +263,12 @@ mod tests {
         let mut scene = Scene::from_mesh("part", mesh, Frame::default());
         let mut matrix = IDENTITY;
         (matrix[0], matrix[5], matrix[14]) = (-1.0, 2.0, 5.0);
-        scene.nodes.push(Node { name: "there".into(), matrix, part: Some(0), ..Node::default() });
+        scene.nodes.push(Node {
+            name: "there".into(),
+            matrix: matrix.into(),
+            part: Some(0),
+            ..Node::default()
+        });
         scene.nodes[0].children.push(1);
         scene
     }

@@ -94,7 +94,7 @@ fn words_of(scene: &Scene) -> impl Iterator<Item = String> {
     let extras = |properties: &Map<String, Value>| properties.contains_key("extras");
     let of_parts =
         scene.parts.iter().filter_map(|part| part.properties.as_deref()).filter(move |p| extras(p));
-    let of_nodes = scene.nodes.iter().map(|node| &node.properties).filter(move |p| extras(p));
+    let of_nodes = scene.nodes.iter().map(|node| &*node.properties).filter(move |p| extras(p));
     let of_file = scene.assets.about.keys().map(|key| match &**key {
         "extras" => "extras of the file".to_owned(),
         key => format!("'{}' of the file", key.escape_default()),
@@ -197,7 +197,7 @@ mod tests {
         let mut scene = scene();
         let extras: Map<String, Value> = [("extras".to_owned(), json!({ "a": 1 }))].into_iter().collect();
         scene.parts[0].properties = Some(Box::new(extras.clone()));
-        scene.nodes[0].properties = extras.clone();
+        scene.nodes[0].properties = extras.clone().into();
         scene.assets.about = extras;
         scene.assets.about.insert("copyright".to_owned(), json!("us"));
         scene.assets.extensions.insert("KHR_lights_punctual".to_owned(), json!({}));

@@ -1,6 +1,6 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
 use crate::glb::GltfPacking;
-use crate::{Curves, Drawing, Frame, MATERIAL, Polygons, SceneAssets, Volume, Warning};
+use crate::{Curves, Drawing, Frame, MATERIAL, Polygons, RareValue, SceneAssets, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
@@ -24,31 +24,19 @@ pub struct Part {
 }
 
 /// A node of the scene graph: a transform, children, and maybe a part that it shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Node {
     /// The name in the file, or empty.
     pub name: String,
     /// Column-major 4 × 4 matrix from this node's space to its parent's.
-    pub matrix: [f64; 16],
+    pub matrix: RareValue<[f64; 16]>,
     /// Indices of child nodes.
     pub children: Vec<usize>,
     /// Index of the part that it shows.
     pub part: Option<usize>,
     /// What glTF says of it beside: camera, light, extras, and translation, rotation and scale where these
     /// make its matrix.
-    pub properties: Map<String, Value>,
-}
-
-impl Default for Node {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            matrix: IDENTITY,
-            children: Vec::new(),
-            part: None,
-            properties: Map::new(),
-        }
-    }
+    pub properties: RareValue<Map<String, Value>>,
 }
 
 /// The content of a mesh file. A format without nodes gets one identity node for each part.

@@ -267,7 +267,7 @@ fn groups_of_obj_come_back_with_their_names() {
 }
 
 fn node(matrix: [f64; 16], children: Vec<usize>, part: Option<usize>) -> Node {
-    Node { matrix, children, part, ..Node::default() }
+    Node { matrix: matrix.into(), children, part, ..Node::default() }
 }
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -427,5 +427,5 @@ fn the_reader_of_each_format_gives_identity_nodes() {
     else {
         panic!("a scene")
     };
-    assert_eq!((scene.nodes.len(), scene.nodes[0].matrix, scene.roots), (1, IDENTITY, vec![0]));
+    assert_eq!((scene.nodes.len(), *scene.nodes[0].matrix, scene.roots), (1, IDENTITY, vec![0]));
 }

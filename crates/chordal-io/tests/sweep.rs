@@ -1,6 +1,8 @@
 //! Mutations of small files, and large hostile ones: no panic, no hang, no more memory than promised.
 // Long because the hostile files stand beside the allocator that measures them.
 mod common;
+#[path = "sweep/corpora.rs"]
+mod corpora;
 #[path = "sweep/memory.rs"]
 mod memory;
 #[path = "sweep/seeds.rs"]

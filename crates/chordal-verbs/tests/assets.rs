@@ -98,7 +98,7 @@ fn levels_have_the_materials_of_all_parts() {
     assert_eq!((&first.assets, first.parts.len()), (&before.assets, before.parts.len()));
     // An animated node gets a child that shows its part and names the levels.
     let (kept, added) = first.nodes.split_at(before.nodes.len());
-    assert!(kept.iter().zip(&before.nodes).all(|(a, b)| (&a.name, a.matrix) == (&b.name, b.matrix)));
+    assert!(kept.iter().zip(&before.nodes).all(|(a, b)| (&a.name, &a.matrix) == (&b.name, &b.matrix)));
     assert_eq!((added.len(), added[0].part), (1, Some(0)));
     let coarse = made.level(1).expect("a second level").0;
     is_painted(&coarse);

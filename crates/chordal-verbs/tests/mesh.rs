@@ -179,7 +179,8 @@ fn two_parts() -> Scene {
     let (sin, cos) = (0.6, 0.8);
     let turned = [cos, sin, 0.0, 0.0, -sin, cos, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 0.2, 0.3, 1.0];
     let scaled = [3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 10.0, 0.0, 0.0, 1.0];
-    let node = |matrix, children, part| Node { matrix, children, part, ..Node::default() };
+    let node =
+        |matrix: [f64; 16], children, part| Node { matrix: matrix.into(), children, part, ..Node::default() };
     scene.nodes.push(node(turned, vec![2], None));
     scene.nodes.push(node(scaled, Vec::new(), Some(1)));
     scene.roots.push(1);
@@ -327,7 +328,7 @@ fn a_part_in_two_places_has_what_the_nearer_one_allows() {
             let mut matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
             (matrix[12], matrix[14]) = (*x, -1.0);
             scene.roots.push(scene.nodes.len());
-            scene.nodes.push(Node { matrix, part: Some(0), ..Node::default() });
+            scene.nodes.push(Node { matrix: matrix.into(), part: Some(0), ..Node::default() });
         }
         let mut glb = Vec::new();
         chordal_io::write(&scene, None, Format::Glb, &mut glb).unwrap();

@@ -74,7 +74,7 @@ impl AmfNodeBuilder<'_> {
                     AmfTarget::Object(object) => (String::new(), Some(object)),
                     AmfTarget::Constellation(c) => (self.constellations[c].name.clone(), None),
                 };
-                scene.nodes.push(Node { name, matrix, part, ..Node::default() });
+                scene.nodes.push(Node { name, matrix: matrix.into(), part, ..Node::default() });
                 if let AmfTarget::Constellation(constellation) = target {
                     // The last comes out first.
                     for instance in self.constellations[constellation].instances.iter().rev() {

@@ -1,7 +1,6 @@
 //! `ColladaBuilder`: the nodes of a scene from those of a visual scene, with what their instances show.
 use super::document::{ColladaDocument, ColladaInstance, InstanceKind, UpAxis};
 use crate::grow::push;
-use crate::scene::IDENTITY;
 use crate::text::{grouped, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Node, ReadError, Scene};
@@ -36,7 +35,7 @@ impl ColladaBuilder<'_> {
     pub(super) fn nodes(&mut self, scene: &mut Scene) -> Result<(), ReadError> {
         let document = self.document;
         let top = if document.up == UpAxis::X {
-            push(&mut scene.nodes, Node { matrix: X_UP, ..Node::default() })?;
+            push(&mut scene.nodes, Node { matrix: X_UP.into(), ..Node::default() })?;
             scene.roots.push(0);
             Some(0)
         } else {
@@ -69,7 +68,7 @@ impl ColladaBuilder<'_> {
             push(&mut steps, BuildStep::Leave { node })?;
             let made = attach(
                 scene,
-                Node { name: from.name.clone(), matrix: from.matrix, ..Node::default() },
+                Node { name: from.name.clone(), matrix: from.matrix.into(), ..Node::default() },
                 parent,
             )?;
             for child in from.children.iter().rev() {
@@ -88,11 +87,7 @@ impl ColladaBuilder<'_> {
                 match scene.nodes[made].part {
                     None => scene.nodes[made].part = Some(part),
                     Some(_) => {
-                        attach(
-                            scene,
-                            Node { matrix: IDENTITY, part: Some(part), ..Node::default() },
-                            Some(made),
-                        )?;
+                        attach(scene, Node { part: Some(part), ..Node::default() }, Some(made))?;
                     }
                 }
             }

@@ -62,7 +62,7 @@ impl<'a> AssetReader<'a> {
         for i in 0..self.list("nodes").len() {
             let properties = self.node_properties(i);
             if let Some(at) = number_of(i) {
-                tree.scene.nodes[at].properties = properties;
+                tree.scene.nodes[at].properties = properties.into();
             }
         }
         *tree.scene.assets = self.assets(number_of, tree.has_cut_nodes)?;
@@ -134,8 +134,9 @@ impl<'a> AssetReader<'a> {
     /// give to a bare mesh.
     fn materials(&self) -> (Vec<Value>, Vec<usize>) {
         let plain = [plain_material(false), plain_material(true)];
-        let (mut materials, mut groups) = (Vec::new(), Vec::new());
-        for material in self.values("materials") {
+        let list = self.list("materials");
+        let (mut materials, mut groups) = (Vec::with_capacity(list.len()), Vec::with_capacity(list.len()));
+        for material in list.iter().map(JsonValue::to_value) {
             groups.push(if plain.contains(&material) {
                 0
             } else {

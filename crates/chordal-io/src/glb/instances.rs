@@ -5,7 +5,7 @@ use super::INSTANCING;
 use super::accessor_rows::{AccessorError, AccessorRows};
 use super::format::{AccessorFormat, AccessorType, ComponentType};
 use super::lint::is_unit_quaternion;
-use super::model::{GltfAttributes, GltfModel};
+use super::model::{GltfAttributes, GltfModel, GltfNode};
 use super::report::GlbWarnings;
 use super::trs::compose;
 use crate::{Conformance, FileLocation, Limits, Node, ReadError, Scene};
@@ -40,7 +40,7 @@ pub(super) fn place(
 ) -> Result<u64, ReadError> {
     let (limits, mut left) = limits;
     for (i, node) in model.nodes.iter().enumerate() {
-        let attributes = node.as_ref().and_then(|node| node.instances.as_ref());
+        let attributes = node.as_ref().and_then(GltfNode::instances);
         let (Some(attributes), Some(at)) = (attributes, number_of.get(i).copied().flatten()) else {
             continue;
         };
@@ -154,7 +154,7 @@ impl<'m> InstanceRows<'m> {
         let rotation = turned.map(|x| x / length);
         let (translation, scale) = ([x, y, z], [sx, sy, sz]);
         let matrix = compose(translation, rotation, scale);
-        let mut node = Node { matrix, part: Some(part), ..Node::default() };
+        let mut node = Node { matrix: matrix.into(), part: Some(part), ..Node::default() };
         if scale.contains(&0.0) {
             // No writer finds a rotation in such a matrix.
             node.properties.insert("translation".to_owned(), json!(translation));

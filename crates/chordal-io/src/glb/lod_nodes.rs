@@ -3,12 +3,13 @@ use super::LOD;
 use super::json::JsonValue;
 use super::model::{GltfModel, item};
 use crate::{FileLocation, ReadError};
+use std::collections::BTreeMap;
 
 /// The lower levels of detail that each node names.
 #[derive(Default)]
 pub(super) struct LodNodes {
-    /// For each node the lower levels that it names.
-    ids: Vec<Vec<usize>>,
+    /// The lower levels that a node names, for those that name some.
+    ids: BTreeMap<usize, Vec<usize>>,
     /// Whether a node is a lower level of some node.
     is_named: Vec<bool>,
     /// Pairs of a node and one lower level.
@@ -24,11 +25,7 @@ impl LodNodes {
     /// At the pointer, where there is no such node, or a level leads back to itself: by its levels, its
     /// children or both.
     pub fn new(json: &JsonValue, model: &GltfModel<'_>) -> Result<Self, ReadError> {
-        let mut lower = Self {
-            ids: vec![Vec::new(); model.nodes.len()],
-            is_named: vec![false; model.nodes.len()],
-            ..Self::default()
-        };
+        let mut lower = Self { is_named: vec![false; model.nodes.len()], ..Self::default() };
         let nodes = json.get("nodes").and_then(JsonValue::items).unwrap_or_default();
         for (i, node) in nodes.iter().enumerate() {
             let Some(lod) = node.get("extensions").and_then(|all| all.get(LOD)) else { continue };
@@ -44,7 +41,7 @@ impl LodNodes {
                     let what = format!("level {} is no node of the file", k + 1);
                     return Err(wrong("UNRESOLVED_REFERENCE", format!("{pointer}/{k}"), what));
                 };
-                lower.ids[i].push(index);
+                lower.ids.entry(i).or_default().push(index);
                 lower.is_named[index] = true;
                 lower.n_levels += 1;
             }
@@ -61,10 +58,10 @@ impl LodNodes {
 
     /// The children of a node, then its lower levels.
     fn next<'a>(&'a self, model: &'a GltfModel<'_>, node: usize) -> impl Iterator<Item = usize> + 'a {
-        let n = self.ids.len();
+        let n = self.is_named.len();
         let children = item(&model.nodes, Some(node)).map_or(&[][..], |node| &node.children);
         let children = children.iter().flatten().copied().filter(move |child| *child < n);
-        children.chain(self.ids.get(node).into_iter().flatten().copied())
+        children.chain(self.ids.get(&node).into_iter().flatten().copied())
     }
 
     /// A node with levels on a cycle of levels and children, or behind one.
@@ -72,11 +69,11 @@ impl LodNodes {
         self.first?;
         // Removes nodes without predecessors until none is left, or all that are left are on cycles or behind
         // them.
-        let mut n_before = vec![0_usize; self.ids.len()];
-        for node in 0..self.ids.len() {
+        let mut n_before = vec![0_usize; self.is_named.len()];
+        for node in 0..self.is_named.len() {
             self.next(model, node).for_each(|next| n_before[next] += 1);
         }
-        let mut open: Vec<usize> = (0..self.ids.len()).filter(|node| n_before[*node] == 0).collect();
+        let mut open: Vec<usize> = (0..self.is_named.len()).filter(|node| n_before[*node] == 0).collect();
         while let Some(node) = open.pop() {
             for next in self.next(model, node) {
                 n_before[next] -= 1;
@@ -87,7 +84,7 @@ impl LodNodes {
         }
         // Children alone form no cycle, as was checked before.
         let left = |node: &usize| n_before[*node] > 0;
-        (0..self.ids.len()).filter(left).find(|node| !self.ids[*node].is_empty())
+        (0..self.is_named.len()).filter(left).find(|node| self.ids.contains_key(node))
     }
 
     /// Whether a node is a lower level of another one.
@@ -97,9 +94,9 @@ impl LodNodes {
 
     /// For each node whether it is only a lower level, and so left out of a scene with these roots.
     pub fn hidden_nodes(&self, model: &GltfModel<'_>, roots: &[usize]) -> Vec<bool> {
-        let n = self.ids.len();
+        let n = self.is_named.len();
         let mut hidden = vec![false; n];
-        let mut open: Vec<usize> = self.ids.iter().flatten().copied().collect();
+        let mut open: Vec<usize> = self.ids.values().flatten().copied().collect();
         while let Some(node) = open.pop() {
             if !std::mem::replace(&mut hidden[node], true) {
                 open.extend(self.next(model, node));

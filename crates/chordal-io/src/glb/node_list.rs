@@ -171,7 +171,7 @@ fn chain<'a>(
     coarser: &[PartMesh],
     is_moved: bool,
 ) -> Option<NodeChain<'a>> {
-    let mut properties = node.properties.clone();
+    let mut properties = (*node.properties).clone();
     let transform = match transform::own_properties(&mut properties, &node.matrix) {
         Some(transform) => vec![transform],
         None => transform::node_properties(&node.matrix)?,

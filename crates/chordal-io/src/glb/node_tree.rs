@@ -1,10 +1,10 @@
 //! `NodeTree`: the nodes of the scene that is shown, without lower levels of detail and with all instances.
 use super::json::JsonValue;
 use super::lod_nodes::LodNodes;
-use super::model::{GltfModel, item};
+use super::model::{GltfModel, GltfNodeMore, item};
 use super::report::GlbWarnings;
 use super::{LOD, instances, trs};
-use crate::{FileLocation, Limits, Node, ReadError, Scene};
+use crate::{FileLocation, Limits, Node, RareValue, ReadError, Scene};
 use std::collections::BTreeSet;
 
 /// The nodes of a file that are kept, and what they show.
@@ -43,15 +43,13 @@ impl NodeTree {
         let mut has_parent = vec![false; n];
         for (i, node) in model.nodes.iter().enumerate() {
             let Some(node) = node else { continue };
-            let children: Vec<usize> =
+            let mut children: Vec<usize> =
                 node.children.iter().flatten().copied().filter(|child| *child < n).collect();
+            children.shrink_to_fit();
             children.iter().for_each(|child| has_parent[*child] = true);
-            let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-            let translation = node.translation.unwrap_or_default();
-            let trs = || trs::compose(translation, rotation, node.scale.unwrap_or([1.0; 3]));
             nodes[i] = Node {
                 name: node.name.to_owned(),
-                matrix: node.matrix.as_deref().copied().unwrap_or_else(trs),
+                matrix: node.more.as_deref().map(matrix_of).unwrap_or_default(),
                 children,
                 part: node.mesh.filter(|mesh| *mesh < model.meshes.len()),
                 ..Node::default()
@@ -75,6 +73,13 @@ impl NodeTree {
         let has_levels = lower.first.is_some();
         Ok(Self { scene, meshes, number_of, has_cut_nodes, has_levels, left, report })
     }
+}
+
+fn matrix_of(more: &GltfNodeMore<'_>) -> RareValue<[f64; 16]> {
+    let rotation = more.rotation.as_deref().copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let translation = more.translation.as_deref().copied().unwrap_or_default();
+    let trs = || trs::compose(translation, rotation, more.scale.as_deref().copied().unwrap_or([1.0; 3]));
+    more.matrix.as_deref().copied().unwrap_or_else(trs).into()
 }
 
 /// Removes the nodes that are lower levels of detail. Returns the meshes that become parts: all but those

@@ -187,7 +187,7 @@ impl<'a> NodeBuilder<'a> {
                 let matrix = matrix(&self.documents[document as usize], reference);
                 scene.nodes.push(Node {
                     name,
-                    matrix,
+                    matrix: matrix.into(),
                     children: with_room(components.len())?,
                     part,
                     ..Node::default()

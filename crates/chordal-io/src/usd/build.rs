@@ -169,7 +169,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         let LocalTransform { matrix, is_reset } = self.stage.transform(prim)?;
         context.world = if is_reset { matrix } else { product(&above.world, &matrix) };
         let number = self.scene.nodes.len();
-        let node = Node { name: self.stage.name(prim), matrix, ..Node::default() };
+        let node = Node { name: self.stage.name(prim), matrix: matrix.into(), ..Node::default() };
         push_large(&mut self.scene.nodes, node)?;
         push(&mut self.worlds, context.world)?;
         if kind != "Mesh" && !self.stage.property_names(prim, "primvars:").is_empty() {
@@ -359,7 +359,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             };
             let child = self.scene.nodes.len();
             let name = format!("{}_{i}", self.stage.name(prim));
-            push_large(&mut self.scene.nodes, Node { name, matrix, ..Node::default() })?;
+            push_large(&mut self.scene.nodes, Node { name, matrix: matrix.into(), ..Node::default() })?;
             let world = product(&context.world, &matrix);
             push(&mut self.worlds, world)?;
             let below = WalkContext { world, nesting: context.nesting + 1, ..context.clone() };

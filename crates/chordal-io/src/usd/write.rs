@@ -239,7 +239,7 @@ impl<'a> SceneWriter<'a> {
             // A name that is shown would be inherited too.
             about = vec![format!("displayName = {}", quoted(shown)), format!("inherits = <{first}>")];
             writer.open("Mesh", name, &about)?;
-            if node.matrix == IDENTITY {
+            if *node.matrix == IDENTITY {
                 writer.line("uniform token[] xformOpOrder = []")?;
             }
             transform(&node.matrix, writer)?;

@@ -96,7 +96,7 @@ fn quantized_rotations_turn_and_do_not_shear() {
         let q: Vec<f64> = [1.0, 2.0, 2.0].iter().map(|x: &f64| x / 6.0).chain([0.75_f64.sqrt()]).collect();
         let stored: Vec<f64> = q.iter().map(|x| (x * max).round()).collect();
         let (json, bin) = placed(&[("ROTATION", Rows(component, true, 4, &stored))]);
-        let matrix = loaded(&json, &bin).0.nodes[1].matrix;
+        let matrix = *loaded(&json, &bin).0.nodes[1].matrix;
         let column = |k: usize| [matrix[4 * k], matrix[4 * k + 1], matrix[4 * k + 2]];
         for i in 0..3 {
             for j in 0..3 {
@@ -148,7 +148,7 @@ fn an_instance_without_size_is_written_as_it_is() {
     let mut out = Vec::new();
     glb::write(&scene, None, &mut out).expect("written");
     let again = scene_of(glb::read(&out, &Limits::default()).expect("read")).0;
-    let matrices = |scene: &Scene| scene.nodes[1..].iter().map(|node| node.matrix).collect::<Vec<_>>();
+    let matrices = |scene: &Scene| scene.nodes[1..].iter().map(|node| *node.matrix).collect::<Vec<_>>();
     assert_eq!(matrices(&again), matrices(&scene));
 }
 

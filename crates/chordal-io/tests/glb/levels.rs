@@ -113,19 +113,23 @@ fn rows(numbers: &[f32], kind: &str) -> PackedAccessor {
 #[test]
 fn each_instance_names_the_levels_of_its_part_in_its_own_place() {
     let shift = |x: f64| {
-        let mut matrix = Node::default().matrix;
+        let mut matrix = *Node::default().matrix;
         matrix[12] = x;
         matrix
     };
-    let node =
-        |name: &str, x: f64, part| Node { name: name.to_owned(), matrix: shift(x), part, ..Node::default() };
+    let node = |name: &str, x: f64, part| Node {
+        name: name.to_owned(),
+        matrix: shift(x).into(),
+        part,
+        ..Node::default()
+    };
     let camera = json!({ "camera": 0 }).as_object().cloned().expect("an object");
     let extras = json!({ "extras": { "of": "ours" } }).as_object().cloned().expect("an object");
     let nodes = vec![
-        Node { properties: extras, ..node("plain", 1.0, Some(0)) },
+        Node { properties: extras.into(), ..node("plain", 1.0, Some(0)) },
         Node { children: vec![2], ..node("parent", 2.0, Some(0)) },
         node("child", 3.0, Some(1)),
-        Node { properties: camera, ..node("camera", 4.0, Some(0)) },
+        Node { properties: camera.into(), ..node("camera", 4.0, Some(0)) },
         node("moved", 5.0, Some(0)),
     ];
     let mut assets = SceneAssets::default();

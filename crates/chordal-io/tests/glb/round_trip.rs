@@ -2,7 +2,7 @@
 use super::build::scene_of;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal, vertex_normals, with_tangents};
-use chordal_io::{Axis, Format, Frame, Limits, Node, Part, Scene, TextureOrigin, glb, snap};
+use chordal_io::{Axis, Format, Frame, Limits, Node, Part, RareValue, Scene, TextureOrigin, glb, snap};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -193,12 +193,12 @@ fn nodes_names_and_instances_come_back() {
     );
     let node = |name: &str, matrix, children, part| Node {
         name: name.to_owned(),
-        matrix,
+        matrix: RareValue::from(matrix),
         children,
         part,
         ..Node::default()
     };
-    let identity = Scene::from_mesh("", cube(), Frame::default()).nodes[0].matrix;
+    let identity = *Scene::from_mesh("", cube(), Frame::default()).nodes[0].matrix;
     let mut moved = identity;
     moved[12..15].copy_from_slice(&[0.1, -2.0, 1e-3]);
     let turned = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0];
@@ -224,7 +224,7 @@ fn nodes_names_and_instances_come_back() {
         (back.roots.len(), back.nodes[0].name.as_str(), back.nodes[2].name.as_str()),
         (1, "top", "right")
     );
-    assert_eq!(back.nodes[0].matrix, turned);
+    assert_eq!(*back.nodes[0].matrix, turned);
     // The first cube keeps its place, the one far away gets a node for its origin.
     let before = scene.world_meshes().expect("placed");
     let after = back.world_meshes().expect("placed");

@@ -504,3 +504,30 @@ fn material_libraries_stay_within_the_promise_for_all_files_together() {
         assert!(matches!(result, Ok(ReadOutcome { content: Content::Scene(_), .. })), "{name}");
     }
 }
+
+/// Objects that say nothing take three bytes of a file. What is promised holds for the hundreds of thousands of
+/// them that an exporter may write.
+#[test]
+fn h39_hundreds_of_thousands_of_empty_objects_stay_within_the_promise() {
+    let n = 300_000;
+    let all = |item: &str| vec![item; n].join(",");
+    let roots = (0..n).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
+    let files = [
+        ("nodes", format!("\"nodes\":[{}]", all("{}"))),
+        ("nodes of a scene", format!("\"nodes\":[{}],\"scenes\":[{{\"nodes\":[{roots}]}}]", all("{}"))),
+        ("named nodes", format!("\"nodes\":[{}]", all("{\"name\":\"a\"}"))),
+        ("materials", format!("\"materials\":[{}]", all("{}"))),
+        ("textures", format!("\"textures\":[{}]", all("{}"))),
+        ("samplers", format!("\"samplers\":[{}]", all("{}"))),
+        ("scenes", format!("\"scenes\":[{}]", all("{}"))),
+    ];
+    for (name, list) in files {
+        let text = format!("{{\"asset\":{{\"version\":\"2.0\"}},{list}}}");
+        let (result, most) = measured(text.as_bytes(), Format::Gltf);
+        assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
+        let size = text.len() as u64;
+        println!("{name}: {size} bytes, held {most}");
+        // The file itself is held too.
+        assert!(most + size <= promised(size), "{name}: {most} bytes for {size}");
+    }
+}

@@ -28,7 +28,7 @@ fn refused(scene: &Scene) -> String {
 }
 
 fn node(name: &str, matrix: [f64; 16], children: Vec<usize>, part: Option<usize>) -> Node {
-    Node { name: name.to_owned(), matrix, children, part, ..Node::default() }
+    Node { name: name.to_owned(), matrix: matrix.into(), children, part, ..Node::default() }
 }
 
 fn triangle() -> Mesh {

@@ -43,7 +43,7 @@ proptest! {
         let mut scene = scene(&points, frame);
         if let Some(angle) = angle {
             let (s, c) = (libm::sin(angle), libm::cos(angle));
-            scene.nodes[0].matrix = [c, s, 0.0, 0.0, -s, c, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, -7.0, 0.1, 1.0];
+            scene.nodes[0].matrix = [c, s, 0.0, 0.0, -s, c, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, -7.0, 0.1, 1.0].into();
         }
         let bounds = content_bounds(&scene).unwrap();
         let seen = Box3::from_points(&shown(&scene));

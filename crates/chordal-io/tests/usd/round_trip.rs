@@ -71,7 +71,7 @@ fn parts_nodes_and_attributes_keep_every_bit() {
     ];
     scene_in.groups.insert(MATERIAL.into(), vec![String::new(), "red".into(), "blue 1".into()]);
     scene_in.assets.materials = ["red", "blue 1"].map(|name| json!({ "name": name, "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 0.5], "metallicFactor": 0.25, "roughnessFactor": 0.75 }, "alphaMode": "BLEND", "doubleSided": true })).to_vec();
-    let mut matrix = Node::default().matrix;
+    let mut matrix = *Node::default().matrix;
     (matrix[0], matrix[5], matrix[12]) = (-0.1, 0.3, 1.0 / 7.0);
     let node = |name: &str, part, children: &[usize]| Node {
         name: name.into(),
@@ -82,7 +82,7 @@ fn parts_nodes_and_attributes_keep_every_bit() {
     scene_in.nodes = vec![
         node("top", None, &[1, 2, 3]),
         node("ri ch", Some(0), &[]),
-        Node { matrix, ..node("again", Some(0), &[]) },
+        Node { matrix: matrix.into(), ..node("again", Some(0), &[]) },
         node("plain", Some(1), &[]),
     ];
     scene_in.roots = vec![0];

@@ -276,7 +276,9 @@ fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure>
     }
     *scene.assets = scene.assets.materials_only();
     scene.nodes.iter_mut().for_each(|node| {
-        node.properties.retain(|key, _| ["translation", "rotation", "scale"].contains(&key.as_str()));
+        if !node.properties.is_empty() {
+            node.properties.retain(|key, _| ["translation", "rotation", "scale"].contains(&key.as_str()));
+        }
     });
     if scene.parts.iter().any(Part::is_deformed) {
         notes.push("levels are of meshes at rest: skins and morph targets were left out".into());
@@ -288,7 +290,7 @@ fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure>
 /// What nodes say beside their transforms and what the assets list, by name.
 fn properties_of_nodes(scene: &Scene) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
-    for (key, value) in scene.nodes.iter().flat_map(|node| &node.properties) {
+    for (key, value) in scene.nodes.iter().flat_map(|node| &*node.properties) {
         match key.as_str() {
             "translation" | "rotation" | "scale" | "camera" | "skin" | "weights" => {}
             "extensions" => names.extend(value.as_object().into_iter().flat_map(|all| all.keys().cloned())),

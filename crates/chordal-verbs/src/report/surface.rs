@@ -157,7 +157,7 @@ impl SurfaceFacts {
             self_intersections: crossing.map(|all| all.iter().map(|finding| finding.count).sum()),
             open_seams: OpenSeamFacts::total(parts),
             triangles_per_vertex: triangles_per_vertex(parts),
-            in_place: scene.nodes.iter().all(|node| node.matrix == IDENTITY),
+            in_place: scene.nodes.iter().all(|node| *node.matrix == IDENTITY),
             area: sum(|part| part.found.measure.area),
             volume: (counts.closed && counts.oriented).then_some(volume),
             component_list: largest(parts),

@@ -164,7 +164,7 @@ impl<'a> GltfLint<'a> {
         }
         let Some(node) = item(&model.nodes, Some(index)) else { return };
         match target.path {
-            Some("translation" | "rotation" | "scale") if node.matrix.is_some() => {
+            Some("translation" | "rotation" | "scale") if node.matrix().is_some() => {
                 self.issue_here(
                     "ANIMATION_CHANNEL_TARGET_NODE_MATRIX",
                     "the node has a matrix, which cannot move",

@@ -205,7 +205,7 @@ impl<'a> GltfLint<'a> {
         let mut n_joints = vec![None::<u64>; model.meshes.len()];
         let mut seen = BTreeSet::new();
         for node in model.nodes.iter().flatten() {
-            let joints = item(&model.skins, node.skin).and_then(|skin| skin.joints.as_ref());
+            let joints = item(&model.skins, node.skin()).and_then(|skin| skin.joints.as_ref());
             let (Some(joints), Some(slot)) = (joints, node.mesh.and_then(|mesh| n_joints.get_mut(mesh)))
             else {
                 continue;

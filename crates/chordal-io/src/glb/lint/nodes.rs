@@ -3,7 +3,7 @@ use super::extensions::ExtensionHost;
 use super::{ANY, GltfLint};
 use crate::glb::INSTANCING;
 use crate::glb::json::JsonValue;
-use crate::glb::model::{GltfAttributes, GltfModel, GltfNode, GltfScene, item};
+use crate::glb::model::{GltfAttributes, GltfModel, GltfNode, GltfNodeMore, GltfScene, item};
 use crate::glb::transform::{is_identity, is_trs};
 
 /// How far the length of a quaternion may be from one: the validator's constant, for quaternions of bytes.
@@ -55,7 +55,17 @@ impl<'a> GltfLint<'a> {
             lint.extension_reference(["KHR_lights_punctual", "lights"], light, "light".into());
         });
         let instances = self.instances(map);
-        GltfNode { name, children, mesh, skin, matrix, translation, rotation, scale, weights, instances }
+        let more = GltfNodeMore {
+            skin,
+            matrix,
+            translation: translation.map(Box::new),
+            rotation: rotation.map(Box::new),
+            scale: scale.map(Box::new),
+            weights: weights.map(Vec::into_boxed_slice),
+            instances,
+        };
+        let more = Some(more).filter(|more| *more != GltfNodeMore::default()).map(Box::new);
+        GltfNode { name, children: children.into(), mesh, more }
     }
 
     /// The accessors of `EXT_mesh_gpu_instancing`, which the validator does not know.
@@ -120,11 +130,11 @@ impl<'a> GltfLint<'a> {
         let Some(mesh) = item(&model.meshes, node.mesh) else { return };
         let Some(first) = mesh.primitives.first() else { return };
         let n_targets = first.targets.as_ref().map(Vec::len);
-        if let Some(weights) = node.weights.as_ref().filter(|weights| Some(weights.len()) != n_targets) {
+        if let Some(weights) = node.weights().filter(|weights| Some(weights.len()) != n_targets) {
             let what = format!("{} weights for {} morph targets", weights.len(), n_targets.unwrap_or(0));
             self.issue("NODE_WEIGHTS_INVALID", Some("weights".into()), || what);
         }
-        if item(&model.skins, node.skin).is_some() && mesh.primitives.iter().all(|p| p.n_joints == 0) {
+        if item(&model.skins, node.skin()).is_some() && mesh.primitives.iter().all(|p| p.n_joints == 0) {
             self.issue_here("NODE_SKIN_WITH_NON_SKINNED_MESH", "the node has a skin, its mesh no joints");
         }
     }

@@ -4,7 +4,7 @@ use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
 use crate::glb::format::{AccessorFormat, AccessorType, ComponentType};
 use crate::glb::json::JsonValue;
-use crate::glb::model::{GltfModel, GltfSkin, item};
+use crate::glb::model::{GltfModel, GltfNode, GltfSkin, item};
 use std::collections::BTreeSet;
 
 /// The forest of nodes, numbered so that one comparison decides ancestry.
@@ -184,7 +184,7 @@ impl<'a> GltfLint<'a> {
         // Caches compared pairs of roots, so that many nodes cost no more than one.
         let mut known = std::collections::BTreeMap::new();
         for (i, node) in model.nodes.iter().enumerate() {
-            let skin = node.as_ref().and_then(|node| node.skin);
+            let skin = node.as_ref().and_then(GltfNode::skin);
             let Some(joint) = skin.and_then(|s| common.get(s).copied().flatten()) else { continue };
             let (own, joints) = (forest.root[i], forest.root[joint]);
             if !*known.entry((own, joints)).or_insert_with(|| shown[own].is_subset(&shown[joints])) {
@@ -198,7 +198,6 @@ impl<'a> GltfLint<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glb::model::GltfNode;
 
     #[test]
     fn common_ancestors_are_those_that_walking_up_finds() {
@@ -209,12 +208,9 @@ mod tests {
             _ if i.is_multiple_of(3) => Some(if i > 150 { 150 + (i - 150) / 2 } else { i / 2 }),
             _ => Some(i - 1),
         };
-        let mut nodes: Vec<GltfNode<'_>> = (0..n).map(|_| GltfNode::default()).collect();
-        for i in 0..n {
-            if let Some(above) = parent(i) {
-                nodes[above].children.push(Some(i));
-            }
-        }
+        let children = |above: usize| (0..n).filter(|i| parent(*i) == Some(above)).map(Some).collect();
+        let nodes: Vec<GltfNode<'_>> =
+            (0..n).map(|i| GltfNode { children: children(i), ..GltfNode::default() }).collect();
         let model = GltfModel { nodes: nodes.into_iter().map(Some).collect(), ..GltfModel::default() };
         let forest = NodeForest::from_model(&model).expect("no loops");
         let chain = |i: usize| std::iter::successors(Some(i), |i| parent(*i)).collect::<Vec<_>>();

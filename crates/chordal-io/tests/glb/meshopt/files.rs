@@ -97,7 +97,7 @@ fn instances_that_are_packed() {
     let crowd = &scene.nodes[3];
     assert_eq!((crowd.name.as_str(), crowd.part, crowd.children.len()), ("crowd", None, 24));
     for (i, child) in crowd.children.iter().enumerate() {
-        let (matrix, part) = (scene.nodes[*child].matrix, scene.nodes[*child].part);
+        let (matrix, part) = (*scene.nodes[*child].matrix, scene.nodes[*child].part);
         assert_eq!(part, Some(0));
         // Fifteen bits of the largest of three numbers are kept, and of the others as much as they share.
         let place = [0, 1, 2].map(|k| if (3 * i + k) % 3 == 0 { 5 * (3 * i + k) } else { 3 * i + k });
