@@ -69,7 +69,7 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
         return Err(Fault::usage("stdin can be only one of the two shapes"));
     }
     let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
-    let [a, b] = load::read_both([&args.input, &against], &console)?;
+    let [a, b] = load::read_both([&args.input, &against], &job, &console)?;
     let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job)

@@ -44,7 +44,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
     let job = execution::job(&args.input, None, &console);
-    let input = load::read(&args.input, &console)?;
+    let input = load::read(&args.input, &job, &console)?;
     let source = InputSource::from_arg(&args.input.input);
     let name = source.name();
     let argument = match source {

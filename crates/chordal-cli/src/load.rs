@@ -6,23 +6,25 @@ use crate::fault::Fault;
 use crate::folder::list_slices;
 use crate::input::InputSource;
 use crate::spelling::CommandLine;
+use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_io::{Conformance, Format, Limits};
 use chordal_verbs::{FormatHint, Input, load_with};
 
-/// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
-pub fn read(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
-    RawInput::read(args)?.load(args, console)
+/// Reads what `args` name on the threads of a job, tells its warnings, and adds what the user knows of its space.
+pub fn read(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fault> {
+    RawInput::read(args, job)?.load(args, console)
 }
 
 /// Reads what `args` name for a format that may hold polygons: those that were cut into triangles are read
 /// again as polygons, and `prefers` says of the polygons and the triangles whether these are kept.
 pub fn read_polygons(
     args: &InputArgs,
+    job: &Job,
     console: &Console,
     prefers: impl Fn(&Input, &Input) -> bool,
 ) -> Result<Input, Fault> {
-    let raw = RawInput::read(args)?;
+    let raw = RawInput::read(args, job)?;
     let input = raw.parse(args)?;
     let was_cut = input.format == Format::Obj && input.warnings.iter().any(|w| w.code == "polygons-cut");
     if was_cut && args.surface.is_none() {
@@ -37,8 +39,8 @@ pub fn read_polygons(
 
 /// Reads another shape with the arguments of the first: what is said of fields or polygons holds if it is
 /// such.
-pub fn read_other(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
-    let bytes = RawInput::read(args)?;
+pub fn read_other(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fault> {
+    let bytes = RawInput::read(args, job)?;
     let format = bytes.format(args);
     bytes.load(&applicable_args(args, format), console)
 }
@@ -48,9 +50,9 @@ pub fn read_other(args: &InputArgs, console: &Console) -> Result<Input, Fault> {
 ///
 /// # Errors
 /// When neither of them is what something is said of.
-pub fn read_both(args: [&InputArgs; 2], console: &Console) -> Result<[Input; 2], Fault> {
+pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<[Input; 2], Fault> {
     let [first, second] = args;
-    let bytes = [RawInput::read(first)?, RawInput::read(second)?];
+    let bytes = [RawInput::read(first, job)?, RawInput::read(second, job)?];
     let formats = [bytes[0].format(first), bytes[1].format(second)];
     let has_script = formats.contains(&Some(Format::Star));
     let has_field = has_script || formats.contains(&Some(Format::Vm));
@@ -89,10 +91,12 @@ struct RawInput {
     bytes: Vec<u8>,
     /// Whether the bytes are the list of the slices in a folder.
     is_folder: bool,
+    /// How many threads read it.
+    threads: usize,
 }
 
 impl RawInput {
-    fn read(args: &InputArgs) -> Result<Self, Fault> {
+    fn read(args: &InputArgs, job: &Job) -> Result<Self, Fault> {
         let source = InputSource::from_arg(&args.input);
         let list = match &source {
             InputSource::File(path) => list_slices(path),
@@ -100,7 +104,7 @@ impl RawInput {
         };
         let folder = list.is_some();
         let bytes = list.map_or_else(|| source.read(limits(args).bytes), Ok)?;
-        Ok(Self { name: source.name(), source, bytes, is_folder: folder })
+        Ok(Self { name: source.name(), source, bytes, is_folder: folder, threads: job.threads })
     }
 
     fn hint<'a>(&'a self, args: &'a InputArgs) -> FormatHint<'a> {
@@ -125,7 +129,7 @@ impl RawInput {
 
     fn parse(&self, args: &InputArgs) -> Result<Input, Fault> {
         let name = &self.name;
-        let limits = limits(args);
+        let limits = Limits { threads: self.threads, ..limits(args) };
         let mut open = |path: &str| match &self.source {
             // Files in a folder are beside its list.
             InputSource::File(folder) if self.is_folder => {

@@ -167,7 +167,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
     let output = LodOutput::prepare(args, form, &source)?;
-    let mut input = load::read(&args.input, &console)?;
+    let mut input = load::read(&args.input, &job, &console)?;
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
     // A folder is made when there is an input.

@@ -107,7 +107,7 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     args.set.check(&target, to)?;
-    let input = load::read(&args.input, &console)?;
+    let input = load::read(&args.input, &job, &console)?;
     let input_triangles = input.shape.n_triangles();
     let name = source.name();
     let outcome = mend(input, &args.spec(), to, &job)

@@ -153,7 +153,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         console: &console,
         names_files,
     };
-    let mut input = load::read(&args.input, &console)?;
+    let mut input = load::read(&args.input, &job, &console)?;
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
     if let Some(level) = args.result.level {

@@ -11,6 +11,7 @@ use crate::output::OutputTarget;
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary;
+use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::Screen;
 use chordal::budget::{Length, Pixels, View};
@@ -113,7 +114,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
-    let input = load::read(&args.input, &console)?;
+    let input = load::read(&args.input, &job, &console)?;
     let input_triangles = input.shape.n_triangles();
 
     let name = source.name();
@@ -123,7 +124,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         viewpoint,
         ..RenderOptions::default()
     };
-    let against = against(args, &console)?;
+    let against = against(args, &job, &console)?;
     let outcome = match against {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
         None => render(&input, &options, fineness(args), &job),
@@ -148,11 +149,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 }
 
 /// The shape of `--against`, which `--show deviation` needs and nothing else takes.
-fn against(args: &RenderArgs, console: &Console) -> Result<Option<Input>, Fault> {
+fn against(args: &RenderArgs, job: &Job, console: &Console) -> Result<Option<Input>, Fault> {
     match (args.show, &args.against) {
         (RenderMode::Deviation, Some(file)) => {
             let args = InputArgs { input: file.clone(), ..args.input.clone() };
-            load::read_other(&args, console).map(Some)
+            load::read_other(&args, job, console).map(Some)
         }
         (RenderMode::Deviation, None) => {
             Err(Fault::usage("--show deviation needs --against FILE to measure from"))

@@ -42,6 +42,15 @@ pub(crate) fn push_many<T: Clone>(list: &mut Vec<T>, item: T, more: usize) -> Re
     Ok(())
 }
 
+/// Appends all items of a list.
+pub(crate) fn extend<T: Copy>(list: &mut Vec<T>, items: &[T]) -> Result<(), ReadError> {
+    if list.capacity() - list.len() < items.len() {
+        grow(list, items.len())?;
+    }
+    list.extend_from_slice(items);
+    Ok(())
+}
+
 #[cold]
 fn grow<T>(list: &mut Vec<T>, more: usize) -> Result<(), ReadError> {
     let step = more.max(list.len() / 2).max(FIRST);

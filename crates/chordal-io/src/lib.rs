@@ -31,6 +31,7 @@ pub mod nrrd;
 mod number;
 pub mod obj;
 pub mod off;
+mod plain_text;
 pub mod ply;
 pub mod png;
 mod polygons;

@@ -22,6 +22,9 @@ pub struct Limits {
     /// How the polygons of an OBJ are interpreted. `None`: as a Catmull–Clark cage if the file has
     /// subdivision tags, else as triangles.
     pub surface: Option<PolygonSurface>,
+    /// The number of threads that long texts are read on, 0 for all of the machine. What is read, and which
+    /// error is found, never depends on it.
+    pub threads: usize,
 }
 
 /// How errors of a file are judged that do not touch its geometry.
@@ -51,6 +54,7 @@ impl Default for Limits {
             drop_nonfinite: false,
             index: None,
             surface: None,
+            threads: 0,
         }
     }
 }

@@ -1,5 +1,7 @@
-//! `ShortestDecimal`: a number with the fewest digits that read back to the same bits.
+//! `ShortestDecimal`: a number with the fewest digits that read back to the same bits; and the same appended to a
+//! line, which writers of long texts do.
 use std::fmt;
+use std::io::Write;
 
 /// A finite number, formatted as both JSON and SVG accept it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,9 +19,112 @@ impl fmt::Display for ShortestDecimal {
     }
 }
 
+/// Appends a number as [`ShortestDecimal`] shows it.
+#[inline]
+pub(crate) fn put_shortest(line: &mut Vec<u8>, number: f64) {
+    if is_usual(number.abs()) {
+        return put_usual(line, zmij::Buffer::new().format_finite(number));
+    }
+    // Writing to a list does not fail.
+    let _ = write!(line, "{}", ShortestDecimal(number));
+}
+
+/// Appends a number of double precision as `{:?}` shows it, whole numbers without a point.
+#[inline]
+pub(crate) fn put_double(line: &mut Vec<u8>, number: f64) {
+    match is_usual(number.abs()) {
+        true => put_usual(line, zmij::Buffer::new().format_finite(number)),
+        false => put_usual(line, &format!("{number:?}")),
+    }
+}
+
+/// The same of single precision.
+#[inline]
+pub(crate) fn put_single(line: &mut Vec<u8>, number: f32) {
+    match is_usual(f64::from(number.abs())) {
+        true => put_usual(line, zmij::Buffer::new().format_finite(number)),
+        false => put_usual(line, &format!("{number:?}")),
+    }
+}
+
+/// Whether all ways to show a number are the same: decimals without an exponent, of which one is the nearest.
+/// Where two of the fewest digits are equally near, std and zmij take different ones. Such a number has one
+/// binary digit more behind the point than decimals, and so many that its steps are no finer than the last
+/// decimal: at sizes of 1e-4 and more these are at most 20 decimals.
+#[inline]
+fn is_usual(size: f64) -> bool {
+    const TWENTY_ONE_BITS: f64 = (1 << 21) as f64; // derived above
+    // Whole numbers of single precision are exact up to 2²⁴, which is over 1e7.
+    let is_clear = |size: f64| size.fract() == 0.0 || (size * TWENTY_ONE_BITS).fract() != 0.0;
+    size == 0.0 || (1e-4..1e7).contains(&size) && is_clear(size)
+}
+
+#[inline]
+fn put_usual(line: &mut Vec<u8>, text: &str) {
+    line.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+}
+
+/// Appends a whole number.
+#[inline]
+pub(crate) fn put_count(line: &mut Vec<u8>, count: u64) {
+    // The digits of 2⁶⁴.
+    let mut digits = [0; 20];
+    let (mut at, mut left) = (digits.len(), count);
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (left % 10) as u8;
+        left /= 10;
+        if left == 0 {
+            return line.extend_from_slice(&digits[at..]);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal_testkit::Random;
+
+    /// How writers showed a number before: by std alone.
+    fn shown(number: impl fmt::Debug) -> String {
+        let text = format!("{number:?}");
+        text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+    }
+
+    fn put(write: impl FnOnce(&mut Vec<u8>)) -> String {
+        let mut line = Vec::new();
+        write(&mut line);
+        String::from_utf8(line).expect("ASCII")
+    }
+
+    #[test]
+    fn numbers_are_put_as_std_shows_them() {
+        let mut random = Random::new(3);
+        for i in 0..100_000_u64 {
+            // All bits, sizes of coordinates, few digits, and what stands beside a change of the form.
+            let edges = [1e-5, 1e-4, 1e12, 1e13, 1e15, 1e16, 1.0, 0.0, -0.0];
+            let edge: f64 = edges[(random.bits() % edges.len() as u64) as usize];
+            let number = match i % 5 {
+                // Few binary digits, which two decimals may be equally near to.
+                4 => random.below(1 << 30) as f64 / (1_u64 << random.below(40)) as f64,
+                0 => f64::from_bits(random.bits()),
+                1 => random.signed() * 10.0,
+                2 => (random.signed() * 1e6).round() / 1000.0,
+                _ => [edge, edge.next_up(), edge.next_down(), f64::from(edge as f32)][(i / 4 % 4) as usize],
+            };
+            if number.is_finite() {
+                assert_eq!(put(|line| put_shortest(line, number)), ShortestDecimal(number).to_string());
+                assert_eq!(put(|line| put_double(line, number)), shown(number));
+            }
+            for single in [number as f32, f32::from_bits(random.bits() as u32)] {
+                if single.is_finite() {
+                    assert_eq!(put(|line| put_single(line, single)), shown(single));
+                }
+            }
+            assert_eq!(put(|line| put_count(line, i * i)), (i * i).to_string());
+        }
+        assert_eq!(put(|line| put_count(line, u64::MAX)), u64::MAX.to_string());
+    }
 
     #[test]
     fn every_number_reads_back() {

@@ -1,4 +1,5 @@
 //! Parsing of text formats: lines, tokens, numbers, and how an error shows a token.
+use crate::plain_text::short_decimal;
 use crate::{FileLocation, ReadError};
 use memchr::{memchr, memchr2, memchr2_iter};
 use std::sync::OnceLock;
@@ -39,6 +40,17 @@ impl<'a> TextLines<'a> {
     /// The byte offset of the next line.
     pub(crate) fn offset(&self) -> usize {
         self.at
+    }
+
+    /// Passes lines that somebody else has read.
+    pub(crate) fn advance(&mut self, n_bytes: usize, n_lines: u64) {
+        self.at += n_bytes;
+        self.line += n_lines;
+    }
+
+    /// The number of lines so far.
+    pub(crate) fn n_lines(&self) -> u64 {
+        self.line
     }
 }
 
@@ -162,6 +174,15 @@ pub(crate) fn trim(mut bytes: &[u8]) -> &[u8] {
 /// old Microsoft runtimes print for it (`-1.#IND`) are NaN.
 #[inline]
 pub(crate) fn number(token: &[u8]) -> Option<f64> {
+    if let Some((value, n)) = short_decimal(token)
+        && n == token.len()
+    {
+        return Some(value);
+    }
+    long_number(token)
+}
+
+fn long_number(token: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(token).ok()?;
     match text.parse() {
         Ok(value) => Some(value),

@@ -3,7 +3,7 @@ use super::mtl::{EXTRAS, MtlLook, MtlMaterial, MtlValue, exponent, is_map};
 use super::mtl_map::MtlMap;
 use super::names::one_line;
 use super::pictures::file_name;
-use super::write::put;
+use crate::number::put_double;
 use crate::{FileLocation, ImageContent, SceneAssets, Warning};
 use serde_json::{Map, Value};
 
@@ -219,8 +219,7 @@ impl<'a> MtlWriter<'a> {
                 line.extend_from_slice(option.as_bytes());
                 for x in [u, v, default] {
                     line.push(b' ');
-                    // Writing to memory does not fail.
-                    let _ = put(&mut line, x + 0.0);
+                    put_double(&mut line, x + 0.0);
                 }
                 line.push(b' ');
             }
@@ -285,8 +284,7 @@ impl<'a> MtlWriter<'a> {
         self.text.extend_from_slice(keyword.as_bytes());
         for number in numbers {
             self.text.push(b' ');
-            // Writing to memory does not fail.
-            let _ = put(&mut self.text, *number);
+            put_double(&mut self.text, *number);
         }
         self.text.push(b'\n');
     }

@@ -8,6 +8,7 @@ mod mtl;
 mod mtl_map;
 mod mtl_to_gltf;
 mod names;
+mod part;
 mod pictures;
 mod read;
 mod side_files;

@@ -1,10 +1,13 @@
 //! Reads Wavefront OBJ.
+mod parts;
+
 use super::CERTIFICATE;
 use super::cage::CageBuilder;
 use super::detect::{SKIPPED, escapes_folder, refuse_foreign};
 use super::index::{index, optional};
 use super::libraries::{LibraryRequest, read_libraries};
-use super::statements::{ObjRowCounts, ObjStatements};
+use super::part::parts_of;
+use super::statements::ObjRowCounts;
 use super::vertex_table::{ObjCorner, ObjVertexTable};
 use crate::assemble::{self, RawMesh, too_many_rows};
 use crate::faces::{Faces, SHORT_FACES};
@@ -16,6 +19,8 @@ use crate::{
     Content, FileLocation, FileOpener, Frame, Limits, MATERIAL, PolygonSurface, ReadError, ReadOutcome,
     Scene, SceneAssets, TextureOrigin,
 };
+use chordal::Job;
+use chordal::budget::par_map;
 use chordal::explicit::subdivision::Scheme;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
@@ -61,26 +66,28 @@ pub(crate) fn read_with(
 ) -> Result<ReadOutcome, ReadError> {
     refuse_foreign(bytes)?;
     let text = text_of(bytes)?;
-    let mut reader = ObjReader::new(ObjRowCounts::scan(text), limits)?;
-    reader.libraries = open.is_some().then(Vec::new);
-    let mut statements = ObjStatements::new(text);
-    while let Some((line, statement)) = statements.next() {
-        reader.statement(line, statement)?;
-    }
-    let mut assets = Box::<SceneAssets>::default();
-    if let (Some(open), Some(statements)) = (open, reader.libraries.take()) {
-        let names = reader.groups[MATERIALS].names();
-        let request = LibraryRequest { statements: &statements, names, n_bytes: bytes.len() as u64 };
-        *assets = read_libraries(&request, open, limits, &mut reader.warnings);
-    }
-    let mut outcome = reader.finish()?;
-    match &mut outcome.content {
-        Content::Scene(scene) if scene.groups.contains_key(MATERIAL) => scene.assets = assets,
-        Content::Polygons(polygons) if polygons.groups.contains_key(MATERIAL) => polygons.assets = assets,
-        _ => {}
-    }
-    Ok(outcome)
+    read_parts(bytes, &parts_of(text, PART_BYTES), open, limits)
 }
+
+/// Reads a file whose text is cut into these parts.
+fn read_parts(
+    bytes: &[u8],
+    parts: &[&[u8]],
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<ReadOutcome, ReadError> {
+    let job = Job::default().with_threads(limits.threads);
+    let counts = par_map(&job, parts, |_, part| ObjRowCounts::scan(part));
+    let counts = counts.into_iter().fold(ObjRowCounts::default(), ObjRowCounts::and);
+    let mut reader = ObjReader::new(counts, limits)?;
+    reader.libraries = open.is_some().then(Vec::new);
+    reader.parts(parts, &job)?;
+    reader.finish_file(bytes, open)
+}
+
+/// The bytes of a part: long enough that starting one costs nothing, and short enough that what is read of it
+/// is still in the cache when it is taken over.
+const PART_BYTES: usize = 256 << 10;
 
 /// What every OBJ says of its space.
 const FRAME: Frame =
@@ -98,7 +105,7 @@ fn scheme(counts: &ObjRowCounts, surface: Option<PolygonSurface>) -> Option<Sche
         Some(PolygonSurface::CatmullClark) => Some(Scheme::CatmullClark),
         Some(PolygonSurface::Loop) => Some(Scheme::Loop),
         Some(PolygonSurface::Bilinear) => Some(Scheme::Bilinear),
-        None => (counts.tags > 0).then_some(counts.scheme),
+        None => (counts.tags > 0).then(|| counts.scheme.unwrap_or_default()),
     }
 }
 
@@ -139,6 +146,8 @@ struct ObjReader<'a> {
     corners: Vec<u32>,
     certificate: Option<Value>,
     n_known: u64,
+    /// The lines of the parts so far.
+    n_lines: u64,
 }
 
 impl<'a> ObjReader<'a> {
@@ -164,6 +173,7 @@ impl<'a> ObjReader<'a> {
             corners: Vec::new(),
             certificate: None,
             n_known: 0,
+            n_lines: 0,
         })
     }
 
@@ -291,6 +301,11 @@ impl<'a> ObjReader<'a> {
             let corner = self.corner(line, token)?;
             push(&mut corners, self.rows.row(corner)?)?;
         }
+        self.end_face(line, corners)
+    }
+
+    #[inline]
+    fn end_face(&mut self, line: u64, corners: Vec<u32>) -> Result<(), ReadError> {
         match corners.len() {
             0 => {
                 return Err(ReadError::new(
@@ -430,6 +445,27 @@ impl<'a> ObjReader<'a> {
                 }
             }
         }
+    }
+
+    /// Opens the libraries, where that is asked for, and ends.
+    fn finish_file(
+        mut self,
+        bytes: &[u8],
+        open: Option<&mut FileOpener<'_>>,
+    ) -> Result<ReadOutcome, ReadError> {
+        let mut assets = Box::<SceneAssets>::default();
+        if let (Some(open), Some(statements)) = (open, self.libraries.take()) {
+            let names = self.groups[MATERIALS].names();
+            let request = LibraryRequest { statements: &statements, names, n_bytes: bytes.len() as u64 };
+            *assets = read_libraries(&request, open, self.limits, &mut self.warnings);
+        }
+        let mut outcome = self.finish()?;
+        match &mut outcome.content {
+            Content::Scene(scene) if scene.groups.contains_key(MATERIAL) => scene.assets = assets,
+            Content::Polygons(polygons) if polygons.groups.contains_key(MATERIAL) => polygons.assets = assets,
+            _ => {}
+        }
+        Ok(outcome)
     }
 
     fn finish(mut self) -> Result<ReadOutcome, ReadError> {

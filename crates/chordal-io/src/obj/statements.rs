@@ -16,6 +16,16 @@ impl<'a> ObjStatements<'a> {
         Self { lines: TextLines::new(text), joined: Vec::new() }
     }
 
+    /// The byte offset of the next statement.
+    pub(super) fn offset(&self) -> usize {
+        self.lines.offset()
+    }
+
+    /// The number of lines so far.
+    pub(super) fn n_lines(&self) -> u64 {
+        self.lines.n_lines()
+    }
+
     /// The next statement, with the number of its first line.
     #[inline]
     pub(super) fn next(&mut self) -> Option<(u64, &[u8])> {
@@ -44,8 +54,8 @@ pub(super) struct ObjRowCounts {
     pub(super) faces: usize,
     /// The number of subdivision tags.
     pub(super) tags: usize,
-    /// The scheme that a tag names.
-    pub(super) scheme: Scheme,
+    /// The scheme that the last of the tags names which name one.
+    pub(super) scheme: Option<Scheme>,
 }
 
 impl ObjRowCounts {
@@ -61,12 +71,24 @@ impl ObjRowCounts {
                 Some(b"f" | b"fo") => counts.faces += 1,
                 Some(b"t") if is_tag(words.clone()) => {
                     counts.tags += 1;
-                    counts.scheme = scheme_of(words).unwrap_or(counts.scheme);
+                    counts.scheme = scheme_of(words).or(counts.scheme);
                 }
                 _ => {}
             }
         }
         counts
+    }
+
+    /// The counts of this text and of one that follows it.
+    pub(super) fn and(self, next: Self) -> Self {
+        Self {
+            positions: self.positions + next.positions,
+            texcoords: self.texcoords + next.texcoords,
+            normals: self.normals + next.normals,
+            faces: self.faces + next.faces,
+            tags: self.tags + next.tags,
+            scheme: next.scheme.or(self.scheme),
+        }
     }
 
     pub(super) fn check(self, limits: &Limits) -> Result<(), ReadError> {

@@ -2,6 +2,7 @@
 use super::CERTIFICATE;
 use super::names::{ObjNames, one_line};
 use crate::instances::{PartInstance, part_instances};
+use crate::number::{put_count, put_double, put_single};
 use crate::{Frame, MATERIAL, Scene, TextureOrigin, WriteError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
@@ -112,7 +113,7 @@ impl ObjWriter<'_> {
         self.line.extend_from_slice(keyword.as_bytes());
         for number in numbers {
             self.line.push(b' ');
-            put(&mut self.line, number)?;
+            put_double(&mut self.line, number);
         }
         self.end_line()
     }
@@ -156,13 +157,17 @@ impl ObjWriter<'_> {
             self.line.push(b'f');
             for corner in order {
                 let vertex = face[corner];
-                write!(self.line, " {}", positions[vertex as usize])?;
-                let line = |stream: &ObjStream| stream.line(face_idx, corner, vertex);
-                match (texcoords.as_ref().map(line), normals.as_ref().map(line)) {
-                    (None, None) => {}
-                    (Some(t), None) => write!(self.line, "/{t}")?,
-                    (None, Some(n)) => write!(self.line, "//{n}")?,
-                    (Some(t), Some(n)) => write!(self.line, "/{t}/{n}")?,
+                self.line.push(b' ');
+                put_count(&mut self.line, positions[vertex as usize]);
+                let streams = [&texcoords, &normals].map(Option::as_ref);
+                let [texcoord, normal] = streams.map(|s| s.map(|s| s.line(face_idx, corner, vertex)));
+                if texcoord.is_some() || normal.is_some() {
+                    self.line.push(b'/');
+                }
+                texcoord.into_iter().for_each(|row| put_count(&mut self.line, row));
+                if let Some(row) = normal {
+                    self.line.push(b'/');
+                    put_count(&mut self.line, row);
                 }
             }
             self.end_line()?;
@@ -218,20 +223,10 @@ impl ObjWriter<'_> {
         self.line.extend_from_slice(b"vn");
         for x in normal {
             self.line.push(b' ');
-            put(&mut self.line, x as f32)?;
+            put_single(&mut self.line, x as f32);
         }
         self.end_line()
     }
-}
-
-/// Appends the shortest decimal that reads back to the same number; whole numbers without a point, very large
-/// and very small ones with an exponent.
-pub(super) fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::Result<()> {
-    write!(line, "{number:?}")?;
-    if line.ends_with(b".0") {
-        line.truncate(line.len() - 2);
-    }
-    Ok(())
 }
 
 /// Whether the writer keeps an attribute, with the first of all rows that are the same vertex.

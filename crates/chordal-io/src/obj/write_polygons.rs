@@ -2,7 +2,8 @@
 use super::CERTIFICATE;
 use super::names::ObjNames;
 use super::tag_names::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
-use super::write::{GROUPS, ObjWriter, put};
+use super::write::{GROUPS, ObjWriter};
+use crate::number::put_double;
 use crate::{Polygons, WriteError};
 use chordal::explicit::subdivision::{CornerTexcoords, CreasingMethod, LinearTexcoords, Scheme};
 use chordal::explicit::{Attribute, Domain, Semantic};
@@ -149,13 +150,13 @@ fn tags(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {
     for ([a, b], sharp) in cage.creases() {
         writer.line.clear();
         write!(writer.line, "t crease 2/1/0 {a} {b} ")?;
-        put(&mut writer.line, sharp)?;
+        put_double(&mut writer.line, *sharp);
         writer.end_line()?;
     }
     for (vertex, sharp) in cage.sharp_vertices() {
         writer.line.clear();
         write!(writer.line, "t corner 1/1/0 {vertex} ")?;
-        put(&mut writer.line, sharp)?;
+        put_double(&mut writer.line, *sharp);
         writer.end_line()?;
     }
     for some in cage.holes().chunks(HOLES) {

@@ -1,6 +1,7 @@
 //! `OffColors`: colours of vertices or faces, which OFF writes as bytes or as fractions without saying which.
 use crate::ReadError;
 use crate::grow::{push, push_many};
+use crate::number::put_count;
 use crate::warnings::Warnings;
 use chordal::explicit::{Attribute, Domain, Semantic};
 
@@ -121,12 +122,12 @@ impl OffColorSpelling {
     }
 
     /// Appends a channel.
-    pub(super) fn put(self, line: &mut String, channel: f64) {
-        line.push(' ');
+    pub(super) fn put(self, line: &mut Vec<u8>, channel: f64) {
+        line.push(b' ');
         match byte(channel).filter(|_| self == Self::Bytes) {
-            Some(byte) => line.push_str(&byte.to_string()),
+            Some(byte) => put_count(line, u64::from(byte)),
             // With a point or an exponent, which tells fractions from bytes.
-            None => line.push_str(&format!("{channel:?}")),
+            None => line.extend_from_slice(format!("{channel:?}").as_bytes()),
         }
     }
 }

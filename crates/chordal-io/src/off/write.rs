@@ -2,12 +2,11 @@
 use super::CERTIFICATE;
 use super::colors::OffColorSpelling;
 use crate::instances::{PartInstance, part_instances};
-use crate::number::ShortestDecimal;
+use crate::number::{put_count, put_shortest};
 use crate::text::grouped;
 use crate::{Scene, WriteError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
-use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
 
 /// Writes a scene as OFF text, all numbers as the shortest decimals that read back to the same f64.
@@ -121,7 +120,7 @@ impl OffColorLayout {
     }
 
     /// Appends a colour, white where there is none.
-    fn put(self, line: &mut String, color: &[f64]) {
+    fn put(self, line: &mut Vec<u8>, color: &[f64]) {
         (0..self.width).for_each(|k| self.spelling.put(line, color.get(k).copied().unwrap_or(1.0)));
     }
 }
@@ -162,7 +161,7 @@ impl OffFileLayout {
     }
 
     fn vertices(&self, part: &OffPartLayout, out: &mut impl Write) -> Result<(), WriteError> {
-        let mut line = String::new();
+        let mut line = Vec::new();
         for (vertex, &first) in part.first_rows.iter().enumerate() {
             if first as usize != vertex {
                 continue;
@@ -179,8 +178,9 @@ impl OffFileLayout {
             if self.has_texcoords {
                 put_numbers(&mut line, part.texcoords.map_or(&[0.0; 2], |a| a.row(vertex)));
             }
+            line.push(b'\n');
             // Every number has a space before it.
-            writeln!(out, "{}", line.trim_start())?;
+            out.write_all(line.trim_ascii_start())?;
         }
         Ok(())
     }
@@ -188,14 +188,19 @@ impl OffFileLayout {
     fn faces(&self, part: &OffPartLayout, first: u64, out: &mut impl Write) -> Result<(), WriteError> {
         let rows = file_rows(part, first);
         let order = part.instance.order();
-        let mut line = String::new();
+        let mut line = Vec::new();
         for (face_idx, face) in part.instance.part.mesh.faces().iter().enumerate() {
             line.clear();
+            line.push(b'3');
+            for corner in order {
+                line.push(b' ');
+                put_count(&mut line, rows[face[corner] as usize]);
+            }
             if let (Some(layout), Some(colors)) = (self.face_colors, part.face_colors) {
                 layout.put(&mut line, colors.row(face_idx));
             }
-            let [a, b, c] = order.map(|corner| rows[face[corner] as usize]);
-            writeln!(out, "3 {a} {b} {c}{line}")?;
+            line.push(b'\n');
+            out.write_all(&line)?;
         }
         Ok(())
     }
@@ -229,9 +234,9 @@ pub(super) fn end_header(
 }
 
 /// Appends numbers, each after a space.
-pub(super) fn put_numbers(line: &mut String, numbers: &[f64]) {
+pub(super) fn put_numbers(line: &mut Vec<u8>, numbers: &[f64]) {
     for number in numbers {
-        // Writing to a string does not fail.
-        let _ = write!(line, " {}", ShortestDecimal(*number));
+        line.push(b' ');
+        put_shortest(line, *number);
     }
 }

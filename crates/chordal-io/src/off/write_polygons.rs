@@ -33,11 +33,12 @@ pub fn write_polygons(
     let mut out = BufWriter::new(out);
     writeln!(out, "OFF")?;
     end_header(certificate.as_deref(), [cage.positions().len() as u64, cage.n_faces() as u64], &mut out)?;
-    let mut line = String::new();
+    let mut line = Vec::new();
     for position in cage.positions() {
         line.clear();
         put_numbers(&mut line, position);
-        writeln!(out, "{}", line.trim_start())?;
+        line.push(b'\n');
+        out.write_all(line.trim_ascii_start())?;
     }
     for face in cage.faces() {
         write!(out, "{}", face.len())?;

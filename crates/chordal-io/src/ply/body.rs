@@ -1,7 +1,10 @@
 //! The body of a PLY file: a sequence of numbers, as text or binary.
 use super::header::{PlyElement, PlyEncoding, PlyHeader, PlyPropertyType, PlyScalar};
+use super::text_rows::{self, PlyTextRows};
+use crate::plain_text::parts_of_lines;
 use crate::text::{IntegerError, LineTokens, TextLines, grouped, integer, number, number_error, show, trim};
 use crate::{FileLocation, ReadError};
+use chordal::Job;
 
 /// A cursor over the rows of a body.
 pub(super) struct PlyBody<'a> {
@@ -16,12 +19,14 @@ pub(super) struct PlyBody<'a> {
     line: u64,
     tokens: LineTokens<'a>,
     row: u64,
+    /// The bytes of a part of a text, where rows are read many at once.
+    part_bytes: Option<usize>,
 }
 
 type PlyResult<T> = Result<T, ReadError>;
 
 impl<'a> PlyBody<'a> {
-    pub(super) fn new(bytes: &'a [u8], header: &PlyHeader) -> Self {
+    pub(super) fn new(bytes: &'a [u8], header: &PlyHeader, part_bytes: Option<usize>) -> Self {
         Self {
             encoding: header.encoding,
             bytes,
@@ -32,6 +37,7 @@ impl<'a> PlyBody<'a> {
             line: header.lines,
             tokens: LineTokens::new(&[]),
             row: 0,
+            part_bytes,
         }
     }
 
@@ -74,6 +80,32 @@ impl<'a> PlyBody<'a> {
                 Err(ReadError::new("truncated", self.place(), message))
             }
         }
+    }
+
+    /// Gives the first rows of an element to `take`, as far as they are plain and it takes them, and returns how
+    /// many it took; see [`text_rows`]. None of a binary body.
+    pub(super) fn plain_rows(
+        &mut self,
+        element: &PlyElement,
+        job: &Job,
+        take: impl FnMut(&PlyTextRows) -> PlyResult<u64>,
+    ) -> PlyResult<u64> {
+        let Some(part_bytes) = self.part_bytes.filter(|_| self.encoding == PlyEncoding::Text) else {
+            return Ok(0);
+        };
+        if element.properties.is_empty() {
+            return Ok(0);
+        }
+        let text = &self.bytes[self.body + self.lines.offset()..];
+        let parts = parts_of_lines(text, part_bytes, |_| false);
+        let taken = text_rows::plain_rows(&parts, element, job, take)?;
+        self.lines.advance(taken.n_bytes, taken.n_rows);
+        if taken.n_rows > 0 {
+            self.line = self.first_line + self.lines.n_lines();
+            self.row = taken.n_rows - 1;
+            self.tokens = LineTokens::new(&[]);
+        }
+        Ok(taken.n_rows)
     }
 
     /// Moves to row `row`. A text has one row on each line; blank lines are skipped.

@@ -7,6 +7,7 @@ use crate::grow::push;
 use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
+use chordal::Job;
 
 /// The property names of the corners of a face.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -35,7 +36,8 @@ impl PlyFaceReader<'_> {
     ) -> Result<(), ReadError> {
         let list = corner_list(element, warnings)?;
         let mut corners = Vec::new();
-        for row in 0..element.rows {
+        let n_plain = if element.properties.len() == 1 { self.plain_polygons(body, element)? } else { 0 };
+        for row in n_plain..element.rows {
             self.row(body, element, row, list, &mut corners)?;
             if let Some(index) = corners.iter().find(|i| **i < 0) {
                 return Err(self.out_of_range(body, element, *index));
@@ -54,6 +56,31 @@ impl PlyFaceReader<'_> {
             self.check_rows(body)?;
         }
         Ok(())
+    }
+
+    /// Reads the rows of a text that are plain, as far as nothing has to be said of them.
+    fn plain_polygons(&mut self, body: &mut PlyBody, element: &PlyElement) -> Result<u64, ReadError> {
+        let job = Job::default().with_threads(self.limits.threads);
+        let mut row = 0;
+        body.plain_rows(element, &job, |rows| {
+            let mut start = 0;
+            for (i, end) in rows.ends.iter().enumerate() {
+                let indices = &rows.values[start..*end as usize];
+                start = *end as usize;
+                let n_triangles = (self.faces.n_triangles() + indices.len()).saturating_sub(2) as u64;
+                let are_in_range = indices.iter().all(|index| (0.0..self.n_vertices as f64).contains(index));
+                if indices.len() < 3 || !are_in_range || n_triangles > self.limits.rows {
+                    return Ok(i as u64);
+                }
+                self.corners.clear();
+                for index in indices {
+                    push(&mut self.corners, *index as u32)?;
+                }
+                self.faces.push(&self.corners, row)?;
+                row += 1;
+            }
+            Ok(rows.ends.len() as u64)
+        })
     }
 
     /// Reads all rows of an element of strips: -1 starts a new strip.

@@ -3,6 +3,7 @@ mod body;
 mod faces;
 mod header;
 mod read;
+mod text_rows;
 mod vertices;
 mod write;
 mod write_polygons;

@@ -2,6 +2,7 @@
 use super::body::PlyBody;
 use super::faces::PlyFaceReader;
 use super::header::PlyHeader;
+use super::text_rows::PART_BYTES;
 use super::vertices::PlyVertices;
 use crate::assemble::{self, RawMesh, too_many_rows};
 use crate::text::grouped;
@@ -27,6 +28,15 @@ use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene}
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    read_in_parts(bytes, limits, Some(PART_BYTES))
+}
+
+/// The same with texts read in parts of about so many bytes, or row by row.
+pub(super) fn read_in_parts(
+    bytes: &[u8],
+    limits: &Limits,
+    part_bytes: Option<usize>,
+) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let header = PlyHeader::read(bytes, limits, &mut warnings)?;
     let n_vertices = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.rows);
@@ -34,7 +44,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     if n_vertices > most {
         return Err(too_many_rows(FileLocation::File, "vertices", n_vertices, most));
     }
-    let mut body = PlyBody::new(bytes, &header);
+    let mut body = PlyBody::new(bytes, &header, part_bytes);
     let mut vertices = PlyVertices::default();
     let mut faces = PlyFaceReader::new(n_vertices, limits);
     for element in header.elements.iter().filter(|e| e.rows > 0) {

@@ -2,9 +2,10 @@
 use super::body::PlyBody;
 use super::header::{PlyElement, PlyPropertyType, PlyScalar};
 use crate::assemble::checked_position_ids;
-use crate::grow::{push, with_room};
+use crate::grow::{push, push_many, with_room};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
+use chordal::Job;
 use chordal::explicit::{Attribute, Domain, Semantic};
 
 /// The property names of the known streams.
@@ -157,11 +158,46 @@ impl PlyVertices {
         for stream in &mut streams {
             stream.values = with_room(n_rows * stream.width)?;
         }
-        for row in 0..element.rows {
+        let mut store =
+            |streams: &mut [Attribute], row: usize, target: PlyValueTarget, value: f64| match target {
+                PlyValueTarget::PositionId => push(&mut ids, value as i64),
+                PlyValueTarget::Stream(stream, k, divisor) => {
+                    let Attribute { width, values, .. } = &mut streams[stream];
+                    values[row * *width + k] = value / divisor;
+                    Ok(())
+                }
+                PlyValueTarget::Position(_) | PlyValueTarget::Skip => Ok(()),
+            };
+        let make_room = |streams: &mut [Attribute]| {
+            streams.iter_mut().try_for_each(|s| push_many(&mut s.values, 0.0, s.width))
+        };
+        let axes = [0, 1, 2].map(|k| {
+            let is_axis =
+                |target: &PlyValueTarget| matches!(target, PlyValueTarget::Position(axis) if *axis == k);
+            targets.iter().position(is_axis).unwrap_or_default()
+        });
+        let is_flat = element.properties.iter().all(|p| matches!(p.shape, PlyPropertyType::One(_)));
+        let mut n_plain = 0;
+        if is_flat {
+            let job = Job::default().with_threads(limits.threads);
+            n_plain = body.plain_rows(element, &job, |rows| {
+                for (i, values) in rows.values.chunks_exact(targets.len()).take(rows.ends.len()).enumerate() {
+                    let position = axes.map(|i| values[i]);
+                    if !limits.drop_nonfinite && position.iter().any(|x| !x.is_finite()) {
+                        return Ok(i as u64);
+                    }
+                    make_room(&mut streams)?;
+                    for (target, value) in targets.iter().zip(values) {
+                        store(&mut streams, positions.len(), *target, *value)?;
+                    }
+                    push(&mut positions, position)?;
+                }
+                Ok(rows.ends.len() as u64)
+            })?;
+        }
+        for row in n_plain..element.rows {
             body.start_row(element, row)?;
-            for stream in &mut streams {
-                crate::grow::push_many(&mut stream.values, 0.0, stream.width)?;
-            }
+            make_room(&mut streams)?;
             let mut position = [0.0; 3];
             for (property, target) in element.properties.iter().zip(&targets) {
                 let PlyPropertyType::One(scalar) = property.shape else {
@@ -171,12 +207,7 @@ impl PlyVertices {
                 let value = body.number(element, scalar)?;
                 match *target {
                     PlyValueTarget::Position(k) => position[k] = value,
-                    PlyValueTarget::PositionId => push(&mut ids, value as i64)?,
-                    PlyValueTarget::Stream(stream, k, divisor) => {
-                        let Attribute { width, values, .. } = &mut streams[stream];
-                        values[row as usize * *width + k] = value / divisor;
-                    }
-                    PlyValueTarget::Skip => {}
+                    target => store(&mut streams, row as usize, target, value)?,
                 }
             }
             body.end_row(element)?;

@@ -5,8 +5,7 @@ use crate::text::not_finite;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::Mesh;
-use chordal::explicit::{Attribute, face_normal};
-use std::collections::HashMap;
+use chordal::explicit::{Attribute, face_normal, position_id_by_bits};
 
 /// The facets so far.
 #[derive(Default)]
@@ -74,12 +73,8 @@ impl StlFacets {
         let n = self.positions.len() as u32;
         let mut faces = with_room(self.len())?;
         faces.extend((0..n / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]));
-        // Only looked up: a position is tied to its first row in the order of the file.
-        let mut first: HashMap<[u64; 3], u32> = HashMap::new();
-        let mut id = with_room(self.positions.len())?;
-        for (row, position) in (0..n).zip(&self.positions) {
-            id.push(*first.entry(position.map(f64::to_bits)).or_insert(row));
-        }
+        // There is no −0, so these are the rows of the same bits.
+        let id = position_id_by_bits(&self.positions);
         let raw = RawMesh {
             positions: self.positions,
             position_id: Some(id),

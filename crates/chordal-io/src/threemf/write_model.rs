@@ -5,7 +5,7 @@ use super::properties::ColorBytes;
 use super::write_properties::{PartProperties, SceneProperties, corner_indices};
 use crate::forest::check_forest;
 use crate::instances::first_rows;
-use crate::number::ShortestDecimal;
+use crate::number::{ShortestDecimal, put_count, put_shortest};
 use crate::scene::IDENTITY;
 use crate::xml_text::{CERTIFICATE_NAMESPACE, escaped};
 use crate::{Axis, Frame, Node, Part, Scene, WriteError};
@@ -171,14 +171,19 @@ impl<'a> ModelWriter<'a> {
         writeln!(out, ">\n<mesh>\n<vertices>")?;
         let first_rows = first_rows(&part.mesh);
         let mut numbers = vec![0; first_rows.len()];
-        let mut n_written = 0_u32;
+        let (mut n_written, mut line) = (0_u32, Vec::new());
         for (row, first) in first_rows.iter().enumerate() {
             if *first as usize != row {
                 numbers[row] = numbers[*first as usize];
                 continue;
             }
-            let [x, y, z] = part.mesh.positions()[row].map(ShortestDecimal);
-            writeln!(out, "<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")?;
+            line.clear();
+            for (name, x) in ["<vertex x=\"", "\" y=\"", "\" z=\""].iter().zip(part.mesh.positions()[row]) {
+                line.extend_from_slice(name.as_bytes());
+                put_shortest(&mut line, x);
+            }
+            line.extend_from_slice(b"\"/>\n");
+            out.write_all(&line)?;
             numbers[row] = n_written;
             n_written += 1;
         }
@@ -188,7 +193,13 @@ impl<'a> ModelWriter<'a> {
             if a == b || b == c || c == a {
                 continue;
             }
-            write!(out, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
+            line.clear();
+            for (name, corner) in ["<triangle v1=\"", "\" v2=\"", "\" v3=\""].iter().zip([a, b, c]) {
+                line.extend_from_slice(name.as_bytes());
+                put_count(&mut line, u64::from(corner));
+            }
+            line.push(b'"');
+            out.write_all(&line)?;
             match properties {
                 PartProperties::Nothing => {}
                 PartProperties::Materials { .. } => {

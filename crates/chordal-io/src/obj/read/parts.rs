@@ -1,0 +1,274 @@
+//! Takes over the parts of an OBJ in the order of the file. What it makes of them is what reading statement by
+//! statement makes of the whole, to the last warning; that is kept as the oracle of the tests.
+use super::{ObjCorner, ObjReader};
+use crate::ReadError;
+use crate::grow::{extend, push, push_many};
+use crate::obj::part::{ObjPart, ObjRun};
+use crate::obj::statements::ObjStatements;
+use crate::text::LineTokens;
+use chordal::Job;
+use chordal::budget::par_map;
+use std::num::NonZero;
+
+/// How many parts are read before any of them is taken over: enough for all threads, and few, since what was
+/// read of them is kept beside the mesh until then.
+fn wave_of(threads: usize) -> usize {
+    let threads =
+        if threads == 0 { std::thread::available_parallelism().map_or(1, NonZero::get) } else { threads };
+    // So that threads end at nearly the same time.
+    4 * threads
+}
+
+/// The first `n` of a list, which begins after them from then on.
+#[inline]
+fn take<'a, T>(list: &mut &'a [T], n: u32) -> &'a [T] {
+    let (first, rest) = list.split_at(n as usize);
+    *list = rest;
+    first
+}
+
+impl ObjReader<'_> {
+    /// Reads parts on the threads of a job, and takes them over.
+    pub(super) fn parts(&mut self, parts: &[&[u8]], job: &Job) -> Result<(), ReadError> {
+        for wave in parts.chunks(wave_of(job.threads)) {
+            for part in par_map(job, wave, |_, part| ObjPart::read(part)) {
+                self.part(&part?)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes over the next part of the file.
+    fn part(&mut self, part: &ObjPart) -> Result<(), ReadError> {
+        let first_line = self.n_lines + 1;
+        let (mut positions, mut texcoords, mut normals) =
+            (&part.positions[..], &part.texcoords[..], &part.normals[..]);
+        let (mut faces, mut corners) = (&part.faces[..], &part.corners[..]);
+        for run in &part.runs {
+            match *run {
+                ObjRun::Positions(n) => {
+                    self.n_known += u64::from(n);
+                    let own = take(&mut positions, n);
+                    extend(&mut self.positions, own)?;
+                    if !self.colors.is_empty() {
+                        // Positions without a colour are white.
+                        push_many(&mut self.colors, [1.0; 4], own.len())?;
+                    }
+                }
+                ObjRun::Texcoords(n) => {
+                    self.n_known += u64::from(n);
+                    extend(&mut self.texcoords, take(&mut texcoords, n))?;
+                }
+                ObjRun::Normals(n) => {
+                    self.n_known += u64::from(n);
+                    extend(&mut self.normals, take(&mut normals, n))?;
+                }
+                ObjRun::Faces(n) => {
+                    self.n_known += u64::from(n);
+                    for face in take(&mut faces, n) {
+                        let own = take(&mut corners, face.n_corners);
+                        self.part_face(part, face.line, own)?;
+                    }
+                }
+                ObjRun::Other { line, start, end } => {
+                    let mut statements = ObjStatements::new(&part.text[start as usize..end as usize]);
+                    while let Some((number, statement)) = statements.next() {
+                        // Numbers of lines begin at 1.
+                        self.statement(first_line + u64::from(line) + number - 1, statement)?;
+                    }
+                }
+            }
+        }
+        self.n_lines += part.n_lines;
+        Ok(())
+    }
+
+    /// Takes over a face. One that is wrong is read again from its statement, which says how.
+    #[inline]
+    fn part_face(&mut self, part: &ObjPart, line: u32, written: &[[i32; 3]]) -> Result<(), ReadError> {
+        let number = self.n_lines + 1 + u64::from(line);
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        for indices in written {
+            let Some(corner) = self.resolved(*indices) else {
+                let statement = part.statement(line).unwrap_or_default();
+                let mut tokens = LineTokens::new(&statement);
+                tokens.next();
+                return self.face(number, tokens);
+            };
+            match &mut self.cage {
+                Some(cage) => cage.corner(corner)?,
+                None => push(&mut corners, self.rows.row(corner)?)?,
+            }
+        }
+        if let Some(cage) = &mut self.cage {
+            return cage.end_face(number, &mut self.warnings);
+        }
+        self.end_face(number, corners)
+    }
+
+    /// The rows that indices name which are written, not 0; `None` where one is out of range.
+    #[inline]
+    fn resolved(&self, [position, texcoord, normal]: [i32; 3]) -> Option<ObjCorner> {
+        // The row from 1.
+        let row = |index: i32, before: usize, total: usize| {
+            let row = if index < 0 { before as i64 + 1 + i64::from(index) } else { i64::from(index) };
+            (1..=total as i64).contains(&row).then_some(row as u32)
+        };
+        let optional = |index: i32, before: usize, total: usize| {
+            if index == 0 { Some(0) } else { row(index, before, total) }
+        };
+        Some(ObjCorner {
+            position: row(position, self.positions.len(), self.counts.positions)? - 1,
+            texcoord: optional(texcoord, self.texcoords.len(), self.counts.texcoords)?,
+            normal: optional(normal, self.normals.len(), self.counts.normals)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ObjRowCounts, read_parts};
+    use super::*;
+    use crate::obj::part::parts_of;
+    use crate::{Limits, PolygonSurface};
+    use chordal_testkit::Random;
+
+    /// Statement by statement, on one thread.
+    fn plain(text: &[u8], limits: &Limits) -> String {
+        let read = || {
+            let mut reader = ObjReader::new(ObjRowCounts::scan(text), limits)?;
+            let mut statements = ObjStatements::new(text);
+            while let Some((line, statement)) = statements.next() {
+                reader.statement(line, statement)?;
+            }
+            reader.finish()
+        };
+        format!("{:?}", read())
+    }
+
+    /// Lines as programs, people and attackers write them; `#` stands for a digit, `%` for an index.
+    const LINES: [&str; 60] = [
+        "v # # #",
+        "v -#.# #e-# .#",
+        "v #.#### # -0",
+        "v # # # #",
+        "v # # # 0.# 0.# 0.#",
+        "v # #",
+        "v # # x",
+        "v 0.10000000149011612 # 123456789012345678901",
+        "v nan # #",
+        "v 1e400 # #",
+        "v # # # # # # # #",
+        "  v # # #",
+        "\tv\t# # #  ",
+        "v # # \\\n#",
+        "v # # #\\\n",
+        "v # # # # #",
+        "vt 0.#",
+        "vt 0.# 0.#",
+        "vt 0.# 0.# 0",
+        "vt # # #",
+        "vt",
+        "vt a",
+        "vn # # #",
+        "vn 0 0 0",
+        "vn # #",
+        "f % % %",
+        "f % % %",
+        "f % % %",
+        "f % % % %",
+        "f %/% %/% %/%",
+        "f %//% %//% %//%",
+        "f %/%/% %/%/% %/%/%",
+        "f %/%/% % %",
+        "f %/ %/ %/",
+        "f %// % %",
+        "f % %",
+        "f %",
+        "f",
+        "f % % %/%/%/%",
+        "f % % 0",
+        "f % % x",
+        "f % % 4294967297",
+        "f\t%\t% %",
+        "fo % % %",
+        "f % \\\n % %",
+        "f % % % # c",
+        "g a b",
+        "g",
+        "usemtl #",
+        "usemtl",
+        "o #",
+        "s #",
+        "s off",
+        "s x",
+        "# c \\",
+        "#",
+        "",
+        "   ",
+        "l % %",
+        "junk #",
+    ];
+
+    fn random_text(random: &mut Random, tags: bool) -> Vec<u8> {
+        let mut text = Vec::new();
+        // Wrong lines end a file; most files have few kinds of lines, so that many are long.
+        let kinds: Vec<&str> = (0..1 + random.below(8)).map(|_| LINES[random.below(LINES.len())]).collect();
+        for _ in 0..random.below(8) {
+            text.extend_from_slice(b"v 0 1 2\nvt 0 1\nvn 0 0 1\n");
+        }
+        for _ in 0..random.below(60) {
+            let line = if tags && random.below(9) == 0 {
+                "t crease 2/1/0 0 1 #"
+            } else {
+                kinds[random.below(kinds.len())]
+            };
+            for byte in line.bytes() {
+                match byte {
+                    b'#' if line.len() > 1 && !line.starts_with("# c") => {
+                        text.push(b'0' + random.below(10) as u8)
+                    }
+                    b'%' => {
+                        let index = random.below(12) as i64 - 5;
+                        text.extend_from_slice(if index == 0 { 1 } else { index }.to_string().as_bytes());
+                    }
+                    _ => text.push(byte),
+                }
+            }
+            text.extend_from_slice(["\n", "\n", "\n", "\r\n", "\r"][random.below(5)].as_bytes());
+        }
+        text
+    }
+
+    #[test]
+    fn parts_on_any_number_of_threads_read_as_statement_by_statement() {
+        let mut random = Random::new(5);
+        let (mut n_read, mut n_refused) = (0, 0);
+        for i in 0..6000_usize {
+            let surface = [None, Some(PolygonSurface::CatmullClark), Some(PolygonSurface::Loop)][i % 3];
+            let limits = Limits {
+                surface,
+                drop_nonfinite: i % 2 == 0,
+                rows: [500, 20][i % 5 / 4],
+                ..Limits::default()
+            };
+            let text = random_text(&mut random, i % 7 == 0);
+            let expected = plain(&text, &limits);
+            for threads in [1, 2, 3] {
+                let parts = parts_of(&text, 1 + random.below(90));
+                let found = read_parts(&text, &parts, None, &Limits { threads, ..limits });
+                n_read += usize::from(found.is_ok());
+                n_refused += usize::from(found.is_err());
+                let shown = text.escape_ascii();
+                assert_eq!(
+                    format!("{found:?}"),
+                    expected,
+                    "{threads} threads, {} parts: {shown}",
+                    parts.len()
+                );
+            }
+        }
+        assert!(n_read > 3000 && n_refused > 3000, "{n_read} read, {n_refused} refused");
+    }
+}
