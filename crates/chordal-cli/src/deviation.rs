@@ -10,6 +10,7 @@ use crate::numbers::{RoundingDirection, point, short};
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
+use crate::volume::VolumeArgs;
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_verbs::report::{DeviationFacts, OneSidedFacts, Report, RunFacts, Verdict};
@@ -23,10 +24,11 @@ use std::path::PathBuf;
 Examples:
   chordal deviation simplified.obj original.obj
   chordal deviation teapot.glb teapot.bpt --max 0.1%
+  chordal deviation bone.stl scan.nii.gz --iso 300
   chordal deviation a.stl b.stl --relative 0.01 --json")]
 pub struct DeviationArgs {
     /// The shape to measure against; options about the input hold for it too, those about
-    /// fields for what is one
+    /// fields and volumes for what is one
     #[arg(value_name = "AGAINST", index = 2)]
     pub against: PathBuf,
 
@@ -46,6 +48,9 @@ pub struct DeviationArgs {
     /// Threads to use; 0 means all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
+
+    #[command(flatten)]
+    pub volume: VolumeArgs,
 
     #[command(flatten)]
     pub input: InputArgs,
@@ -69,7 +74,8 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
         return Err(Fault::usage("stdin can be only one of the two shapes"));
     }
     let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
-    let [a, b] = load::read_both([&args.input, &against], &job, &console)?;
+    let [mut a, mut b] = load::read_both([&args.input, &against], &job, &console)?;
+    args.volume.apply_to_both([&mut a.shape, &mut b.shape])?;
     let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job)

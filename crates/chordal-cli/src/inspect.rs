@@ -8,11 +8,13 @@ use crate::input::InputSource;
 use crate::inspect_text;
 use crate::load;
 use crate::require::{Requirement, failures};
+use crate::run_outcome;
 use crate::spelling::CommandLine;
+use crate::volume::VolumeArgs;
 use chordal::budget::JobError;
 use chordal::budget::advice::Spell;
 use chordal_verbs::report::{RunFacts, ValidityFacts};
-use chordal_verbs::{inspect, inspect_deeply};
+use chordal_verbs::{Shape, SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 use clap::Args;
 
 /// `chordal inspect`
@@ -21,7 +23,8 @@ use clap::Args;
 Examples:
   chordal inspect part.stl
   chordal inspect part.stl --self-intersections
-  chordal inspect part.stl --require solid")]
+  chordal inspect part.stl --require solid
+  chordal inspect brain.nii.gz --iso 60 --require closed")]
 pub struct InspectArgs {
     /// Fail with exit code 1 unless the mesh is all of these
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
@@ -31,6 +34,9 @@ pub struct InspectArgs {
     /// some million
     #[arg(long)]
     pub self_intersections: bool,
+
+    #[command(flatten)]
+    pub volume: VolumeArgs,
 
     #[command(flatten)]
     pub input: InputArgs,
@@ -44,7 +50,8 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
     let job = execution::job(&args.input, None, &console);
-    let input = load::read(&args.input, &job, &console)?;
+    let mut input = load::read(&args.input, &job, &console)?;
+    args.volume.apply(&mut input.shape)?;
     let source = InputSource::from_arg(&args.input.input);
     let name = source.name();
     let argument = match source {
@@ -52,7 +59,15 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
         InputSource::File(_) => name.clone(),
     };
     let deep = args.self_intersections || args.require.iter().any(|required| required.needs_deep_check());
-    let mut report = if deep {
+    // A volume has a surface once something is said of it, or asked of it.
+    let is_volume = matches!(input.shape, Shape::Volume(_));
+    let has_surface = args.volume.named().is_some() || deep || !args.require.is_empty();
+    let mut report = if is_volume && has_surface {
+        let depth = if deep { SurfaceDepth::Deep } else { SurfaceDepth::Counts };
+        inspect_surface(&input, depth, &job)
+            .spelled(&CommandLine)
+            .map_err(|failure| run_outcome::fault(&name, &failure, ""))?
+    } else if deep {
         inspect_deeply(&input, &job).spelled(&CommandLine).map_err(|stopped| fault(&name, &stopped))?
     } else {
         inspect(&input).spelled(&CommandLine)

@@ -1,7 +1,7 @@
 //! The text of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and
 //! what mends it.
 use crate::numbers::{RoundingDirection, grouped, point, short, size};
-use crate::summary::{SummaryLines, add_output, one_way_note, plural};
+use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EmbeddedCertificate, FieldFacts, FindingFacts, Inspection,
@@ -25,6 +25,8 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     if let Some(output) = &certificate.output {
         add_output(&mut lines, output);
     }
+    // The surface of a volume, at the level that was chosen.
+    lines.add_if("bound", certificate.bound.as_ref().map(bound));
     let valid = certificate.valid.as_ref();
     let has_triangles = valid.is_some_and(ValidityFacts::has_triangles);
     let sizes = report.inspection.as_ref().and_then(|inspection| inspection.sizes);

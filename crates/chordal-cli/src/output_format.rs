@@ -1,6 +1,6 @@
 //! The format of an output, by what is said or by its name.
 use crate::fault::Fault;
-use chordal_io::Format;
+use chordal_io::{ForeignFormat, Format};
 use chordal_verbs::{extension, formats};
 use std::path::Path;
 
@@ -11,7 +11,9 @@ pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     refuse_other_name(path, to)?;
     let known = formats::output_names;
     let format = to.or_else(by_name).ok_or_else(|| {
-        Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
+        refuse_foreign(&name, &known()).unwrap_or_else(|| {
+            Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
+        })
     })?;
     if format.holds_triangles() || format.holds_polylines() {
         return Ok(format);
@@ -23,8 +25,11 @@ pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
 pub fn writable_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     let known = formats::writable_names;
+    refuse_other_name(path, to)?;
     let format = to.or_else(|| extension(&name).and_then(Format::from_extension)).ok_or_else(|| {
-        Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
+        refuse_foreign(&name, &known()).unwrap_or_else(|| {
+            Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
+        })
     })?;
     if format.holds_triangles() || format.holds_polylines() || format.holds_volumes() {
         return Ok(format);
@@ -40,9 +45,9 @@ pub fn volume_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     match format {
         Some(format) if format.holds_volumes() => Ok(format),
         Some(other) => Err(Fault::usage(format!("{other} holds no lattice; npy and nrrd do"))),
-        None => Err(Fault::usage(format!(
-            "{name}: the name does not say the format; --to does, with npy or nrrd"
-        ))),
+        None => Err(refuse_foreign(&name, "npy, nrrd").unwrap_or_else(|| {
+            Fault::usage(format!("{name}: the name does not say the format; --to does, with npy or nrrd"))
+        })),
     }
 }
 
@@ -53,6 +58,23 @@ fn refuse_other_name(path: &Path, to: Option<Format>) -> Result<(), Fault> {
         (Some(to), Some(said)) if to != said => Err(Fault::usage(format!(
             "{name}: the name says {said}, and --to says {to}: give a name that ends in .{to}"
         ))),
+        (Some(to), None) => match extension(&name).and_then(ForeignFormat::from_extension) {
+            Some(foreign) => Err(Fault::usage(format!(
+                "{name}: the name says {}, and --to says {to}: give a name that ends in .{to}",
+                foreign.name
+            ))),
+            None => Ok(()),
+        },
         _ => Ok(()),
     }
+}
+
+/// The fault of a name that says a format of others.
+fn refuse_foreign(name: &str, known: &str) -> Option<Fault> {
+    let foreign = extension(name).and_then(ForeignFormat::from_extension)?;
+    let pictures = if foreign.is_picture() { "; `chordal render` takes pictures" } else { "" };
+    Some(Fault::usage(format!(
+        "{name}: the name says {}, which is not written; what can be written is {known}{pictures}",
+        foreign.name
+    )))
 }

@@ -11,6 +11,7 @@ use crate::output::OutputTarget;
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary;
+use crate::volume::VolumeArgs;
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::Screen;
@@ -58,6 +59,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub volume: VolumeArgs,
 
     #[command(flatten)]
     pub input: InputArgs,
@@ -114,7 +118,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
-    let input = load::read(&args.input, &job, &console)?;
+    let mut input = load::read(&args.input, &job, &console)?;
     let input_triangles = input.shape.n_triangles();
 
     let name = source.name();
@@ -124,7 +128,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         viewpoint,
         ..RenderOptions::default()
     };
-    let against = against(args, &job, &console)?;
+    let mut against = against(args, &job, &console)?;
+    match &mut against {
+        Some(against) => args.volume.apply_to_both([&mut input.shape, &mut against.shape])?,
+        None => args.volume.apply(&mut input.shape)?,
+    }
     let outcome = match against {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
         None => render(&input, &options, fineness(args), &job),

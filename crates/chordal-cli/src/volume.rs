@@ -1,11 +1,11 @@
-//! What `mesh` takes for volumes: which surface of the samples is meant.
+//! What verbs take for volumes: which surface of the samples is meant.
 use crate::fault::Fault;
 use chordal_verbs::{Border, Inside, LabelSelection, Shape, SurfaceSpec};
 use clap::{Args, ValueEnum};
 
 /// Arguments for volumes.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Volumes (.npy, .npz, .nrrd, .nii, .mha, .mhd, .vti)")]
+#[command(next_help_heading = "Volumes (.npy, .npz, .nrrd, .nii, .mha, .mhd, .vti, .slc)")]
 pub struct VolumeArgs {
     /// The level of the surface; unless said, 0.5 for masks and occupancies, 0 for signed distances
     #[arg(long, value_name = "LEVEL", value_parser = level, allow_hyphen_values = true, conflicts_with = "labels")]
@@ -43,21 +43,42 @@ impl VolumeArgs {
     /// # Errors
     /// When the shape is no volume and something is said of one.
     pub fn apply(&self, shape: &mut Shape) -> Result<(), Fault> {
-        let Shape::Volume(sampled) = shape else {
-            let named = [
-                (self.iso.is_some(), "--iso"),
-                (self.inside.is_some(), "--inside"),
-                (self.labels.is_some(), "--labels"),
-                (self.cap, "--cap"),
-                (self.open, "--open"),
-            ];
-            return match named.iter().find(|(is_given, _)| *is_given) {
-                Some((_, name)) => {
-                    Err(Fault::usage(format!("{name} is for volumes, and the input holds {}", shape.kind())))
-                }
-                None => Ok(()),
-            };
-        };
+        let kind = shape.kind();
+        match (self.apply_where_volume(shape), self.named()) {
+            (false, Some(name)) => {
+                Err(Fault::usage(format!("{name} is for volumes, and the input holds {kind}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The same for the two shapes of a verb that compares: what is said holds for those that are volumes.
+    ///
+    /// # Errors
+    /// When neither is one and something is said of one.
+    pub fn apply_to_both(&self, [a, b]: [&mut Shape; 2]) -> Result<(), Fault> {
+        let are_volumes = [self.apply_where_volume(a), self.apply_where_volume(b)];
+        match self.named().filter(|_| !are_volumes.contains(&true)) {
+            Some(name) => Err(Fault::usage(format!("{name} is for volumes, and neither of the two is one"))),
+            None => Ok(()),
+        }
+    }
+
+    /// The first argument that was given.
+    pub fn named(&self) -> Option<&'static str> {
+        let named = [
+            (self.iso.is_some(), "--iso"),
+            (self.inside.is_some(), "--inside"),
+            (self.labels.is_some(), "--labels"),
+            (self.cap, "--cap"),
+            (self.open, "--open"),
+        ];
+        named.iter().find(|(is_given, _)| *is_given).map(|(_, name)| *name)
+    }
+
+    /// Tells a volume which surface is meant; false where the shape is something else.
+    fn apply_where_volume(&self, shape: &mut Shape) -> bool {
+        let Shape::Volume(sampled) = shape else { return false };
         sampled.surface = SurfaceSpec {
             level: self.iso,
             inside: self.inside.map(|side| match side {
@@ -67,7 +88,7 @@ impl VolumeArgs {
             border: if self.open { Border::Open } else { Border::Capped },
             labels: self.labels.clone(),
         };
-        Ok(())
+        true
     }
 }
 

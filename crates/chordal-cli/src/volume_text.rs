@@ -53,7 +53,10 @@ fn labels(lines: &mut SummaryLines, volume: &VolumeFacts) {
         lines.add("distinct", plural(n, "value"));
         return;
     }
-    let named = list.iter().take(LABELS).map(|label| label.label.to_string());
+    let named = list.iter().take(LABELS).map(|label| match &*label.name {
+        "" => label.label.to_string(),
+        name => format!("{} {}", label.label, name.escape_debug()),
+    });
     let named = named.collect::<Vec<_>>().join(", ");
     let more = if list.len() > LABELS { ", …" } else { "" };
     lines.add("distinct", format!("{}: {named}{more}", plural(n, "value")));

@@ -112,7 +112,7 @@ fn an_output_needs_a_format_that_holds_triangles() {
     let input = folder.file("a.bpt", PATCH);
     for output in ["a.docx", "a", "b.bpt"] {
         run(&["mesh", &input, "-o", &folder.text(output), "--tol", "0.1"])
-            .fails_with(2, &["obj, ply, stl, glb, gltf, off, 3mf, vtp, usda"]);
+            .fails_with(2, &["obj, ply, stl, glb, gltf, off, 3mf, vtp, usda, usdz"]);
     }
     assert_eq!(folder.names(), ["a.bpt"]);
 }

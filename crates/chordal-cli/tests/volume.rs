@@ -270,3 +270,137 @@ fn organs_stand_on_their_sides_of_the_patient() {
     let (_, report) = real_surface(&folder, &labels, &["--labels", "all"]);
     assert!(number(&report, "/certificate/output/triangles") > 10_000.0);
 }
+
+/// Five balls with the labels 1 to 5 in 12 x 12 x 30 samples, and what 3D Slicer says of two of them.
+fn segments(keys: &str) -> Vec<u8> {
+    let file = nrrd("(1,0,0) (0,1,0) (0,0,2)", [12, 12, 30], |[x, y, z]| {
+        let square = |a: usize, b: usize| (a as i64 - b as i64).pow(2);
+        let ball = (1..=5).find(|k| square(x, 5) + square(y, 6) + square(z, 6 * k - 3) < 7);
+        ball.unwrap_or(0) as u8
+    });
+    let end = file.windows(2).position(|two| two == b"\n\n").unwrap();
+    [&file[..=end], keys.as_bytes(), &file[end + 1..]].concat()
+}
+
+const KEYS: &str = "Segment0_Name:=Left kidney\nSegment0_LabelValue:=2\nSegment0_Color:=1 0 0.5\n\
+    Segment0_Layer:=0\nSegment1_Name:=Spleen\nSegment1_LabelValue:=4\nSegment1_Layer:=0\n";
+
+#[test]
+fn labels_are_parts_with_the_names_and_colours_of_the_file_or_of_their_own() {
+    let folder = Folder::new("volume-looks");
+    let input = folder.file("a.nrrd", segments(KEYS));
+    let names = ["label 1", "Left kidney", "label 3", "Spleen", "label 5"];
+    let found = report_of(&["inspect", &input, "--json"]);
+    assert_eq!(found["inspection"]["volume"]["label_list"][2]["name"], "Left kidney");
+    assert_eq!(found["inspection"]["volume"]["label_list"][1].get("name"), None);
+    let glb = folder.text("a.glb");
+    run(&["mesh", &input, "--labels", "all", "-o", &glb, "-q"]).succeeds();
+    let bytes = std::fs::read(&glb).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let document: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let materials = document["materials"].as_array().unwrap();
+    let named: Vec<&str> = materials.iter().map(|material| material["name"].as_str().unwrap()).collect();
+    assert_eq!(named, names);
+    let color = |at: usize| materials[at]["pbrMetallicRoughness"]["baseColorFactor"].to_string();
+    // Half of the encoded scale is 0.214 of the light.
+    assert!(color(1).starts_with("[1.0,0.0,0.2140411"), "{}", color(1));
+    for (at, mesh) in document["meshes"].as_array().unwrap().iter().enumerate() {
+        assert_eq!(mesh["name"], names[at]);
+        assert_eq!(mesh["primitives"][0]["material"], at);
+        assert!((0..at).all(|other| color(at) != color(other)));
+    }
+    for (name, words) in [("a.obj", "usemtl Left kidney"), ("a.usda", "Left kidney")] {
+        let output = folder.text(name);
+        run(&["mesh", &input, "--labels", "all", "-o", &output, "-q"]).succeeds();
+        assert!(std::fs::read_to_string(&output).unwrap().contains(words), "{name}");
+    }
+    let threemf = folder.text("a.3mf");
+    run(&["mesh", &input, "--labels", "all", "--unit", "mm", "-o", &threemf, "-q"]).succeeds();
+    let parts = report_of(&["inspect", &threemf, "--json"]);
+    let parts = parts["inspection"]["parts"].as_array().unwrap();
+    assert_eq!(parts.iter().map(|part| part["name"].as_str().unwrap()).collect::<Vec<_>>(), names);
+    // What a label looks like does not hang on the others.
+    let alone = folder.text("b.glb");
+    run(&["mesh", &input, "--labels", "5", "-o", &alone, "-q"]).succeeds();
+    assert!(String::from_utf8_lossy(&std::fs::read(&alone).unwrap()).contains(&color(4)));
+}
+
+fn report_of(args: &[&str]) -> Value {
+    report(&run(args))
+}
+
+#[test]
+fn a_volume_is_inspected_pictured_and_measured_at_a_level() {
+    let folder = Folder::new("volume-table");
+    let input = folder.file("ball.npy", npy([13, 15, 17], ball));
+    let mesh = folder.text("ball.ply");
+    let picture = folder.text("ball.png");
+    let of = |args: &[&str]| report_of(&[args, &["--json"]].concat());
+    // Half a step further out.
+    let level = ["--iso", "0.5", "--inside", "low"];
+    run(&[&["mesh", &input, "-o", &mesh, "-q"][..], &level].concat()).succeeds();
+    let seen = of(&[&["inspect", &input][..], &level].concat());
+    let made = of(&["inspect", &mesh]);
+    for pointer in ["/certificate/valid/volume", "/certificate/valid/genus", "/certificate/output/triangles"]
+    {
+        assert_eq!(seen.pointer(pointer), made.pointer(pointer), "{pointer}");
+    }
+    assert_eq!(seen["certificate"]["bound"]["reference"], "trilinear interpolant");
+    run(&[&["inspect", &input, "--require", "solid"][..], &level].concat()).succeeds();
+    run(&[&["inspect", &input, "--require", "closed", "--open", "-q"][..], &["--iso", "6"]].concat())
+        .fails_with(1, &["closed"]);
+    let drawn = of(&[&["render", &input, "--size", "40x30", "-o", &picture][..], &level].concat());
+    let again = ["render", &mesh, "--size", "40x30", "-o", &picture, "--force"];
+    assert_eq!(drawn["certificate"]["output"]["triangles"], of(&again)["certificate"]["output"]["triangles"]);
+    // A ball of 4 about itself, and of 4.5: half a step all around.
+    let measured = of(&[&["deviation", &mesh, &input][..], &["--iso", "0"]].concat());
+    let ends = ["at_least", "at_most"].map(|end| number(&measured, &format!("/certificate/bound/{end}")));
+    assert!(ends[0] > 0.4 && ends[0] < 0.56 && ends[1] >= ends[0] && ends[1] < 0.7, "{ends:?}");
+    let own = of(&[&["deviation", &mesh, &input][..], &level].concat());
+    let made = of(&[&["mesh", &input, "-o", &mesh, "--force"][..], &level].concat());
+    // What the mesh was proved to keep holds for what is measured, from the other side.
+    assert!(number(&own, "/certificate/bound/at_least") <= number(&made, "/certificate/bound/at_most"));
+    assert!(number(&own, "/certificate/bound/at_most") >= number(&made, "/certificate/bound/at_least"));
+}
+
+#[test]
+fn a_level_is_for_volumes_and_the_other_shape_may_be_anything() {
+    let folder = Folder::new("volume-only");
+    let obj = folder.file("a.obj", CLOSED_OBJ);
+    let input = folder.file("ball.npy", npy([13, 15, 17], ball));
+    let picture = folder.text("a.png");
+    run(&["deviation", &obj, &obj, "--iso", "1"]).fails_with(2, &["--iso is for volumes, and neither"]);
+    run(&["render", &obj, "--open", "-o", &picture]).fails_with(2, &["--open is for volumes"]);
+    run(&["inspect", &obj, "--labels", "all"]).fails_with(2, &["--labels is for volumes"]);
+    run(&["deviation", &input, &obj, "--iso", "0.5", "-q"]).succeeds();
+    let seen = run(&["inspect", &input]);
+    assert!(seen.code == 0 && !seen.stdout.contains("triangles"), "{seen:?}");
+}
+
+#[test]
+fn files_of_others_are_refused_by_name_with_a_way_around() {
+    let folder = Folder::new("foreign");
+    let png = [&b"\x89PNG\r\n\x1a\n"[..], &[0; 20]].concat();
+    for (name, bytes, words) in [
+        ("a.step", &b"ISO-10303-21;\nHEADER;\n"[..], "this is STEP"),
+        // By its content, whatever it is called.
+        ("b.obj", b"ISO-10303-21;\nHEADER;\n", "this is STEP"),
+        ("c", &png, "this is a PNG picture"),
+        ("d.blend", b"\x28\xb5\x2f\xfd....", "this is a scene of Blender"),
+        ("e.max", b"\xd0\xcf\x11\xe0", "this is a scene of 3ds Max"),
+    ] {
+        let file = folder.file(name, bytes);
+        run(&["inspect", &file]).fails_with(3, &[words, "which is not read: "]);
+    }
+    let unknown = folder.file("x", b"\x01\x02\x03");
+    run(&["inspect", &unknown]).fails_with(3, &["what is read is bpt, ", "slc, star"]);
+    let obj = folder.file("t.obj", CLOSED_OBJ);
+    for (name, words) in [("o.jpg", "a JPEG picture"), ("o.fbx", "FBX"), ("o.step", "STEP")] {
+        let output = folder.text(name);
+        for verb in [&["mesh", &obj, "--tol", "1%", "-o", &output][..], &["convert", &obj, &output]] {
+            run(verb).fails_with(2, &[&format!("the name says {words}, which is not written")]);
+            run(&[verb, &["--to", "ply"]].concat()).fails_with(2, &["and --to says ply"]);
+        }
+        assert!(!std::path::Path::new(&output).exists());
+    }
+}

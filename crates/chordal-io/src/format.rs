@@ -5,12 +5,13 @@ use crate::format_columns::{
 };
 use crate::scene::ReadOutcome;
 use crate::text::text_start;
+use crate::unknown_format::UnknownFormat;
 use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{Limits, SceneAssets};
 use crate::{
-    amf, bpt, collada, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, stl, svg, teaset, threemf,
-    usd, vm, vti, vtk,
+    amf, bpt, collada, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg, teaset,
+    threemf, usd, vm, vti, vtk,
 };
 use chordal::explicit::Topology;
 use std::fmt;
@@ -81,6 +82,8 @@ pub enum Format {
     Vti,
     /// A series of DICOM: slices in files of their own, and the list of them.
     Dicom,
+    /// Volume of VolVis.
+    Slc,
     /// A shape script, which is run instead of read.
     Star,
 }
@@ -150,8 +153,28 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     changes: None,
 };
 
+/// How USD holds triangles, in a text or a package.
+const USD_TRIANGLES: TriangleFormat = TriangleFormat {
+    write: usd::write,
+    write_files: Some(usd::write_files),
+    rows: VertexRows::Positions,
+    precision: PositionPrecision::Single,
+    polygons: Some(PolygonFormat {
+        write: usd::write_polygons,
+        write_files: Some(usd::write_polygons_files),
+        is_cage: true,
+    }),
+    has_materials_beside: true,
+    has_parts: true,
+    has_nodes: true,
+    wants_normals: true,
+    has_certificate: true,
+    keeps: Some(usd::keeps),
+    changes: Some(usd::changes),
+};
+
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 28] = [
+static TABLE: [FormatRow; 29] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -291,31 +314,27 @@ static TABLE: [FormatRow; 28] = [
     FormatRow {
         read: Some(FormatReader::WithOthers(usd::read_with)),
         extensions: &["usd"],
-        triangles: Some(TriangleFormat {
-            write: usd::write,
-            write_files: Some(usd::write_files),
-            rows: VertexRows::Positions,
-            precision: PositionPrecision::Single,
-            polygons: Some(PolygonFormat {
-                write: usd::write_polygons,
-                write_files: Some(usd::write_polygons_files),
-                is_cage: true,
-            }),
-            has_materials_beside: true,
-            has_parts: true,
-            has_nodes: true,
-            wants_normals: true,
-            has_certificate: true,
-            keeps: Some(usd::keeps),
-            changes: Some(usd::changes),
-        }),
+        triangles: Some(USD_TRIANGLES),
         ..only_read(Format::Usda, "usda", usd::looks_like_text, usd::read)
     },
     FormatRow {
         read: Some(FormatReader::WithOthers(usd::read_with)),
         ..only_read(Format::Usdc, "usdc", usd::looks_like_crate, usd::read)
     },
-    only_read(Format::Usdz, "usdz", usd::looks_like_package, usd::read),
+    FormatRow {
+        triangles: Some(TriangleFormat {
+            write: usd::write_package,
+            write_files: None,
+            polygons: Some(PolygonFormat {
+                write: usd::write_polygons_package,
+                write_files: None,
+                is_cage: true,
+            }),
+            has_materials_beside: false,
+            ..USD_TRIANGLES
+        }),
+        ..only_read(Format::Usdz, "usdz", usd::looks_like_package, usd::read)
+    },
     FormatRow {
         polylines: Some(svg::write),
         ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
@@ -347,6 +366,7 @@ static TABLE: [FormatRow; 28] = [
         read: Some(FormatReader::WithOthers(dicom::read_with)),
         ..volume_row(Format::Dicom, "dcm", dicom::looks_like, dicom::read)
     },
+    volume_row(Format::Slc, "slc", slc::looks_like, slc::read),
     FormatRow {
         format: Format::Star,
         name: "star",
@@ -362,7 +382,7 @@ static TABLE: [FormatRow; 28] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 27] = [
+const BY_CONTENT: [Format; 28] = [
     Format::Glb,
     Format::Usdc,
     Format::Usdz,
@@ -375,6 +395,7 @@ const BY_CONTENT: [Format; 27] = [
     Format::Nii,
     Format::MetaImage,
     Format::Dicom,
+    Format::Slc,
     Format::Vtp,
     Format::Vtu,
     Format::Vtk,
@@ -537,33 +558,10 @@ impl fmt::Display for Format {
     }
 }
 
-/// A name that is no format.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnknownFormat(String);
-
-impl fmt::Display for UnknownFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "'{}' is no format; they are", self.0.escape_default())?;
-        for (i, row) in TABLE.iter().enumerate() {
-            let before = if i == 0 {
-                ""
-            } else if i + 1 == TABLE.len() {
-                " and"
-            } else {
-                ","
-            };
-            write!(f, "{before} {}", row.name)?;
-        }
-        Ok(())
-    }
-}
-
-impl std::error::Error for UnknownFormat {}
-
 impl FromStr for Format {
     type Err = UnknownFormat;
     fn from_str(name: &str) -> Result<Self, UnknownFormat> {
-        Self::from_extension(name).ok_or_else(|| UnknownFormat(name.to_owned()))
+        Self::from_extension(name).ok_or_else(|| UnknownFormat::new(name))
     }
 }
 
@@ -588,7 +586,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

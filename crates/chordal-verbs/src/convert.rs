@@ -368,6 +368,7 @@ fn volume_losses(volume: &Volume, to: Format) -> Vec<Message> {
             "npy holds no place and no step of a lattice: those of the input were left out".into(),
         );
         add(!volume.name.is_empty(), "npy holds no name".into());
+        add(!volume.labels.is_empty(), "npy holds no names and no colours of labels".into());
         add(volume.space.is_some(), "npy does not say what the axes of space are".into());
         add(volume.certificate.is_some(), "npy holds no certificate: that of the input was left out".into());
     }

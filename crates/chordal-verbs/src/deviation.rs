@@ -1,12 +1,13 @@
 //! `deviation`: the distance between two shapes, certified from both sides.
+use crate::isosurface::surface_of;
 use crate::merged_parts;
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
-use crate::{Input, MeshFailure, Shape, field, flatten};
+use crate::{Input, MeshFailure, Shape, VolumeShape, field, flatten};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Length, Reference, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
-use chordal::math::{add_up, greater, sub_down};
+use chordal::math::{add_up, greater, lesser, sub_down};
 use chordal::{Budget, Job, Mesh, convert};
 use std::borrow::Cow;
 
@@ -31,8 +32,8 @@ impl Default for DeviationSpec {
 
 /// The Hausdorff distance between the surfaces of two shapes, as a proved interval, with the worst points.
 ///
-/// Triangle meshes are taken as they are: all parts of a scene, each in its placement. Bézier patches are
-/// meshed on the way. They are meshed more finely until their bound, which widens the interval at both ends,
+/// Triangle meshes are taken as they are: all parts of a scene, each in its placement. The surface of a volume
+/// that its [`crate::SurfaceSpec`] chooses, Bézier patches and cages are meshed on the way. They are meshed more finely until their bound, which widens the interval at both ends,
 /// leaves the required precision, or until a millionth of their size is reached. Attributes are not compared.
 /// Coordinates are compared as numbers; the notes say where frames differ.
 ///
@@ -96,11 +97,18 @@ fn measure(
         }
         (Shape::Field(field), other) => (field, other, true),
         (other, Shape::Field(field)) => (field, other, false),
-        (a, b) => return ComparedPair::from_shapes(a, b, certificate)?.measure(goal, job),
+        (a, b) => return ComparedPair::from_shapes([a, b], certificate, job)?.measure(goal, job),
     };
-    let ComparedSurface::Triangles(mesh, off) = ComparedSurface::from_shape(other, certificate)? else {
-        let message = "only triangles are measured against a field: mesh the other shape first".to_owned();
-        return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
+    let (mesh, off, reference) = match ComparedSurface::from_shape(other, certificate, job)? {
+        ComparedSurface::Triangles(mesh, off) => (mesh, off, Reference::InputTriangles),
+        ComparedSurface::Volume(sampled) => {
+            let NativeSurface { mesh, off, reference } = sampled.native;
+            (mesh, off, reference)
+        }
+        ComparedSurface::Patches(..) | ComparedSurface::Cage(..) => {
+            let message = "only triangles are measured against a field: mesh the other shape first";
+            return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
+        }
     };
     let found = field::deviation_of(&mesh, &field, goal, job)?;
     let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
@@ -108,8 +116,9 @@ fn measure(
     let bound = if off == 0.0 {
         found.bound
     } else {
-        // The transforms moved the triangles by at most `off`.
-        found.bound.then(&Bound::proved(0.0, off, Reference::InputTriangles))
+        // The triangles are at most `off` from the surface that they stand for: transforms moved them, or the
+        // resolution of a lattice.
+        found.bound.then(&Bound::proved(0.0, off, reference))
     };
     Ok(DeviationBounds { bound, forward, backward, reached: found.reached, share: 0.0 })
 }
@@ -136,13 +145,55 @@ enum ComparedSurface {
     Patches(Vec<chordal::Patch>, f64),
     /// A cage and its diagonal.
     Cage(Box<Cage>, f64),
+    /// A volume.
+    Volume(Box<SampledSurface>),
+}
+
+/// A volume, its diagonal, and the triangles of its surface at the resolution of the lattice.
+struct SampledSurface {
+    sampled: VolumeShape,
+    diagonal: f64,
+    native: NativeSurface,
+}
+
+/// Triangles at the resolution of a lattice, their largest distance from the interpolant, and what that is.
+struct NativeSurface {
+    mesh: Mesh,
+    off: f64,
+    reference: Reference,
+}
+
+impl SampledSurface {
+    /// How much nearer than at the resolution of the lattice triangles may be asked to come to the interpolant:
+    /// chosen, some sixteen times as many of them.
+    const FINER: f64 = 16.0;
+
+    /// Triangles within `share` of the diagonal, or those of the lattice's resolution where these do, or where
+    /// nothing better is to be had.
+    fn within(&self, share: f64, job: &Job) -> Result<ApproximateMesh<'_>, MeshFailure> {
+        let native = (Cow::Borrowed(&self.native.mesh), self.native.off, self.native.reference.clone());
+        let length = greater(share * self.diagonal, self.native.off / Self::FINER);
+        // Labels have one resolution.
+        let Ok(tolerance) = Tolerance::new(length) else { return Ok(native) };
+        if length >= self.native.off || self.sampled.surface.labels.is_some() {
+            return Ok(native);
+        }
+        match surface_of(&self.sampled, Budget::length(tolerance), &mut Vec::new(), job) {
+            Ok((scene, bound)) => {
+                let mesh = merged_parts::one_mesh(&scene)?.into_owned();
+                Ok((Cow::Owned(mesh), bound.at_most().unwrap_or(f64::INFINITY), bound.reference))
+            }
+            Err(MeshFailure::Cancelled) => Err(MeshFailure::Cancelled),
+            Err(_) => Ok(native),
+        }
+    }
 }
 
 /// Triangles, their largest distance from the true surface, and which surface that is.
 type ApproximateMesh<'a> = (Cow<'a, Mesh>, f64, Reference);
 
 impl ComparedSurface {
-    fn from_shape(shape: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
+    fn from_shape(shape: Shape, certificate: &mut Certificate, job: &Job) -> Result<Self, MeshFailure> {
         let diagonal = shape.diagonal()?;
         match shape {
             Shape::Scene(scene) => {
@@ -153,9 +204,12 @@ impl ComparedSurface {
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),
             Shape::Cage(polygons) => Ok(Self::Cage(Box::new(polygons.cage), diagonal)),
-            Shape::Volume(_) => {
-                let message = "a volume has no triangles to measure: mesh it first".to_owned();
-                Err(MeshFailure::refused(RefusalCode::Unsupported, message))
+            Shape::Volume(sampled) => {
+                let (scene, bound) = surface_of(&sampled, Budget::default(), &mut certificate.notes, job)?;
+                let mesh = merged_parts::one_mesh(&scene)?.into_owned();
+                let off = bound.at_most().unwrap_or(f64::INFINITY);
+                let native = NativeSurface { mesh, off, reference: bound.reference };
+                Ok(Self::Volume(Box::new(SampledSurface { sampled, diagonal, native })))
             }
             Shape::Field(_) => {
                 let message = "a field has no triangles to measure: mesh it first".to_owned();
@@ -173,8 +227,9 @@ impl ComparedSurface {
     fn within(&self, share: f64, job: &Job) -> Result<ApproximateMesh<'_>, MeshFailure> {
         match self {
             Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles)),
+            Self::Volume(sampled) => sampled.within(share, job),
             Self::Patches(_, diagonal) | Self::Cage(_, diagonal) => {
-                let tolerance = Tolerance::new(share * diagonal).map_err(|_| {
+                let tolerance = Tolerance::new(lesser(share, FIRST) * diagonal).map_err(|_| {
                     let message = "the shape has no size".to_owned();
                     MeshFailure::refused(RefusalCode::Empty, message)
                 })?;
@@ -185,6 +240,7 @@ impl ComparedSurface {
                     Self::Triangles(mesh, off) => {
                         return Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles));
                     }
+                    Self::Volume(sampled) => return sampled.within(share, job),
                 };
                 let missed = "the shape cannot be meshed finely enough: ";
                 let made = made.map_err(|failure| MeshFailure::from_missed(failure, missed))?;
@@ -220,8 +276,13 @@ const OF_GAP: f64 = 0.1;
 
 impl ComparedPair {
     /// The surfaces of two shapes; notes of the certificate say what is left out.
-    pub fn from_shapes(a: Shape, b: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
-        Ok(Self([ComparedSurface::from_shape(a, certificate)?, ComparedSurface::from_shape(b, certificate)?]))
+    pub fn from_shapes(
+        [a, b]: [Shape; 2],
+        certificate: &mut Certificate,
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        let a = ComparedSurface::from_shape(a, certificate, job)?;
+        Ok(Self([a, ComparedSurface::from_shape(b, certificate, job)?]))
     }
 
     /// The triangles that were measured.
@@ -232,7 +293,14 @@ impl ComparedPair {
     pub fn measure(&self, goal: &Goal, job: &Job) -> Result<DeviationBounds, MeshFailure> {
         let surfaces = &self.0;
         let exact = surfaces.iter().all(ComparedSurface::is_exact);
-        let mut share = FIRST;
+        let sampled = |surface: &ComparedSurface| match surface {
+            ComparedSurface::Volume(sampled) => Some(sampled.native.off / sampled.diagonal),
+            _ => None,
+        };
+        // A lattice comes at its own resolution first.
+        let native = surfaces.iter().filter_map(sampled).fold(0.0, |most, share| greater(share, most));
+        let mut share = if native > 0.0 { native } else { FIRST };
+        let mut last_off = f64::INFINITY;
         loop {
             let [(a, a_off, _), (b, b_off, reference)] =
                 [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
@@ -245,7 +313,9 @@ impl ComparedPair {
             let near = most <= (1.0 + goal.relative) * least
                 || goal.absolute.is_some_and(|length| most <= least + length.get());
             let decided = goal.max.is_some_and(|max| least > max.get() || most <= max.get());
-            if exact || decided || near && goal.max.is_none() || share <= FINEST {
+            let stuck = off >= last_off;
+            last_off = off;
+            if exact || decided || near && goal.max.is_none() || share <= FINEST || stuck {
                 let mut bound = Bound::proved(least, most, reference);
                 bound.at = found.bound.at;
                 let reached = if exact { found.reached } else { near || decided };

@@ -61,7 +61,7 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         flat.nodes.push(Node {
             name: name.to_owned(),
             part: Some(at),
-            properties: properties_beside_transform(node),
+            properties: properties_beside_transform(node).into(),
             ..Node::default()
         });
         flat.roots.push(at);
@@ -73,5 +73,9 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
 /// What a node says beside its transform.
 fn properties_beside_transform(node: &Node) -> Map<String, Value> {
     let is_transform = |key: &str| matches!(key, "translation" | "rotation" | "scale");
-    node.properties.iter().filter(|(key, _)| !is_transform(key)).map(|(k, v)| (k.clone(), v.clone())).collect()
+    node.properties
+        .iter()
+        .filter(|(key, _)| !is_transform(key))
+        .map(|(k, v)| (k.clone(), v.clone()))
+        .collect()
 }

@@ -26,6 +26,12 @@ pub fn writable_names() -> String {
     Format::all().filter(written).map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
 }
 
+/// The names of all formats: each is read.
+#[must_use]
+pub fn readable_names() -> String {
+    Format::all().map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
+}
+
 /// Refuses a format that cannot hold the shape, in a sentence with an alternative.
 pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
     match shape {

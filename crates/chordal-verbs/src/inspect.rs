@@ -1,12 +1,14 @@
 //! `inspect`: what a file holds and whether it is valid.
+use crate::isosurface::surface_of;
 use crate::recommend::recommend_repairs;
 use crate::report::{
-    Certificate, CheckDepth, CountError, CountedTriangles, Inspection, Output, PolygonFacts, PolylineFacts,
-    Report, RunFacts,
+    BoundFacts, Certificate, CheckDepth, CountError, CountedTriangles, Inspection, Output, PolygonFacts,
+    PolylineFacts, Report, RunFacts,
 };
-use crate::{Input, Shape};
-use chordal::Job;
+use crate::{Input, MeshFailure, Shape};
 use chordal::budget::JobError;
+use chordal::{Budget, Job};
+use chordal_io::Format;
 
 /// Describes the input, with its full validity check and the certificate embedded in it, if any.
 ///
@@ -36,6 +38,52 @@ pub fn inspect(input: &Input) -> Report {
 /// When the job is cancelled, or its memory is not enough.
 pub fn inspect_deeply(input: &Input, job: &Job) -> Result<Report, JobError> {
     inspect_to_depth(input, CheckDepth::Deep(job))
+}
+
+/// As [`inspect`] of a volume, with what holds of the surface that its [`crate::SurfaceSpec`] chooses, at the
+/// resolution of the lattice, and the bound of that. Self-intersections are looked for where `depth` is
+/// [`SurfaceDepth::Deep`].
+///
+/// # Errors
+/// As for [`crate::mesh`] of a volume, and as for [`inspect_deeply`].
+///
+/// ```
+/// use chordal_verbs::{FormatHint, Shape, SurfaceDepth, inspect_surface, load};
+/// let file = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 3 3\nencoding: text\n\n\
+///     0 0 0 0 0 0 0 0 0  0 0 0 0 9 0 0 0 0  0 0 0 0 0 0 0 0 0\n";
+/// let mut input = load(file, FormatHint::default(), &Default::default())?;
+/// let Shape::Volume(sampled) = &mut input.shape else { unreachable!() };
+/// sampled.surface.level = Some(4.5);
+/// let report = inspect_surface(&input, SurfaceDepth::Counts, &Default::default())?;
+/// assert!(report.certificate.valid.unwrap().counts.closed);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn inspect_surface(input: &Input, depth: SurfaceDepth, job: &Job) -> Result<Report, MeshFailure> {
+    let Shape::Volume(sampled) = &input.shape else {
+        return Ok(inspect_deeply(input, job)?);
+    };
+    let mut notes = Vec::new();
+    let (scene, bound) = surface_of(sampled, Budget::default(), &mut notes, job)?;
+    let look = if depth == SurfaceDepth::Deep { CheckDepth::Deep(job) } else { CheckDepth::Full };
+    // The format has no say: the surface is in no file.
+    let counted = match CountedTriangles::thorough(&scene, Format::Ply, look) {
+        Ok(counted) => Some(counted),
+        Err(CountError::Unwritten) => None,
+        Err(CountError::Stopped(stopped)) => return Err(stopped.into()),
+    };
+    let mut report = report(input, counted);
+    report.certificate.bound = Some(BoundFacts::new(&bound));
+    report.certificate.notes.extend(notes);
+    Ok(report)
+}
+
+/// How much of the surface of a volume is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceDepth {
+    /// All but self-intersections.
+    Counts,
+    /// These too.
+    Deep,
 }
 
 fn inspect_to_depth(input: &Input, look: CheckDepth) -> Result<Report, JobError> {

@@ -1,5 +1,6 @@
 //! Isosurfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a
 //! budget.
+use crate::label_looks::LabelLooks;
 use crate::request::MeshRequest;
 use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
 use crate::{MeshFailure, SurfaceSpec};
@@ -9,7 +10,7 @@ use chordal::convert::{self, Border, Inside, Polygonize};
 use chordal::implicit::{Grid, Samples};
 use chordal::math::lesser;
 use chordal::{Bounded, Job, Mesh};
-use chordal_io::{Node, Scene};
+use chordal_io::{Format, Node, Scene};
 
 /// The isosurface of a volume at the precision of the format, with its bound against the trilinear
 /// interpolant.
@@ -46,6 +47,21 @@ pub(crate) fn mesh_volume(
     let mut scene = Scene::from_mesh("surface", made.shape, sampled.volume.frame);
     set_names(&mut scene, &sampled.volume.name);
     Ok((scene, made.bound))
+}
+
+/// The isosurface of a volume at the full precision of its numbers, for what looks at it and writes no file.
+///
+/// # Errors
+/// As for [`mesh_volume`].
+pub(crate) fn surface_of(
+    sampled: &VolumeShape,
+    budget: Budget,
+    notes: &mut Vec<Message>,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    // PLY rounds nothing.
+    let request = MeshRequest::new(budget, Format::Ply, sampled.bounds()).widened();
+    mesh_volume(sampled, &request, notes, job)
 }
 
 /// A part that has a name in the file has it in the mesh.
@@ -249,11 +265,12 @@ fn mesh_labels(
     let meshes = convert::lattices::labels_to_meshes(&numbered, &rule, job)
         .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
     let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
+    let looks = LabelLooks::new(&sampled.volume, labels);
     let mut worst: Option<Bound> = None;
     for (number, Bounded { shape, bound }) in meshes {
         let Bounded { shape, bound } = request.snap(&shape, bound, job)?;
         let label = labels[number as usize - 1];
-        let one = Scene::from_mesh(&format!("label {label}"), shape, scene.frame);
+        let one = Scene::from_mesh(&looks.name(label), looks.paint(shape, number), scene.frame);
         let at = scene.parts.len();
         scene.parts.extend(one.parts);
         scene.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
@@ -261,6 +278,7 @@ fn mesh_labels(
         let is_worse = worst.as_ref().is_none_or(|worst| bound.at_most() > worst.at_most());
         worst = if is_worse { Some(bound) } else { worst };
     }
+    looks.add_materials(&mut scene);
     notes.push(
         format!(
             "each of {} labels has a surface of its own, halfway between its samples and others",

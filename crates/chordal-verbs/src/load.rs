@@ -1,10 +1,12 @@
 //! `load`: parses bytes to a shape, with everything that a report says about its input.
 use crate::digest::sha256;
 use crate::file_extension::extension;
-use crate::{Shape, script};
+use crate::{Shape, formats, script};
 use chordal::budget::advice::{Message, Setting};
 use chordal::math::Box3;
-use chordal_io::{FileLocation, FileOpener, Format, Limits, PolygonSurface, ReadError, Warning};
+use chordal_io::{
+    FileLocation, FileOpener, ForeignFormat, Format, Limits, PolygonSurface, ReadError, Warning,
+};
 
 /// How to determine the format of some bytes, and options for reading them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,6 +100,10 @@ fn load_from(
     let by_name = hint.name.and_then(extension).and_then(Format::from_packed_extension);
     // Only what is inside says what a file is whose name does not.
     let content = chordal_io::unpacked(bytes, hint.format.or(by_name), limits)?;
+    // What begins like a file of others is none of those that are read, whatever its name says.
+    if let Some(foreign) = ForeignFormat::sniff(&content).filter(|_| hint.format.is_none()) {
+        return Err(refuse_foreign(foreign));
+    }
     let format = format_of(&content, hint)?;
     if let Some(surface) = limits.surface {
         check_surface(surface, format)?;
@@ -148,10 +154,21 @@ fn check_surface(surface: PolygonSurface, format: Format) -> Result<(), ReadErro
     Err(ReadError::new("no-cage", FileLocation::File, message))
 }
 
+/// Refuses a file of a format of others, by its name and with the usual way around.
+fn refuse_foreign(foreign: &ForeignFormat) -> ReadError {
+    let message = format!("this is {}, which is not read: {}", foreign.name, foreign.way);
+    ReadError::new("foreign-format", FileLocation::File, message)
+}
+
 fn format_of(bytes: &[u8], hint: FormatHint) -> Result<Format, ReadError> {
     hint.format_of(bytes).ok_or_else(|| {
+        let named = hint.name.and_then(extension).and_then(ForeignFormat::from_extension);
+        if let Some(foreign) = named.filter(|_| !bytes.is_empty()) {
+            return refuse_foreign(foreign);
+        }
         let what = if bytes.is_empty() { "the file is empty" } else { "the content is of no known format" };
-        let message = Message::from(what).words("; ").setting(Setting::From).words(" names the format");
+        let message = Message::from(what).words("; ").setting(Setting::From).words(" names the format: ");
+        let message = message.words(format_args!("what is read is {}", formats::readable_names()));
         ReadError::new("unknown-format", FileLocation::File, message)
     })
 }

@@ -1,13 +1,14 @@
 //! `render`: a picture of any shape. Smooth shapes are meshed first, finely enough for the picture; fields
 //! are ray traced directly.
-use crate::ImplicitShape;
 use crate::deviation::ComparedPair;
 use crate::filled_regions::FilledRegions;
+use crate::isosurface::surface_of;
 use crate::merged_parts;
 use crate::report::{
     BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts,
 };
 use crate::{BudgetSpec, Input, MeshFailure, Shape};
+use crate::{ImplicitShape, VolumeShape};
 use chordal::budget::advice::Message;
 use chordal::budget::camera::{Camera, Projection, Screen};
 use chordal::budget::{Failure, Length, Pixels, Refusal, RefusalCode, View};
@@ -69,7 +70,8 @@ pub enum PictureTolerance {
 ///
 /// A smooth shape is meshed within `fineness` or, by default, within half a pixel of this very picture, and
 /// the certificate holds the distance from the triangles to the true shape. Where the eye is so close that no
-/// length is half a pixel, the default is a hundredth of a percent of the diagonal, and a note says so.
+/// length is half a pixel, the default is a hundredth of a percent of the diagonal, and a note says so. A volume
+/// is shown by the surface that its [`crate::SurfaceSpec`] chooses, by default at the resolution of its lattice.
 ///
 /// # Errors
 /// As for [`crate::mesh`]; also when the camera is invalid, or picture and triangles need more memory than
@@ -98,9 +100,9 @@ pub fn render(
             draw_mesh(&mesh, &options, certificate, job)
         }
         Shape::Field(field) => draw_field(field, &options, certificate, job),
-        Shape::Volume(_) => {
-            let message = "a volume has no triangles to take a picture of: mesh it first".to_owned();
-            Err(MeshFailure::refused(RefusalCode::Unsupported, message))
+        Shape::Volume(sampled) => {
+            let asked = RenderRequest { options, fineness, shape: &input.shape };
+            draw_volume(sampled, &asked, certificate, job)
         }
         Shape::Curves(_) => {
             let message = "curves in space have no surface to take a picture of".to_owned();
@@ -121,6 +123,40 @@ pub fn render(
             draw_mesh(&made.shape, &options, certificate, job)
         }
     }
+}
+
+/// The surface of a volume at the lattice's own resolution, or within what was asked for.
+fn draw_volume(
+    sampled: &VolumeShape,
+    asked: &RenderRequest,
+    mut certificate: Certificate,
+    job: &Job,
+) -> Result<RenderOutcome, MeshFailure> {
+    let mut options = asked.options;
+    let budget = match asked.fineness {
+        None => None,
+        Some(PictureTolerance::Length(length)) => {
+            let spec = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
+            let (budget, note) = spec.resolve(asked.shape)?;
+            certificate.notes.extend(note);
+            Some(budget)
+        }
+        Some(PictureTolerance::Pixels(pixels)) => {
+            let camera = match options.viewpoint {
+                Viewpoint::Camera(camera) => camera,
+                Viewpoint::Automatic(screen) => {
+                    let coarse = surface_of(sampled, Budget::default(), &mut Vec::new(), job)?.0;
+                    frame(&*merged_parts::one_mesh(&coarse)?, options.up, screen)
+                }
+            };
+            options.viewpoint = Viewpoint::Camera(camera);
+            Some(Budget::pixels(pixels, View::Camera(camera)))
+        }
+    };
+    let (scene, bound) = surface_of(sampled, budget.unwrap_or_default(), &mut certificate.notes, job)?;
+    certificate.budget = budget.map(|budget| BudgetFacts::new(&budget));
+    certificate.bound = Some(BoundFacts::new(&bound));
+    draw_mesh(&*merged_parts::one_mesh(&scene)?, &options, certificate, job)
 }
 
 /// Renders a field directly, clipped to its region; the certificate's notes say how reliable its rays are.
@@ -174,7 +210,7 @@ pub fn render_against(
         ),
         None => None,
     };
-    let pair = ComparedPair::from_shapes(input.shape, against.shape, &mut certificate)?;
+    let pair = ComparedPair::from_shapes([input.shape, against.shape], &mut certificate, job)?;
     let found = pair.measure(&Goal::default(), job)?;
     certificate.bound = Some(BoundFacts::new(&found.bound));
     let most = darkest.map_or(found.forward.at_most, Tolerance::get);

@@ -129,7 +129,7 @@ fn counts_of_the_wrong_kind_are_usage_errors_with_a_hint() {
         (drawing(RING), &some, Format::Glb, "'triangles=5'"),
         (obj(), &some, Format::Glb, "'triangles=5'"),
         (obj(), &triangles, Format::Json, "triangles"),
-        (obj(), &triangles, Format::Svg, "obj, ply, stl, glb, gltf, off, 3mf, vtp, usda"),
+        (obj(), &triangles, Format::Svg, "obj, ply, stl, glb, gltf, off, 3mf, vtp, usda, usdz"),
         (drawing(RING), &triangles, Format::Bpt, "only read"),
         (space(), &some, Format::Svg, ".json"),
         (space(), &triangles, Format::Glb, "json"),

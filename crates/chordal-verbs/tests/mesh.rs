@@ -22,6 +22,7 @@ const FORMATS: [(Format, &str); 9] = [
     (Format::ThreeMf, "3mf"),
     (Format::Vtp, "vtp"),
     (Format::Usda, "usda"),
+    (Format::Usdz, "usdz"),
 ];
 
 fn input(shape: Shape) -> Input {
@@ -217,7 +218,7 @@ fn a_coordinate_beyond_single_precision_is_refused_by_formats_that_have_no_other
             (Format::Obj | Format::Ply | Format::Off | Format::ThreeMf | Format::Vtp, Ok(outcome)) => {
                 assert_eq!(outcome.bound.at_most(), Some(0.0))
             }
-            (Format::Stl | Format::Glb | Format::Gltf | Format::Usda, Err(failure)) => {
+            (Format::Stl | Format::Glb | Format::Gltf | Format::Usda | Format::Usdz, Err(failure)) => {
                 assert_eq!((failure.code(), failure.exit_code()), ("too-wide", 4), "{name}");
             }
             (_, other) => panic!("{name}: {other:?}"),

@@ -32,7 +32,7 @@ impl DicomSyntax {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DicomElement<'a> {
     pub tag: [u16; 2],
-    /// Its bytes; nothing for a sequence.
+    /// Its bytes; nothing for a sequence, and all its items where it is in pieces.
     pub value: &'a [u8],
     /// The byte at which the value starts.
     pub at: usize,
@@ -44,6 +44,29 @@ pub(super) struct DicomElement<'a> {
 pub(super) fn after_mark(bytes: &[u8]) -> Option<usize> {
     let end = PREAMBLE + MAGIC.len();
     (bytes.get(PREAMBLE..end)? == MAGIC).then_some(end)
+}
+
+/// The items of a value that is in pieces: for each the byte after the start of the value, and its bytes.
+///
+/// # Errors
+/// When an item has no length of its own.
+pub(super) fn items<'a>(element: &DicomElement<'a>) -> Result<Vec<(usize, &'a [u8])>, ReadError> {
+    // Packed pixels are little-endian in every syntax.
+    let mut inner = DicomElements::new(element.value, 0, DicomSyntax::META);
+    let mut all = Vec::new();
+    while inner.at < element.value.len() {
+        let head = inner.head()?;
+        if head.tag == SEQUENCE_END {
+            break;
+        }
+        if head.tag != ITEM || head.length == UNDEFINED {
+            let place = FileLocation::Byte((element.at + inner.at) as u64);
+            return Err(ReadError::new("bad-header", place, "a piece of packed pixels has no length"));
+        }
+        let at = inner.at;
+        all.push((at, inner.take(head.length as usize)?));
+    }
+    Ok(all)
 }
 
 /// The elements from a byte on.
@@ -89,7 +112,8 @@ impl<'a> DicomElements<'a> {
         let element = |value, is_in_pieces| DicomElement { tag: head.tag, value, at, is_in_pieces };
         if head.length == UNDEFINED {
             self.pass_items()?;
-            return Ok(Some(element(&[], !head.is_sequence)));
+            let pieces = if head.is_sequence { &[] } else { &self.bytes[at..self.at] };
+            return Ok(Some(element(pieces, !head.is_sequence)));
         }
         let value = self.take(head.length as usize)?;
         Ok(Some(element(if head.is_sequence { &[] } else { value }, false)))

@@ -121,7 +121,8 @@ fn samples_of(series: &DicomSeries, limits: &Limits, warnings: &mut Warnings) ->
     let size = size_of(sizes, first.format.element, &FileLocation::File, limits)?;
     let mut body = Vec::new();
     for SliceFile { name, bytes, slice } in &series.files {
-        let pixels = &bytes[slice.start..slice.start + slice.n_bytes];
+        let stored = || &bytes[slice.start..slice.start + slice.n_bytes];
+        let pixels = slice.unpacked.as_deref().unwrap_or_else(stored);
         let n = slice.format.n_bytes();
         // A byte fills up an odd number of them.
         if (pixels.len() as u64) < n || pixels.len() as u64 > n + n % 2 {

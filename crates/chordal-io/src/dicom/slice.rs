@@ -1,5 +1,6 @@
 //! `DicomSlice`: the attributes of one file that a volume needs.
 use super::elements::{DicomElement, DicomElements, DicomSyntax, after_mark};
+use super::run_lengths;
 use crate::text::{finite, show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, ReadError};
@@ -21,9 +22,11 @@ pub(super) struct DicomSlice {
     pub series: String,
     pub description: String,
     pub format: SliceFormat,
-    /// The first bytes of the samples.
+    /// The first byte of the samples.
     pub start: usize,
     pub n_bytes: usize,
+    /// The samples, where they were packed in the file.
+    pub unpacked: Option<Vec<u8>>,
     pub position: [f64; 3],
     /// The directions of rows and of columns.
     pub orientation: [f64; 6],
@@ -110,13 +113,17 @@ impl DicomSlice {
             }
         }
         let Some(pixels) = attributes.get(PIXELS) else { return Ok(None) };
-        if let Some(name) = packing {
+        let is_runs = packing == Some(RUN_LENGTHS);
+        if let Some(name) = packing.filter(|_| !is_runs) {
             let message = format!("pixels packed as {name} are not read: save the series uncompressed");
             return Err(ReadError::new("packed-pixels", FileLocation::Byte(pixels.at as u64), message));
         }
-        attributes.slice(&pixels, syntax.endian).map(Some)
+        attributes.slice(&pixels, (syntax.endian, is_runs)).map(Some)
     }
 }
+
+/// The packing that is read.
+const RUN_LENGTHS: &str = "run lengths";
 
 /// How the data set is written, and the name of the packing of its pixels.
 fn syntax_of(element: &DicomElement<'_>) -> Result<(DicomSyntax, Option<&'static str>), ReadError> {
@@ -127,7 +134,7 @@ fn syntax_of(element: &DicomElement<'_>) -> Result<(DicomSyntax, Option<&'static
         "1.2.840.10008.1.2" => Ok((little(false), None)),
         "1.2.840.10008.1.2.1" => Ok((little(true), None)),
         "1.2.840.10008.1.2.2" => Ok((DicomSyntax { endian: Endian::Big, is_explicit: true }, None)),
-        "1.2.840.10008.1.2.5" => packed("run lengths"),
+        "1.2.840.10008.1.2.5" => packed(RUN_LENGTHS),
         "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => packed("JPEG"),
         "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => packed("lossless JPEG"),
         "1.2.840.10008.1.2.4.80" | "1.2.840.10008.1.2.4.81" => packed("JPEG-LS"),
@@ -186,7 +193,11 @@ impl<'a> SliceAttributes<'a> {
         (value.len() >= 2).then(|| u64::from(u16::from_le_bytes(endian.array(value))))
     }
 
-    fn slice(&self, pixels: &DicomElement<'_>, endian: Endian) -> Result<DicomSlice, ReadError> {
+    fn slice(
+        &self,
+        pixels: &DicomElement<'_>,
+        (endian, is_runs): (Endian, bool),
+    ) -> Result<DicomSlice, ReadError> {
         let short = |tag, name: &str| {
             self.need(tag, name)?;
             self.short(tag, endian)
@@ -222,19 +233,27 @@ impl<'a> SliceAttributes<'a> {
             let message = format!("{bits_stored} bits up to bit {high_bit} do not lie in {bits}");
             return Err(ReadError::new("bad-header", at, message));
         }
-        if pixels.is_in_pieces {
-            return unsupported("the pixels are in pieces, which only packed ones are".to_owned());
+        if pixels.is_in_pieces != is_runs {
+            let is = if is_runs {
+                "are not in pieces, which packed ones are"
+            } else {
+                "are in pieces, which only packed ones are"
+            };
+            return unsupported(format!("the pixels {is}"));
         }
         let optional = |tag, name: &str, without: f64| match self.get(tag).filter(|e| !e.value.is_empty()) {
             None => Ok(without),
             Some(_) => self.numbers::<1>(tag, name).map(|one| one[0]),
         };
+        let (columns, rows) = (short(COLUMNS, "Columns")?, short(ROWS, "Rows")?);
+        let runs = || run_lengths::unpack(pixels, (columns * rows, element.width()), endian);
+        let unpacked = is_runs.then(runs).transpose()?;
         Ok(DicomSlice {
             series: self.text(SERIES),
             description: self.text(DESCRIPTION),
             format: SliceFormat {
-                columns: short(COLUMNS, "Columns")?,
-                rows: short(ROWS, "Rows")?,
+                columns,
+                rows,
                 bits_stored,
                 high_bit,
                 element,
@@ -243,6 +262,7 @@ impl<'a> SliceAttributes<'a> {
             },
             start: pixels.at,
             n_bytes: pixels.value.len(),
+            unpacked,
             position: self.numbers(POSITION, "ImagePositionPatient")?,
             orientation: self.numbers(ORIENTATION, "ImageOrientationPatient")?,
             spacing: self.numbers(SPACING, "PixelSpacing")?,

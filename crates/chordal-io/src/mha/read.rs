@@ -77,7 +77,7 @@ pub fn read_with(
     let grid = Grid::new(size, samples, affine)
         .map_err(|error| ReadError::new("bad-size", header.sizes_place, error.to_string()))?;
     let name = fields.get("Name").map_or_else(String::new, |field| crate::volume::name_of(field.value));
-    let volume = Volume { grid, frame, name, space, certificate: None };
+    let volume = Volume { frame, name, space, ..Volume::from_grid(grid) };
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 

@@ -3,6 +3,7 @@
 //! The crate `nifti` is not used: it opens paths, allocates what a header declares before the data are there,
 //! and gives no location with its errors. A header is some twenty fields at fixed offsets.
 mod header;
+mod label_table;
 mod orientation;
 mod read;
 

@@ -1,5 +1,6 @@
 //! Reads `.nii` and `.nii.gz`.
 use super::header::{self, NiftiHeader, header_error};
+use super::label_table::{MOST_BYTES, label_table};
 use super::orientation::affine;
 use crate::volume::count::{along, size_of};
 use crate::volume::inflate::{InflateReader, MAGIC, check_ratio};
@@ -45,10 +46,21 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let affine = affine(&header, &mut warnings)?;
     let read = if let SampleStream::Plain { .. } = stream { 0 } else { n as u64 };
     let gap = header.offset - read;
-    let skipped = stream.skip(gap)?;
+    let mut after = vec![0; gap.min(MOST_BYTES) as usize];
+    let n_after = stream.fill(&mut after)?;
+    after.truncate(n_after);
+    let skipped = n_after as u64 + stream.skip(gap - n_after as u64)?;
     if skipped < gap {
         let message = format!("the file ends after {} bytes, before its samples", read + skipped);
         return Err(ReadError::new("truncated", stream.place(), message));
+    }
+    // Of a plain file the header itself was read again.
+    let beyond = (if is_wide(&first) { header::MOST } else { 348 }) - read as usize;
+    let (labels, unread) = label_table(after.get(beyond..).unwrap_or(&[]), header.endian, limits);
+    if let Some(error) = unread {
+        warnings.count("labels-skipped", || {
+            (FileLocation::Byte(read), format!("the names of labels cannot be read: {}", error.message))
+        });
     }
     check_bits(&header, &mut warnings);
     let stored = samples::read(&mut stream, &layout, limits, &mut warnings)?;
@@ -61,6 +73,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         frame: Frame { up: Some(Axis::Z), metres_per_unit, ..Frame::default() },
         name: header.name,
         space: Some("RAS".to_owned()),
+        labels,
         ..Volume::from_grid(grid)
     };
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })

@@ -2,6 +2,7 @@
 use super::{CERTIFICATE, MAGIC};
 use crate::text::{LineTokens, TextLines, finite, integer, number, number_error, show, trim};
 use crate::volume::element::{Endian, SampleType};
+use crate::volume::label_table::SegmentKeys;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::Message;
 use serde_json::Value;
@@ -43,6 +44,7 @@ pub(super) struct NrrdHeader {
     pub line_skip: u64,
     pub byte_skip: i64,
     pub certificate: Option<Value>,
+    pub segments: SegmentKeys,
     /// The last line that was read, where missing fields are reported.
     pub last_line: u64,
     /// The byte at which the samples start.
@@ -105,6 +107,7 @@ impl NrrdHeader {
             if name == CERTIFICATE.as_bytes() {
                 self.certificate = serde_json::from_slice(&unescaped(value)).ok();
             }
+            self.segments.take(name, &unescaped(value));
             return Ok(());
         }
         let name: Vec<u8> = name.iter().filter(|b| **b != b' ').map(u8::to_ascii_lowercase).collect();

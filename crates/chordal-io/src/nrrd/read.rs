@@ -45,6 +45,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let sizes = sizes(&fields)?;
     let place = FileLocation::Line(sizes.line);
     let (axes, list) = axes(&fields, &sizes.value, &place)?;
+    refuse_colors(&fields, sizes.value.len(), limits)?;
     for (axis, n) in sizes.value.iter().enumerate() {
         along(axis, *n, &place)?;
     }
@@ -66,7 +67,15 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     samples::count_not_finite(&samples, &mut warnings);
     let grid = Grid::new(size, samples, affine)
         .map_err(|error| ReadError::new("bad-size", place, error.to_string()))?;
-    let volume = Volume { grid, frame, name: fields.content, space, certificate: fields.certificate };
+    let labels = fields.segments.labels(layout.index);
+    let volume = Volume {
+        frame,
+        name: fields.content,
+        space,
+        labels,
+        certificate: fields.certificate,
+        ..Volume::from_grid(grid)
+    };
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
@@ -86,6 +95,26 @@ fn sizes(fields: &NrrdHeader) -> Result<NrrdField<Vec<i64>>, ReadError> {
         return Err(ReadError::new("bad-header", FileLocation::Line(sizes.line), message));
     }
     Ok(sizes)
+}
+
+/// Refuses an image with colours, unless one channel of it was chosen.
+fn refuse_colors(fields: &NrrdHeader, n_axes: usize, limits: &Limits) -> Result<(), ReadError> {
+    let is_color = |kind: &&String| kind.ends_with("-color");
+    let Some(kinds) = &fields.kinds else { return Ok(()) };
+    let Some(kind) = kinds.value.iter().find(is_color) else { return Ok(()) };
+    if n_axes == 4 && limits.index.is_some() {
+        return Ok(());
+    }
+    let message = format!(
+        "an axis is of the kind {kind}: an image with colours is no volume, which has one number a sample"
+    );
+    let message = Message::from(message);
+    let message = if n_axes == 4 {
+        message.words("; ").setting(Setting::Index).words(" takes one channel, counted from 0")
+    } else {
+        message
+    };
+    Err(ReadError::new("colours", FileLocation::Line(kinds.line), message))
 }
 
 /// The axes of space, and the one outside space.

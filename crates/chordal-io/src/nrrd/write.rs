@@ -7,7 +7,7 @@ use chordal::implicit::Samples;
 use serde_json::Value;
 use std::io::Write;
 
-/// Writes a volume with its directions, origin, unit and certificate: raw, little-endian. Every number reads
+/// Writes a volume with its directions, origin, unit, labels and certificate: raw, little-endian. Every number reads
 /// back to the same bits.
 ///
 /// # Errors
@@ -57,10 +57,24 @@ pub fn write(volume: &Volume, certificate: Option<&Value>, out: &mut dyn Write) 
         writeln!(out, "space units: \"{unit}\" \"{unit}\" \"{unit}\"")?;
     }
     if let Some(certificate) = certificate {
-        writeln!(out, "{CERTIFICATE}:={}", certificate.to_string().replace('\\', "\\\\"))?;
+        writeln!(out, "{CERTIFICATE}:={}", escaped(&certificate.to_string()))?;
+    }
+    for (at, (label, look)) in volume.labels.iter().enumerate() {
+        writeln!(out, "Segment{at}_LabelValue:={label}")?;
+        if !look.name.is_empty() {
+            writeln!(out, "Segment{at}_Name:={}", escaped(&look.name))?;
+        }
+        if let Some([r, g, b]) = look.color.map(|color| color.map(ShortestDecimal)) {
+            writeln!(out, "Segment{at}_Color:={r} {g} {b}")?;
+        }
     }
     writeln!(out)?;
     write_samples(volume.grid.samples(), out)
+}
+
+/// The value of a key: a line feed would end it.
+fn escaped(value: &str) -> String {
+    value.replace('\\', "\\\\").replace('\n', "\\n")
 }
 
 fn full_name(space: &str) -> &str {

@@ -24,6 +24,7 @@ mod vertex_table;
 mod write;
 mod write_material;
 mod write_mesh;
+mod write_package;
 mod write_polygons;
 mod write_text;
 
@@ -32,6 +33,7 @@ pub use read::read;
 pub(crate) use read::read_with;
 pub use write::write;
 pub(crate) use write::{changes, keeps, write_files};
+pub use write_package::{write_package, write_polygons_package};
 pub use write_polygons::write_polygons;
 pub(crate) use write_polygons::write_polygons_files;
 

@@ -3,13 +3,16 @@ pub(crate) mod count;
 pub(crate) mod data_files;
 pub(crate) mod element;
 pub(crate) mod inflate;
+pub(crate) mod label_table;
 pub(crate) mod samples;
 pub(crate) mod stream;
 pub(crate) mod text_bytes;
 
 use crate::Frame;
 use chordal::implicit::Grid;
+use label_table::LabelLook;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// A volume with the other data of its file.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +26,8 @@ pub struct Volume {
     /// The names of the axes of space, where the file has them: "RAS" for axes to the patient's right, front
     /// and head, "LPS" for left, back and head. Coordinates are the file's own: nothing is rotated.
     pub space: Option<String>,
+    /// The names and colours that the file gives to labels, by their number.
+    pub labels: BTreeMap<i64, LabelLook>,
     /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
 }
@@ -31,7 +36,14 @@ impl Volume {
     /// A grid in an unknown space.
     #[must_use]
     pub fn from_grid(grid: Grid) -> Self {
-        Self { grid, frame: Frame::default(), name: String::new(), space: None, certificate: None }
+        Self {
+            grid,
+            frame: Frame::default(),
+            name: String::new(),
+            space: None,
+            labels: BTreeMap::new(),
+            certificate: None,
+        }
     }
 }
 

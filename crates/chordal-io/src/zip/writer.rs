@@ -13,7 +13,7 @@ const VERSION: u16 = 20;
 /// The method of deflated entries.
 const DEFLATED: u16 = 8;
 /// The first day that the format can name, 1980-01-01: days from bit 0, months from bit 5, years from bit 9.
-const DATE: u16 = 1 | 1 << 5;
+pub(super) const DATE: u16 = 1 | 1 << 5;
 
 /// A container that is being written.
 pub(crate) struct ZipWriter<'a> {

@@ -266,6 +266,7 @@ pub(super) fn volumes() -> Vec<(Format, Vec<u8>)> {
         (Format::MetaImage, meta("False", &samples)),
         (Format::MetaImage, meta("True", &zlib(&samples))),
         (Format::Npz, npz(&npy("<i2"))),
+        (Format::Slc, b"11111\n2 2 2 8\n1 1 2.5\n1 2 0 1\n1 1 XRGB3 X\x04\x07\x006 X\x84abcd\x00".to_vec()),
         (Format::Vti, vti(&samples, "")),
         (Format::Vti, vti(&samples, "compressor=\"vtkZLibDataCompressor\"")),
         (Format::Vti, VTI_TEXT.to_vec()),

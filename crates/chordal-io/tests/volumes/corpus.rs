@@ -103,10 +103,13 @@ fn real_volumes_read_as_by_nibabel() {
 }
 
 /// What SimpleITK 2.5 and VTK 9.7 say: size, step, maximum and sum; the origin and the minimum are 0.
-const OTHERS: [PeerVolume; 3] = [
+const OTHERS: [PeerVolume; 6] = [
     ("HeadMRVolume.mhd", Format::MetaImage, [48, 62, 42], [4.0, 255.0, 3058332.0]),
     ("vase.vti", Format::Vti, [115, 101, 75], [1.0, 239.0, 10723131.0]),
     ("hydrogen/hydrogen.vti", Format::Vti, [64, 64, 64], [1.0, 1.0, 4856.008970333326]),
+    ("bolt.slc", Format::Slc, [70, 123, 66], [1.0, 255.0, 19004049.0]),
+    ("neghip.slc", Format::Slc, [66, 66, 66], [1.0, 255.0, 4824177.0]),
+    ("nut.slc", Format::Slc, [68, 41, 59], [1.0, 255.0, 5807640.0]),
 ];
 type PeerVolume = (&'static str, Format, [usize; 3], [f64; 3]);
 

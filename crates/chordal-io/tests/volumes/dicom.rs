@@ -77,6 +77,10 @@ impl Slice {
         }
         element(&mut file, [0x28, 0x1052], b"DS", self.scale[1].as_bytes(), style);
         element(&mut file, [0x28, 0x1053], b"DS", self.scale[0].as_bytes(), style);
+        if self.syntax == RUN_LENGTHS {
+            file.extend(run_lengths(&self.pixels, usize::from(self.bits[0] / 8)));
+            return file;
+        }
         let mut pixels = self.pixels.clone();
         if is_big && self.bits[0] == 16 {
             pixels.chunks_exact_mut(2).for_each(<[u8]>::reverse);
@@ -84,6 +88,41 @@ impl Slice {
         element(&mut file, [0x7FE0, 0x10], b"OW", &pixels, style);
         file
     }
+}
+
+const RUN_LENGTHS: &str = "1.2.840.10008.1.2.5";
+
+/// Little-endian samples as an element of run lengths: an empty table of frames, then planes of bytes, the highest
+/// first, each with two runs of what is alike and copies of the rest.
+fn run_lengths(pixels: &[u8], width: usize) -> Vec<u8> {
+    let mut planes: Vec<Vec<u8>> = Vec::new();
+    for plane in (0..width).rev() {
+        let bytes: Vec<u8> = pixels.iter().skip(plane).step_by(width).copied().collect();
+        let mut packed = Vec::new();
+        for group in bytes.chunk_by(|a, b| a == b) {
+            if group.len() > 1 {
+                packed.extend([(257 - group.len()) as u8, group[0]]);
+            } else {
+                packed.extend([0, group[0]]);
+            }
+        }
+        // Nothing, which fills up to an even length.
+        packed.extend([128, 128].iter().take(1 + packed.len() % 2));
+        planes.push(packed);
+    }
+    let mut offset = 64;
+    let mut picture = (width as u32).to_le_bytes().to_vec();
+    for k in 0..15 {
+        let at = if k < width { offset } else { 0 };
+        picture.extend((at as u32).to_le_bytes());
+        offset += planes.get(k).map_or(0, Vec::len);
+    }
+    picture.extend(planes.concat());
+    let item = |number: u16, n: usize| {
+        [&0xFFFE_u16.to_le_bytes()[..], &number.to_le_bytes(), &(n as u32).to_le_bytes()].concat()
+    };
+    let head = [&0x7FE0_u16.to_le_bytes()[..], &0x10_u16.to_le_bytes(), b"OB\0\0", &[255; 4]].concat();
+    [head, item(0xE000, 0), item(0xE000, picture.len()), picture, item(0xE0DD, 0)].concat()
 }
 
 /// Appends an element; `style` says whether it is explicit, and whether it is big-endian.
@@ -124,6 +163,35 @@ fn load_with(files: &Files, limits: &Limits) -> Result<(Volume, Vec<Warning>), R
 
 fn load(slices: &[Slice]) -> Result<(Volume, Vec<Warning>), ReadError> {
     load_with(&folder(slices), &Limits::default())
+}
+
+#[test]
+fn run_lengths_hold_the_same_samples_and_a_cut_or_wrong_one_is_refused() {
+    for width in [1_u16, 2, 4] {
+        let slice = |z: f64| {
+            let values: Vec<i64> = vec![0, 0, 0, -1, 77, 77];
+            let pixels = values.iter().flat_map(|x| x.to_le_bytes()[..usize::from(width)].to_vec()).collect();
+            let bits = [8 * width, 8 * width, 8 * width - 1, 1];
+            Slice { bits, pixels, position: format!("1\\2\\{z}"), ..Slice::default() }
+        };
+        let plain = [slice(0.0), slice(1.0)];
+        let packed = plain.clone().map(|slice| Slice { syntax: RUN_LENGTHS, ..slice });
+        let expected = load(&plain).unwrap().0;
+        assert_eq!(values(&expected)[..6], [0.0, 0.0, 0.0, -1.0, 77.0, 77.0]);
+        assert_eq!(load(&packed).unwrap().0, expected, "{width} bytes");
+        let larger = packed.clone().map(|slice| Slice { size: [3, 3], ..slice });
+        assert_eq!(load(&larger).unwrap_err().code, "size-mismatch");
+        let other = packed.clone().map(|slice| Slice { bits: [16, 16, 15, 1], ..slice });
+        if width != 2 {
+            assert_eq!(load(&other).unwrap_err().code, "bad-header");
+        }
+        let mut files = folder(&packed);
+        let whole = files["0.dcm"].clone();
+        for end in 200..whole.len() {
+            files.insert("0.dcm".to_owned(), whole[..end].to_vec());
+            assert!(load_with(&files, &Limits::default()).is_err(), "cut at {end}");
+        }
+    }
 }
 
 #[test]

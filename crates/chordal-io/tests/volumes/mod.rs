@@ -9,6 +9,7 @@ mod nii;
 mod npy;
 mod npz;
 mod nrrd;
+mod slc;
 mod vti;
 
 use chordal_io::{Content, Format, Limits, Volume, Warning, read};

@@ -1,9 +1,10 @@
 //! NIfTI: both versions and byte orders, where samples stand, how they are scaled, and one volume of several.
-use super::build::Nii;
+use super::build::{Nii, pack};
 use super::{load, load_with, values};
 use crate::common::count;
 use chordal::implicit::Samples;
-use chordal_io::{Axis, Format, Limits};
+use chordal_io::{Axis, Format, LabelLook, Limits};
+use std::collections::BTreeMap;
 
 /// Sheared, and mirrored: the first axis runs to the left.
 const SHEARED: [[f64; 4]; 3] = [[-2.0, 0.5, 0.0, 90.0], [0.0, 3.0, 0.25, -126.0], [0.0, 0.0, 1.5, -72.0]];
@@ -28,6 +29,48 @@ fn both_versions_and_byte_orders_say_the_same_packed_or_not() {
             }
         }
     }
+}
+
+#[test]
+fn an_extension_names_and_colours_labels() {
+    let table = "<?xml version=\"1.0\" encoding=\"UTF-8\"?><CaretExtension><VolumeInformation Index=\"0\">\
+        <LabelTable>\n<Label Key=\"1\" Red=\"0.5\" Green=\"0.25\" Blue=\"1\" Alpha=\"1\">\
+        <![CDATA[left <lung> & co]]></Label>\n<Label Key=\"-3\" Red=\"9\" Green=\"0\" Blue=\"0\">heart</Label>\
+        </LabelTable></VolumeInformation></CaretExtension>";
+    let named = |name: &str, color| LabelLook { name: name.to_owned(), color };
+    let expected =
+        BTreeMap::from([(1, named("left <lung> & co", Some([0.5, 0.25, 1.0]))), (-3, named("heart", None))]);
+    let broken = table.replace("</LabelTable>", "");
+    for version in [1, 2] {
+        for is_big in [false, true] {
+            for (text, labels, warned) in [(table, &expected, 0), (&*broken, &BTreeMap::new(), 1)] {
+                // Before it one of another kind; both fill up to a multiple of 16 bytes.
+                let other = extension(6, b"a comment", is_big);
+                let extensions =
+                    [&[1, 0, 0, 0][..], &other, &extension(30, text.as_bytes(), is_big)].concat();
+                let header = if version == 1 { 348 } else { 540 };
+                let offset = (header + extensions.len()) as f64;
+                let plain = Nii { version, is_big, offset, rows: SHEARED, ..Nii::default() };
+                let mut file = plain.bytes();
+                file[header..header + extensions.len()].copy_from_slice(&extensions);
+                for bytes in [pack(&file), file] {
+                    let (volume, warnings) = load(&bytes, Format::Nii);
+                    assert_eq!(volume.labels, *labels);
+                    assert_eq!(count(&warnings, "labels-skipped"), warned, "{warnings:?}");
+                    assert_eq!(values(&volume), (0..12).map(f64::from).collect::<Vec<_>>());
+                }
+            }
+        }
+    }
+}
+
+/// An extension of a header.
+fn extension(kind: i32, text: &[u8], is_big: bool) -> Vec<u8> {
+    let size = (8 + text.len()).next_multiple_of(16);
+    let number = |n: i32| if is_big { n.to_be_bytes() } else { n.to_le_bytes() };
+    let mut bytes = [&number(size as i32)[..], &number(kind), text].concat();
+    bytes.resize(size, 0);
+    bytes
 }
 
 #[test]

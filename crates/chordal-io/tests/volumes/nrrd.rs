@@ -1,10 +1,11 @@
 //! NRRD: encodings, where samples stand, spaces and units, one volume of several, and what is written.
 use super::build::{nrrd, pack};
 use super::{load, load_with, values};
-use crate::common::count;
+use crate::common::{count, refuse};
 use chordal::implicit::{Affine3, Grid, Samples};
-use chordal_io::{Axis, Format, Frame, Limits, Volume, nrrd};
+use chordal_io::{Axis, Format, Frame, LabelLook, Limits, Volume, nrrd};
 use chordal_testkit::Random;
+use std::collections::BTreeMap;
 
 const PLACED: &str = "space: left-posterior-superior\nspace directions: (-2,0,0) (0.5,3,0) (0,0.25,1.5)\n\
     space origin: (90,-126,-72)\nspace units: \"mm\" \"mm\" \"mm\"\ncontent: head\n";
@@ -105,6 +106,35 @@ fn an_axis_that_is_not_of_space_holds_several_volumes_wherever_it_stands() {
     let text: String = slowest.iter().map(|x| format!("{x} ")).collect();
     let (volume, _) = load_with(&[header.as_bytes(), text.as_bytes()].concat(), Format::Nrrd, &limits);
     assert_eq!(values(&volume)[11], 111.0);
+}
+
+#[test]
+fn segments_name_and_colour_their_labels_and_are_written_again() {
+    let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: text\n\
+        Segment0_ID:=Segment_1\nSegment0_Name:=Left \\\\ lung\nSegment0_Color:=0.5 0.25 1\n\
+        Segment0_LabelValue:=3\nSegment0_Layer:=0\nSegment1_LabelValue:=1\nSegment1_Layer:=1\n\
+        Segment2_LabelValue:=-2\nSegment2_Color:=9 9 9\n\n0 3 3 0 1 1 2 0\n";
+    let (volume, _) = load(header.as_bytes(), Format::Nrrd);
+    let named = LabelLook { name: "Left \\ lung".into(), color: Some([0.5, 0.25, 1.0]) };
+    let labels = BTreeMap::from([(3, named), (-2, LabelLook::default())]);
+    assert_eq!(volume.labels, labels);
+    let mut file = Vec::new();
+    nrrd::write(&volume, None, &mut file).unwrap();
+    assert_eq!(load(&file, Format::Nrrd).0.labels, labels);
+}
+
+#[test]
+fn an_image_with_colours_is_no_volume_but_one_channel_of_it_is() {
+    let head = "NRRD0004\ntype: uchar\nencoding: text\n";
+    let colours = format!("{head}dimension: 4\nsizes: 3 2 2 2\nkinds: RGB-color domain domain domain\n\n");
+    let text: String = (0..24).map(|x| format!("{x} ")).collect();
+    let file = [colours.as_bytes(), text.as_bytes()].concat();
+    assert_eq!(refuse(&file, Format::Nrrd).code, "colours");
+    let limits = Limits { index: Some(1), ..Limits::default() };
+    let (volume, _) = load_with(&file, Format::Nrrd, &limits);
+    assert_eq!(values(&volume), (0..8).map(|i| f64::from(3 * i + 1)).collect::<Vec<_>>());
+    let flat = format!("{head}dimension: 3\nsizes: 3 2 4\nkinds: RGB-color domain domain\n\n{text}");
+    assert_eq!(refuse(flat.as_bytes(), Format::Nrrd).code, "colours");
 }
 
 #[test]

@@ -47,12 +47,15 @@ pub struct VolumeFacts {
 pub const MOST_LABELS: usize = 64;
 
 /// One value of the samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LabelFacts {
     /// The value.
     pub label: i64,
     /// The number of its samples.
     pub samples: u64,
+    /// The name that the file gives it; absent where it gives none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub name: String,
 }
 
 /// A suggested level.
@@ -80,7 +83,11 @@ impl VolumeFacts {
             .labels
             .iter()
             .flatten()
-            .map(|(label, samples)| LabelFacts { label: *label, samples: *samples })
+            .map(|(label, samples)| LabelFacts {
+                label: *label,
+                samples: *samples,
+                name: volume.labels.get(label).map_or_else(String::new, |look| look.name.clone()),
+            })
             .collect();
         label_list.sort_by_key(|facts| (std::cmp::Reverse(facts.samples), facts.label));
         label_list.truncate(MOST_LABELS);
