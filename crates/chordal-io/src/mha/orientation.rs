@@ -85,9 +85,10 @@ pub(super) fn space(
 fn anatomy<'a>(fields: &MetaFields<'a>) -> Option<&'a [u8]> {
     let value = fields.get("AnatomicalOrientation")?.value;
     let axis = |letter: &u8| b"RLAPIS".iter().position(|known| known == letter).map(|k| k / 2);
-    let mut axes: Vec<usize> = value.iter().take(3).filter_map(axis).collect();
+    let letters = value.get(..3)?;
+    let mut axes: Vec<usize> = letters.iter().filter_map(axis).collect();
     axes.sort_unstable();
-    (axes == [0, 1, 2]).then_some(&value[..3])
+    (axes == [0, 1, 2]).then_some(letters)
 }
 
 /// Counts letters that say another orientation than the directions do.

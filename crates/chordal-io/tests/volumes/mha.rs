@@ -59,7 +59,11 @@ fn spacing_directions_and_offset_place_the_samples() {
     }
     let size = fields.replace("ElementSpacing", "ElementSize").replace("ALI", "???");
     let (sized, _) = load(&mha(&size, &bytes()), Format::MetaImage);
-    assert_eq!((sized.grid, sized.space), (volume.grid, None));
+    assert_eq!((&sized.grid, sized.space), (&volume.grid, None));
+    for short in ["", "R", "RA"] {
+        let (unsaid, _) = load(&mha(&fields.replace("ALI", short), &bytes()), Format::MetaImage);
+        assert_eq!((unsaid.grid, unsaid.space), (volume.grid.clone(), None), "{short:?}");
+    }
 }
 
 #[test]
