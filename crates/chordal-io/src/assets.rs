@@ -1,6 +1,7 @@
 //! `SceneAssets`: what a scene has beside its meshes and the nodes that place them: materials with their
 //! textures, cameras, lights, animations, skins.
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What a scene has beside its meshes and nodes, in the terms of glTF: each list holds glTF's objects, which
@@ -32,6 +33,50 @@ pub struct SceneAssets {
     pub required_extensions: Vec<String>,
     /// What the file says of itself: its copyright, and extras.
     pub about: Map<String, Value>,
+    /// What the scene that is shown says of itself: its name, and extras.
+    pub scene: Map<String, Value>,
+    /// The extras of the file as a whole.
+    pub extras: Option<Value>,
+    /// What primitives say beside their triangles, by the index of the material of their faces. Materials that
+    /// stand for another one come after all others.
+    pub face_kinds: BTreeMap<usize, FaceKind>,
+    /// Whether glTF is to have no material where faces have none, as the file had it. Unless it is, such faces
+    /// get a plain one: glTF's default is a metal, which viewers without an environment show black.
+    pub keeps_bare_faces: bool,
+}
+
+/// What primitives of a mesh say beside their triangles and their material: extras, and the materials that
+/// they have in variants of the scene (`KHR_materials_variants`).
+///
+/// Faces of one material that say different things have different groups. Then the materials after the first
+/// are copies that stand for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceKind {
+    /// The material: the index that the kind has itself, unless it stands for another one.
+    pub material: usize,
+    /// Extras and extensions.
+    pub properties: Map<String, Value>,
+}
+
+impl FaceKind {
+    /// The numbers of materials that it names: its own, and those of variants.
+    pub(crate) fn materials(&self) -> Vec<usize> {
+        let mut all = vec![self.material];
+        each_variant_material(&mut self.properties.clone(), &mut |at| {
+            all.extend(at.as_u64().and_then(|at| usize::try_from(at).ok()));
+        });
+        all
+    }
+}
+
+/// The extension by which a scene has several looks, each with materials of its own.
+pub(crate) const VARIANTS: &str = "KHR_materials_variants";
+
+/// Visits where what primitives say names materials.
+pub(crate) fn each_variant_material(properties: &mut Map<String, Value>, visit: &mut impl FnMut(&mut Value)) {
+    let extension = properties.get_mut("extensions").and_then(|all| all.get_mut(VARIANTS));
+    let mappings = extension.and_then(|variants| variants.get_mut("mappings")).and_then(Value::as_array_mut);
+    mappings.into_iter().flatten().filter_map(|mapping| mapping.get_mut("material")).for_each(visit);
 }
 
 /// The kind of the groups of faces that name materials.
@@ -74,7 +119,10 @@ impl SceneAssets {
             samplers: self.samplers.clone(),
             images: self.images.clone(),
             required_extensions: self.required_extensions.clone(),
-            about: self.about.clone(),
+            about: self.about.iter().filter(|(key, _)| *key != "extensions").map(pair).collect(),
+            face_kinds: self.face_kinds.clone(),
+            keeps_bare_faces: self.keeps_bare_faces,
+            extensions: self.extensions.iter().filter(|(key, _)| *key == VARIANTS).map(pair).collect(),
             ..Self::default()
         }
     }
@@ -84,7 +132,18 @@ impl SceneAssets {
     pub fn beside_materials(&self) -> Vec<&str> {
         let lists = [(&self.cameras, "cameras"), (&self.animations, "animations"), (&self.skins, "skins")];
         let names = lists.into_iter().filter(|(list, _)| !list.is_empty()).map(|(_, name)| name);
-        names.chain(self.extensions.keys().map(String::as_str)).collect()
+        let of_scene = !self.scene.is_empty() && (self.scene.len() > 1 || !self.scene.contains_key("name"));
+        let extras = [(of_scene, "extras of the scene"), (self.extras.is_some(), "extras of the file")];
+        let extensions = self.extensions.keys().map(String::as_str).filter(|name| *name != VARIANTS);
+        let extras = extras.into_iter().filter(|(is_there, _)| *is_there).map(|(_, name)| name);
+        names.chain(extensions).chain(extras).collect()
+    }
+
+    /// The materials that a file has: those that stand for no other one.
+    pub(crate) fn own_materials(&self) -> Vec<Value> {
+        let is_own = |i: usize| self.face_kinds.get(&i).is_none_or(|kind| kind.material == i);
+        let own = self.materials.iter().enumerate().filter(|(i, _)| is_own(*i));
+        own.map(|(_, material)| material.clone()).collect()
     }
 
     /// The names of the extensions that its objects use, in order.
@@ -94,6 +153,9 @@ impl SceneAssets {
         let lists = [materials, textures, samplers, cameras, animations, skins];
         lists.into_iter().flatten().for_each(|object| collect_extensions(object, &mut names));
         self.images.iter().for_each(|image| collect_of_members(&image.properties, &mut names));
+        let kinds = self.face_kinds.values().map(|kind| &kind.properties);
+        let others = [&self.about, &self.scene].into_iter().chain(kinds);
+        others.for_each(|members| collect_of_members(members, &mut names));
         names.extend(self.extensions.keys().cloned());
         let is_webp =
             |image: &SceneImage| image.properties.get("mimeType").is_some_and(|mime| mime == "image/webp");
@@ -102,6 +164,10 @@ impl SceneAssets {
         }
         names
     }
+}
+
+fn pair((key, value): (&String, &Value)) -> (String, Value) {
+    (key.clone(), value.clone())
 }
 
 /// Adds the names of the extensions of an object and of those in it. Extras are data of others.

@@ -1,7 +1,7 @@
 //! Assets without what nothing uses: the materials that faces have, and the textures and pictures that these
 //! name.
-use crate::assets::collect_extensions;
-use crate::{MATERIAL, Scene, SceneAssets};
+use crate::assets::{collect_extensions, each_variant_material};
+use crate::{FaceKind, MATERIAL, Scene, SceneAssets};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 type Renumbering = Vec<Option<usize>>;
 
 impl SceneAssets {
-    /// The same assets with these materials alone and what they name: other materials (`MSFT_lod`), textures,
+    /// The same assets with these materials alone and what they name: other materials (`MSFT_lod`, variants), textures,
     /// samplers and pictures. What is kept stays in its order and is numbered anew. Also returns the new number
     /// of each old material.
     ///
@@ -41,6 +41,14 @@ impl SceneAssets {
         assets.materials.iter_mut().for_each(|material| {
             levels_of(material).into_iter().flatten().for_each(|at| renumber(at, &materials));
         });
+        assets.face_kinds = std::mem::take(&mut assets.face_kinds)
+            .into_iter()
+            .filter_map(|(old, mut kind)| {
+                kind.material = (*materials.get(kind.material)?)?;
+                each_variant_material(&mut kind.properties, &mut |at| renumber(at, &materials));
+                Some(((*materials.get(old)?)?, kind))
+            })
+            .collect();
         if !assets.materials.iter().all(names_textures_as_known) {
             return (assets, materials);
         }
@@ -74,6 +82,7 @@ impl SceneAssets {
             if all.insert(idx) {
                 let levels = material.pointer("/extensions/MSFT_lod/ids").and_then(Value::as_array);
                 open.extend(levels.into_iter().flatten().filter_map(number));
+                open.extend(self.face_kinds.get(&idx).into_iter().flat_map(FaceKind::materials));
             }
         }
         all

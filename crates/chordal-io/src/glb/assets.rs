@@ -1,6 +1,7 @@
 //! Reads what a file has beside meshes and nodes into [`SceneAssets`].
 use super::accessor_rows::AccessorRows;
 use super::draco::DRACO;
+use super::face_kinds::FileFaceKinds;
 use super::format::ComponentType;
 use super::json::JsonValue;
 use super::leniency::ForgivenIssues;
@@ -8,17 +9,18 @@ use super::meshopt;
 use super::model::{GltfModel, item};
 use super::node_tree::NodeTree;
 use super::report::GlbWarnings;
-use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage, plain_material};
+use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage, VARIANTS};
 use crate::{FileLocation, MATERIAL, ReadError, Scene};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
 /// Extensions of a file or a node that name nothing but lists that are kept.
-const KEPT_EXTENSIONS: [&str; 3] = ["KHR_lights_punctual", "KHR_node_visibility", "KHR_xmp_json_ld"];
+const KEPT_EXTENSIONS: [&str; 4] =
+    ["KHR_lights_punctual", "KHR_node_visibility", "KHR_xmp_json_ld", VARIANTS];
 
-/// Extensions of primitives that the reader of parts warns of.
-const TOLD_OF_PARTS: [&str; 2] = [DRACO, "KHR_materials_variants"];
+/// Extensions of primitives that are kept, or that the reader of parts warns of.
+const KNOWN_OF_PRIMITIVES: [&str; 2] = [DRACO, VARIANTS];
 
 /// The assets of a file.
 pub(super) struct AssetReader<'a> {
@@ -33,9 +35,8 @@ pub(super) struct AssetReader<'a> {
 
 /// What parts take of the assets of their file.
 pub(super) struct PartAssets {
-    /// By material of the file: the group of faces that it becomes, 0 for one that the writer would give to a
-    /// bare mesh.
-    pub groups: Vec<usize>,
+    /// By mesh and primitive of the file: the group of its faces.
+    pub groups: Vec<Vec<usize>>,
     /// By part: what its mesh has beside name and primitives.
     pub properties: Vec<Map<String, Value>>,
     pub report: GlbWarnings,
@@ -66,14 +67,18 @@ impl<'a> AssetReader<'a> {
             }
         }
         *tree.scene.assets = self.assets(number_of, tree.has_cut_nodes)?;
-        let (mut materials, groups) = self.materials();
-        clamp_factors(&forgiven.factors, &mut materials, &groups);
+        let mut materials = self.values("materials");
+        clamp_factors(&forgiven.factors, &mut materials);
+        let FileFaceKinds { materials, kinds, groups, has_bare_faces } =
+            FileFaceKinds::from_meshes(self.list("meshes"), materials);
         if !materials.is_empty() {
             let name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
             let names = std::iter::once(String::new()).chain(materials.iter().map(name)).collect();
             tree.scene.groups.insert(MATERIAL.to_owned(), names);
         }
         tree.scene.assets.materials = materials;
+        tree.scene.assets.face_kinds = kinds;
+        tree.scene.assets.keeps_bare_faces = has_bare_faces;
         let mut properties: Vec<_> = tree.meshes.iter().map(|mesh| self.mesh_properties(*mesh)).collect();
         let mut report = self.into_report();
         if !drop_unsound_assets(&mut tree.scene, &forgiven.unsound, &mut report) {
@@ -118,7 +123,7 @@ impl<'a> AssetReader<'a> {
         let extensions = self.json.get("extensions").map_or(&[][..], JsonValue::entries);
         assets.extensions = self.kept_extensions(extensions, "/extensions");
         if let Some(asset) = self.json.get("asset") {
-            assets.about = members_without(asset, &["version", "minVersion", "generator", "extensions"]);
+            assets.about = self.said(asset, &["version", "minVersion", "generator"], "/asset");
             if let Some(Value::Object(extras)) = assets.about.get_mut("extras") {
                 // The certificate is of the file that was read.
                 extras.shift_remove("chordal");
@@ -127,24 +132,29 @@ impl<'a> AssetReader<'a> {
                 }
             }
         }
+        assets.extras = self.json.get("extras").map(JsonValue::to_value);
+        if let Some(shown) = self.shown_scene() {
+            assets.scene = self.said(&self.list("scenes")[shown], &["nodes"], &format!("/scenes/{shown}"));
+        }
         Ok(assets)
     }
 
-    /// The materials, and the group of faces that each of the file's becomes: 0 for one that the writer would
-    /// give to a bare mesh.
-    fn materials(&self) -> (Vec<Value>, Vec<usize>) {
-        let plain = [plain_material(false), plain_material(true)];
-        let list = self.list("materials");
-        let (mut materials, mut groups) = (Vec::with_capacity(list.len()), Vec::with_capacity(list.len()));
-        for material in list.iter().map(JsonValue::to_value) {
-            groups.push(if plain.contains(&material) {
-                0
-            } else {
-                materials.push(material);
-                materials.len()
-            });
+    /// The scene whose nodes are read.
+    fn shown_scene(&self) -> Option<usize> {
+        let n = self.list("scenes").len();
+        (n > 0).then(|| self.model.scene.unwrap_or(0)).filter(|scene| *scene < n)
+    }
+
+    /// What an object says beside these members, with the extensions that are kept.
+    fn said(&mut self, object: &JsonValue, left_out: &[&str], pointer: &str) -> Map<String, Value> {
+        let mut said = members_without(object, left_out);
+        said.shift_remove("extensions");
+        let extensions = object.get("extensions").map_or(&[][..], JsonValue::entries);
+        let extensions = self.kept_extensions(extensions, &format!("{pointer}/extensions"));
+        if !extensions.is_empty() {
+            said.insert("extensions".to_owned(), Value::Object(extensions));
         }
-        (materials, groups)
+        said
     }
 
     /// What a node has beside name, children, mesh and matrix.
@@ -178,28 +188,28 @@ impl<'a> AssetReader<'a> {
         self.dropped.entry(name).or_insert((0, pointer)).0 += 1;
     }
 
-    /// Counts what no scene holds: extensions of meshes, extras of primitives, of scenes and of the file.
+    /// Counts what no scene holds: other scenes, extensions of meshes, extras of how numbers are stored.
     fn count_what_no_scene_holds(&mut self) {
         let mut found = Vec::new();
         let extras = |value: &JsonValue| value.get("extras").is_some();
-        if extras(self.json) {
-            found.push(("extras of the file".to_owned(), "/extras".to_owned()));
+        let shown = self.shown_scene();
+        for i in (0..self.list("scenes").len()).filter(|i| shown.is_some_and(|shown| shown != *i)) {
+            found.push(("scenes beside the one that is shown".to_owned(), format!("/scenes/{i}")));
         }
-        for (i, _) in self.list("scenes").iter().enumerate().filter(|(_, scene)| extras(scene)) {
-            found.push(("extras of scenes".to_owned(), format!("/scenes/{i}/extras")));
+        for list in ["accessors", "bufferViews", "buffers"] {
+            for (i, _) in self.list(list).iter().enumerate().filter(|(_, object)| extras(object)) {
+                found.push((format!("extras of {list}"), format!("/{list}/{i}/extras")));
+            }
         }
         for (i, mesh) in self.list("meshes").iter().enumerate() {
             let primitives = mesh.get("primitives").and_then(JsonValue::items).unwrap_or_default();
             let own = std::iter::once((mesh, format!("/meshes/{i}")));
             let theirs =
                 primitives.iter().enumerate().map(|(p, one)| (one, format!("/meshes/{i}/primitives/{p}")));
-            for (k, (object, pointer)) in own.chain(theirs).enumerate() {
-                // The first is the mesh itself.
-                if k > 0 && extras(object) {
-                    found.push(("extras of primitives".to_owned(), format!("{pointer}/extras")));
-                }
+            for (object, pointer) in own.chain(theirs) {
                 let extensions = object.get("extensions").map_or(&[][..], JsonValue::entries);
-                for (name, _) in extensions.iter().filter(|(name, _)| !TOLD_OF_PARTS.contains(&&**name)) {
+                for (name, _) in extensions.iter().filter(|(name, _)| !KNOWN_OF_PRIMITIVES.contains(&&**name))
+                {
                     found.push((format!("extension {name}"), format!("{pointer}/extensions/{name}")));
                 }
             }
@@ -423,11 +433,10 @@ fn drop_coverages(properties: &mut Map<String, Value>) {
     }
 }
 
-/// Takes factors of materials into their range; `groups` are the groups that the materials of the file became.
-fn clamp_factors(factors: &[(usize, &str)], materials: &mut [Value], groups: &[usize]) {
+/// Takes factors of materials into their range.
+fn clamp_factors(factors: &[(usize, &str)], materials: &mut [Value]) {
     for (material, pointer) in factors {
-        let at = groups.get(*material).and_then(|group| group.checked_sub(1));
-        let value = at.and_then(|at| materials.get_mut(at)).and_then(|value| value.pointer_mut(pointer));
+        let value = materials.get_mut(*material).and_then(|value| value.pointer_mut(pointer));
         // One issue stands for all components of a list.
         match value {
             Some(Value::Array(list)) => list.iter_mut().for_each(clamp),
@@ -454,7 +463,8 @@ fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnin
         ["ACCESSOR_", "BUFFER_", "GLB_", meshopt::BROKEN_STREAM].iter().any(|kind| code.starts_with(kind))
             && !code.contains("ANIMATION")
     };
-    let mut kept = Box::<SceneAssets>::default();
+    let keeps_bare_faces = scene.assets.keeps_bare_faces;
+    let mut kept = Box::new(SceneAssets { keeps_bare_faces, ..SceneAssets::default() });
     let are_sound = codes.iter().all(is_about_data);
     if are_sound {
         kept.clone_from(&scene.assets);

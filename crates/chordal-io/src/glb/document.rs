@@ -15,6 +15,7 @@ use chordal::explicit::{Domain, InvalidMesh, Semantic};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// A part in the form that glTF can hold.
 pub(super) struct GltfPart<'a> {
@@ -64,7 +65,12 @@ pub(super) struct GltfDocument<'a> {
     shown: Vec<node_list::PartMesh>,
     /// The materials for meshes without and with a boundary, once they are used.
     material: [Option<usize>; 2],
+    /// Where meshes may share rows: the accessors so far by what their rows look like from afar.
+    known_rows: Option<BTreeMap<RowsOutline, Vec<usize>>>,
 }
+
+/// What tells most rows apart: type of component and of row, number of rows, target, bytes, their fingerprint.
+type RowsOutline = (u32, &'static str, usize, Option<u32>, u64, u64);
 
 impl<'a> GltfDocument<'a> {
     /// Starts with the materials of a scene, and with its images.
@@ -75,7 +81,7 @@ impl<'a> GltfDocument<'a> {
             accessors: Vec::new(),
             views: Vec::new(),
             meshes: Vec::new(),
-            materials: assets.materials.clone(),
+            materials: assets.own_materials(),
             images: Vec::new(),
             animations: Vec::new(),
             skins: Vec::new(),
@@ -84,6 +90,7 @@ impl<'a> GltfDocument<'a> {
             n_unpacked: 0,
             shown: Vec::new(),
             material: [None; 2],
+            known_rows: None,
         };
         for image in &assets.images {
             let mut object = image.properties.clone();
@@ -201,14 +208,19 @@ impl<'a> GltfDocument<'a> {
             let faces = &mesh.faces()[first..first + n_faces];
             first += n_faces;
             let indices = self.add(AccessorStream::indices(faces, mesh.positions().len()))?;
-            let material =
-                match group.checked_sub(1).filter(|material| *material < self.assets.materials.len()) {
-                    Some(material) => material,
-                    None => self.material(is_open(mesh)),
-                };
-            let mut primitive = json!({ "attributes": attributes, "indices": indices, "material": material });
+            let group = group.checked_sub(1).filter(|material| *material < self.assets.materials.len());
+            let kind = group.and_then(|group| self.assets.face_kinds.get(&group));
+            let mut primitive = json!({ "attributes": attributes, "indices": indices });
+            match group {
+                Some(group) => primitive["material"] = json!(kind.map_or(group, |kind| kind.material)),
+                None if self.assets.keeps_bare_faces => {}
+                None => primitive["material"] = json!(self.material(is_open(mesh))),
+            }
             if !targets.is_empty() {
                 primitive["targets"] = json!(targets);
+            }
+            for (key, value) in kind.into_iter().flat_map(|kind| &kind.properties) {
+                primitive[key] = value.clone();
             }
             primitives.push(primitive);
         }
@@ -245,7 +257,57 @@ impl<'a> GltfDocument<'a> {
         Ok(targets)
     }
 
+    /// From here on, accessors with the same rows are one: many files show one shape in several materials.
+    pub fn share_rows(&mut self) {
+        self.known_rows = Some(BTreeMap::new());
+    }
+
     fn add(&mut self, stream: AccessorStream<'a>) -> Result<usize, WriteError> {
+        let Some(mut known) = self.known_rows.take() else { return self.add_new(stream) };
+        let outline = (
+            stream.component_type(),
+            stream.kind(),
+            stream.count(),
+            stream.target(),
+            stream.n_bytes(),
+            stream.fingerprint()?,
+        );
+        let same = known.entry(outline).or_default();
+        let mut found = None;
+        for accessor in same.iter().copied() {
+            if self.has_rows(accessor, &stream)? {
+                found = Some(accessor);
+                break;
+            }
+        }
+        let accessor = match found {
+            Some(accessor) => accessor,
+            None => {
+                let accessor = self.add_new(stream)?;
+                same.push(accessor);
+                accessor
+            }
+        };
+        self.known_rows = Some(known);
+        Ok(accessor)
+    }
+
+    /// Whether an accessor has the rows of a stream, bit for bit.
+    fn has_rows(&self, accessor: usize, stream: &AccessorStream<'_>) -> Result<bool, WriteError> {
+        // Each view is over one stream.
+        let view =
+            self.accessors[accessor]["bufferView"].as_u64().and_then(|view| usize::try_from(view).ok());
+        let Some(stored) = view.and_then(|view| self.streams.get(view)) else { return Ok(false) };
+        let (mut theirs, mut ours) = (Vec::new(), Vec::new());
+        stored.write(&mut theirs)?;
+        match if self.packing.is_compressed { stream.compressed()? } else { None } {
+            Some(compressed) => AccessorStream::compressed_bytes(compressed.stream).write(&mut ours)?,
+            None => stream.write(&mut ours)?,
+        }
+        Ok(theirs == ours)
+    }
+
+    fn add_new(&mut self, stream: AccessorStream<'a>) -> Result<usize, WriteError> {
         let [component_type, count] = [json!(stream.component_type()), json!(stream.count())];
         let kind = stream.kind();
         let compressed = if self.packing.is_compressed { stream.compressed()? } else { None };
@@ -336,8 +398,11 @@ impl<'a> GltfDocument<'a> {
         }
         root.insert("asset".to_owned(), asset);
         root.insert("scene".to_owned(), json!(0));
-        let roots = if nodes.roots.is_empty() { json!({}) } else { json!({ "nodes": nodes.roots }) };
-        root.insert("scenes".to_owned(), json!([roots]));
+        let mut shown = self.assets.scene.clone();
+        if !nodes.roots.is_empty() {
+            shown.insert("nodes".to_owned(), json!(nodes.roots));
+        }
+        root.insert("scenes".to_owned(), json!([shown]));
         let mut buffers =
             if self.n_bytes == 0 { vec![] } else { vec![json!({ "byteLength": self.n_bytes })] };
         if self.n_unpacked > 0 {
@@ -364,6 +429,7 @@ impl<'a> GltfDocument<'a> {
             }
         }
         self.insert_extensions(&mut root, nodes);
+        root.extend(self.assets.extras.clone().map(|extras| ("extras".to_owned(), extras)));
         root
     }
 

@@ -9,6 +9,7 @@ mod document;
 mod draco;
 mod draw_order;
 mod external;
+mod face_kinds;
 mod format;
 mod instances;
 mod json;

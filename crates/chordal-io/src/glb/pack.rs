@@ -43,6 +43,9 @@ fn with_assets<T>(
     let coarser_shapes = coarser.iter().map(|parts| gltf_parts(parts, scene));
     let coarser_shapes = coarser_shapes.collect::<Result<Vec<_>, _>>()?;
     let mut document = GltfDocument::new(assets, scene.packing);
+    if scene.parts.len() > 1 {
+        document.share_rows();
+    }
     for (part, shape) in scene.parts.iter().zip(&shapes) {
         document.add_part(part, shape)?;
     }

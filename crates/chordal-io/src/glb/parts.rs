@@ -14,8 +14,8 @@ use std::collections::BTreeMap;
 /// Reads meshes into parts, within limits.
 pub(super) struct PartReader<'m> {
     model: &'m GltfModel<'m>,
-    /// The group of faces of each material.
-    material_groups: &'m [usize],
+    /// By mesh and primitive, the group of its faces.
+    material_groups: &'m [Vec<usize>],
     limits: &'m Limits,
     /// Bytes that may still be decoded.
     left: u64,
@@ -47,7 +47,7 @@ impl<'m> PartReader<'m> {
     /// Starts on a file from which at most `left` bytes may be decoded.
     pub fn new(
         model: &'m GltfModel<'m>,
-        material_groups: &'m [usize],
+        material_groups: &'m [Vec<usize>],
         limits: &'m Limits,
         left: u64,
     ) -> Self {
@@ -71,7 +71,11 @@ impl<'m> PartReader<'m> {
         let mut draft = PartDraft { plan, streams, ..PartDraft::default() };
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let pointer = format!("/meshes/{mesh_idx}/primitives/{p}");
+            let n = draft.faces.len();
             self.primitive(&mut draft, primitive, &pointer)?;
+            let group = self.material_groups.get(mesh_idx).and_then(|groups| groups.get(p));
+            let n_new = draft.faces.len() - n;
+            draft.materials.resize(draft.materials.len() + n_new, group.map_or(0.0, |group| *group as f64));
         }
         let mesh = self.finish(draft, mesh_idx)?;
         let name = item(&self.model.meshes, Some(mesh_idx)).map_or("", |mesh| mesh.name);
@@ -144,7 +148,6 @@ impl<'m> PartReader<'m> {
             None => self.block(draft, primitive, position, pointer)?,
         };
         let corners = self.corners(primitive, first, count, pointer)?;
-        let n = draft.faces.len();
         self.charge(corners.n_triangles() * 12, pointer)?;
         let leftover = triangles(&corners, mode, &mut draft.faces);
         self.report.add_many(
@@ -159,12 +162,6 @@ impl<'m> PartReader<'m> {
             place(),
             "triangles of strips and fans with a repeated index were skipped",
         );
-        if !primitive.variants.is_empty() {
-            self.report.add("variants-dropped", place(), "variants of materials were not kept");
-        }
-        let group = primitive.material.and_then(|material| self.material_groups.get(material));
-        let material = group.map_or(0.0, |group| *group as f64);
-        draft.materials.resize(draft.materials.len() + draft.faces.len() - n, material);
         Ok(())
     }
 

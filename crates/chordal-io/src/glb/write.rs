@@ -10,8 +10,9 @@ use std::io::Write;
 /// Positions are f32 about the part's origin, as in [`crate::snap()`]: a snapped mesh is kept to the last
 /// bit, another one is rounded as `snap` would. Indices are u16 up to 65535 vertices, then u32. Attributes
 /// are written as f32; normals and tangents are scaled to unit length, and one without a direction becomes an
-/// axis. Vertices are duplicated where attributes of corners and faces differ. Meshes with a boundary get a
-/// two-sided material. The certificate goes to `asset.extras.chordal`.
+/// axis. Vertices are duplicated where attributes of corners and faces differ. Faces
+/// without a material get a plain one, two-sided where the mesh has a boundary, unless
+/// [`crate::SceneAssets::keeps_bare_faces`] says that glTF has them without. The certificate goes to `asset.extras.chordal`.
 ///
 /// glTF is y-up and in metres, and v of its texture coordinates runs down: it is written as 1 - v where
 /// [`crate::Frame::texture_origin`] says that it runs up. A z-up scene gets a root node with the exact matrix

@@ -5,6 +5,7 @@ mod data;
 mod deformation;
 mod draco;
 mod errors;
+mod face_kinds;
 mod files;
 mod hostile_container;
 mod hostile_objects;

@@ -1,0 +1,116 @@
+//! `FileFaceKinds`: what the primitives of a file say of their faces, and the groups of faces that they become.
+use super::json::JsonValue;
+use crate::FaceKind;
+use crate::assets::{VARIANTS, plain_material};
+use serde_json::{Map, Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The materials of a file with what its primitives say of their faces.
+pub(super) struct FileFaceKinds {
+    /// The materials, then one for bare faces of which something is said, then copies that stand for others.
+    pub materials: Vec<Value>,
+    pub kinds: BTreeMap<usize, FaceKind>,
+    /// By mesh and primitive: the group of its faces, 0 where the material is none, or one that the writer
+    /// would give to bare faces.
+    pub groups: Vec<Vec<usize>>,
+    /// Whether some faces have no material.
+    pub has_bare_faces: bool,
+}
+
+/// A primitive with triangles: its material, and what it says.
+struct PaintedFaces {
+    mesh: usize,
+    primitive: usize,
+    material: Option<usize>,
+    properties: Map<String, Value>,
+}
+
+impl FileFaceKinds {
+    /// Reads the primitives of the meshes of a file with these materials.
+    pub fn from_meshes(meshes: &[JsonValue], mut materials: Vec<Value>) -> Self {
+        let n = materials.len();
+        let mut groups: Vec<Vec<usize>> =
+            meshes.iter().map(|mesh| vec![0; primitives_of(mesh).len()]).collect();
+        let painted = painted_faces(meshes, n);
+        let has_bare_faces = painted.iter().any(|faces| faces.material.is_none());
+        if !has_bare_faces && painted.iter().all(|faces| faces.properties.is_empty()) {
+            let numbers = without_plain(&mut materials);
+            for faces in painted {
+                groups[faces.mesh][faces.primitive] = faces.material.map_or(0, |material| numbers[material]);
+            }
+            return Self { materials, kinds: BTreeMap::new(), groups, has_bare_faces };
+        }
+        if painted.iter().any(|faces| faces.material.is_none() && !faces.properties.is_empty()) {
+            // The default of glTF: faces of which something is said need a group.
+            materials.push(json!({}));
+        }
+        let silent = painted.iter().filter(|faces| faces.properties.is_empty());
+        let mut taken: BTreeSet<usize> = silent.filter_map(|faces| faces.material).collect();
+        let mut kinds = BTreeMap::new();
+        let mut known: BTreeMap<(usize, String), usize> = BTreeMap::new();
+        for PaintedFaces { mesh, primitive, material, properties } in painted {
+            groups[mesh][primitive] = if properties.is_empty() {
+                material.map_or(0, |material| material + 1)
+            } else {
+                let material = material.unwrap_or(n);
+                let key = (material, Value::Object(properties.clone()).to_string());
+                1 + *known.entry(key).or_insert_with(|| {
+                    let idx = if taken.insert(material) { material } else { materials.len() };
+                    if idx == materials.len() {
+                        materials.push(materials[material].clone());
+                    }
+                    kinds.insert(idx, FaceKind { material, properties });
+                    idx
+                })
+            };
+        }
+        Self { materials, kinds, groups, has_bare_faces }
+    }
+}
+
+fn primitives_of(mesh: &JsonValue) -> &[JsonValue] {
+    mesh.get("primitives").and_then(JsonValue::items).unwrap_or_default()
+}
+
+/// The primitives with triangles of a file with so many materials.
+fn painted_faces(meshes: &[JsonValue], n_materials: usize) -> Vec<PaintedFaces> {
+    let mut all = Vec::new();
+    for (mesh, object) in meshes.iter().enumerate() {
+        for (primitive, object) in primitives_of(object).iter().enumerate() {
+            // Modes below 4 are points and lines.
+            if object.get("mode").and_then(JsonValue::integer).is_some_and(|mode| mode < 4) {
+                continue;
+            }
+            let material = object.get("material").and_then(JsonValue::integer);
+            let material = material.and_then(|material| usize::try_from(material).ok());
+            let material = material.filter(|material| *material < n_materials);
+            all.push(PaintedFaces { mesh, primitive, material, properties: properties_of(object) });
+        }
+    }
+    all
+}
+
+/// What a primitive says that is kept: its extras, and its materials in variants.
+fn properties_of(primitive: &JsonValue) -> Map<String, Value> {
+    let mut properties = Map::new();
+    if let Some(extras) = primitive.get("extras") {
+        properties.insert("extras".to_owned(), extras.to_value());
+    }
+    if let Some(variants) = primitive.get("extensions").and_then(|all| all.get(VARIANTS)) {
+        properties.insert("extensions".to_owned(), json!({ VARIANTS: variants.to_value() }));
+    }
+    properties
+}
+
+/// Takes out the materials that the writer would give to bare faces. Returns the group of each material.
+fn without_plain(materials: &mut Vec<Value>) -> Vec<usize> {
+    let plain = [plain_material(false), plain_material(true)];
+    let (mut groups, mut n_kept) = (Vec::with_capacity(materials.len()), 0);
+    materials.retain(|material| {
+        let is_kept = !plain.contains(material);
+        n_kept += usize::from(is_kept);
+        groups.push(if is_kept { n_kept } else { 0 });
+        is_kept
+    });
+    groups
+}
