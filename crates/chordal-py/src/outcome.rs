@@ -163,13 +163,7 @@ impl Outcome {
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts. A glTF may be
     /// quantized, and compressed by a codec.
-    fn remake(
-        &self,
-        py: Python<'_>,
-        format: &str,
-        quantize: bool,
-        compress: Option<&str>,
-    ) -> PyResult<Self> {
+    fn remake(&self, py: Python<'_>, format: &str, quantize: bool, compress: Option<&str>) -> PyResult<Self> {
         let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
         if compress.is_some_and(|codec| codec != "meshopt") {
             return Err(failure::argument("compress", "'meshopt' is the one codec"));

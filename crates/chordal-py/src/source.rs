@@ -208,7 +208,8 @@ impl Source {
             spec,
             calls: self.calls.clone(),
         };
-        Outcome::new(py, order, to.into(), progress).map_err(|error| take_exception(&self.calls).unwrap_or(error))
+        Outcome::new(py, order, to.into(), progress)
+            .map_err(|error| take_exception(&self.calls).unwrap_or(error))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Cages: their limit surface within a budget, and their refined control meshes.
 use crate::file_rows::to_file_rows;
-use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::format_rounding::{RoundingTarget, single_precision_note};
+use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
 use crate::{Input, MeshFailure, Normals, OutputForm, Shape, formats};
 use chordal::budget::advice::{Message, Setting};

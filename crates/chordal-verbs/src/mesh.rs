@@ -8,8 +8,8 @@ use crate::request::MeshRequest;
 use crate::simplify::simplify_scene;
 use crate::too_fine::too_fine_note;
 use crate::{
-    BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, cage, field, filled_regions, formats,
-    isosurface, polylines,
+    BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, cage, field, filled_regions,
+    formats, isosurface, polylines,
 };
 use chordal::budget::RefusalCode;
 use chordal::{Job, convert};

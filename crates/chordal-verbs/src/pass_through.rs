@@ -1,8 +1,8 @@
 //! Passes triangles through unchanged, at the precision of a format.
-use crate::format_rounding::RoundingTarget;
-use crate::{MeshFailure, OutputForm};
 use crate::flatten::{self, TransformedScene};
+use crate::format_rounding::RoundingTarget;
 use crate::placements;
+use crate::{MeshFailure, OutputForm};
 use chordal::Mesh;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
@@ -19,7 +19,8 @@ pub(crate) fn pass_through(
     to: OutputForm,
     notes: &mut Vec<Message>,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let placed = if to.format.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    let placed =
+        if to.format.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     notes.extend(placed.note());
     let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
     let stretch = placements::part_scales(&scene);

@@ -1,7 +1,7 @@
 //! `MeshRequest`: a budget for one shape and one format, and how a conversion runs within it.
 use crate::format_rounding::{RoundingTarget, lattice_within};
-use crate::{MeshFailure, OutputForm};
 use crate::rounded_mesh::snap_with_bound;
+use crate::{MeshFailure, OutputForm};
 use chordal::budget::{Bound, Bounded, Budget, Failure, PixelBudget, Pixels, RefusalCode, Tolerance};
 use chordal::convert::Spacing;
 use chordal::math::{Box3, greater, sub_down, sub_up};
@@ -116,13 +116,7 @@ impl MeshRequest {
     /// Rounds a mesh to the precision of the format and adds the displacement to the bound: see
     /// [`snap_with_bound`].
     pub fn snap(&self, mesh: &Mesh, bound: Bound, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
-        snap_with_bound(
-            mesh,
-            bound,
-            RoundingTarget::new(self.to, self.lattice),
-            self.budget.pixels,
-            job,
-        )
+        snap_with_bound(mesh, bound, RoundingTarget::new(self.to, self.lattice), self.budget.pixels, job)
     }
 }
 

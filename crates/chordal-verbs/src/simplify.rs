@@ -139,7 +139,10 @@ fn allowed_lengths(scene: &Scene, request: &MeshRequest) -> Result<Vec<f64>, Mes
         return Ok(vec![within(bounds); scene.parts.len()]);
     }
     let least = |places: &Vec<Box3>| {
-        places.iter().filter(|place| !place.is_empty()).fold(f64::INFINITY, |least, place| lesser(within(place), least))
+        places
+            .iter()
+            .filter(|place| !place.is_empty())
+            .fold(f64::INFINITY, |least, place| lesser(within(place), least))
     };
     Ok(placements::boxes_of_parts(scene)?.iter().map(|(places, _)| least(places)).collect())
 }

@@ -106,9 +106,8 @@ pub(super) fn short_weights(sets: &mut [SkinSet]) -> Vec<Vec<u16>> {
     let mut all: Vec<Vec<u16>> = sets.iter().map(|set| vec![0; set.weights.len()]).collect();
     for vertex in 0..n {
         let places = (0..sets.len()).flat_map(|s| (0..IN_A_SET).map(move |k| (s, IN_A_SET * vertex + k)));
-        let mut shares: Vec<((usize, usize), f64)> = places
-            .map(|(s, at)| ((s, at), f64::from(sets[s].weights[at]) * f64::from(u16::MAX)))
-            .collect();
+        let mut shares: Vec<((usize, usize), f64)> =
+            places.map(|(s, at)| ((s, at), f64::from(sets[s].weights[at]) * f64::from(u16::MAX))).collect();
         let floor = |share: f64| share.clamp(0.0, f64::from(u16::MAX)) as u16;
         shares.iter().for_each(|((s, at), share)| all[*s][*at] = floor(*share));
         let given: u32 = shares.iter().map(|(_, share)| u32::from(floor(*share))).sum();

@@ -137,9 +137,7 @@ mod tests {
         let exponent = prop::array::uniform4(-7.0..7.0_f64);
         (prop::collection::vec(point.clone(), 1..20), point, exponent).prop_map(|(unit, centre, e)| {
             let at = |u: [f64; 3]| {
-                std::array::from_fn(|k| {
-                    centre[k] * libm::pow(10.0, e[k]) + u[k] * libm::pow(10.0, e[3])
-                })
+                std::array::from_fn(|k| centre[k] * libm::pow(10.0, e[k]) + u[k] * libm::pow(10.0, e[3]))
             };
             Mesh::new(unit.into_iter().map(at).collect(), Vec::new()).expect("finite")
         })
@@ -184,7 +182,9 @@ mod tests {
     #[test]
     fn extents_that_viewers_cannot_scale_have_no_lattice() {
         let of = |side: f64| PositionLattice::for_box(&Box3 { min: [0.0; 3], max: [side; 3] }, 0.0);
-        for (side, exists) in [(1e-30, false), (1e-9, false), (1e-7, true), (1e17, true), (1e19, false), (1e30, false)] {
+        for (side, exists) in
+            [(1e-30, false), (1e-9, false), (1e-7, true), (1e17, true), (1e19, false), (1e30, false)]
+        {
             assert_eq!(of(side).is_some(), exists, "{side}");
         }
         assert_eq!(PositionLattice::for_box(&Box3::EMPTY, 0.0), None);

@@ -36,7 +36,8 @@ impl StoredPositions {
 
     /// Whether the stored numbers are positions without anything that a node does.
     pub fn is_plain(&self) -> bool {
-        *self == Self::Single([0.0; 3]) || matches!(self, Self::Lattice(l, c) if l.step() == 1.0 && *c == [0.0; 3])
+        *self == Self::Single([0.0; 3])
+            || matches!(self, Self::Lattice(l, c) if l.step() == 1.0 && *c == [0.0; 3])
     }
 
     /// Sets what a node does to the stored numbers.

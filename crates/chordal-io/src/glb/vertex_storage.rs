@@ -143,7 +143,9 @@ impl VertexStorage {
                 None => attribute.values.clone(),
                 Some(number) => {
                     let rows = attribute.values.chunks_exact(attribute.width);
-                    rows.flat_map(|row| stored_row(attribute, row, number)).map(|x| x / number.most()).collect()
+                    rows.flat_map(|row| stored_row(attribute, row, number))
+                        .map(|x| x / number.most())
+                        .collect()
                 }
             };
             rounded = rounded.with_attribute(Attribute { values, ..attribute.clone() })?;

@@ -74,7 +74,8 @@ impl SceneLevels {
         notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
-        let LevelChains { scene: mut finest, stretch, chains, lattices, moved_at_most, finest: tolerance } = source;
+        let LevelChains { scene: mut finest, stretch, chains, lattices, moved_at_most, finest: tolerance } =
+            source;
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
         let (mut coarser, mut bounds, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
         for ((part, chain), lattice) in finest.parts.iter_mut().zip(chains).zip(lattices) {

@@ -34,11 +34,7 @@ pub(super) enum SourceLevels {
     /// Each part in levels.
     Chains(Box<LevelChains>),
     /// A finest level that is to be cut in space.
-    TooLarge {
-        finest: Box<Bounded<Mesh>>,
-        cut: CutRule,
-        assets: Box<SceneAssets>,
-    },
+    TooLarge { finest: Box<Bounded<Mesh>>, cut: CutRule, assets: Box<SceneAssets> },
 }
 
 impl SourceLevels {
