@@ -96,14 +96,17 @@ test-web: tested need-wasm need-node tests/web/node_modules
 	$(TESTED) mesh tests/web/painted.gltf --tol 2% -o $(TARGET)/web/painted.glb --force -q
 	$(TESTED) lod tests/web/painted.gltf --px 1 -o $(TARGET)/web/painted_levels.glb --force -q
 	$(TESTED) mend tests/web/painted.gltf --drop-unused -o $(TARGET)/web/painted_mended.glb --force -q
-	for verb in "mesh --tol 2%" "lod --px 1" "mend --drop-unused" "mesh --tol 2% --compress meshopt"; do \
+	for verb in "mesh --tol 2%" "lod --px 1" "mend --drop-unused" "mesh --tol 2% --compress meshopt" \
+		"mesh --tol 2% --quantize" "convert --quantize --compress meshopt"; do \
 		$(TESTED) $$verb tests/web/painted.gltf -o $(TARGET)/web/painted.gltf --separate --force -q && \
 		node tests/web/validate.mjs $(TARGET)/web/painted.gltf || exit 1; \
 	done
 	$(TESTED) lod tests/web/painted.gltf --px 1 --compress meshopt -o $(TARGET)/web/painted_packed.glb --force -q
 	$(TESTED) lod tests/web/painted.gltf --tol 0.5% --tile-triangles 60 -o $(TARGET)/web/painted_tiles/ --force -q
-	node tests/web/tileset.mjs $(TARGET)/web/painted_tiles
-	node tests/web/validate.mjs $(TARGET)/web/*.glb $(TARGET)/web/painted_tiles/*.glb
+	$(TESTED) lod tests/web/painted.gltf --tol 0.5% --tile-triangles 60 --quantize -o $(TARGET)/web/painted_small_tiles/ --force -q
+	for tiles in painted_tiles painted_small_tiles; do node tests/web/tileset.mjs $(TARGET)/web/$$tiles || exit 1; done
+	$(TESTED) lod tests/web/painted.gltf --px 1 --quantize -o $(TARGET)/web/painted_small.glb --force -q
+	node tests/web/validate.mjs $(TARGET)/web/*.glb $(TARGET)/web/painted_tiles/*.glb $(TARGET)/web/painted_small_tiles/*.glb
 	node tests/web/meshopt.mjs crates/chordal-io/tests/data/meshopt_streams.json
 	node tests/web/draco.mjs crates/chordal-io/tests/data/draco_streams.json
 
@@ -115,10 +118,12 @@ test-looks: tested need-node need-chromium tests/web/node_modules
 	$(TESTED) lod tests/web/painted.gltf --px 1 -o $(LOOKS)/levels.glb --force -q
 	$(TESTED) mend tests/web/painted.gltf --drop-unused -o $(LOOKS)/mended.gltf --separate --force -q
 	$(TESTED) convert tests/web/painted.gltf $(LOOKS)/compressed.glb --compress meshopt --force -q
+	$(TESTED) convert tests/web/painted.gltf $(LOOKS)/quantized.glb --quantize --force -q
 	$(TESTED) convert tests/web/painted.gltf $(LOOKS)/converted.obj --force -q
 	$(TESTED) convert $(LOOKS)/converted.obj $(LOOKS)/converted.glb --force -q
 	CHROMIUM=$(CHROMIUM) node tests/web/looks.mjs tests/web/painted.gltf \
-		$(LOOKS)/meshed.glb $(LOOKS)/levels.glb $(LOOKS)/mended.gltf $(LOOKS)/converted.glb $(LOOKS)/compressed.glb
+		$(LOOKS)/meshed.glb $(LOOKS)/levels.glb $(LOOKS)/mended.gltf $(LOOKS)/converted.glb $(LOOKS)/compressed.glb \
+		$(LOOKS)/quantized.glb
 	$(TESTED) convert tests/web/painted.gltf $(LOOKS)/bare.ply --force -q
 	$(TESTED) convert $(LOOKS)/bare.ply $(LOOKS)/bare.glb --force -q
 	CHROMIUM=$(CHROMIUM) node tests/web/looks.mjs --other tests/web/painted.gltf $(LOOKS)/bare.glb

@@ -6,7 +6,7 @@ import html
 import json
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from chordal import _chordal, _files
 from chordal._bound import Bound, bound_of
@@ -46,36 +46,47 @@ class Made:
         report: dict[str, Any] = json.loads(self._report)
         return report
 
-    def to_bytes(self, format: str) -> bytes:
+    def to_bytes(
+        self, format: str, *, quantize: bool = False, compress: Literal["meshopt"] | None = None
+    ) -> bytes:
         """The file of that format, as `export` writes it.
 
         Gives a `UserWarning` where `export` would write files beside it, as an OBJ has its materials.
         """
-        written = self._for(format)
+        written = self._for(format, quantize, compress)
         if written.names_files:
             warnings.warn("materials stand in files beside it, which export writes", stacklevel=2)
         return written.write()
 
-    def export(self, path: str | os.PathLike[str]) -> dict[str, Any]:
+    def export(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        quantize: bool = False,
+        compress: Literal["meshopt"] | None = None,
+    ) -> dict[str, Any]:
         """Write a file, in the format that its extension names, and return the report on what is in it.
 
         A file of that name is replaced, by a whole one and at the end. GLB and STL hold single precision. Their
         rounding counts against the budget, so for them the shape is meshed again, a little finer; the file is then
         the same, byte for byte, as that of the command. An OBJ with materials gets a material library and pictures
         beside it, whose names begin like its own; files of these names are replaced too.
+
+        For GLB and glTF: `quantize` rounds positions to steps of 16 bits and attributes to 8 and 16, within the budget
+        and covered by the bound; `compress="meshopt"` compresses what is left without loss.
         """
         extension = os.path.splitext(os.fspath(path))[1].lstrip(".")
         if not extension:
             raise ValueError(f"path: the name does not say the format: {_files.shown(path)}")
-        written = self._for(extension)
+        written = self._for(extension, quantize, compress)
         content = _write(written, path) if written.names_files else written.write()
         _files.replace(path, content)
         report: dict[str, Any] = json.loads(written.report)
         report["run"].update(output=_files.shown(path), bytes=len(content))
         return report
 
-    def _for(self, format: str) -> _chordal.Outcome:
-        remade = self._outcome.remake(format)
+    def _for(self, format: str, quantize: bool, compress: str | None) -> _chordal.Outcome:
+        remade = self._outcome.remake(format, quantize, compress)
         # The best of a budget that was not met may be written all the same: its owner knows.
         return remade if self._outcome.unmet is not None else type(self).of(remade)._outcome
 

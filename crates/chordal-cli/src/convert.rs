@@ -93,10 +93,9 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     if needs_mesh(&input.shape, to) {
         return Err(Fault::usage(mesh_advice(&input.shape, &name, output)));
     }
-    let outcome = convert(input, to)
+    let outcome = convert(input, args.set.form(to))
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    let outcome = outcome.packed(args.set.packing());
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };

@@ -188,12 +188,12 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         tile_triangles: (form == LodForm::Tiles).then_some(args.tile_triangles),
         parts: if args.merge { LodParts::Merged } else { LodParts::Separate },
         place: args.at,
+        packing: args.set.packing(),
     };
     let name = source.name();
     let outcome = lod(input, &spec, &job)
         .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?
-        .packed(args.set.packing());
+        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     let written = output.name();
     let bytes = output.write(args, &outcome, &name)?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("lod", name, written, bytes) };

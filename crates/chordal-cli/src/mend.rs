@@ -110,10 +110,9 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let input = load::read(&args.input, &job, &console)?;
     let input_triangles = input.shape.n_triangles();
     let name = source.name();
-    let outcome = mend(input, &args.spec(), to, &job)
+    let outcome = mend(input, &args.spec(), args.set.form(to), &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    let outcome = outcome.packed(args.set.packing());
     let one = &mut |out: &mut dyn io::Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };

@@ -157,9 +157,8 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
     if let Some(level) = args.result.level {
-        let made = refine(input, (level, args.result.normals), to, &job).spelled(&CommandLine);
+        let made = refine(input, (level, args.result.normals), args.set.form(to), &job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| run_outcome::fault(&source.name(), &failure, ""))?;
-        let outcome = outcome.packed(args.set.packing());
         let one = &mut |out: &mut dyn Write| outcome.write(out);
         let place = place(outcome.names_files());
         let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
@@ -171,7 +170,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     }
 
     let name = source.name();
-    let (outcome, unmet) = match mesh(input, &spec, to, &job).spelled(&CommandLine) {
+    let (outcome, unmet) = match mesh(input, &spec, args.set.form(to), &job).spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
             let fault = run_outcome::fault(&name, &failure, &hint(args, &failure));
@@ -181,7 +180,6 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
             }
         }
     };
-    let outcome = outcome.packed(args.set.packing());
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let place = place(outcome.names_files());
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;

@@ -4,6 +4,7 @@ use crate::output::OutputTarget;
 use crate::overwrite::refuse_occupied;
 use chordal_io::Format;
 use chordal_io::glb::GltfPacking;
+use chordal_verbs::OutputForm;
 use clap::{Args, ValueEnum};
 
 /// Arguments of verbs whose output may be several files.
@@ -16,6 +17,10 @@ pub struct OutputSetArgs {
     /// For .glb and .gltf: compress vertices and triangles, without loss, as readers unpack by an extension
     #[arg(long, value_name = "CODEC")]
     pub compress: Option<Compression>,
+    /// For .glb and .gltf: round positions to steps of 16 bits, normals to 8 bits, texture coordinates to 16, as
+    /// readers undo by an extension. The budget reserves it, and the bound covers it
+    #[arg(long)]
+    pub quantize: bool,
 }
 
 /// How a glTF is compressed.
@@ -28,7 +33,15 @@ pub enum Compression {
 impl OutputSetArgs {
     /// How a glTF stores its numbers.
     pub fn packing(&self) -> GltfPacking {
-        GltfPacking { is_compressed: self.compress == Some(Compression::Meshopt) }
+        GltfPacking {
+            is_compressed: self.compress == Some(Compression::Meshopt),
+            is_quantized: self.quantize,
+        }
+    }
+
+    /// A format with these numbers.
+    pub fn form(&self, format: Format) -> OutputForm {
+        OutputForm { format, packing: self.packing() }
     }
 
     /// Refuses what cannot be several files, and what is there already, as far as that is known before the work.
@@ -36,9 +49,13 @@ impl OutputSetArgs {
     /// # Errors
     /// When several files were asked for, and the format or the target has one, or a file should not be written.
     pub fn check(&self, target: &OutputTarget, format: Format) -> Result<(), Fault> {
-        if self.compress.is_some() && !matches!(format, Format::Glb | Format::Gltf) {
+        let packs = [(self.compress.is_some(), "--compress"), (self.quantize, "--quantize")];
+        let asked = packs.iter().find(|(is_asked, _)| *is_asked);
+        if let Some((_, option)) = asked
+            && !matches!(format, Format::Glb | Format::Gltf)
+        {
             return Err(Fault::usage(format!(
-                "--compress is for .glb and .gltf; {format} holds plain numbers"
+                "{option} is for .glb and .gltf; {format} holds plain numbers"
             )));
         }
         if !self.separate {

@@ -1,5 +1,5 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
-use crate::glb::GltfPacking;
+use crate::glb::{GltfPacking, VertexStorage};
 use crate::{Curves, Drawing, Frame, MATERIAL, Polygons, RareValue, SceneAssets, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
@@ -21,6 +21,8 @@ pub struct Part {
     /// What glTF says of the mesh beside: extras, and the weights of its morph targets. In a box, since a file may
     /// have a hundred thousand parts and few of them have any.
     pub properties: Option<Box<Map<String, Value>>>,
+    /// How its numbers are stored where glTF is quantized; readers leave it open.
+    pub storage: Option<VertexStorage>,
 }
 
 /// A node of the scene graph: a transform, children, and maybe a part that it shows.

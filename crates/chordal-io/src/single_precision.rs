@@ -69,7 +69,7 @@ fn candidates(low: f64, high: f64) -> (f64, Vec<f64>) {
 }
 
 /// The largest power of two that is not above a positive normal number; 0 for smaller numbers.
-fn power_of_two_below(x: f64) -> f64 {
+pub(crate) fn power_of_two_below(x: f64) -> f64 {
     // Masks out the fraction and keeps the exponent.
     f64::from_bits(x.to_bits() & 0x7FF0_0000_0000_0000)
 }

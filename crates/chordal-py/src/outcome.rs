@@ -9,10 +9,11 @@ use crate::{failure, work};
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
+use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format};
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
-    BakeSpec, BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, Tessellation, mesh, sha256,
+    BakeSpec, BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation, mesh, sha256,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -50,7 +51,7 @@ enum OutcomeRows {
 }
 
 impl MeshOrder {
-    fn run(&self, to: Format, job: &Job) -> Result<MeshRun, MeshFailure> {
+    fn run(&self, to: OutputForm, job: &Job) -> Result<MeshRun, MeshFailure> {
         let start = Instant::now();
         let asked = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
         let before = asked();
@@ -80,6 +81,8 @@ impl MeshOrder {
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Outcome {
     order: MeshOrder,
+    /// The form that it was made for.
+    form: OutputForm,
     filled: MeshRun,
 }
 
@@ -88,13 +91,13 @@ impl Outcome {
     pub(crate) fn new(
         py: Python<'_>,
         order: MeshOrder,
-        to: Format,
+        form: OutputForm,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let own = order.clone();
-        let filled = work::run(py, progress, move |job| own.run(to, job))?;
+        let filled = work::run(py, progress, move |job| own.run(form, job))?;
         let filled = filled.map_err(|error| failure::mesh(py, error))?;
-        Ok(Self { order, filled })
+        Ok(Self { order, form, filled })
     }
 }
 
@@ -158,13 +161,23 @@ impl Outcome {
         bake_input(py, self.named_input(py)?, BakeSpec { cells, band })
     }
 
-    /// The same shape within the same budget for a file of that format, whose rounding then counts.
-    fn remake(&self, py: Python<'_>, format: &str) -> PyResult<Self> {
+    /// The same shape within the same budget for a file of that format, whose rounding then counts. A glTF may be
+    /// quantized, and compressed by a codec.
+    fn remake(&self, py: Python<'_>, format: &str, quantize: bool, compress: Option<&str>) -> PyResult<Self> {
         let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
-        if to == self.filled.outcome.format {
-            return Ok(Self { order: self.order.clone(), filled: self.filled.clone() });
+        if compress.is_some_and(|codec| codec != "meshopt") {
+            return Err(failure::argument("compress", "'meshopt' is the one codec"));
         }
-        Self::new(py, self.order.clone(), to, None)
+        let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: quantize };
+        if packing != GltfPacking::default() && !matches!(to, Format::Glb | Format::Gltf) {
+            let name = if quantize { "quantize" } else { "compress" };
+            return Err(failure::argument(name, format!("it is for glb and gltf; {to} holds plain numbers")));
+        }
+        let form = OutputForm { format: to, packing };
+        if form == self.form {
+            return Ok(Self { order: self.order.clone(), form, filled: self.filled.clone() });
+        }
+        Self::new(py, self.order.clone(), form, None)
     }
 
     /// The bytes of a file of the format that it was made for.

@@ -200,7 +200,7 @@ impl Source {
         format: &str,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Outcome> {
-        let to = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
+        let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
         let spec = arguments.spec(py)?;
         let order = MeshOrder {
             input: Arc::clone(&self.input),
@@ -208,7 +208,8 @@ impl Source {
             spec,
             calls: self.calls.clone(),
         };
-        Outcome::new(py, order, to, progress).map_err(|error| take_exception(&self.calls).unwrap_or(error))
+        Outcome::new(py, order, to.into(), progress)
+            .map_err(|error| take_exception(&self.calls).unwrap_or(error))
     }
 }
 

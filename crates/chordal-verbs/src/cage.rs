@@ -1,8 +1,9 @@
 //! Cages: their limit surface within a budget, and their refined control meshes.
 use crate::file_rows::to_file_rows;
+use crate::format_rounding::{RoundingTarget, single_precision_note};
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
-use crate::{Input, MeshFailure, Normals, Shape, formats};
+use crate::{Input, MeshFailure, Normals, OutputForm, Shape, formats};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::check;
@@ -11,9 +12,9 @@ use chordal::explicit::subdivision::{CornerTexcoords, Scheme};
 use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
-use chordal_io::glb::GltfPacking;
+use chordal_io::glb::VertexStorage;
 use chordal_io::{
-    FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, polygon_rounding, snap, write,
+    FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, polygon_rounding, write,
     write_files, write_polygons, write_polygons_files,
 };
 use std::io::Write;
@@ -87,15 +88,6 @@ pub struct RefineOutcome {
 }
 
 impl RefineOutcome {
-    /// Stores the numbers of triangles in another way, where the format is glTF.
-    #[must_use]
-    pub fn packed(mut self, packing: GltfPacking) -> Self {
-        if let ControlMesh::Triangles(scene) = &mut self.made {
-            scene.packing = packing;
-        }
-        self
-    }
-
     /// Writes the mesh, and the certificate where the format can carry it.
     ///
     /// # Errors
@@ -160,9 +152,11 @@ impl RefineOutcome {
 pub fn refine(
     input: Input,
     (levels, normals): (u32, Normals),
-    to: Format,
+    to: impl Into<OutputForm>,
     job: &Job,
 ) -> Result<RefineOutcome, MeshFailure> {
+    let form: OutputForm = to.into();
+    let to = form.format;
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let mut certificate = Certificate::from_input(&input);
     let Shape::Cage(polygons) = input.shape else {
@@ -190,7 +184,7 @@ pub fn refine(
         return Ok(RefineOutcome { made: ControlMesh::Polygons(refined), format: to, certificate });
     }
     certificate.notes.push(format!("{to} holds triangles alone: polygons were cut into them").into());
-    let scene = triangles(&refined, [input.format, to], normals, &mut certificate.notes)?;
+    let scene = triangles(&refined, (input.format, form), normals, &mut certificate.notes)?;
     let counted = CountedTriangles::from_scene(&scene, to)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
@@ -313,7 +307,7 @@ fn parts_of_faces(cage: &Cage, levels: u32) -> Vec<usize> {
 /// Triangulates the polygons at the precision of the format. Holes have no triangles.
 fn triangles(
     polygons: &Polygons,
-    formats: [Format; 2],
+    (from, form): (Format, OutputForm),
     normals: Normals,
     notes: &mut Vec<Message>,
 ) -> Result<Scene, MeshFailure> {
@@ -355,7 +349,10 @@ fn triangles(
         mesh = mesh.with_attribute(attribute).map_err(crate::file_rows::unsupported)?;
         notes.extend(missing_texcoords_note(cage));
     }
-    let snapped = snap(&mesh, formats[1])?;
+    let formats = [from, form.format];
+    let storage = form.is_quantized().then(|| VertexStorage::of(&mesh));
+    let lattice = storage.and_then(|storage| storage.lattice);
+    let snapped = RoundingTarget::new(form.format, lattice).snap(&mesh)?;
     if snapped.moved_at_most > 0.0 {
         notes.push(
             format!("rounding to {} moved no vertex further than {}", formats[1], snapped.moved_at_most)
@@ -364,6 +361,12 @@ fn triangles(
     }
     let mut scene = Scene::from_mesh("cage", snapped.mesh, polygons.frame);
     normals.apply(&mut scene, formats, notes)?;
+    scene.packing = form.packing;
+    if let (Some(storage), Some(part)) = (storage, scene.parts.first_mut()) {
+        part.storage = Some(storage);
+        part.mesh = storage.round_attributes(&part.mesh).map_err(crate::file_rows::unsupported)?;
+        notes.extend(single_precision_note(&scene.parts));
+    }
     notes.extend(losses(&scene, formats[1])?.iter().map(|lost| lost.to_string().into()));
     Ok(to_file_rows(scene, formats[1])?)
 }

@@ -4,13 +4,12 @@ use crate::pass_through::pass_through;
 use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts};
 use crate::request::MeshRequest;
 use crate::straight::{line_losses, straight_lines};
-use crate::{Input, MeshFailure, Shape, Tessellation, formats};
+use crate::{Input, MeshFailure, OutputForm, Shape, Tessellation, formats};
 use chordal::Mesh;
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Reference};
 use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
-use chordal_io::glb::GltfPacking;
 use chordal_io::{
     FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, WriteError, losses,
     losses_of_polygons, polygon_rounding, write, write_files, write_polygons, write_polygons_files,
@@ -46,15 +45,6 @@ pub struct ConvertOutcome {
 }
 
 impl ConvertOutcome {
-    /// Stores the numbers of triangles in another way, where the format is glTF.
-    #[must_use]
-    pub fn packed(mut self, packing: GltfPacking) -> Self {
-        if let ConvertedShape::Triangles(scene) = &mut self.made {
-            scene.packing = packing;
-        }
-        self
-    }
-
     /// Writes the shape, and the certificate where the format can carry it. Samples keep the certificate that
     /// they came with: they are the same to the bit, so that it still holds.
     ///
@@ -127,7 +117,9 @@ impl ConvertOutcome {
 /// assert!((1e-10..1e-8).contains(&outcome.bound.at_most().unwrap())); // 0.1 in single precision
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn convert(mut input: Input, to: Format) -> Result<ConvertOutcome, MeshFailure> {
+pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOutcome, MeshFailure> {
+    let form: OutputForm = to.into();
+    let to = form.format;
     check_format(&input.shape, to).map_err(MeshFailure::Usage)?;
     let mut certificate = Certificate::from_input(&input);
     certificate.notes.extend(polygons_note(&input, to));
@@ -137,8 +129,8 @@ pub fn convert(mut input: Input, to: Format) -> Result<ConvertOutcome, MeshFailu
         Shape::Scene(scene) => {
             certificate.notes.extend(frame_losses(&scene, to));
             certificate.notes.extend(structure_losses(&scene, to));
-            let (scene, bound) = pass_through(scene, to, &mut certificate.notes)?;
-            let request = MeshRequest::new(Budget::default(), to, bounds);
+            let (scene, bound) = pass_through(scene, form, &mut certificate.notes)?;
+            let request = MeshRequest::new(Budget::default(), form, bounds);
             let outcome = finish_triangles(scene, bound, &request, certificate)?;
             let Tessellation::Triangles(scene) = outcome.made else {
                 return Err(MeshFailure::Usage(needs_mesh_message("triangles")));

@@ -89,7 +89,7 @@ pub(crate) fn fill(
 ) -> Result<(Scene, Bound, MeshRequest), MeshFailure> {
     let filling = FilledRegions::from_drawing(drawing, &mut certificate.notes)?;
     certificate.frame = FrameFacts::new(&filling.frame);
-    let request = MeshRequest::new(request.budget, request.to, filling.bounds);
+    let request = MeshRequest::new(request.budget, request.form(), filling.bounds);
     let Bounded { shape: mesh, bound } = request.run(job, |budget| {
         let made = convert::outlines_to_mesh(&filling.outlines, budget, job);
         let best = match &made {

@@ -1,6 +1,7 @@
 //! The last step of the verbs: checks a result as its format holds it, and completes the report.
 use crate::collapsed_faces::drop_collapsed_faces;
-use crate::file_rows::to_file_rows;
+use crate::file_rows::{to_file_rows, unsupported};
+use crate::format_rounding::{single_precision_note, storage_within};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation};
@@ -15,12 +16,17 @@ const NOT_MET: &str = "the budget was not met: this is the best that was reached
 /// # Errors
 /// When the budget is not met, with the outcome all the same; when the format cannot hold them.
 pub(crate) fn finish_triangles(
-    scene: Scene,
+    mut scene: Scene,
     mut bound: Bound,
     asked: &MeshRequest,
     mut certificate: Certificate,
 ) -> Result<MeshOutcome, MeshFailure> {
     let to = asked.to;
+    scene.packing = asked.packing;
+    if asked.form().is_quantized() {
+        round_attributes(&mut scene, asked)?;
+        certificate.notes.extend(single_precision_note(&scene.parts));
+    }
     certificate.notes.extend(losses(&scene, to)?.iter().map(|lost| lost.to_string().into()));
     let mut scene = to_file_rows(scene, to)?;
     // 3MF forbids triangles with a corner twice.
@@ -48,6 +54,16 @@ pub(crate) fn finish_triangles(
     }
     let outcome = MeshOutcome { made: Tessellation::Triangles(scene), format: to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
+}
+
+/// Rounds the attributes of all parts, normals that were just made included, to what their storage holds.
+fn round_attributes(scene: &mut Scene, asked: &MeshRequest) -> Result<(), MeshFailure> {
+    for part in &mut scene.parts {
+        let lattice = asked.lattice.filter(|_| !part.is_deformed());
+        let storage = part.storage.get_or_insert_with(|| storage_within(lattice, &asked.budget.attributes));
+        part.mesh = storage.round_attributes(&part.mesh).map_err(unsupported)?;
+    }
+    Ok(())
 }
 
 /// Checks polylines, as the last step of a verb.

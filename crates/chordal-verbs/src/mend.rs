@@ -6,7 +6,7 @@ use crate::pass_through::pass_through;
 use crate::placements::part_scales;
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::request::MeshRequest;
-use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, formats};
+use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, formats};
 use chordal::budget::advice::Cure;
 use chordal::budget::{Bound, Budget, Length, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
@@ -16,7 +16,7 @@ use chordal::mend::{
     orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
-use chordal_io::{Format, Scene};
+use chordal_io::Scene;
 
 /// The repairs to apply; at least one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,7 +85,14 @@ pub(crate) enum RepairStep {
 /// assert_eq!(outcome.certificate.valid.unwrap().counts.unused_vertices, 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
+pub fn mend(
+    input: Input,
+    spec: &MendSpec,
+    to: impl Into<OutputForm>,
+    job: &Job,
+) -> Result<MeshOutcome, MeshFailure> {
+    let form: OutputForm = to.into();
+    let to = form.format;
     let cures = spec.cures(&input.shape)?;
     if cures.is_empty() {
         return Err(MeshFailure::Usage("no cure is asked for".into()));
@@ -117,8 +124,8 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
             "nothing would be left: there are no triangles, only points",
         ));
     }
-    let (scene, rounded) = pass_through(scene, to, &mut certificate.notes)?;
-    let request = MeshRequest::new(Budget::default(), to, bounds);
+    let (scene, rounded) = pass_through(scene, form, &mut certificate.notes)?;
+    let request = MeshRequest::new(Budget::default(), form, bounds);
     finish_triangles(scene, bound.then(&rounded), &request, certificate)
 }
 

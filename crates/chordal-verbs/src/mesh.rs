@@ -8,18 +8,18 @@ use crate::request::MeshRequest;
 use crate::simplify::simplify_scene;
 use crate::too_fine::too_fine_note;
 use crate::{
-    BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, Shape, cage, field, filled_regions, formats,
-    isosurface, polylines,
+    BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, cage, field, filled_regions,
+    formats, isosurface, polylines,
 };
 use chordal::budget::RefusalCode;
 use chordal::{Job, convert};
-use chordal_io::{Format, Scene};
+use chordal_io::Scene;
 
 /// Turns a shape into triangles within a budget, or curves into polylines where the format holds those.
 ///
 /// The bound covers everything from the parsed numbers to the triangles as they read back from a file of the
 /// format `to`: the rounding to that format is reserved from the budget first, and its actual size is added
-/// to the bound. Triangle meshes are simplified, part by part; see `chordal::lod::simplify`. For a format of
+/// to the bound, and so is that to a lattice where the form asks for 16 bits. Triangle meshes are simplified, part by part; see `chordal::lod::simplify`. For a format of
 /// triangles the regions that a drawing's outlines enclose are filled, in the plane z = 0.
 ///
 /// # Errors
@@ -36,7 +36,14 @@ use chordal_io::{Format, Scene};
 /// assert_eq!(outcome.bound.at_most(), Some(0.0)); // one triangle cannot become fewer
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
+pub fn mesh(
+    input: Input,
+    spec: &BudgetSpec,
+    to: impl Into<OutputForm>,
+    job: &Job,
+) -> Result<MeshOutcome, MeshFailure> {
+    let form: OutputForm = to.into();
+    let to = form.format;
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let lines = to.holds_polylines();
     spec.check_counts(lines).map_err(MeshFailure::Usage)?;
@@ -51,7 +58,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
     certificate.notes.extend(note);
-    let request = MeshRequest::new(budget, to, input.shape.bounds()?).with_spacing(spec.spacing);
+    let request = MeshRequest::new(budget, form, input.shape.bounds()?).with_spacing(spec.spacing);
     let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
             return polylines::flatten_drawing(drawing, &request, certificate, job);
@@ -86,7 +93,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
                 drop_normals(&mut scene, &mut certificate.notes)?;
             }
             if !spec.has_limit() {
-                let (mut scene, bound) = pass_through(scene, to, &mut certificate.notes)?;
+                let (mut scene, bound) = pass_through(scene, form, &mut certificate.notes)?;
                 spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
                 return finish_triangles(scene, bound, &request, certificate);
             }

@@ -1,7 +1,6 @@
 //! `MeshOutcome`: triangles or polylines at the precision of their format, with their certificate.
 use crate::report::Certificate;
 use chordal::budget::Bound;
-use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format, Polylines, Scene, WriteError, write, write_files, write_polylines};
 use std::io::Write;
 
@@ -44,15 +43,6 @@ impl MeshOutcome {
             Tessellation::Triangles(_) => None,
             Tessellation::Polylines(polylines) => Some(polylines),
         }
-    }
-
-    /// Stores the numbers of triangles in another way, where the format is glTF.
-    #[must_use]
-    pub fn packed(mut self, packing: GltfPacking) -> Self {
-        if let Tessellation::Triangles(scene) = &mut self.made {
-            scene.packing = packing;
-        }
-        self
     }
 
     /// Writes the tessellation, and the certificate where the format can carry it.

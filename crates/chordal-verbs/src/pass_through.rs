@@ -1,31 +1,47 @@
 //! Passes triangles through unchanged, at the precision of a format.
-use crate::MeshFailure;
 use crate::flatten::{self, TransformedScene};
+use crate::format_rounding::RoundingTarget;
 use crate::placements;
+use crate::{MeshFailure, OutputForm};
+use chordal::Mesh;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::math::{add_up, greater};
-use chordal_io::{Format, Scene, snap};
+use chordal_io::Scene;
+use chordal_io::glb::VertexStorage;
 
-/// Rounds the parts of a scene to the format, and applies the transforms where the format has no nodes.
+/// Rounds the parts of a scene to the format, or to the lattices that fewer bits ask for, and applies the transforms where the format has no nodes.
 ///
 /// # Errors
 /// When a coordinate does not fit the format, or the nodes take it out of range.
 pub(crate) fn pass_through(
     scene: Scene,
-    to: Format,
+    to: OutputForm,
     notes: &mut Vec<Message>,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let placed = if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    let placed =
+        if to.format.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     notes.extend(placed.note());
     let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
     let stretch = placements::part_scales(&scene);
     let mut moved = 0.0;
+    let mut n_collapsed = 0;
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
-        let snapped = snap(&part.mesh, to)?;
+        if to.is_quantized() {
+            part.storage = Some(VertexStorage::of(&part.mesh));
+        }
+        let lattice = part.storage.and_then(|storage| storage.lattice);
+        let snapped = RoundingTarget::new(to.format, lattice).snap(&part.mesh)?;
+        if lattice.is_some() {
+            n_collapsed += n_new_collapsed(&part.mesh, &snapped.mesh);
+        }
         let part_moved = placements::scaled_up(snapped.moved_at_most, stretch);
         moved = greater(part_moved, moved);
         part.mesh = snapped.mesh;
+    }
+    if n_collapsed > 0 {
+        let what = "triangles that are smaller than a step of 16 bits have two corners at one place now";
+        notes.push(format!("{what} ({n_collapsed}x)").into());
     }
     let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
     if !all.is_finite() {
@@ -35,4 +51,12 @@ pub(crate) fn pass_through(
         ));
     }
     Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
+}
+
+/// Triangles that have two corners at one place after rounding, and had not before.
+fn n_new_collapsed(before: &Mesh, after: &Mesh) -> usize {
+    let is_collapsed = |[a, b, c]: [[f64; 3]; 3]| a == b || b == c || c == a;
+    (0..after.faces().len())
+        .filter(|face| is_collapsed(after.corners(*face)) && !is_collapsed(before.corners(*face)))
+        .count()
 }

@@ -1,17 +1,22 @@
 //! `MeshRequest`: a budget for one shape and one format, and how a conversion runs within it.
-use crate::MeshFailure;
+use crate::format_rounding::{RoundingTarget, lattice_within};
 use crate::rounded_mesh::snap_with_bound;
+use crate::{MeshFailure, OutputForm};
 use chordal::budget::{Bound, Bounded, Budget, Failure, PixelBudget, Pixels, RefusalCode, Tolerance};
 use chordal::convert::Spacing;
 use chordal::math::{Box3, greater, sub_down, sub_up};
 use chordal::{Job, Mesh};
-use chordal_io::{Format, worst_snap};
+use chordal_io::Format;
+use chordal_io::glb::{GltfPacking, PositionLattice};
 
 /// The target of a conversion: the budget, resolved for the shape, and the format.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshRequest {
     pub budget: Budget,
     pub to: Format,
+    pub packing: GltfPacking,
+    /// The lattice of positions, where the file is quantized and the budget leaves room for it.
+    pub lattice: Option<PositionLattice>,
     /// The bounding box of the shape.
     pub bounds: Box3,
     /// The same box, grown by the rounding of evaluated points.
@@ -21,8 +26,18 @@ pub(crate) struct MeshRequest {
 }
 
 impl MeshRequest {
-    pub fn new(budget: Budget, to: Format, bounds: Box3) -> Self {
-        Self { budget, to, bounds, reach: widen_box(&bounds), spacing: Spacing::default() }
+    pub fn new(budget: Budget, to: impl Into<OutputForm>, bounds: Box3) -> Self {
+        let form: OutputForm = to.into();
+        let OutputForm { format: to, packing } = form;
+        let reach = widen_box(&bounds);
+        let allowed = budget.length_in(&bounds).unwrap_or(0.0);
+        let lattice = if form.is_quantized() { lattice_within(&reach, allowed) } else { None };
+        Self { budget, to, packing, lattice, bounds, reach, spacing: Spacing::default() }
+    }
+
+    /// The format, and how its numbers are packed.
+    pub fn form(&self) -> OutputForm {
+        OutputForm { format: self.to, packing: self.packing }
     }
 
     /// Runs a conversion so that the budget holds for what a reader of the file gets. The possible rounding
@@ -58,7 +73,7 @@ impl MeshRequest {
 
     /// The most that rounding to the format moves a point of the result.
     pub fn rounding(&self) -> f64 {
-        worst_snap(&self.reach, self.to)
+        RoundingTarget::new(self.to, self.lattice).worst(&self.reach)
     }
 
     /// The budget of a conversion: the user's, less the length that rounding to the format may cost.
@@ -101,7 +116,7 @@ impl MeshRequest {
     /// Rounds a mesh to the precision of the format and adds the displacement to the bound: see
     /// [`snap_with_bound`].
     pub fn snap(&self, mesh: &Mesh, bound: Bound, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
-        snap_with_bound(mesh, bound, self.to, self.budget.pixels, job)
+        snap_with_bound(mesh, bound, RoundingTarget::new(self.to, self.lattice), self.budget.pixels, job)
     }
 }
 

@@ -1,11 +1,11 @@
 //! `snap_with_bound`: a mesh at the positions that a format holds, with the bound that covers the rounding.
 use crate::MeshFailure;
+use crate::format_rounding::RoundingTarget;
 use chordal::budget::{Bound, Bounded, PixelBudget, Reference};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh, mend};
-use chordal_io::{Format, snap};
 
-/// Rounds a mesh to the precision of a format and adds the displacement to the bound.
+/// Rounds a mesh to the precision of a format, or to a lattice, and adds the displacement to the bound.
 ///
 /// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from
 /// there to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the
@@ -13,11 +13,11 @@ use chordal_io::{Format, snap};
 pub(crate) fn snap_with_bound(
     mesh: &Mesh,
     bound: Bound,
-    to: Format,
+    to: RoundingTarget,
     pixels: Option<PixelBudget>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
-    let snapped = snap(mesh, to)?;
+    let snapped = to.snap(mesh)?;
     if snapped.moved_at_most == 0.0 {
         return Ok(Bounded { shape: snapped.mesh, bound });
     }

@@ -2,7 +2,7 @@
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use crate::flatten::{self, TransformedScene};
-use crate::format_rounding;
+use crate::format_rounding::{self, RoundingTarget, limits_left, storage_within};
 use crate::merged_parts::MergedParts;
 use crate::notes::{deformation_note, reduction_notes};
 use crate::placements;
@@ -15,8 +15,8 @@ use chordal::check::findings::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
 use chordal::math::{Box3, add_up, greater, lesser};
-use chordal::{Bounded, Job, Mesh};
-use chordal_io::{CoordinateOverflow, Part, Scene, snap, worst_snap};
+use chordal::{Bounded, Job, Mesh, mend};
+use chordal_io::{CoordinateOverflow, Part, Scene, worst_snap};
 
 /// Simplifies a scene within the budget. Returns it as it will be written, with its overall bound, and adds
 /// the rest to the certificate.
@@ -46,26 +46,40 @@ pub(crate) fn simplify_scene(
     let stretch = placements::part_scales(&scene);
     // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
-    let shares: Vec<PartBudget> = match &eye {
-        Some(_) => view_budgets(&scene, &stretch, request, placed)?,
-        None => uniform_budgets(&scene, &stretch, request, placed, job)?,
+    let lengths = allowed_lengths(&scene, request)?;
+    let targets = format_rounding::targets(&scene, &stretch, request.form(), |part| lengths[part]);
+    let places = RoundedPlaces { stretch: &stretch, targets: &targets, placed };
+    let mut shares: Vec<PartBudget> = match &eye {
+        Some(_) => view_budgets(&scene, &places, request)?,
+        None => uniform_budgets(&scene, &places, request, job)?,
     };
+    let is_quantized = request.form().is_quantized();
+    for ((part, share), target) in scene.parts.iter_mut().zip(&mut shares).zip(&targets) {
+        if is_quantized {
+            let storage = storage_within(target.lattice, &budget.attributes);
+            share.budget.attributes = limits_left(share.budget.attributes, &storage);
+            part.storage = Some(storage);
+        }
+    }
     // 2. Part by part.
     let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     let is_alone = placements::n_places(&scene) == 1;
     let mut all = ReductionStats::default();
     let mut worst: Option<Bound> = None;
     let mut pixels = eye.map(|_| 0.0);
-    for ((part, stretch), share) in scene.parts.iter_mut().zip(&stretch).zip(&shares) {
+    let rounded = stretch.iter().zip(&targets);
+    for ((part, (stretch, target)), share) in scene.parts.iter_mut().zip(rounded).zip(&shares) {
         let Some(made) = simplify_part(part, &share.budget, job)? else { continue };
         all += made.shape.stats;
-        let snapped = snap(&made.shape.mesh, *to)?;
-        let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
-        let before = std::mem::replace(&mut part.mesh, snapped.mesh);
-        let snapped = placements::scaled_up(snapped.moved_at_most, *stretch);
+        let (mut rounded, step) = round(&made.shape.mesh, target, job)?;
+        if let Some(storage) = &part.storage {
+            rounded = storage.round_attributes(&rounded).map_err(unsupported)?;
+        }
+        let before = std::mem::replace(&mut part.mesh, rounded);
+        let snapped = placements::scaled_up(step.at_most().unwrap_or(f64::INFINITY), *stretch);
         let seen = eye.and_then(|eye| share.pixels_of(&made, snapped, placed, &eye.view));
         let bound = made.bound.then(&step);
-        if part.mesh.faces().len() < before.faces().len() {
+        if is_quantized || part.mesh.faces().len() < before.faces().len() {
             notes.extend(measure_attributes(attributes, [&before, &part.mesh], &bound, job)?);
         }
         let most = placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), *stretch);
@@ -91,6 +105,46 @@ pub(crate) fn simplify_scene(
     let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
     worst.pixels = pixels;
     Ok((scene, worst))
+}
+
+/// A mesh at the positions of its file, and how far that moved it. Of a lattice, triangles that it left with two
+/// corners at one place are dropped: their neighbours share the edge.
+fn round(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, Bound), MeshFailure> {
+    let snapped = target.snap(mesh)?;
+    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
+    if target.lattice.is_none() {
+        return Ok((snapped.mesh, step));
+    }
+    let kept = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
+    let both = step.then(&kept.bound);
+    // Where nothing would remain there is no bound, and all of it stays.
+    Ok(if both.at_most().is_some() { (kept.mesh, both) } else { (snapped.mesh, step) })
+}
+
+/// How the parts of a scene are placed and rounded.
+#[derive(Clone, Copy)]
+struct RoundedPlaces<'a> {
+    /// By part: the largest factor by which its nodes lengthen.
+    stretch: &'a [f64],
+    targets: &'a [RoundingTarget],
+    /// How far transforms that were applied have moved a vertex.
+    placed: f64,
+}
+
+/// By part: how far a point of it may be off in the scene.
+fn allowed_lengths(scene: &Scene, request: &MeshRequest) -> Result<Vec<f64>, MeshFailure> {
+    let MeshRequest { budget, bounds, .. } = request;
+    let within = |place: &Box3| budget.length_in(place).unwrap_or(0.0);
+    if !budget.pixels.is_some_and(|pixels| matches!(pixels.view, View::Camera(_))) {
+        return Ok(vec![within(bounds); scene.parts.len()]);
+    }
+    let least = |places: &Vec<Box3>| {
+        places
+            .iter()
+            .filter(|place| !place.is_empty())
+            .fold(f64::INFINITY, |least, place| lesser(within(place), least))
+    };
+    Ok(placements::boxes_of_parts(scene)?.iter().map(|(places, _)| least(places)).collect())
 }
 
 /// The budget of one part.
@@ -140,14 +194,14 @@ fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
 /// Budgets that do not depend on the placement: the same length for all parts, or a triangle count for each.
 fn uniform_budgets(
     scene: &Scene,
-    stretch: &[f64],
+    places: &RoundedPlaces<'_>,
     request: &MeshRequest,
-    placed: f64,
     job: &Job,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
-    let MeshRequest { budget, to, bounds, .. } = request;
+    let MeshRequest { budget, bounds, .. } = request;
+    let RoundedPlaces { stretch, targets, placed } = *places;
     let length = length_for_all(budget, bounds)?;
-    let lost = format_rounding::worst_rounding(scene, stretch, *to);
+    let lost = format_rounding::worst_rounding(scene, stretch, targets);
     let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
     let left = match length {
         Some(length) => {
@@ -170,17 +224,18 @@ fn uniform_budgets(
 /// coordinates, the pixels themselves.
 fn view_budgets(
     scene: &Scene,
-    stretch: &[f64],
+    places: &RoundedPlaces<'_>,
     request: &MeshRequest,
-    placed: f64,
 ) -> Result<Vec<PartBudget>, MeshFailure> {
     let MeshRequest { budget, to, .. } = request;
+    let RoundedPlaces { stretch, targets, placed } = *places;
     let limits = Budget { length: budget.length, pixels: budget.pixels, ..Budget::default() };
     let boxes = placements::boxes_of_parts(scene)?;
     let mut shares = Vec::with_capacity(boxes.len());
-    for ((part, stretch), (boxes, is_as_it_is)) in scene.parts.iter().zip(stretch).zip(boxes) {
+    let rounded = stretch.iter().zip(targets);
+    for ((part, (stretch, target)), (boxes, is_as_it_is)) in scene.parts.iter().zip(rounded).zip(boxes) {
         let boxes: Vec<Box3> = boxes.iter().map(|place| placements::pad_box(place, placed)).collect();
-        let lost = placements::scaled_up(format_rounding::part_rounding(part, *to), *stretch);
+        let lost = placements::scaled_up(target.worst(&part.mesh.bounds()), *stretch);
         let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
         let mut left = Budget::default();
         for place in boxes.iter().filter(|place| !place.is_empty()) {

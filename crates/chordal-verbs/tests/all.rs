@@ -12,3 +12,4 @@ mod mend;
 mod mesh;
 mod open_scan;
 mod prescribed;
+mod quantized;

@@ -74,6 +74,7 @@ fn spec() -> LodSpec {
         tile_triangles: None,
         parts: LodParts::Separate,
         place: None,
+        packing: chordal_io::glb::GltfPacking::default(),
     }
 }
 

@@ -22,6 +22,7 @@ fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
         tile_triangles: Some(tile_triangles),
         parts: LodParts::Separate,
         place: None,
+        packing: chordal_io::glb::GltfPacking::default(),
     }
 }
 

@@ -14,7 +14,8 @@
 //! ```
 //!
 //! Options: `{"name": "teapot.bpt", "to": "glb", "tol": "0.1%", "px": "1", "view": "1920x1080 fov=45 dist=4",
-//! "triangles": 5000, "segments": 5000, "from": …, "unit": …, "up": "y", "keep_best": true}`. At least one of
+//! "triangles": 5000, "segments": 5000, "from": …, "unit": …, "up": "y", "keep_best": true, "compress":
+//! "meshopt", "quantize": true}`. At least one of
 //! tol, px with view, triangles and, for curves to polylines, segments. Same input, same options, same
 //! version: the same bytes as from the command.
 //!
@@ -211,6 +212,7 @@ mod tests {
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb"}"#, 2, "tol"),
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "tol": "-1"}"#, 2, "greater than 0"),
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "px": "1"}"#, 2, "view"),
+            (TRIANGLE, r#"{"name": "t.obj", "to": "ply", "tol": "1", "quantize": true}"#, 2, "glb"),
             (TRIANGLE, r#"{"name": "t.obj", "to": "bpt", "tol": "1"}"#, 2, "only read"),
             (b"v 0 0", r#"{"name": "t.obj", "to": "glb", "tol": "1"}"#, 3, "line 1"),
             (b"", r#"{"to": "glb", "tol": "1"}"#, 3, "empty"),
@@ -219,6 +221,14 @@ mod tests {
             assert_eq!(found, exit, "{options}: {error}");
             assert!(error.contains(part) && bytes.is_empty(), "{options}: {error}");
         }
+    }
+
+    #[test]
+    fn quantizes_a_glb_where_it_is_asked_to() {
+        let options = r#"{"name": "t.obj", "to": "glb", "tol": "0.001", "quantize": true}"#;
+        let (exit, bytes, report, error) = call(TRIANGLE, options);
+        assert_eq!((exit, error.as_str()), (0, ""));
+        assert!(String::from_utf8_lossy(&bytes).contains("KHR_mesh_quantization"), "{report}");
     }
 
     #[test]

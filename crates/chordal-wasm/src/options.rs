@@ -1,7 +1,8 @@
 //! What a caller asks for, from its JSON.
 use chordal::budget::{Length, PixelBudget, Pixels, RequiredEvidence, Unit, View};
+use chordal_io::glb::GltfPacking;
 use chordal_io::{Axis, Format};
-use chordal_verbs::{BudgetSpec, Normals, formats};
+use chordal_verbs::{BudgetSpec, Normals, OutputForm, formats};
 use serde_json::{Map, Value};
 use std::str::FromStr;
 
@@ -10,7 +11,7 @@ use std::str::FromStr;
 pub(crate) struct MeshOptions {
     pub name: Option<String>,
     pub from: Option<Format>,
-    pub to: Format,
+    pub to: OutputForm,
     pub unit: Option<Unit>,
     pub up: Option<Axis>,
     pub spec: BudgetSpec,
@@ -18,7 +19,7 @@ pub(crate) struct MeshOptions {
 }
 
 /// The names of all options.
-pub(crate) const KEYS: [&str; 13] = [
+pub(crate) const KEYS: [&str; 15] = [
     "name",
     "from",
     "to",
@@ -32,6 +33,8 @@ pub(crate) const KEYS: [&str; 13] = [
     "normals",
     "require",
     "keep_best",
+    "compress",
+    "quantize",
 ];
 
 impl MeshOptions {
@@ -66,10 +69,18 @@ impl MeshOptions {
         if !to.holds_triangles() && !to.holds_polylines() {
             return Err(format!("{to} is only read; what can be written is {}", formats::output_names()));
         }
+        let compress = all.text("compress")?;
+        if let Some(codec) = compress.as_deref().filter(|codec| *codec != "meshopt") {
+            return Err(format!("compress is \"meshopt\", not {codec}"));
+        }
+        let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: all.flag("quantize")? };
+        if packing != GltfPacking::default() && !matches!(to, Format::Glb | Format::Gltf) {
+            return Err(format!("compress and quantize are for glb and gltf; {to} holds plain numbers"));
+        }
         Ok(Self {
             name: all.text("name")?,
             from: all.parsed("from")?,
-            to,
+            to: OutputForm { format: to, packing },
             unit: all.parsed::<Unit>("unit")?,
             up: all.axis("up")?,
             spec,

@@ -97,3 +97,31 @@ pub(super) fn skin_sets(mesh: &Mesh) -> Vec<SkinSet> {
     }
     sets
 }
+
+/// The weights of sets as shares of 65,535 that sum to it at each vertex, as glTF asks of integers. What is left
+/// of each is given to those that lose most. A joint whose weight vanishes becomes the first.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(super) fn short_weights(sets: &mut [SkinSet]) -> Vec<Vec<u16>> {
+    let n = sets.first().map_or(0, |set| set.weights.len() / IN_A_SET);
+    let mut all: Vec<Vec<u16>> = sets.iter().map(|set| vec![0; set.weights.len()]).collect();
+    for vertex in 0..n {
+        let places = (0..sets.len()).flat_map(|s| (0..IN_A_SET).map(move |k| (s, IN_A_SET * vertex + k)));
+        let mut shares: Vec<((usize, usize), f64)> =
+            places.map(|(s, at)| ((s, at), f64::from(sets[s].weights[at]) * f64::from(u16::MAX))).collect();
+        let floor = |share: f64| share.clamp(0.0, f64::from(u16::MAX)) as u16;
+        shares.iter().for_each(|((s, at), share)| all[*s][*at] = floor(*share));
+        let given: u32 = shares.iter().map(|(_, share)| u32::from(floor(*share))).sum();
+        // Positive numbers, whose order is total; of equal ones the first comes first.
+        shares.sort_by_key(|(place, share)| (Reverse((share - share.floor()).to_bits()), *place));
+        let left = u32::from(u16::MAX).saturating_sub(given) as usize;
+        for ((s, at), _) in shares.iter().cycle().take(left) {
+            all[*s][*at] += 1;
+        }
+        for (set, weights) in sets.iter_mut().zip(&all) {
+            for k in IN_A_SET * vertex..IN_A_SET * (vertex + 1) {
+                set.joints[k] = if weights[k] == 0 { 0 } else { set.joints[k] };
+            }
+        }
+    }
+    all
+}

@@ -1,14 +1,15 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
-use super::deformation::{has_skin, skin_sets, targets_of};
+use super::deformation::{has_skin, short_weights, skin_sets, targets_of};
 use super::draw_order::in_draw_order;
 use super::material_runs::material_runs;
 use super::meshopt;
 use super::node_list;
 use super::packing::GltfPacking;
 use super::split::split;
+use super::stored_positions::{StoredPositions, storage_of};
 use super::streams::{AccessorStream, CompressedStream, stored_bounds};
+use super::vertex_storage::VertexStorage;
 use crate::assets::{ImageContent, SceneAssets, collect_extensions, plain_material};
-use crate::single_precision::origin_of;
 use crate::{CoordinateOverflow, Frame, MATERIAL, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Domain, InvalidMesh, Semantic};
@@ -17,10 +18,15 @@ use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+/// The extension that allows numbers of fewer bits.
+const QUANTIZATION: &str = "KHR_mesh_quantization";
+
 /// A part in the form that glTF can hold.
 pub(super) struct GltfPart<'a> {
     mesh: Cow<'a, Mesh>,
-    origin: [f64; 3],
+    positions: StoredPositions,
+    /// How attributes are stored, where that is in fewer bits.
+    storage: Option<VertexStorage>,
     /// Whether v of its texture coordinates is turned over: glTF's runs down.
     turns_v: bool,
 }
@@ -39,8 +45,9 @@ impl<'a> GltfPart<'a> {
                 "part \"{name}\" has {n_points} points and no triangle"
             )));
         }
-        let origin = origin_of(&mesh);
-        Ok(Self { mesh, origin, turns_v: frame.turns_v(TextureOrigin::UpperLeft) })
+        let storage = storage_of(part, packing);
+        let positions = StoredPositions::new(&mesh, storage);
+        Ok(Self { mesh, positions, storage, turns_v: frame.turns_v(TextureOrigin::UpperLeft) })
     }
 }
 
@@ -61,6 +68,8 @@ pub(super) struct GltfDocument<'a> {
     n_bytes: u64,
     /// The bytes that compressed views have once they are unpacked, each from a multiple of four on.
     n_unpacked: u64,
+    /// Whether an accessor is in a form of `KHR_mesh_quantization`.
+    has_fewer_bits: bool,
     /// For each part its mesh, unless it is empty, and its origin.
     shown: Vec<node_list::PartMesh>,
     /// The materials for meshes without and with a boundary, once they are used.
@@ -88,6 +97,7 @@ impl<'a> GltfDocument<'a> {
             streams: Vec::new(),
             n_bytes: 0,
             n_unpacked: 0,
+            has_fewer_bits: false,
             shown: Vec::new(),
             material: [None; 2],
             known_rows: None,
@@ -174,30 +184,34 @@ impl<'a> GltfDocument<'a> {
         let empty = shape.mesh.faces().is_empty();
         let mesh = if empty { None } else { Some(self.add_mesh(part, shape)?) };
         let (has_skin, n_targets) = (has_skin(&shape.mesh), targets_of(&shape.mesh).len());
-        Ok(node_list::PartMesh { mesh, origin: shape.origin, has_skin, n_targets })
+        Ok(node_list::PartMesh { mesh, positions: shape.positions, has_skin, n_targets })
     }
 
     fn add_mesh(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<usize, WriteError> {
         let mesh: &Mesh = &shape.mesh;
-        let bounds = stored_bounds(mesh, shape.origin);
+        let bounds = stored_bounds(mesh, &shape.positions);
         if let Some(value) = bounds.as_flattened().iter().find(|x| !x.is_finite()) {
             return Err(CoordinateOverflow { value: *value }.into());
         }
         let mut attributes = Map::new();
-        let at = self.add(AccessorStream::positions(mesh, shape.origin))?;
+        let at = self.add(AccessorStream::positions(mesh, shape.positions))?;
         self.accessors[at]["min"] = json!(bounds[0]);
         self.accessors[at]["max"] = json!(bounds[1]);
         attributes.insert("POSITION".to_owned(), json!(at));
         for stream in streams_of(mesh)? {
             let stream = if shape.turns_v { stream.with_turned_v() } else { stream };
+            let stream = shape.storage.iter().fold(stream, |stream, storage| stream.with_fewer_bits(storage));
             let name = stream.name.clone().unwrap_or_default();
             if attributes.contains_key(&name) {
                 return Err(WriteError::Unsupported(format!("two attributes are called {name}")));
             }
             attributes.insert(name, json!(self.add(stream)?));
         }
-        for (set, found) in skin_sets(mesh).into_iter().enumerate() {
-            for stream in AccessorStream::skin_set(set, found) {
+        let mut sets = skin_sets(mesh);
+        let short = if shape.storage.is_some() { short_weights(&mut sets) } else { Vec::new() };
+        let mut short = short.into_iter();
+        for (set, found) in sets.into_iter().enumerate() {
+            for stream in AccessorStream::skin_set(set, found, short.next()) {
                 attributes.insert(stream.name.clone().unwrap_or_default(), json!(self.add(stream)?));
             }
         }
@@ -309,7 +323,8 @@ impl<'a> GltfDocument<'a> {
 
     fn add_new(&mut self, stream: AccessorStream<'a>) -> Result<usize, WriteError> {
         let [component_type, count] = [json!(stream.component_type()), json!(stream.count())];
-        let kind = stream.kind();
+        let (kind, is_normalized) = (stream.kind(), stream.is_normalized());
+        self.has_fewer_bits |= stream.needs_quantization();
         let compressed = if self.packing.is_compressed { stream.compressed()? } else { None };
         let view = match compressed {
             Some(compressed) => self.add_compressed(compressed),
@@ -318,6 +333,10 @@ impl<'a> GltfDocument<'a> {
         self.accessors.push(json!({
             "bufferView": view, "componentType": component_type, "count": count, "type": kind
         }));
+        if is_normalized {
+            let last = self.accessors.len() - 1;
+            self.accessors[last]["normalized"] = json!(true);
+        }
         Ok(self.accessors.len() - 1)
     }
 
@@ -348,6 +367,9 @@ impl<'a> GltfDocument<'a> {
         let mut view = json!({ "buffer": 0, "byteOffset": self.n_bytes, "byteLength": stream.n_bytes() });
         if let Some(target) = stream.target() {
             view["target"] = json!(target);
+        }
+        if let Some(stride) = stream.padded_stride() {
+            view["byteStride"] = json!(stride);
         }
         self.views.push(view);
         self.n_bytes += stream.n_padded();
@@ -441,7 +463,9 @@ impl<'a> GltfDocument<'a> {
         let mut used = self.assets.used_extensions();
         nodes.list.iter().for_each(|node| collect_extensions(node, &mut used));
         let meshopt = (self.n_unpacked > 0).then(|| meshopt::NAMES[0].to_owned());
-        used.extend(meshopt.clone());
+        let quantized = self.has_fewer_bits.then(|| QUANTIZATION.to_owned());
+        let own: Vec<String> = meshopt.into_iter().chain(quantized).collect();
+        used.extend(own.iter().cloned());
         used.sort_unstable();
         used.dedup();
         if used.is_empty() {
@@ -449,7 +473,7 @@ impl<'a> GltfDocument<'a> {
         }
         let mut required: Vec<&String> =
             self.assets.required_extensions.iter().filter(|name| used.contains(name)).collect();
-        required.extend(meshopt.iter().filter(|name| !self.assets.required_extensions.contains(name)));
+        required.extend(own.iter().filter(|name| !self.assets.required_extensions.contains(name)));
         if !required.is_empty() {
             root.insert("extensionsRequired".to_owned(), json!(required));
         }

@@ -28,23 +28,29 @@ mod pack;
 mod packed_views;
 mod packing;
 mod parts;
+mod position_lattice;
 mod read;
 mod report;
 mod skin_plan;
 mod split;
+mod stored_positions;
 mod streams;
 mod transform;
 mod triangles;
 mod trs;
+mod vertex_storage;
 mod write;
 
 pub use level_hosts::takes_levels;
 pub use level_set::GlbLevels;
 pub use levels::{write_levels, write_levels_embedded, write_levels_files};
 pub use packing::GltfPacking;
+pub use position_lattice::PositionLattice;
 pub use read::read;
 pub(crate) use read::{looks_like_json, read_with};
 pub use split::split;
+pub(crate) use stored_positions::{StoredPositions, storage_of};
+pub use vertex_storage::{DirectionBits, VertexStorage};
 pub use write::{write, write_embedded, write_files};
 
 /// The first four bytes of a GLB file, `glTF`.

@@ -1,5 +1,6 @@
 //! `NodeList`: the nodes of a GLB, which place its meshes.
 use super::level_hosts::{animated_nodes, is_replaceable};
+use super::stored_positions::StoredPositions;
 use super::{LOD, transform};
 use crate::forest::check_forest;
 use crate::{Axis, Frame, Node, Scene, WriteError};
@@ -9,8 +10,8 @@ use serde_json::{Map, Value, json};
 pub(super) struct PartMesh {
     /// Its mesh, unless it is empty.
     pub mesh: Option<usize>,
-    /// The point about which its positions are stored.
-    pub origin: [f64; 3],
+    /// How its positions are stored.
+    pub positions: StoredPositions,
     /// Whether its vertices follow joints.
     pub has_skin: bool,
     /// Its morph targets.
@@ -101,13 +102,12 @@ impl LevelHost<'_> {
         }
         if !self.has_transform {
             own.shift_remove("translation");
+            own.shift_remove("scale");
         }
         let mut ids = Vec::with_capacity(self.coarser.len());
         for (k, part) in self.coarser.iter().enumerate() {
             let mut properties = own.clone();
-            if part.origin != [0.0; 3] {
-                properties.insert("translation".to_owned(), json!(part.origin));
-            }
+            part.positions.place(&mut properties);
             properties.insert("mesh".to_owned(), json!(part.mesh));
             if !part.has_skin {
                 properties.shift_remove("skin");
@@ -191,12 +191,12 @@ fn chain<'a>(
         inner.properties.shift_remove("weights");
     }
     let mut has_transform = !inner.properties.is_empty();
-    if let Some(PartMesh { mesh: Some(mesh), origin, .. }) = place {
-        // An origin must not move the node's children, nor be applied before the node's own transform.
-        let has_origin =
-            std::iter::once(origin).chain(coarser.iter().map(|p| &p.origin)).any(|o| *o != [0.0; 3]);
+    if let Some(PartMesh { mesh: Some(mesh), positions, .. }) = place {
+        // A place of the stored numbers must not move the node's children, nor be applied before the node's own transform.
+        let has_place =
+            std::iter::once(positions).chain(coarser.iter().map(|p| &p.positions)).any(|p| !p.is_plain());
         let is_bare = inner.properties.is_empty() && node.children.is_empty() && !is_moved;
-        if has_origin && !is_bare || !coarser.is_empty() && !is_replaceable(node, is_moved) {
+        if has_place && !is_bare || !coarser.is_empty() && !is_replaceable(node, is_moved) {
             let of_mesh = ["skin", "weights"];
             let moved = of_mesh.map(|key| (key.to_owned(), inner.properties.shift_remove(key)));
             let moved = moved.into_iter().filter_map(|(key, value)| Some((key, value?)));
@@ -205,9 +205,7 @@ fn chain<'a>(
             has_transform = false;
         }
         let properties = &mut links.last_mut()?.properties;
-        if *origin != [0.0; 3] {
-            properties.insert("translation".to_owned(), json!(origin));
-        }
+        positions.place(properties);
         properties.insert("mesh".to_owned(), json!(mesh));
     }
     let n_links = links.len();

@@ -7,4 +7,8 @@ pub struct GltfPacking {
     /// No bit of a vertex changes. Triangles and vertices are put in the order that compresses best, which is one
     /// that draws fast, too.
     pub is_compressed: bool,
+    /// Whether the numbers of vertices are rounded to 8 and 16 bits (`KHR_mesh_quantization`), as
+    /// [`Part::storage`](crate::Part::storage) says; where it says nothing, as
+    /// [`VertexStorage::of`](super::VertexStorage::of) finds.
+    pub is_quantized: bool,
 }

@@ -1,8 +1,9 @@
 //! `AccessorStream`: one accessor to be written: its rows, and how they become bytes.
 use super::deformation::SkinSet;
 use super::meshopt;
+use super::stored_positions::StoredPositions;
+use super::vertex_storage::{NormalizedNumber, VertexStorage, stored_row};
 use crate::WriteError;
-use crate::single_precision::store;
 use chordal::Mesh;
 use chordal::convert::gpu::IndexBuffer;
 use chordal::explicit::{Attribute, Semantic};
@@ -19,8 +20,10 @@ pub(super) enum AccessorSource<'a> {
     Short(&'a [[u32; 3]]),
     /// Indices of four bytes.
     Long(&'a [[u32; 3]]),
-    /// Positions about an origin.
-    Positions(&'a Mesh, [f64; 3]),
+    /// Positions as they are stored.
+    Positions(&'a Mesh, StoredPositions),
+    /// Rows as integers; of texture coordinates, v may be turned over.
+    Normalized(&'a Attribute, NormalizedNumber, bool),
     /// Unit vectors, from the first three numbers of a row; a row without direction becomes the given axis.
     Unit(&'a Attribute, usize),
     /// Numbers as they are.
@@ -31,8 +34,12 @@ pub(super) enum AccessorSource<'a> {
     Bytes(Cow<'a, [u8]>),
     /// Indices of joints, four a vertex.
     Joints(Vec<u16>),
+    /// The same in a byte each.
+    ByteJoints(Vec<u8>),
     /// Weights of joints, four a vertex.
     Weights(Vec<f32>),
+    /// The same as shares of 65,535.
+    ShortWeights(Vec<u16>),
 }
 
 /// One accessor with a buffer view of its own.
@@ -93,7 +100,7 @@ impl<'a> AccessorStream<'a> {
             _ => {
                 let mut bytes = Vec::new();
                 self.write(&mut bytes)?;
-                // Rows are of numbers of four bytes, or of four of two.
+                // Rows have a multiple of four bytes.
                 (false, meshopt::encode_rows(&bytes, bytes.len() / count))
             }
         };
@@ -102,17 +109,52 @@ impl<'a> AccessorStream<'a> {
         Ok(is_shorter.then_some(CompressedStream { stream, stride, count, is_index, target }))
     }
 
-    /// The positions of a mesh about an origin.
-    pub fn positions(mesh: &'a Mesh, origin: [f64; 3]) -> Self {
-        Self { name: Some("POSITION".to_owned()), rows: AccessorSource::Positions(mesh, origin) }
+    /// The positions of a mesh.
+    pub fn positions(mesh: &'a Mesh, stored: StoredPositions) -> Self {
+        Self { name: Some("POSITION".to_owned()), rows: AccessorSource::Positions(mesh, stored) }
     }
 
     /// The joints of a set, and their weights.
-    pub fn skin_set(set: usize, found: SkinSet) -> [Self; 2] {
+    pub fn skin_set(set: usize, found: SkinSet, fewer: Option<Vec<u16>>) -> [Self; 2] {
+        let bytes = fewer.is_some().then(|| found.joints.iter().map(|j| u8::try_from(*j).ok()).collect());
+        let joints = match bytes.flatten() {
+            Some(bytes) => AccessorSource::ByteJoints(bytes),
+            None => AccessorSource::Joints(found.joints),
+        };
+        let weights = fewer.map_or(AccessorSource::Weights(found.weights), AccessorSource::ShortWeights);
         [
-            Self { name: Some(format!("JOINTS_{set}")), rows: AccessorSource::Joints(found.joints) },
-            Self { name: Some(format!("WEIGHTS_{set}")), rows: AccessorSource::Weights(found.weights) },
+            Self { name: Some(format!("JOINTS_{set}")), rows: joints },
+            Self { name: Some(format!("WEIGHTS_{set}")), rows: weights },
         ]
+    }
+
+    /// The same stream in the numbers of a storage.
+    pub fn with_fewer_bits(mut self, storage: &VertexStorage) -> Self {
+        let (attribute, turns_v) = match self.rows {
+            AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => (attribute, false),
+            AccessorSource::TurnedTexcoords(attribute) => (attribute, true),
+            _ => return self,
+        };
+        if let Some(number) = storage.number_of(attribute) {
+            self.rows = AccessorSource::Normalized(attribute, number, turns_v);
+        }
+        self
+    }
+
+    /// Whether integers stand for shares of the largest one.
+    pub fn is_normalized(&self) -> bool {
+        matches!(self.rows, AccessorSource::Normalized(..) | AccessorSource::ShortWeights(_))
+    }
+
+    /// Whether `KHR_mesh_quantization` alone allows its numbers.
+    pub fn needs_quantization(&self) -> bool {
+        match self.rows {
+            AccessorSource::Positions(_, StoredPositions::Lattice(..)) => true,
+            AccessorSource::Normalized(_, number, _) => {
+                matches!(number, NormalizedNumber::I8 | NormalizedNumber::I16)
+            }
+            _ => false,
+        }
     }
 
     /// What a morph target adds to an attribute.
@@ -165,10 +207,13 @@ impl<'a> AccessorStream<'a> {
         }
     }
 
-    /// `UNSIGNED_SHORT`, `UNSIGNED_INT` or `FLOAT`.
+    /// `UNSIGNED_SHORT`, `UNSIGNED_INT`, `FLOAT`, or a smaller integer.
     pub fn component_type(&self) -> u32 {
         match self.rows {
-            AccessorSource::Short(_) | AccessorSource::Joints(_) => 5123,
+            AccessorSource::Short(_) | AccessorSource::Joints(_) | AccessorSource::ShortWeights(_) => 5123,
+            AccessorSource::Positions(_, StoredPositions::Lattice(..)) => 5123,
+            AccessorSource::ByteJoints(_) => 5121,
+            AccessorSource::Normalized(_, number, _) => number.component_type(),
             AccessorSource::Long(_) => 5125,
             _ => 5126,
         }
@@ -179,7 +224,9 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::Short(_) | AccessorSource::Long(_) | AccessorSource::Bytes(_) => 1,
             AccessorSource::Positions(..) => 3,
             AccessorSource::Joints(_) | AccessorSource::Weights(_) => 4,
+            AccessorSource::ByteJoints(_) | AccessorSource::ShortWeights(_) => 4,
             AccessorSource::Unit(attribute, _)
+            | AccessorSource::Normalized(attribute, ..)
             | AccessorSource::Plain(attribute)
             | AccessorSource::TurnedTexcoords(attribute) => attribute.width,
         }
@@ -205,20 +252,40 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::Positions(mesh, _) => mesh.positions().len(),
             AccessorSource::Joints(joints) => joints.len() / 4,
             AccessorSource::Weights(weights) => weights.len() / 4,
+            AccessorSource::ByteJoints(joints) => joints.len() / 4,
+            AccessorSource::ShortWeights(weights) => weights.len() / 4,
             AccessorSource::Unit(attribute, _)
+            | AccessorSource::Normalized(attribute, ..)
             | AccessorSource::Plain(attribute)
             | AccessorSource::TurnedTexcoords(attribute) => attribute.values.len() / attribute.width,
         }
     }
 
-    /// The number of bytes without padding.
-    pub fn n_bytes(&self) -> u64 {
+    /// The bytes of a row without padding.
+    fn row_size(&self) -> usize {
         let size = match self.rows {
-            AccessorSource::Bytes(_) => 1,
-            AccessorSource::Short(_) | AccessorSource::Joints(_) => 2,
+            AccessorSource::Bytes(_) | AccessorSource::ByteJoints(_) => 1,
+            AccessorSource::Short(_) | AccessorSource::Joints(_) | AccessorSource::ShortWeights(_) => 2,
+            AccessorSource::Positions(_, StoredPositions::Lattice(..)) => 2,
+            AccessorSource::Normalized(_, number, _) => number.size(),
             _ => 4,
         };
-        (self.count() * self.width()) as u64 * size
+        self.width() * size
+    }
+
+    /// The bytes from a row of a vertex to the next where they are more than it has: they are a multiple of
+    /// four.
+    pub fn padded_stride(&self) -> Option<usize> {
+        let is_vertex = !matches!(
+            self.rows,
+            AccessorSource::Bytes(_) | AccessorSource::Short(_) | AccessorSource::Long(_)
+        );
+        (is_vertex && self.row_size() % 4 != 0).then(|| self.row_size().next_multiple_of(4))
+    }
+
+    /// The number of bytes without padding at the end.
+    pub fn n_bytes(&self) -> u64 {
+        (self.count() * self.padded_stride().unwrap_or_else(|| self.row_size())) as u64
     }
 
     /// The number of bytes with padding to the next multiple of four.
@@ -253,9 +320,32 @@ impl<'a> AccessorStream<'a> {
             AccessorSource::Weights(weights) => {
                 weights.iter().try_for_each(|weight| sink.put(weight.to_le_bytes()))?;
             }
-            AccessorSource::Positions(mesh, origin) => {
+            AccessorSource::ByteJoints(joints) => joints.iter().try_for_each(|joint| sink.put([*joint]))?,
+            AccessorSource::ShortWeights(weights) => {
+                weights.iter().try_for_each(|weight| sink.put(weight.to_le_bytes()))?;
+            }
+            AccessorSource::Positions(mesh, StoredPositions::Lattice(lattice, corner)) => {
                 for position in mesh.positions() {
-                    stored(*position, *origin).into_iter().try_for_each(|x| sink.put(x.to_le_bytes()))?;
+                    let [x, y, z] = lattice.stored(*position, *corner);
+                    [x, y, z, 0].into_iter().try_for_each(|x| sink.put(x.to_le_bytes()))?;
+                }
+            }
+            AccessorSource::Positions(mesh, stored) => {
+                for position in mesh.positions() {
+                    let row = stored.stored(*position);
+                    row.into_iter().try_for_each(|x| sink.put((x as f32).to_le_bytes()))?;
+                }
+            }
+            AccessorSource::Normalized(attribute, number, turns_v) => {
+                let pad = self.padded_stride().map_or(0, |stride| stride - self.row_size());
+                for row in attribute.values.chunks_exact(attribute.width) {
+                    let turned = [row[0], if *turns_v { 1.0 - row[1] } else { row[0] }];
+                    let row = if *turns_v { &turned[..] } else { row };
+                    for stored in stored_row(attribute, row, *number) {
+                        let [low, high] = number.bytes(stored);
+                        if number.size() == 1 { sink.put([low])? } else { sink.put([low, high])? }
+                    }
+                    (0..pad).try_for_each(|_| sink.put([0]))?;
                 }
             }
             AccessorSource::Unit(attribute, axis) => {
@@ -284,18 +374,13 @@ impl<'a> AccessorStream<'a> {
     }
 }
 
-/// A position as it is stored.
-pub(super) fn stored(position: [f64; 3], origin: [f64; 3]) -> [f32; 3] {
-    std::array::from_fn(|k| store(origin[k], position[k]))
-}
-
 /// The lowest and highest stored coordinates. Zero has no sign here.
-pub(super) fn stored_bounds(mesh: &Mesh, origin: [f64; 3]) -> [[f64; 3]; 2] {
+pub(super) fn stored_bounds(mesh: &Mesh, stored: &StoredPositions) -> [[f64; 3]; 2] {
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for position in mesh.positions() {
-        let stored = stored(*position, origin);
+        let stored = stored.stored(*position);
         for k in 0..3 {
-            let x = f64::from(stored[k]) + 0.0;
+            let x = stored[k] + 0.0;
             bounds[0][k] = lesser(x, bounds[0][k]);
             bounds[1][k] = greater(x, bounds[1][k]);
         }

@@ -1,6 +1,6 @@
 //! Bounding boxes of tiles: around what a viewer shows of a GLB that Chordal writes.
+use crate::glb::{StoredPositions, storage_of};
 use crate::scene::IDENTITY;
-use crate::single_precision::{origin_of, store};
 use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
 use chordal::math::{Box3, Interval, greater, mul_down, mul_up};
 
@@ -27,7 +27,8 @@ use chordal::math::{Box3, Interval, greater, mul_down, mul_up};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
-    let origins: Vec<[f64; 3]> = scene.parts.iter().map(|part| origin_of(&part.mesh)).collect();
+    let stored_as = |part: &Part| StoredPositions::new(&part.mesh, storage_of(part, scene.packing));
+    let stored: Vec<StoredPositions> = scene.parts.iter().map(stored_as).collect();
     let mut seen = vec![false; scene.nodes.len()];
     let mut open: Vec<(usize, IntervalAffine)> =
         scene.roots.iter().map(|root| (*root, IntervalAffine::identity())).collect();
@@ -43,7 +44,7 @@ pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
         let place = parent.times(&own);
         if let Some(part) = node.part {
             let shown = scene.parts.get(part).ok_or_else(|| unsupported("shows a part that is not there"))?;
-            bounds = bounds.union(place.bounds(shown, origins[part])?);
+            bounds = bounds.union(place.bounds(shown, &stored[part])?);
         }
         open.extend(node.children.iter().map(|child| (*child, place.clone())));
     }
@@ -162,14 +163,11 @@ impl IntervalAffine {
         std::array::from_fn(|i| turned[i] + self.rows[i][3])
     }
 
-    /// The box of a part as it is stored about its origin.
-    fn bounds(&self, part: &Part, origin: [f64; 3]) -> Result<Box3, WriteError> {
+    /// The box of a part as it is stored.
+    fn bounds(&self, part: &Part, stored: &StoredPositions) -> Result<Box3, WriteError> {
         let mut bounds = Box3::EMPTY;
         for position in part.mesh.positions() {
-            let point = std::array::from_fn(|k| {
-                let stored = Interval::point(f64::from(store(origin[k], position[k])));
-                if origin[k] == 0.0 { stored } else { Interval::point(origin[k]) + stored }
-            });
+            let point = stored.placed(*position);
             let point: [Interval; 3] = if self.is_identity { point } else { self.map(point) };
             if point.iter().any(|x| !(x.lo().is_finite() && x.hi().is_finite())) {
                 let value = position.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));

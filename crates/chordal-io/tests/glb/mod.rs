@@ -13,5 +13,6 @@ mod instancing;
 mod levels;
 mod meshopt;
 mod mutations;
+mod quantized;
 mod reader;
 mod round_trip;

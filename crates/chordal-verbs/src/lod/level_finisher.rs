@@ -1,6 +1,7 @@
 //! `LevelFinisher`: levels as they will be written, with their normals and rounded.
 use super::LodSpec;
-use crate::file_rows::to_file_rows;
+use crate::file_rows::{to_file_rows, unsupported};
+use crate::format_rounding::{RoundingTarget, limits_left, storage_within};
 use crate::rounded_mesh::snap_with_bound;
 use crate::{MeshFailure, Normals};
 use chordal::budget::Bound;
@@ -8,13 +9,17 @@ use chordal::budget::advice::Message;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::explicit::Topology;
 use chordal::{Bounded, Job, Mesh};
+use chordal_io::glb::{PositionLattice, VertexStorage};
 use chordal_io::{Format, Frame, Part, Scene, SceneAssets};
 
 /// What every level gets: normals, the frame, materials.
 pub(super) struct LevelFinisher {
     normals: Normals,
-    /// How far attributes may go off.
+    /// How far attributes may go off before they are rounded.
     pub attributes: AttributeLimits,
+    /// And after it.
+    asked: AttributeLimits,
+    is_quantized: bool,
     from: Format,
     frame: Frame,
     /// The materials.
@@ -23,13 +28,26 @@ pub(super) struct LevelFinisher {
 
 impl LevelFinisher {
     pub fn new(spec: &LodSpec, from: Format, frame: Frame, assets: SceneAssets) -> Self {
-        let LodSpec { normals, attributes, .. } = *spec;
-        Self { normals, attributes, from: normals_by(from), frame, assets }
+        let LodSpec { normals, attributes: asked, packing, .. } = *spec;
+        let attributes = attributes_before_rounding(spec);
+        let is_quantized = packing.is_quantized;
+        Self { normals, attributes, asked, is_quantized, from: normals_by(from), frame, assets }
     }
 
-    /// A mesh as a scene of its own.
-    pub fn scene(&self, mesh: Mesh) -> Scene {
-        Scene { assets: Box::new(self.assets.clone()), ..Scene::from_mesh(NAME, mesh, self.frame) }
+    /// How a part is stored whose positions are on that lattice, if numbers are rounded to fewer bits at all.
+    pub fn storage(&self, lattice: Option<PositionLattice>) -> Option<VertexStorage> {
+        self.is_quantized.then(|| storage_within(lattice, &self.asked))
+    }
+
+    /// A mesh as a scene of its own, with its attributes rounded.
+    pub fn scene(&self, mesh: Mesh, storage: Option<VertexStorage>) -> Result<Scene, MeshFailure> {
+        let mut scene =
+            Scene { assets: Box::new(self.assets.clone()), ..Scene::from_mesh(NAME, mesh, self.frame) };
+        for part in &mut scene.parts {
+            part.storage = storage;
+            round_attributes(part)?;
+        }
+        Ok(scene)
     }
 
     /// Sets the normals of a scene, and adds a note.
@@ -45,12 +63,34 @@ impl LevelFinisher {
         notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Bounded<Part>, MeshFailure> {
-        let Bounded { shape: mesh, bound } = snap_with_bound(&part.mesh, bound, Format::Glb, None, job)?;
+        let lattice = part.storage.and_then(|storage| storage.lattice);
+        let target = RoundingTarget::new(Format::Glb, lattice);
+        let Bounded { shape: mesh, bound } = snap_with_bound(&part.mesh, bound, target, None, job)?;
         let mut scene = Scene { parts: vec![Part { mesh, ..part }], frame: self.frame, ..Scene::default() };
         self.apply_normals(&mut scene, notes)?;
+        for part in &mut scene.parts {
+            round_attributes(part)?;
+        }
         let shape = to_file_rows(scene, Format::Glb)?.parts.remove(0);
         Ok(Bounded { shape, bound })
     }
+}
+
+/// What limits on attributes leave once their values are rounded.
+pub(super) fn attributes_before_rounding(spec: &LodSpec) -> AttributeLimits {
+    let limits = spec.attributes;
+    if !spec.packing.is_quantized {
+        return limits;
+    }
+    limits_left(limits, &storage_within(None, &limits))
+}
+
+/// Rounds the attributes of a part to what its storage holds.
+pub(super) fn round_attributes(part: &mut Part) -> Result<(), MeshFailure> {
+    if let Some(storage) = part.storage {
+        part.mesh = storage.round_attributes(&part.mesh).map_err(unsupported)?;
+    }
+    Ok(())
 }
 
 /// A descriptive name; a file name would make the bytes depend on a path.

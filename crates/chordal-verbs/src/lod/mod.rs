@@ -8,6 +8,7 @@ mod source;
 mod tile_hierarchy;
 mod tileset;
 
+use crate::format_rounding::single_precision_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output};
 use crate::too_fine::too_fine_note;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape};
@@ -17,6 +18,7 @@ use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Budget, Length, Pixels, RefusalCode, Tolerance, View};
 use chordal::lod::selection::SwitchDistances;
 use chordal_io::Format;
+use chordal_io::glb::GltfPacking;
 use chordal_io::tiles::GeoPlace;
 use level_finisher::LevelFinisher;
 use outcome::LodLayout;
@@ -53,6 +55,8 @@ pub struct LodSpec {
     /// Where on the Earth the origin of a tileset stands. There x of the scene is east and up is up: y is north
     /// where z is up, and -z is where y is.
     pub place: Option<GeoPlace>,
+    /// How the numbers of all files are stored.
+    pub packing: GltfPacking,
 }
 
 /// What the parts of a scene become.
@@ -81,7 +85,8 @@ pub enum TileErrors {
 /// The finest level is within `spec.length`, or loses at most `spec.pixels` at `spec.nearest`. Where neither
 /// is given, it loses at most that where the box fills the height of the screen. A note says where rounding to
 /// single precision leaves it farther off. Each level is proved against
-/// the shape itself, as it will be written: positions in single precision.
+/// the shape itself, as it will be written: positions in single precision, or on one lattice for all levels and
+/// tiles of a part where `spec.packing` asks for it.
 ///
 /// The parts of a scene have levels of their own, within tolerances that hold after the largest scale of any
 /// of their instances, unless `spec.parts` merges them or a finest level is cut in space. A level of the whole
@@ -117,8 +122,8 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         SourceLevels::Chains(chains) => {
             LodLayout::Levels(Box::new(SceneLevels::new(*chains, &finisher, &mut certificate.notes, job)?))
         }
-        SourceLevels::TooLarge { finest, most, .. } => {
-            let cut = TileHierarchy::build(*finest, &finisher, most, &mut certificate.notes, job)?;
+        SourceLevels::TooLarge { finest, cut, .. } => {
+            let cut = TileHierarchy::build(*finest, &finisher, cut, &mut certificate.notes, job)?;
             LodLayout::Cut(Box::new(cut))
         }
     };
@@ -144,8 +149,12 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         let seen = Budget::pixels(spec.pixels, View::MinDistance(MinDistanceView { distance, ..spec.lens }));
         certificate.notes.extend(too_fine_note(shown, &seen, job)?);
     }
+    if spec.packing.is_quantized {
+        certificate.notes.extend(single_precision_note(&shown.parts));
+    }
     certificate.notes.dedup();
     let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
+    outcome.pack(spec.packing);
     outcome.certificate.levels = Some(outcome.facts(levels));
     Ok(outcome)
 }

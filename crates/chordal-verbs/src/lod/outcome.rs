@@ -78,13 +78,11 @@ fn facts_of(level: &SceneLevel) -> LevelFacts {
 
 impl LodOutcome {
     /// Stores the numbers of all levels in another way.
-    #[must_use]
-    pub fn packed(mut self, packing: GltfPacking) -> Self {
+    pub(super) fn pack(&mut self, packing: GltfPacking) {
         match &mut self.made {
             LodLayout::Levels(levels) => levels.finest.packing = packing,
             LodLayout::Cut(cut) => cut.tiles.iter_mut().for_each(|tile| tile.scene.packing = packing),
         }
-        self
     }
 
     /// A level as it will be written, the finest first, with its bound; `None` where the finest level is cut

@@ -7,9 +7,11 @@ use crate::report::AttributeFacts;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::check::findings::AttributeDeviation;
+use chordal::explicit::Semantic;
 use chordal::lod::LodLevel;
 use chordal::math::greater;
 use chordal::{Bounded, Job};
+use chordal_io::glb::{PositionLattice, VertexStorage};
 use chordal_io::{Part, Scene};
 use std::borrow::Cow;
 
@@ -49,6 +51,8 @@ pub(super) struct LevelChains {
     pub stretch: Vec<f64>,
     /// By part: its levels, the finest first, at least one.
     pub chains: Vec<Vec<LodLevel>>,
+    /// By part: the lattice of its positions, one for all of its levels.
+    pub lattices: Vec<Option<PositionLattice>>,
     /// How far transforms that were applied have moved a vertex.
     pub moved_at_most: f64,
     /// The tolerance of the finest level of the whole.
@@ -70,20 +74,24 @@ impl SceneLevels {
         notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
-        let LevelChains { scene: mut finest, stretch, chains, moved_at_most, finest: tolerance } = source;
+        let LevelChains { scene: mut finest, stretch, chains, lattices, moved_at_most, finest: tolerance } =
+            source;
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
         let (mut coarser, mut bounds, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
-        for (part, chain) in finest.parts.iter_mut().zip(chains) {
+        for ((part, chain), lattice) in finest.parts.iter_mut().zip(chains).zip(lattices) {
+            let storage = finisher.storage(lattice);
             let mut levels: Vec<Bounded<Part>> = Vec::new();
             let mut off = Vec::new();
             for level in chain {
-                let level_attributes = level.attributes;
+                let mut level_attributes = level.attributes;
+                level_attributes.iter_mut().for_each(|off| add_rounding(off, storage.as_ref()));
                 let bound = if moved_at_most > 0.0 { level.bound.then(&moved) } else { level.bound };
                 let own = Part {
                     name: part.name.clone(),
                     mesh: level.mesh,
                     indexed: part.indexed,
                     properties: part.properties.clone(),
+                    storage,
                 };
                 let level = finisher.finish(own, bound, notes, job)?;
                 // Rounding may leave two levels alike.
@@ -196,6 +204,18 @@ impl SceneLevels {
             packing: *packing,
         }))
     }
+}
+
+/// Adds to a measured difference what rounding to a storage may add.
+fn add_rounding(off: &mut AttributeDeviation, storage: Option<&VertexStorage>) {
+    let Some(storage) = storage else { return };
+    let lost = match off.semantic {
+        Semantic::Normal | Semantic::Tangent => storage.directions.worst_deg(),
+        Semantic::TexCoord(_) if storage.has_short_texcoords => VertexStorage::WORST_TEXCOORD,
+        _ => 0.0,
+    };
+    off.largest += lost;
+    off.rms += lost;
 }
 
 /// The upper end of a part's bound where its transforms lengthen it by `stretch`.

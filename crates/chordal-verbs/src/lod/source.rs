@@ -1,22 +1,23 @@
 //! `LevelSource`: the triangles of any surface in levels at full precision.
-use super::level_finisher::NAME;
+use super::level_finisher::{NAME, attributes_before_rounding};
 use super::scene_levels::LevelChains;
 use super::{LodParts, LodSpec};
 use crate::drop_attributes::{drop_attributes, drop_normals};
 use crate::flatten::{self, TransformedScene};
-use crate::format_rounding;
+use crate::format_rounding::{self, RoundingTarget};
 use crate::merge::{MergedMesh, merge};
 use crate::merged_parts;
 use crate::notes::{deformation_note, reduction_notes};
 use crate::placements;
 use crate::request::MeshRequest;
-use crate::{MeshFailure, Normals, Shape, cage, field, isosurface};
+use crate::{MeshFailure, Normals, OutputForm, Shape, cage, field, isosurface};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, Refusal, RefusalCode, Tolerance};
 use chordal::explicit::{Semantic, Topology};
 use chordal::lod::{self, LodLevel, LodSource, LodSteps, ReductionStats};
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
+use chordal_io::glb::PositionLattice;
 use chordal_io::{Format, Part, Scene, SceneAssets, glb};
 use std::collections::BTreeSet;
 
@@ -33,12 +34,7 @@ pub(super) enum SourceLevels {
     /// Each part in levels.
     Chains(Box<LevelChains>),
     /// A finest level that is to be cut in space.
-    TooLarge {
-        finest: Box<Bounded<Mesh>>,
-        /// The most triangles of a tile.
-        most: usize,
-        assets: Box<SceneAssets>,
-    },
+    TooLarge { finest: Box<Bounded<Mesh>>, cut: CutRule, assets: Box<SceneAssets> },
 }
 
 impl SourceLevels {
@@ -49,6 +45,15 @@ impl SourceLevels {
             Self::TooLarge { assets, .. } => (**assets).clone(),
         }
     }
+}
+
+/// How a finest level is cut in space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutRule {
+    /// The most triangles of a tile.
+    pub most: usize,
+    /// The lattice of the positions of all tiles, if they have one.
+    pub lattice: Option<PositionLattice>,
 }
 
 /// The number of triangles at which a level is the last. Chosen: what a picture of a few pixels shows.
@@ -110,7 +115,7 @@ impl LevelSource<'_> {
         let lengths = self.part_lengths(scene, stretch, bounds)?;
         let mut left = most;
         for (part, length) in scene.parts.iter().zip(lengths) {
-            let attributes = self.spec.attributes;
+            let attributes = attributes_before_rounding(self.spec);
             let finest =
                 LodSteps { max_untiled_triangles: 0, attributes, ..LodSteps::from_finest(self.finest) };
             let n = match length {
@@ -134,7 +139,7 @@ impl LevelSource<'_> {
         stretch: &[f64],
         bounds: Box3,
     ) -> Result<Vec<Option<Tolerance>>, MeshFailure> {
-        let lost = format_rounding::worst_rounding(scene, stretch, Format::Glb);
+        let lost = format_rounding::worst_rounding(scene, stretch, &self.targets(scene, stretch));
         let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
         let left = request.reserve_rounding(lost)?.length.unwrap_or(self.finest);
         let length = |((part, stretch), takes_levels): ((&Part, &f64), bool)| {
@@ -142,6 +147,15 @@ impl LevelSource<'_> {
             if changes { placements::length_in_part(left.get(), *stretch) } else { None }
         };
         Ok(scene.parts.iter().zip(stretch).zip(glb::takes_levels(scene)).map(length).collect())
+    }
+
+    /// What each part is rounded to.
+    fn targets(&self, scene: &Scene, stretch: &[f64]) -> Vec<RoundingTarget> {
+        format_rounding::targets(scene, stretch, self.form(), |_| self.finest.get())
+    }
+
+    fn form(&self) -> OutputForm {
+        OutputForm { format: Format::Glb, packing: self.spec.packing }
     }
 
     /// Levels of each part, placed by the nodes of the scene.
@@ -167,7 +181,7 @@ impl LevelSource<'_> {
         for (part, length) in scene.parts.iter().zip(lengths) {
             let chain = match length {
                 Some(length) => {
-                    let attributes = self.spec.attributes;
+                    let attributes = attributes_before_rounding(self.spec);
                     let steps = LodSteps { stop_at_triangles, attributes, ..LodSteps::from_finest(length) };
                     part_chain(part, &steps, self.job)?
                 }
@@ -185,7 +199,8 @@ impl LevelSource<'_> {
         }
         notes.extend(reduction_notes(&stats));
         let finest = self.finest.get();
-        let chains = LevelChains { scene, stretch, chains, moved_at_most: 0.0, finest };
+        let lattices = self.targets(&scene, &stretch).iter().map(|target| target.lattice).collect();
+        let chains = LevelChains { scene, stretch, chains, lattices, moved_at_most: 0.0, finest };
         Ok(SourceLevels::Chains(Box::new(chains)))
     }
 
@@ -202,12 +217,12 @@ impl LevelSource<'_> {
         let Scene { frame, assets, .. } = &scene;
         let template = Scene { assets: assets.clone(), ..Scene::from_mesh(NAME, Mesh::default(), *frame) };
         let (mesh, topology) = merged_mesh(scene, notes)?;
-        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
+        let request = MeshRequest::new(Budget::length(self.finest), self.form(), bounds);
         let inner = request.reserve_rounding(request.rounding())?;
         let inner = request.with_budget(inner).reserve_rounding(moved_at_most)?;
         let steps = self.steps(&inner);
         let chain = lod::chain(LodSource::Triangles(&mesh, topology), &steps, self.job)?;
-        self.as_source(template, chain, moved_at_most, notes)
+        self.as_source(template, chain, (moved_at_most, request.lattice), notes)
     }
 
     fn of_smooth_shape(
@@ -217,7 +232,7 @@ impl LevelSource<'_> {
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         let template = Scene::from_mesh(NAME, Mesh::default(), *shape.frame());
-        let request = MeshRequest::new(Budget::length(self.finest), Format::Glb, bounds);
+        let request = MeshRequest::new(Budget::length(self.finest), self.form(), bounds);
         let inner = request.reserve_rounding(request.rounding())?;
         let mut steps = self.steps(&inner);
         if matches!(shape, Shape::Field(_) | Shape::Volume(_)) {
@@ -225,13 +240,13 @@ impl LevelSource<'_> {
         }
         let mut make = |length: Tolerance| tessellate(shape, length, bounds, notes, self.job);
         let chain = lod::chain(LodSource::Smooth(&mut make), &steps, self.job)?;
-        self.as_source(template, chain, 0.0, notes)
+        self.as_source(template, chain, (0.0, request.lattice), notes)
     }
 
     fn steps(&self, budget: &Budget) -> LodSteps {
         let finest = budget.length.unwrap_or(self.finest);
         let max_untiled_triangles = self.most_of_a_tile();
-        let attributes = self.spec.attributes;
+        let attributes = attributes_before_rounding(self.spec);
         LodSteps {
             max_untiled_triangles,
             stop_at_triangles: LAST_LEVEL,
@@ -245,7 +260,7 @@ impl LevelSource<'_> {
         &self,
         template: Scene,
         mut chain: Vec<LodLevel>,
-        moved_at_most: f64,
+        (moved_at_most, lattice): (f64, Option<PositionLattice>),
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         if let Some(coarsest) = chain.last() {
@@ -254,15 +269,15 @@ impl LevelSource<'_> {
         let most = self.most_of_a_tile();
         if chain.first().is_none_or(|finest| finest.mesh.faces().len() <= most) {
             let finest = self.finest.get();
-            let (stretch, chains) = (vec![1.0], vec![chain]);
-            let chains = LevelChains { scene: template, stretch, chains, moved_at_most, finest };
+            let (stretch, chains, lattices) = (vec![1.0], vec![chain], vec![lattice]);
+            let chains = LevelChains { scene: template, stretch, chains, lattices, moved_at_most, finest };
             return Ok(SourceLevels::Chains(Box::new(chains)));
         }
         let LodLevel { mesh, bound, .. } = chain.remove(0);
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
         let bound = if moved_at_most > 0.0 { bound.then(&moved) } else { bound };
         let finest = Box::new(Bounded { shape: mesh, bound });
-        Ok(SourceLevels::TooLarge { finest, most, assets: template.assets })
+        Ok(SourceLevels::TooLarge { finest, cut: CutRule { most, lattice }, assets: template.assets })
     }
 }
 

@@ -1,8 +1,10 @@
 //! `TileHierarchy`: a finest level that is cut in space, and coarser tiles above it.
-use super::level_finisher::LevelFinisher;
+use super::level_finisher::{LevelFinisher, round_attributes};
 use super::level_mesh::{LevelMesh, counts};
+use super::source::CutRule;
 use crate::MeshFailure;
 use crate::file_rows::{to_file_rows, unsupported};
+use crate::format_rounding::RoundingTarget;
 use crate::notes::reduction_notes;
 use crate::report::LevelFacts;
 use chordal::budget::advice::{Message, Setting};
@@ -11,7 +13,7 @@ use chordal::explicit::Topology;
 use chordal::lod::tiling::TilingOptions;
 use chordal::lod::{self, ReductionStats};
 use chordal::math::{add_up, greater, mul_up};
-use chordal::{Bounded, Job, Mesh};
+use chordal::{Bounded, Job, Mesh, mend};
 use chordal_io::{Format, snap};
 
 /// The most leaves of a tree of tiles. Chosen: each is a file, and all are in memory at once.
@@ -33,11 +35,11 @@ pub(super) struct TileHierarchy {
 
 impl TileHierarchy {
     /// Cuts a mesh into tiles of at most so many triangles. Coordinates are in single precision relative to
-    /// one common origin, so that coordinates shared by two tiles are identical.
+    /// one common origin, or on one lattice about it, so that coordinates shared by two tiles are identical.
     pub fn build(
         finest: Bounded<Mesh>,
         finisher: &LevelFinisher,
-        most: usize,
+        CutRule { most, lattice }: CutRule,
         notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
@@ -56,11 +58,13 @@ impl TileHierarchy {
         let largest = reach(local.positions().as_flattened());
         let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
         let room = if origin == [0.0; 3] { 0.0 } else { room };
-        let snapped = snap(&local, Format::Stl)?;
-        let bound =
-            bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
-        let mut scene = finisher.scene(snapped.mesh);
+        let target = RoundingTarget::new(Format::Stl, lattice);
+        let storage = finisher.storage(lattice);
+        let (rounded, moved) = round_tile(&local, &target, job)?;
+        let bound = bound.then(&Bound::proved(0.0, up(moved, room), Reference::InputTriangles));
+        let mut scene = finisher.scene(rounded, storage)?;
         finisher.apply_normals(&mut scene, notes)?;
+        scene.parts.iter_mut().try_for_each(round_attributes)?;
         let scene = to_file_rows(scene, Format::Glb)?;
         let Some(part) = scene.parts.first() else {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
@@ -82,10 +86,10 @@ impl TileHierarchy {
         notes.extend(reduction_notes(&stats));
         let (mut tiles, mut children) = (Vec::new(), Vec::new());
         for tile in made.tiles {
-            let snapped = snap(&tile.mesh, Format::Stl)?;
-            let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
-            let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
-            let scene = to_file_rows(finisher.scene(snapped.mesh), Format::Glb)?;
+            let (rounded, moved) = round_tile(&tile.mesh, &target, job)?;
+            let step = Bound::proved(0.0, moved, Reference::InputTriangles);
+            let bound = if moved > 0.0 { tile.bound.then(&step) } else { tile.bound };
+            let scene = to_file_rows(finisher.scene(rounded, storage)?, Format::Glb)?;
             let (triangles, vertices) = counts(&scene);
             tiles.push(LevelMesh { scene, bound, triangles, vertices });
             children.push(tile.children);
@@ -139,6 +143,20 @@ impl TileHierarchy {
         }
         levels
     }
+}
+
+/// The triangles of a tile at the positions of its file, and how far they moved. Those that a lattice left with
+/// two corners at one place are dropped: their neighbours share the edge.
+fn round_tile(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, f64), MeshFailure> {
+    let snapped = target.snap(mesh)?;
+    if target.lattice.is_some() && snapped.moved_at_most > 0.0 {
+        let kept = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
+        // Where nothing would remain there is no bound, and all of it stays.
+        if let Some(moved) = kept.bound.at_most() {
+            return Ok((kept.mesh, up(snapped.moved_at_most, moved)));
+        }
+    }
+    Ok((snapped.mesh, snapped.moved_at_most))
 }
 
 fn up(a: f64, b: f64) -> f64 {

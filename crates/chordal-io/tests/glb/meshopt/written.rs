@@ -46,7 +46,7 @@ fn sheet(n: usize, random: &mut Random) -> Mesh {
 fn scene(mesh: Mesh, is_compressed: bool) -> Scene {
     let mut scene = Scene::from_mesh("sheet", mesh, Frame::default());
     scene.groups.insert(MATERIAL.to_owned(), ["", "red", "blue"].map(str::to_owned).to_vec());
-    scene.packing = GltfPacking { is_compressed };
+    scene.packing = GltfPacking { is_compressed, ..GltfPacking::default() };
     scene
 }
 
