@@ -52,7 +52,7 @@ fn an_extension_names_and_colours_labels() {
                 let offset = (header + extensions.len()) as f64;
                 let plain = Nii { version, is_big, offset, rows: SHEARED, ..Nii::default() };
                 let mut file = plain.bytes();
-                file[header..header + extensions.len()].copy_from_slice(&extensions);
+                file.splice(header..header + 4, extensions.iter().copied());
                 for bytes in [pack(&file), file] {
                     let (volume, warnings) = load(&bytes, Format::Nii);
                     assert_eq!(volume.labels, *labels);
