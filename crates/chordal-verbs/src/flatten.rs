@@ -57,7 +57,8 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         let (part, node) = (&scene.parts[place.part], &scene.nodes[place.node]);
         let at = flat.parts.len();
         let mesh = mesh.into_owned();
-        flat.parts.push(Part { mesh, indexed, name: part.name.clone(), properties: part.properties.clone() });
+        let properties = part.properties.clone();
+        flat.parts.push(Part { mesh, indexed, name: part.name.clone(), properties, ..Part::default() });
         flat.nodes.push(Node {
             name: name.to_owned(),
             part: Some(at),

@@ -55,7 +55,7 @@ fn placed(bytes: &[u8]) -> Mesh {
     let mut positions = scene.parts[0].mesh.positions().to_vec();
     let mut node = scene.nodes.iter().position(|node| node.part == Some(0)).expect("shown");
     loop {
-        let m = scene.nodes[node].matrix;
+        let m = *scene.nodes[node].matrix;
         for p in &mut positions {
             *p = [0, 1, 2].map(|k| m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k]);
         }

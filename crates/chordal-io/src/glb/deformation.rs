@@ -118,8 +118,9 @@ pub(super) fn short_weights(sets: &mut [SkinSet]) -> Vec<Vec<u16>> {
             all[*s][*at] += 1;
         }
         for (set, weights) in sets.iter_mut().zip(&all) {
-            for k in IN_A_SET * vertex..IN_A_SET * (vertex + 1) {
-                set.joints[k] = if weights[k] == 0 { 0 } else { set.joints[k] };
+            let corners = IN_A_SET * vertex..IN_A_SET * (vertex + 1);
+            for (joint, weight) in set.joints[corners.clone()].iter_mut().zip(&weights[corners]) {
+                *joint = if *weight == 0 { 0 } else { *joint };
             }
         }
     }

@@ -280,7 +280,7 @@ impl<'a> AccessorStream<'a> {
             self.rows,
             AccessorSource::Bytes(_) | AccessorSource::Short(_) | AccessorSource::Long(_)
         );
-        (is_vertex && self.row_size() % 4 != 0).then(|| self.row_size().next_multiple_of(4))
+        (is_vertex && !self.row_size().is_multiple_of(4)).then(|| self.row_size().next_multiple_of(4))
     }
 
     /// The number of bytes without padding at the end.
