@@ -29,6 +29,7 @@ fn target_of(format: Format) -> &'static str {
         Format::Nii => "nii",
         Format::Npz => "npz",
         Format::MetaImage => "mha",
+        Format::Slc => "slc",
         Format::Vti => "vti",
         Format::Dicom => "dicom",
         Format::Star => "script",
