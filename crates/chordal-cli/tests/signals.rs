@@ -99,7 +99,7 @@ fn h80_two_jobs_on_one_output_leave_one_whole_file() {
 #[test]
 fn a_failed_allocation_is_an_exit_code_and_no_abort() {
     let folder = Folder::new("no-memory");
-    folder.file("many.obj", &format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(500_000)));
+    folder.file("many.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(500_000)));
     let program = chordal(&[]).get_program().to_owned();
     let mut seen = std::collections::BTreeSet::new();
     // Address space in kilobytes: the program's own is some fifty megabytes.
