@@ -97,10 +97,6 @@ pub struct ReadOutcome {
     pub warnings: Vec<Warning>,
 }
 
-/// The identity matrix.
-pub(crate) const IDENTITY: [f64; 16] =
-    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-
 impl Scene {
     /// Its assets; where groups of faces name materials and nothing says how they look, plain ones of these
     /// names.

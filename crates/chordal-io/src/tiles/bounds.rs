@@ -1,5 +1,5 @@
 //! Bounding boxes of tiles: around what a viewer shows of a GLB that Chordal writes.
-use crate::scene::IDENTITY;
+use crate::matrix::IDENTITY;
 use crate::single_precision::{origin_of, store};
 use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
 use chordal::math::{Box3, Interval, greater, mul_down, mul_up};
