@@ -1,6 +1,5 @@
 //! `PartInstance`: the parts of a scene under the transforms of their nodes, for formats without nodes.
-use crate::matrix::product;
-use crate::scene::IDENTITY;
+use crate::matrix::{IDENTITY, product};
 use crate::{Part, Scene, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};

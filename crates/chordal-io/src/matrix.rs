@@ -1,5 +1,8 @@
 //! Matrices of nodes, column-major, and what they are made of.
-use crate::scene::IDENTITY;
+
+/// The identity matrix.
+pub(crate) const IDENTITY: [f64; 16] =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// `a · b`. If one is the identity, the result is exactly the other, also for −0.
 pub(crate) fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {

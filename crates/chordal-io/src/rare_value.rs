@@ -1,5 +1,5 @@
 //! `RareValue`: a value that is nearly always the usual one, and takes memory only where it is not.
-use crate::scene::IDENTITY;
+use crate::matrix::IDENTITY;
 use serde_json::{Map, Value};
 use std::ops::{Deref, DerefMut};
 use std::sync::LazyLock;

@@ -21,8 +21,8 @@ pub struct Part {
     /// What glTF says of the mesh beside: extras, and the weights of its morph targets. In a box, since a file may
     /// have a hundred thousand parts and few of them have any.
     pub properties: Option<Box<Map<String, Value>>>,
-    /// How its numbers are stored where glTF is quantized; readers leave it open.
-    pub storage: Option<VertexStorage>,
+    /// How its numbers are stored where glTF is quantized; readers leave it open. In a box for the same reason.
+    pub storage: Option<Box<VertexStorage>>,
 }
 
 /// A node of the scene graph: a transform, children, and maybe a part that it shows.
@@ -98,10 +98,6 @@ pub struct ReadOutcome {
     /// Counted oddities.
     pub warnings: Vec<Warning>,
 }
-
-/// The identity matrix.
-pub(crate) const IDENTITY: [f64; 16] =
-    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 impl Scene {
     /// Its assets; where groups of faces name materials and nothing says how they look, plain ones of these

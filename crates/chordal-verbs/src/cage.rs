@@ -363,7 +363,7 @@ fn triangles(
     normals.apply(&mut scene, formats, notes)?;
     scene.packing = form.packing;
     if let (Some(storage), Some(part)) = (storage, scene.parts.first_mut()) {
-        part.storage = Some(storage);
+        part.storage = Some(Box::new(storage));
         part.mesh = storage.round_attributes(&part.mesh).map_err(crate::file_rows::unsupported)?;
         notes.extend(single_precision_note(&scene.parts));
     }

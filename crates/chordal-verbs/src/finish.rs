@@ -60,7 +60,8 @@ pub(crate) fn finish_triangles(
 fn round_attributes(scene: &mut Scene, asked: &MeshRequest) -> Result<(), MeshFailure> {
     for part in &mut scene.parts {
         let lattice = asked.lattice.filter(|_| !part.is_deformed());
-        let storage = part.storage.get_or_insert_with(|| storage_within(lattice, &asked.budget.attributes));
+        let storage =
+            part.storage.get_or_insert_with(|| Box::new(storage_within(lattice, &asked.budget.attributes)));
         part.mesh = storage.round_attributes(&part.mesh).map_err(unsupported)?;
     }
     Ok(())

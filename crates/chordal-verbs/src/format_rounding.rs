@@ -111,7 +111,7 @@ pub(crate) fn limits_left(limits: AttributeLimits, storage: &VertexStorage) -> A
 /// What is said of parts whose positions stay in single precision although fewer bits were asked for.
 pub(crate) fn single_precision_note(parts: &[Part]) -> Vec<Message> {
     let shown = || parts.iter().filter(|part| !part.mesh.faces().is_empty());
-    let is_single = |part: &&Part| part.storage.is_some_and(|storage| storage.lattice.is_none());
+    let is_single = |part: &&Part| part.storage.as_ref().is_some_and(|storage| storage.lattice.is_none());
     let deformed = shown().filter(is_single).filter(|part| part.is_deformed()).count();
     let others = shown().filter(is_single).count() - deformed;
     let mut notes: Vec<Message> = Vec::new();

@@ -28,9 +28,9 @@ pub(crate) fn pass_through(
     let mut n_collapsed = 0;
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
         if to.is_quantized() {
-            part.storage = Some(VertexStorage::of(&part.mesh));
+            part.storage = Some(Box::new(VertexStorage::of(&part.mesh)));
         }
-        let lattice = part.storage.and_then(|storage| storage.lattice);
+        let lattice = part.storage.as_ref().and_then(|storage| storage.lattice);
         let snapped = RoundingTarget::new(to.format, lattice).snap(&part.mesh)?;
         if lattice.is_some() {
             n_collapsed += n_new_collapsed(&part.mesh, &snapped.mesh);

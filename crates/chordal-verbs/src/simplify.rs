@@ -58,7 +58,7 @@ pub(crate) fn simplify_scene(
         if is_quantized {
             let storage = storage_within(target.lattice, &budget.attributes);
             share.budget.attributes = limits_left(share.budget.attributes, &storage);
-            part.storage = Some(storage);
+            part.storage = Some(Box::new(storage));
         }
     }
     // 2. Part by part.

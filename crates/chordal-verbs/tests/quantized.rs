@@ -116,8 +116,12 @@ fn the_bound_covers_the_rounding_and_is_within_the_budget() {
         // The sampler rounds, by far less than that.
         assert!(off <= most * (1.0 + 1e-9) && off > 0.3 * most, "{off} of {most}");
         // Positions are multiples of a step that is larger than what was read.
-        let step =
-            made.scene().expect("triangles").parts[0].storage.and_then(|s| s.lattice).expect("one").step();
+        let step = made.scene().expect("triangles").parts[0]
+            .storage
+            .as_ref()
+            .and_then(|s| s.lattice)
+            .expect("one")
+            .step();
         assert!(after.positions().iter().flatten().all(|x| (x / step).fract() == 0.0));
         assert!(input.positions().iter().flatten().any(|x| (x / step).fract() != 0.0));
     }
@@ -146,7 +150,9 @@ fn a_budget_finer_than_the_lattice_is_met_in_single_precision() {
     let made = mesh(loaded(text.as_bytes(), Format::Obj), &spec, SMALL, &Job::default()).expect("made");
     assert!(made.bound.at_most().expect("proved") <= 1e-5);
     assert!(notes(&made).contains("single precision"), "{}", notes(&made));
-    assert!(made.scene().expect("triangles").parts[0].storage.expect("asked for").lattice.is_none());
+    assert!(
+        made.scene().expect("triangles").parts[0].storage.as_deref().expect("asked for").lattice.is_none()
+    );
     let coarse =
         mesh(loaded(text.as_bytes(), Format::Obj), &budget("0.01"), SMALL, &Job::default()).expect("made");
     assert!(!notes(&coarse).contains("single precision"), "{}", notes(&coarse));
@@ -177,7 +183,7 @@ fn limits_on_attributes_count_their_rounding() {
             assert!(facts.largest.expect("a number") <= limit, "{facts:?}");
         }
         assert_eq!(made.certificate.attributes.len(), 2);
-        made.scene().expect("triangles").parts[0].storage.expect("asked for")
+        made.scene().expect("triangles").parts[0].storage.as_deref().expect("asked for")
     };
     use chordal_io::glb::DirectionBits::{Eight, Single, Sixteen};
     for (normal_deg, bits) in [(10.0, Eight), (1.0, Sixteen), (0.005, Single)] {
@@ -260,7 +266,7 @@ fn levels_of_a_part_stand_on_one_lattice() {
     let mut steps = BTreeSet::new();
     let mut n = 0;
     while let Some((scene, bound)) = made.level(n) {
-        let lattice = scene.parts[0].storage.and_then(|storage| storage.lattice).expect("a lattice");
+        let lattice = scene.parts[0].storage.as_ref().and_then(|storage| storage.lattice).expect("a lattice");
         let mesh = &scene.parts[0].mesh;
         assert_eq!(lattice.snap(mesh).moved_at_most, 0.0);
         steps.insert(lattice.step().to_bits());

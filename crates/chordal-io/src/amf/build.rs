@@ -1,7 +1,6 @@
 //! `AmfNodeBuilder`: the nodes of a scene from constellations, which say what stands where.
 use super::document::{AmfConstellation, AmfInstance, AmfTarget};
-use crate::matrix::sine_cosine;
-use crate::scene::IDENTITY;
+use crate::matrix::{IDENTITY, sine_cosine};
 use crate::text::{grouped, show};
 use crate::{FileLocation, Node, ReadError, Scene};
 use std::collections::BTreeMap;

@@ -8,8 +8,7 @@ use super::primitives::{
 };
 use super::transform::TransformKind;
 use crate::grow::{push, push_large, with_room};
-use crate::matrix::product;
-use crate::scene::IDENTITY;
+use crate::matrix::{IDENTITY, product};
 use crate::text::{LineTokens, integer, is_space, number, number_error, show};
 use crate::warnings::Warnings;
 use crate::xml_elements::{AnyNamespace, XmlElements, XmlStep};

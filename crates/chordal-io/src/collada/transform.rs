@@ -1,6 +1,5 @@
 //! The matrices of Collada's transforms, column-major.
-use crate::matrix::{cross, sine_cosine};
-use crate::scene::IDENTITY;
+use crate::matrix::{IDENTITY, cross, sine_cosine};
 use chordal::math::unit;
 
 /// What moves a node: an element with its numbers.

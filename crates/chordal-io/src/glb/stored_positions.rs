@@ -19,7 +19,9 @@ pub(crate) enum StoredPositions {
 
 /// The storage of a part in a file that is packed so: `None` where nothing is quantized.
 pub(crate) fn storage_of(part: &Part, packing: GltfPacking) -> Option<VertexStorage> {
-    packing.is_quantized.then(|| part.storage.unwrap_or_else(|| VertexStorage::of(&part.mesh)))
+    packing
+        .is_quantized
+        .then(|| part.storage.as_deref().copied().unwrap_or_else(|| VertexStorage::of(&part.mesh)))
 }
 
 impl StoredPositions {

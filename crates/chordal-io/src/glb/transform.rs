@@ -1,6 +1,6 @@
 //! Transforms of nodes: column-major matrices, and their glTF node properties.
 use super::trs::{compose, rotation_matrix};
-use crate::scene::IDENTITY;
+use crate::matrix::IDENTITY;
 use chordal::math::greater;
 use serde_json::{Map, Value, json};
 

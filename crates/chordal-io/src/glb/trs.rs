@@ -1,5 +1,5 @@
 //! The matrix of a translation, a rotation and a scale.
-use crate::scene::IDENTITY;
+use crate::matrix::IDENTITY;
 
 /// The rotation of a unit quaternion (x, y, z, w), three columns.
 pub(super) fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [f64; 9] {

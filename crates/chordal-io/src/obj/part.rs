@@ -10,6 +10,10 @@ use crate::ReadError;
 use crate::grow::{out_of_memory, push};
 use crate::plain_text::{PlainCursor, parts_of_lines};
 
+/// The most bytes of a part that is read by itself, 1 MiB. A longer one is a single huge line, which one thread reads
+/// anyhow, and whose corners would be held twice.
+const LONGEST: usize = 1 << 20;
+
 /// The statements of a part, in lists by kind.
 #[derive(Debug, Default)]
 pub(super) struct ObjPart<'a> {
@@ -63,6 +67,13 @@ impl<'a> ObjPart<'a> {
         if u32::try_from(text.len()).is_err() {
             // One line of 4 GiB.
             return Err(out_of_memory(text.len()));
+        }
+        if text.len() > LONGEST {
+            part.other(0, text.len())?;
+            let mut statements = ObjStatements::new(text);
+            while statements.next().is_some() {}
+            part.n_lines = statements.n_lines();
+            return Ok(part);
         }
         let mut cursor = PlainCursor { text, at: 0 };
         while let Some(first) = text.get(cursor.at) {

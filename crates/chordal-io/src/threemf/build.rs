@@ -2,7 +2,7 @@
 use super::meshes::NOTHING;
 use super::model::{ModelDocument, ModelObject, ModelSet, ObjectReference, ObjectShape};
 use crate::grow::{push, with_room};
-use crate::scene::IDENTITY;
+use crate::matrix::IDENTITY;
 use crate::text::grouped;
 use crate::{FileLocation, Node, ReadError, Scene};
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! Bounding boxes of tiles: around what a viewer shows of a GLB that Chordal writes.
 use crate::glb::{StoredPositions, storage_of};
-use crate::scene::IDENTITY;
+use crate::matrix::IDENTITY;
 use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
 use chordal::math::{Box3, Interval, greater, mul_down, mul_up};
 

@@ -6,8 +6,7 @@ use super::primvar::row_numbers;
 use super::stage::{StagePrim, StageSource, UsdStage};
 use super::transform::{LocalTransform, placed, quaternion_matrix};
 use crate::grow::{push, push_large};
-use crate::matrix::product;
-use crate::scene::IDENTITY;
+use crate::matrix::{IDENTITY, product};
 use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{

@@ -8,7 +8,7 @@ use super::topology::UsdTopology;
 use crate::assemble::check_extent;
 use crate::faces::SHORT_FACES;
 use crate::grow::{push, push_many, with_room};
-use crate::scene::IDENTITY;
+use crate::matrix::IDENTITY;
 use crate::warnings::Warnings;
 use crate::{Frame, Polygons, ReadError};
 use chordal::budget::advice::{Message, Setting};

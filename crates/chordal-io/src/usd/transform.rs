@@ -3,8 +3,7 @@
 //! Source: Pixar Animation Studios, *UsdGeomXformOp* and *UsdGeomXformable*, openusd.org, 2024.
 use super::stage::{StagePrim, UsdStage};
 use crate::ReadError;
-use crate::matrix::{product, sine_cosine};
-use crate::scene::IDENTITY;
+use crate::matrix::{IDENTITY, product, sine_cosine};
 
 /// The operation that says that transforms of ancestors do not count.
 const RESET: &str = "!resetXformStack!";

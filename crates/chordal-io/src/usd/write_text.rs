@@ -1,7 +1,7 @@
 //! `UsdaWriter`: statements of USD's text form, indented by their depth.
 use crate::WriteError;
+use crate::matrix::IDENTITY;
 use crate::number::ShortestDecimal;
-use crate::scene::IDENTITY;
 use std::collections::BTreeSet;
 use std::io::{BufWriter, Write};
 

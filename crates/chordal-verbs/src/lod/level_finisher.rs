@@ -44,7 +44,7 @@ impl LevelFinisher {
         let mut scene =
             Scene { assets: Box::new(self.assets.clone()), ..Scene::from_mesh(NAME, mesh, self.frame) };
         for part in &mut scene.parts {
-            part.storage = storage;
+            part.storage = storage.map(Box::new);
             round_attributes(part)?;
         }
         Ok(scene)
@@ -63,7 +63,7 @@ impl LevelFinisher {
         notes: &mut Vec<Message>,
         job: &Job,
     ) -> Result<Bounded<Part>, MeshFailure> {
-        let lattice = part.storage.and_then(|storage| storage.lattice);
+        let lattice = part.storage.as_ref().and_then(|storage| storage.lattice);
         let target = RoundingTarget::new(Format::Glb, lattice);
         let Bounded { shape: mesh, bound } = snap_with_bound(&part.mesh, bound, target, None, job)?;
         let mut scene = Scene { parts: vec![Part { mesh, ..part }], frame: self.frame, ..Scene::default() };
@@ -87,7 +87,7 @@ pub(super) fn attributes_before_rounding(spec: &LodSpec) -> AttributeLimits {
 
 /// Rounds the attributes of a part to what its storage holds.
 pub(super) fn round_attributes(part: &mut Part) -> Result<(), MeshFailure> {
-    if let Some(storage) = part.storage {
+    if let Some(storage) = &part.storage {
         part.mesh = storage.round_attributes(&part.mesh).map_err(unsupported)?;
     }
     Ok(())
