@@ -12,7 +12,7 @@ use chordal_verbs::{
 };
 use std::sync::Arc;
 
-const FORMATS: [(Format, &str); 9] = [
+const FORMATS: [(Format, &str); 10] = [
     (Format::Obj, "obj"),
     (Format::Ply, "ply"),
     (Format::Stl, "stl"),
