@@ -561,7 +561,7 @@ impl fmt::Display for Format {
 impl FromStr for Format {
     type Err = UnknownFormat;
     fn from_str(name: &str) -> Result<Self, UnknownFormat> {
-        Self::from_extension(name).ok_or_else(|| UnknownFormat::new(name))
+        Self::from_extension(name).ok_or_else(|| UnknownFormat::new(name, TABLE.iter().map(|row| row.name)))
     }
 }
 

@@ -69,9 +69,7 @@ const SHADES: [[f64; 2]; 3] = [[0.75, 0.95], [0.5, 0.8], [0.9, 0.65]];
 
 /// A colour for a label without one, in sRGB: by its number alone, so that it is the same in every file.
 fn color_of(label: i64) -> [f64; 3] {
-    // 10,007 is prime, and few volumes have as many labels.
-    let number = label.rem_euclid(10_007) as f64;
-    let hue = 6.0 * (number * HUE_STEP).fract();
+    let hue = 6.0 * (label as f64 * HUE_STEP).rem_euclid(1.0);
     let [saturation, value] = SHADES[label.rem_euclid(SHADES.len() as i64) as usize];
     // Each channel is full within a sixth of the circle on either side of its own hue, and falls off over the next.
     let channel = |own: f64| {
