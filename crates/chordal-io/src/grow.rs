@@ -26,10 +26,17 @@ pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
 #[inline]
 pub(crate) fn push_large<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     if list.len() == list.capacity() {
-        let step = (list.len() / 4).max(FIRST_LARGE);
-        list.try_reserve_exact(step).map_err(|_| out_of_memory(list.len()))?;
+        reserve_large(list, FIRST_LARGE)?;
     }
     list.push(item);
+    Ok(())
+}
+
+/// Makes room for `more` large items at once, and for a quarter of the list at least.
+pub(crate) fn reserve_large<T>(list: &mut Vec<T>, more: usize) -> Result<(), ReadError> {
+    if list.capacity() - list.len() < more {
+        list.try_reserve_exact(more.max(list.len() / 4)).map_err(|_| out_of_memory(list.len()))?;
+    }
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use super::namespace::{ModelElements, ModelNamespace};
 use super::package::part_name;
 use super::properties::{PropertyGroup, PropertyReader, color};
 use crate::assemble::{RawMesh, mesh, too_many_rows};
-use crate::grow::{push, push_large};
+use crate::grow::{push, push_large, reserve_large};
 use crate::text::{LineTokens, finite, show};
 use crate::warnings::Warnings;
 use crate::xml_elements::{XmlElement, XmlElements, XmlStep};
@@ -547,6 +547,7 @@ impl<'a, 's> ModelReader<'a, 's> {
 
     /// Makes parts of the meshes, once all groups are known.
     fn assemble(&mut self) -> Result<(), ReadError> {
+        reserve_large(&mut self.set.parts, self.meshes.len())?;
         for (model_mesh, name) in std::mem::take(&mut self.meshes) {
             let mut properties =
                 PropertyReader { groups: &self.groups, part: self.part, warnings: &mut self.set.warnings };
@@ -554,7 +555,7 @@ impl<'a, 's> ModelReader<'a, 's> {
             let ModelMesh { positions, faces, .. } = model_mesh;
             let raw = RawMesh { positions, position_id: None, faces, attributes };
             let mesh = mesh(raw, &mut self.set.warnings)?;
-            push_large(&mut self.set.parts, Part { name, mesh, indexed: true, ..Part::default() })?;
+            self.set.parts.push(Part { name, mesh, indexed: true, ..Part::default() });
         }
         Ok(())
     }

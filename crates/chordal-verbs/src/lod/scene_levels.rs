@@ -91,7 +91,7 @@ impl SceneLevels {
                     mesh: level.mesh,
                     indexed: part.indexed,
                     properties: part.properties.clone(),
-                    storage,
+                    storage: storage.map(Box::new),
                 };
                 let level = finisher.finish(own, bound, notes, job)?;
                 // Rounding may leave two levels alike.
