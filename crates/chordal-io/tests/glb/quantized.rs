@@ -211,7 +211,7 @@ fn parts_on_one_lattice_keep_their_shared_corners() {
     let half = |range: std::ops::Range<usize>| {
         let faces = (0..range.len() as u32 - 2).map(|i| [i, i + 1, i + 2]).collect();
         let mesh = Mesh::new(positions[range].to_vec(), faces).expect("half");
-        Part { mesh, storage: Some(VertexStorage::with_lattice(Some(lattice))), ..Part::default() }
+        Part { mesh, storage: Some(Box::new(VertexStorage::with_lattice(Some(lattice)))), ..Part::default() }
     };
     let read = |part: Part| {
         let scene = Scene { packing: SMALL, ..Scene::from_part(part, Frame::default()) };
@@ -229,7 +229,7 @@ fn a_level_that_16_bits_do_not_reach_stays_exact_in_single_precision() {
     let lattice = PositionLattice::for_mesh(&mesh.with_positions(finer).expect("finer")).expect("a lattice");
     let rounded = lattice.snap(&mesh).mesh;
     let storage = Some(VertexStorage::with_lattice(Some(lattice)));
-    let part = Part { mesh: rounded.clone(), storage, ..Part::default() };
+    let part = Part { mesh: rounded.clone(), storage: storage.map(Box::new), ..Part::default() };
     let file = file_of(&Scene { packing: SMALL, ..Scene::from_part(part, Frame::default()) });
     assert_eq!(placed(&read_back(&file))[0], rounded.positions());
 }
