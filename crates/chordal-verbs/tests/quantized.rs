@@ -183,7 +183,7 @@ fn limits_on_attributes_count_their_rounding() {
             assert!(facts.largest.expect("a number") <= limit, "{facts:?}");
         }
         assert_eq!(made.certificate.attributes.len(), 2);
-        made.scene().expect("triangles").parts[0].storage.as_deref().expect("asked for")
+        *made.scene().expect("triangles").parts[0].storage.as_deref().expect("asked for")
     };
     use chordal_io::glb::DirectionBits::{Eight, Single, Sixteen};
     for (normal_deg, bits) in [(10.0, Eight), (1.0, Sixteen), (0.005, Single)] {
