@@ -1,7 +1,9 @@
 //! `PlainCursor`: the fast way through the lines of a text that are spelled as programs spell them. What it
 //! does not take is left, untouched, to the reader that takes everything and says what is wrong.
+use crate::short_decimal::{digit, short_decimal};
 use crate::text::number;
 use memchr::memchr2;
+use std::num::NonZero;
 
 /// A cursor in a text. After a call that returned `None` its place means nothing: go back to where the line
 /// began.
@@ -9,69 +11,6 @@ use memchr::memchr2;
 pub(crate) struct PlainCursor<'a> {
     pub(crate) text: &'a [u8],
     pub(crate) at: usize,
-}
-
-/// Powers of ten that are numbers of f64 to the last bit: 5²² < 2⁵³.
-const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
-    1e19, 1e20, 1e21, 1e22,
-];
-
-/// Digits that a u64 always holds: 10¹⁹ < 2⁶⁴.
-const MOST_DIGITS: usize = 19;
-
-/// A decimal of few digits that is a quotient or a product of two numbers that f64 holds exactly, so that one
-/// rounding makes the nearest number: W. Clinger, *How to Read Floating Point Numbers Accurately*, 1990. With
-/// the number of bytes that it takes; what follows is not looked at.
-#[inline]
-pub(crate) fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
-    let negative = text.first() == Some(&b'-');
-    let start = usize::from(negative);
-    let (mut value, mut at) = (0_u64, start);
-    while let Some(digit) = digit(text, at) {
-        value = value.wrapping_mul(10).wrapping_add(digit);
-        at += 1;
-    }
-    let (mut n_digits, mut n_decimals) = (at - start, 0);
-    if text.get(at) == Some(&b'.') {
-        at += 1;
-        let point = at;
-        while let Some(digit) = digit(text, at) {
-            value = value.wrapping_mul(10).wrapping_add(digit);
-            at += 1;
-        }
-        n_digits += at - point;
-        n_decimals = at - point;
-    }
-    if n_digits == 0 || n_digits > MOST_DIGITS || value > 1 << f64::MANTISSA_DIGITS {
-        return None;
-    }
-    let mut scale = -(n_decimals as i32);
-    if let Some(b'e' | b'E') = text.get(at) {
-        let sign = text.get(at + 1);
-        let minus = sign == Some(&b'-');
-        let first = at + 1 + usize::from(minus || sign == Some(&b'+'));
-        at = first;
-        let mut exponent = 0_i32;
-        while let Some(digit) = digit(text, at) {
-            exponent = exponent.wrapping_mul(10).wrapping_add(digit as i32);
-            at += 1;
-        }
-        // Three digits are more than POWERS has, and an exponent of many does not fit.
-        if at == first || at - first > 3 {
-            return None;
-        }
-        scale += if minus { -exponent } else { exponent };
-    }
-    let power = *POWERS.get(scale.unsigned_abs() as usize)?;
-    let size = if scale < 0 { value as f64 / power } else { value as f64 * power };
-    Some((if negative { -size } else { size }, at))
-}
-
-#[inline]
-fn digit(text: &[u8], at: usize) -> Option<u64> {
-    let digit = text.get(at)?.wrapping_sub(b'0');
-    (digit < 10).then_some(u64::from(digit))
 }
 
 impl PlainCursor<'_> {
@@ -205,37 +144,18 @@ pub(crate) fn parts_of_lines(text: &[u8], size: usize, keeps: fn(&[u8]) -> bool)
     parts
 }
 
+/// How many parts are read before any of them is taken over: enough for all threads to end at nearly the same time, and
+/// few, since what was read of them is kept beside the mesh until then.
+pub(crate) fn parts_at_once(threads: usize) -> usize {
+    // Parts are taken over in the order of the text, whatever their number: no result depends on it.
+    let available = || std::thread::available_parallelism().map_or(1, NonZero::get);
+    // Four for each: the last ones to end leave a quarter of a thread's work at most.
+    4 * if threads == 0 { available() } else { threads }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chordal_testkit::Random;
-
-    #[test]
-    fn short_decimals_are_the_numbers_that_std_reads() {
-        let mut random = Random::new(7);
-        let mut n_short = 0;
-        for i in 0..200_000_u64 {
-            let bits = random.bits();
-            let text = match i % 5 {
-                0 => (f32::from_bits(bits as u32)).to_string(),
-                1 => format!("{:e}", f32::from_bits(bits as u32)),
-                2 => format!("{:.*}", (bits % 12) as usize, (bits >> 40) as f64 / 977.0),
-                3 => format!("{}{}", if bits & 1 == 0 { "-" } else { "" }, (bits >> 1) >> (bits % 60)),
-                _ => format!("{}.{}e{}", bits % 1000, bits >> (bits % 64), (bits % 60) as i64 - 30),
-            };
-            if let Some((value, n)) = short_decimal(text.as_bytes()) {
-                assert_eq!(n, text.len(), "{text}");
-                assert_eq!(text.parse::<f64>().map(f64::to_bits), Ok(value.to_bits()), "{text}");
-                n_short += 1;
-            }
-        }
-        assert!(n_short > 80_000, "{n_short}");
-        for text in ["", "-", ".", "-.", "+1", "x", "nan", "inf", "1e", "1e+", "e5", "1e9999"] {
-            assert_eq!(short_decimal(text.as_bytes()), None, "{text}");
-        }
-        assert_eq!(short_decimal(b"-0").map(|(x, n)| (x.to_bits(), n)), Some(((-0.0_f64).to_bits(), 2)));
-        assert_eq!(short_decimal(b"2.5,1"), Some((2.5, 3)));
-    }
 
     #[test]
     fn parts_are_the_text_and_end_where_lines_do() {

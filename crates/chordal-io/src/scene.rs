@@ -1,4 +1,5 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
+use crate::glb::deformation::is_deformed;
 use crate::glb::{GltfPacking, VertexStorage};
 use crate::{Curves, Drawing, Frame, MATERIAL, Polygons, RareValue, SceneAssets, Volume, Warning};
 use chordal::implicit::Field;
@@ -23,6 +24,14 @@ pub struct Part {
     pub properties: Option<Box<Map<String, Value>>>,
     /// How its numbers are stored where glTF is quantized; readers leave it open. In a box for the same reason.
     pub storage: Option<Box<VertexStorage>>,
+}
+
+impl Part {
+    /// Whether a skin or morph targets move its vertices.
+    #[must_use]
+    pub fn is_deformed(&self) -> bool {
+        is_deformed(&self.mesh)
+    }
 }
 
 /// A node of the scene graph: a transform, children, and maybe a part that it shows.

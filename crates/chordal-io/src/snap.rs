@@ -3,23 +3,10 @@ use crate::Polygons;
 use crate::format::Format;
 use crate::format_columns::PositionPrecision;
 use crate::single_precision::{origin_of, restore, store};
-use crate::worst_snap::distance_up;
+use crate::snapped_mesh::{SnappedMesh, distance_up};
 use chordal::Mesh;
 use chordal::math::greater;
 use std::fmt;
-
-/// A mesh rounded to the positions that a format stores.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SnappedMesh {
-    /// The mesh that a reader gets, in the coordinates of the input mesh.
-    pub mesh: Mesh,
-    /// The point about which the format stores positions. It is `[0, 0, 0]` for all formats but GLB, and for
-    /// GLB too unless the part is far from zero for its size. Each of its coordinates is a single-precision
-    /// number.
-    pub origin: [f64; 3],
-    /// No vertex moved by more than this, in the mesh's units; 0 when all positions are kept to the last bit.
-    pub moved_at_most: f64,
-}
 
 /// A coordinate outside the range of single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]

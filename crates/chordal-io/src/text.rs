@@ -1,5 +1,5 @@
 //! Parsing of text formats: lines, tokens, numbers, and how an error shows a token.
-use crate::plain_text::short_decimal;
+use crate::short_decimal::short_decimal;
 use crate::{FileLocation, ReadError};
 use memchr::{memchr, memchr2, memchr2_iter};
 use std::sync::OnceLock;

@@ -2,6 +2,7 @@
 use crate::format::Format;
 use crate::format_columns::PositionPrecision;
 use crate::single_precision::{F32_BOTTOM, F32_STEP};
+use crate::snapped_mesh::distance_up;
 use chordal::math::{Box3, add_up, mul_up};
 
 /// The most that [`snap`] can move a vertex of any mesh inside `bounds`, known before the mesh is built.
@@ -41,14 +42,4 @@ pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
     };
     let side = [axis(0), axis(1), axis(2)];
     if side.iter().any(|s| s.is_infinite()) { f64::INFINITY } else { distance_up([0.0; 3], side) }
-}
-
-/// An upper bound of the distance of two points; 0 for equal points.
-pub(crate) fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let apart: [f64; 3] = std::array::from_fn(|k| (a[k] - b[k]).abs());
-    if apart == [0.0; 3] {
-        return 0.0;
-    }
-    let side = apart.map(|d| if d == 0.0 { 0.0 } else { d.next_up() });
-    Box3 { min: [0.0; 3], max: side }.diagonal()
 }

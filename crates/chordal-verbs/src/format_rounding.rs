@@ -59,6 +59,12 @@ pub(crate) fn lattice_within(bounds: &Box3, allowed: f64) -> Option<PositionLatt
     PositionLattice::for_box(bounds, room).filter(|lattice| lattice.worst() <= MOST_SHARE * allowed)
 }
 
+/// The length of which a lattice may take its share. None where texture coordinates have to keep 32 bits: the steps of
+/// a lattice move the texture that spans a part by as much as 16 bits of its coordinates do.
+pub(crate) fn length_for_lattice(allowed: f64, limits: &AttributeLimits) -> f64 {
+    if storage_within(None, limits).has_short_texcoords { allowed } else { 0.0 }
+}
+
 /// What each part of a scene is rounded to, where a point of it may be off by such a length in the scene.
 pub(crate) fn targets(
     scene: &Scene,

@@ -1,5 +1,5 @@
 //! `MeshRequest`: a budget for one shape and one format, and how a conversion runs within it.
-use crate::format_rounding::{RoundingTarget, lattice_within};
+use crate::format_rounding::{RoundingTarget, lattice_within, length_for_lattice};
 use crate::rounded_mesh::snap_with_bound;
 use crate::{MeshFailure, OutputForm};
 use chordal::budget::{Bound, Bounded, Budget, Failure, PixelBudget, Pixels, RefusalCode, Tolerance};
@@ -31,7 +31,11 @@ impl MeshRequest {
         let OutputForm { format: to, packing } = form;
         let reach = widen_box(&bounds);
         let allowed = budget.length_in(&bounds).unwrap_or(0.0);
-        let lattice = if form.is_quantized() { lattice_within(&reach, allowed) } else { None };
+        let lattice = if form.is_quantized() {
+            lattice_within(&reach, length_for_lattice(allowed, &budget.attributes))
+        } else {
+            None
+        };
         Self { budget, to, packing, lattice, bounds, reach, spacing: Spacing::default() }
     }
 

@@ -2,7 +2,7 @@
 use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use crate::flatten::{self, TransformedScene};
-use crate::format_rounding::{self, RoundingTarget, limits_left, storage_within};
+use crate::format_rounding::{self, RoundingTarget, length_for_lattice, limits_left, storage_within};
 use crate::merged_parts::MergedParts;
 use crate::notes::{deformation_note, reduction_notes};
 use crate::placements;
@@ -47,7 +47,9 @@ pub(crate) fn simplify_scene(
     // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
     let lengths = allowed_lengths(&scene, request)?;
-    let targets = format_rounding::targets(&scene, &stretch, request.form(), |part| lengths[part]);
+    let targets = format_rounding::targets(&scene, &stretch, request.form(), |part| {
+        length_for_lattice(lengths[part], &budget.attributes)
+    });
     let places = RoundedPlaces { stretch: &stretch, targets: &targets, placed };
     let mut shares: Vec<PartBudget> = match &eye {
         Some(_) => view_budgets(&scene, &places, request)?,

@@ -1,6 +1,5 @@
 //! Attributes that deform a mesh: how much its vertices follow the joints of a skin, and how far morph
 //! targets move them.
-use crate::Part;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::cmp::Reverse;
@@ -37,14 +36,6 @@ fn weights_of(mesh: &Mesh) -> Vec<(usize, usize, &Attribute)> {
 /// Whether a mesh follows joints or has morph targets.
 pub(crate) fn is_deformed(mesh: &Mesh) -> bool {
     mesh.attributes().iter().any(|attribute| matches!(attribute.semantic, Semantic::Blended(_)))
-}
-
-impl Part {
-    /// Whether a skin or morph targets move its vertices.
-    #[must_use]
-    pub fn is_deformed(&self) -> bool {
-        is_deformed(&self.mesh)
-    }
 }
 
 /// Whether a mesh follows joints.

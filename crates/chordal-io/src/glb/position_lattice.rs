@@ -1,7 +1,6 @@
 //! `PositionLattice`: the points to which positions are rounded that a glTF stores in 16 bits.
-use crate::SnappedMesh;
 use crate::single_precision::power_of_two_below;
-use crate::worst_snap::distance_up;
+use crate::snapped_mesh::{SnappedMesh, distance_up};
 use chordal::Mesh;
 use chordal::math::{Box3, greater};
 

@@ -76,3 +76,77 @@ pub(super) fn read_in_parts(
     scene.certificate = header.certificate;
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_testkit::Random;
+
+    const HEAD: &str = "ply\nformat ascii 1.0\nelement vertex 40\nproperty float x\nproperty uchar c\n\
+                        property double y\nproperty float z\nelement face 30\nproperty list uchar int vertex_indices\nend_header\n";
+
+    fn random_text(random: &mut Random, n_odd: usize) -> Vec<u8> {
+        let mut lines: Vec<String> = Vec::new();
+        for _ in 0..40 {
+            lines.push(format!(
+                "{} {} {:e} {:.3}",
+                random.below(9),
+                random.below(256),
+                random.signed(),
+                random.signed()
+            ));
+        }
+        for _ in 0..30 {
+            let n = 3 + random.below(2);
+            let corners: Vec<String> = (0..n).map(|_| random.below(40).to_string()).collect();
+            lines.push(format!("{n} {}", corners.join(" ")));
+        }
+        let odd = [
+            "",
+            " ",
+            "1 2 3",
+            "1 2 3 4 5",
+            "nan 1 2 3",
+            "1 256 2 3",
+            "1 -1 2 3",
+            "x 1 2 3",
+            "3 0 1 40",
+            "3 0 1 -1",
+            "2 0 1",
+            "3 0 1 2 3",
+            "4 0 1 2",
+            "  3 0 1\t2 ",
+            "+1 +2 3 4",
+            "1e999 1 1 1",
+            "3 0 1 2.0",
+            "300 1 2",
+        ];
+        for _ in 0..n_odd {
+            let at = random.below(lines.len());
+            lines[at] = odd[random.below(odd.len())].to_owned();
+        }
+        let end = ["\n", "\r\n", "\r"][random.below(3)];
+        let mut text = HEAD.as_bytes().to_vec();
+        text.extend_from_slice((lines.join(end) + ["", end][random.below(2)]).as_bytes());
+        text
+    }
+
+    #[test]
+    fn plain_rows_read_as_row_by_row() {
+        let mut random = Random::new(11);
+        let (mut n_read, mut n_refused) = (0, 0);
+        for i in 0..3000_usize {
+            let text = random_text(&mut random, i % 4);
+            let limits =
+                Limits { drop_nonfinite: i % 2 == 0, rows: [500, 45][i % 9 / 8], ..Limits::default() };
+            let plain = format!("{:?}", read_in_parts(&text, &limits, None));
+            let size = 1 + random.below(200);
+            let in_parts = Limits { threads: 1 + i % 3, ..limits };
+            let fast = format!("{:?}", read_in_parts(&text, &in_parts, Some(size)));
+            assert_eq!(fast, plain, "{size} bytes a part: {}", text.escape_ascii());
+            n_read += usize::from(fast.starts_with("Ok"));
+            n_refused += usize::from(!fast.starts_with("Ok"));
+        }
+        assert!(n_read > 500 && n_refused > 500, "{n_read} read, {n_refused} refused");
+    }
+}

@@ -3,10 +3,9 @@
 use super::header::{PlyElement, PlyPropertyType, PlyScalar};
 use crate::ReadError;
 use crate::grow::push;
-use crate::plain_text::PlainCursor;
+use crate::plain_text::{PlainCursor, parts_at_once};
 use chordal::Job;
 use chordal::budget::par_map;
-use std::num::NonZero;
 
 /// The bytes of a part: long enough that starting one costs nothing, and short enough that what is read of it is
 /// still in the cache when it is taken over.
@@ -37,10 +36,7 @@ pub(super) fn plain_rows(
     mut take: impl FnMut(&PlyTextRows) -> Result<u64, ReadError>,
 ) -> Result<PlyTextProgress, ReadError> {
     let mut progress = PlyTextProgress::default();
-    let available = || std::thread::available_parallelism().map_or(1, NonZero::get);
-    let n_threads = if job.threads == 0 { available() } else { job.threads };
-    // Enough parts for all threads to end at nearly the same time; what was read of them is kept until then.
-    for wave in parts.chunks(4 * n_threads) {
+    for wave in parts.chunks(parts_at_once(job.threads)) {
         for (part, rows) in wave.iter().zip(par_map(job, wave, |_, part| rows_of(part, element))) {
             let mut rows = rows?;
             let left = usize::try_from(element.rows - progress.n_rows).unwrap_or(usize::MAX);
@@ -114,80 +110,5 @@ fn value(cursor: &mut PlainCursor, scalar: PlyScalar) -> Option<f64> {
         }
         (PlyScalar::Opaque(_), None) => None,
         (_, None) => cursor.number(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::Limits;
-    use crate::ply::read::read_in_parts;
-    use chordal_testkit::Random;
-
-    const HEAD: &str = "ply\nformat ascii 1.0\nelement vertex 40\nproperty float x\nproperty uchar c\n\
-                        property double y\nproperty float z\nelement face 30\nproperty list uchar int vertex_indices\nend_header\n";
-
-    fn random_text(random: &mut Random, n_odd: usize) -> Vec<u8> {
-        let mut lines: Vec<String> = Vec::new();
-        for _ in 0..40 {
-            lines.push(format!(
-                "{} {} {:e} {:.3}",
-                random.below(9),
-                random.below(256),
-                random.signed(),
-                random.signed()
-            ));
-        }
-        for _ in 0..30 {
-            let n = 3 + random.below(2);
-            let corners: Vec<String> = (0..n).map(|_| random.below(40).to_string()).collect();
-            lines.push(format!("{n} {}", corners.join(" ")));
-        }
-        let odd = [
-            "",
-            " ",
-            "1 2 3",
-            "1 2 3 4 5",
-            "nan 1 2 3",
-            "1 256 2 3",
-            "1 -1 2 3",
-            "x 1 2 3",
-            "3 0 1 40",
-            "3 0 1 -1",
-            "2 0 1",
-            "3 0 1 2 3",
-            "4 0 1 2",
-            "  3 0 1\t2 ",
-            "+1 +2 3 4",
-            "1e999 1 1 1",
-            "3 0 1 2.0",
-            "300 1 2",
-        ];
-        for _ in 0..n_odd {
-            let at = random.below(lines.len());
-            lines[at] = odd[random.below(odd.len())].to_owned();
-        }
-        let end = ["\n", "\r\n", "\r"][random.below(3)];
-        let mut text = HEAD.as_bytes().to_vec();
-        text.extend_from_slice((lines.join(end) + ["", end][random.below(2)]).as_bytes());
-        text
-    }
-
-    #[test]
-    fn plain_rows_read_as_row_by_row() {
-        let mut random = Random::new(11);
-        let (mut n_read, mut n_refused) = (0, 0);
-        for i in 0..3000_usize {
-            let text = random_text(&mut random, i % 4);
-            let limits =
-                Limits { drop_nonfinite: i % 2 == 0, rows: [500, 45][i % 9 / 8], ..Limits::default() };
-            let plain = format!("{:?}", read_in_parts(&text, &limits, None));
-            let size = 1 + random.below(200);
-            let in_parts = Limits { threads: 1 + i % 3, ..limits };
-            let fast = format!("{:?}", read_in_parts(&text, &in_parts, Some(size)));
-            assert_eq!(fast, plain, "{size} bytes a part: {}", text.escape_ascii());
-            n_read += usize::from(fast.starts_with("Ok"));
-            n_refused += usize::from(!fast.starts_with("Ok"));
-        }
-        assert!(n_read > 500 && n_refused > 500, "{n_read} read, {n_refused} refused");
     }
 }

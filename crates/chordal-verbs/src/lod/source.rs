@@ -151,7 +151,8 @@ impl LevelSource<'_> {
 
     /// What each part is rounded to.
     fn targets(&self, scene: &Scene, stretch: &[f64]) -> Vec<RoundingTarget> {
-        format_rounding::targets(scene, stretch, self.form(), |_| self.finest.get())
+        let length = format_rounding::length_for_lattice(self.finest.get(), &self.spec.attributes);
+        format_rounding::targets(scene, stretch, self.form(), |_| length)
     }
 
     fn form(&self) -> OutputForm {

@@ -5,19 +5,10 @@ use crate::ReadError;
 use crate::grow::{extend, push, push_many};
 use crate::obj::part::{ObjPart, ObjRun};
 use crate::obj::statements::ObjStatements;
+use crate::plain_text::parts_at_once;
 use crate::text::LineTokens;
 use chordal::Job;
 use chordal::budget::par_map;
-use std::num::NonZero;
-
-/// How many parts are read before any of them is taken over: enough for all threads, and few, since what was
-/// read of them is kept beside the mesh until then.
-fn wave_of(threads: usize) -> usize {
-    let threads =
-        if threads == 0 { std::thread::available_parallelism().map_or(1, NonZero::get) } else { threads };
-    // So that threads end at nearly the same time.
-    4 * threads
-}
 
 /// The first `n` of a list, which begins after them from then on.
 #[inline]
@@ -30,7 +21,7 @@ fn take<'a, T>(list: &mut &'a [T], n: u32) -> &'a [T] {
 impl ObjReader<'_> {
     /// Reads parts on the threads of a job, and takes them over.
     pub(super) fn parts(&mut self, parts: &[&[u8]], job: &Job) -> Result<(), ReadError> {
-        for wave in parts.chunks(wave_of(job.threads)) {
+        for wave in parts.chunks(parts_at_once(job.threads)) {
             for part in par_map(job, wave, |_, part| ObjPart::read(part)) {
                 self.part(&part?)?;
             }
