@@ -11,11 +11,12 @@ use crate::request::MeshRequest;
 use chordal::budget::advice::Message;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
-use chordal::check::findings::attribute_deviation;
+use chordal::check::findings::{AttributeDeviation, attribute_deviation};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
 use chordal::math::{Box3, add_up, greater, lesser};
 use chordal::{Bounded, Job, Mesh, mend};
+use chordal_io::glb::VertexStorage;
 use chordal_io::{CoordinateOverflow, Part, Scene, worst_snap};
 
 /// Simplifies a scene within the budget. Returns it as it will be written, with its overall bound, and adds
@@ -73,10 +74,7 @@ pub(crate) fn simplify_scene(
     for ((part, (stretch, target)), share) in scene.parts.iter_mut().zip(rounded).zip(&shares) {
         let Some(made) = simplify_part(part, &share.budget, job)? else { continue };
         all += made.shape.stats;
-        let (mut rounded, step) = round(&made.shape.mesh, target, job)?;
-        if let Some(storage) = &part.storage {
-            rounded = storage.round_attributes(&rounded).map_err(unsupported)?;
-        }
+        let (rounded, step) = stored(part, &made, target, (&budget.attributes, job))?;
         let before = std::mem::replace(&mut part.mesh, rounded);
         let snapped = placements::scaled_up(step.at_most().unwrap_or(f64::INFINITY), *stretch);
         let seen = eye.and_then(|eye| share.pixels_of(&made, snapped, placed, &eye.view));
@@ -107,6 +105,46 @@ pub(crate) fn simplify_scene(
     let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
     worst.pixels = pixels;
     Ok((scene, worst))
+}
+
+/// A part that was simplified as its file stores it, and how far that moved it. Where rounding to a lattice slides
+/// attributes past their limits, positions stay in single precision.
+fn stored(
+    part: &mut Part,
+    made: &Bounded<SimplifiedMesh>,
+    target: &RoundingTarget,
+    (limits, job): (&AttributeLimits, &Job),
+) -> Result<(Mesh, Bound), MeshFailure> {
+    let with_attributes = |storage: Option<&VertexStorage>, (mesh, step): (Mesh, Bound)| {
+        let mesh = match storage {
+            Some(storage) => storage.round_attributes(&mesh),
+            None => Ok(mesh),
+        };
+        mesh.map(|mesh| (mesh, step)).map_err(unsupported)
+    };
+    let fewest = with_attributes(part.storage.as_deref(), round(&made.shape.mesh, target, job)?)?;
+    if target.lattice.is_none() || !limits.is_set() {
+        return Ok(fewest);
+    }
+    let moved = made.bound.then(&fewest.1).at_most().and_then(|most| Tolerance::new(most).ok());
+    let off = match attribute_deviation(&part.mesh, &fewest.0, moved, job) {
+        Ok(off) => off,
+        Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+        Err(JobError::Refused(_)) => return Ok(fewest),
+    };
+    let exceeds = |off: &AttributeDeviation| match off.semantic {
+        Semantic::TexCoord(_) => limits.texcoord().is_some_and(|limit| off.largest > limit),
+        Semantic::Normal => limits.normal_deg().is_some_and(|limit| off.largest > limit),
+        _ => false,
+    };
+    if !off.iter().any(exceeds) {
+        return Ok(fewest);
+    }
+    if let Some(storage) = &mut part.storage {
+        storage.lattice = None;
+    }
+    let single = RoundingTarget { lattice: None, ..*target };
+    with_attributes(part.storage.as_deref(), round(&made.shape.mesh, &single, job)?)
 }
 
 /// A mesh at the positions of its file, and how far that moved it. Of a lattice, triangles that it left with two
