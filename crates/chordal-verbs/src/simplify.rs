@@ -144,7 +144,7 @@ fn stored(
         storage.lattice = None;
     }
     let single = RoundingTarget { lattice: None, ..*target };
-    with_attributes(part.storage.as_deref(), round(&made.shape.mesh, &single, job)?)
+    Ok(with_attributes(part.storage.as_deref(), round(&made.shape.mesh, &single, job)?)?)
 }
 
 /// A mesh at the positions of its file, and how far that moved it. Of a lattice, triangles that it left with two
