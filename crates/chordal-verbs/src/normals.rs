@@ -18,7 +18,8 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Normals {
     /// Those of the shape. A mesh without gets [`Normals::Crease`] of 30° in formats that hold normals beside
-    /// the positions or identify vertices by their bits (OBJ, glTF), and stays without elsewhere.
+    /// the positions or identify vertices by their bits (OBJ, glTF), and stays without elsewhere. One of a glTF
+    /// stays without in any format: glTF says that it is shaded flat.
     #[default]
     Auto,
     /// Those of the shape, if it has some.
@@ -40,6 +41,13 @@ pub enum Normals {
 const USUAL_CREASE_DEG: f64 = 30.0;
 
 impl Normals {
+    /// What these are for triangles of a file of a format. glTF itself says that a mesh without normals is shaded
+    /// flat (Khronos, glTF 2.0, section 3.7.2.1), so that none are made for it unless they are requested.
+    pub(crate) fn of_file(self, from: Format) -> Self {
+        let says_flat = matches!(from, Format::Glb | Format::Gltf);
+        if self == Self::Auto && says_flat { Self::Keep } else { self }
+    }
+
     /// Sets the normals of every part of a scene, and adds a note. The format `from` determines which
     /// vertices are one position; `to` is the output format.
     pub(crate) fn apply(
@@ -48,10 +56,11 @@ impl Normals {
         [from, to]: [Format; 2],
         notes: &mut Vec<Message>,
     ) -> Result<(), MeshFailure> {
+        let asked = self.of_file(from);
         let mut n_made = 0;
         for part in &mut scene.parts {
             let has_some = part.mesh.attribute(&Semantic::Normal).is_some() || part.mesh.faces().is_empty();
-            let Some(shading) = self.shading(has_some, to) else { continue };
+            let Some(shading) = asked.shading(has_some, to) else { continue };
             part.mesh = with_normals(&part.mesh, from.topology(), shading).map_err(unsupported)?;
             n_made += 1;
         }

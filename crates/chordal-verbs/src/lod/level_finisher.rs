@@ -28,7 +28,8 @@ pub(super) struct LevelFinisher {
 
 impl LevelFinisher {
     pub fn new(spec: &LodSpec, from: Format, frame: Frame, assets: SceneAssets) -> Self {
-        let LodSpec { normals, attributes: asked, packing, .. } = *spec;
+        let LodSpec { attributes: asked, packing, .. } = *spec;
+        let normals = spec.normals.of_file(from);
         let attributes = attributes_before_rounding(spec);
         let is_quantized = packing.is_quantized;
         Self { normals, attributes, asked, is_quantized, from: normals_by(from), frame, assets }
