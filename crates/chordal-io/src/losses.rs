@@ -1,11 +1,12 @@
 //! `losses`: what of a scene a format cannot hold.
 use crate::format_columns::TriangleFormat;
 use crate::instances::{PartInstance, first_rows, part_instances};
-use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
+use crate::{FileLocation, Format, MATERIAL, Polygons, Scene, Warning, WriteError};
 use chordal::Mesh;
 use chordal::explicit::subdivision::{Boundary, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use serde_json::{Map, Value};
+use std::collections::BTreeSet;
 
 /// What writing a scene in a format leaves out, counted in parts, so that nothing is lost silently. Rounding
 /// is not counted here. For GLB the list is empty: its writer reports for itself what it cannot write.
@@ -60,6 +61,9 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     ] {
         list.iter().for_each(|_| count(format!("{title} holds no {what}")));
     }
+    let n_marks: usize = scene.parts.iter().map(|part| part.marks.len()).sum();
+    (0..n_marks)
+        .for_each(|_| count(format!("{title} holds no points and lines{}", materials_of_marks(scene))));
     words_of(scene).for_each(|what| count(format!("{title} holds no {what}")));
     if let Some(changes) = changes {
         changes(scene).into_iter().for_each(&mut count);
@@ -87,6 +91,30 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         }
     }
     Ok(lost)
+}
+
+/// The materials that only points and lines have, as the end of a sentence.
+fn materials_of_marks(scene: &Scene) -> String {
+    let mut of_faces = BTreeSet::new();
+    for part in &scene.parts {
+        let groups = part.mesh.attribute(&Semantic::Group(MATERIAL.to_owned()));
+        of_faces.extend(groups.into_iter().flat_map(|groups| &groups.values).map(|group| *group as usize));
+    }
+    let marks = scene.parts.iter().flat_map(|part| part.marks.iter());
+    let own: BTreeSet<usize> = marks
+        .filter_map(|marks| marks.material)
+        .filter(|material| !of_faces.contains(&(material + 1)))
+        .collect();
+    let name = |material: &usize| match scene.assets.materials.get(*material).map(|found| &found["name"]) {
+        Some(Value::String(name)) => format!("'{}'", name.escape_default()),
+        _ => format!("number {material}"),
+    };
+    let names: Vec<String> = own.iter().map(name).collect();
+    match names.as_slice() {
+        [] => String::new(),
+        [one] => format!(", and the material {one} is theirs alone"),
+        _ => format!(", and the materials {} are theirs alone", names.join(", ")),
+    }
 }
 
 /// What glTF says of a scene in words, which no other format holds, once for each object that says it.

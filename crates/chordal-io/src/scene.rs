@@ -1,7 +1,7 @@
 //! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
 use crate::glb::deformation::is_deformed;
 use crate::glb::{GltfPacking, VertexStorage};
-use crate::{Curves, Drawing, Frame, MATERIAL, Polygons, RareValue, SceneAssets, Volume, Warning};
+use crate::{Curves, Drawing, Frame, MATERIAL, Marks, Polygons, RareValue, SceneAssets, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
@@ -24,6 +24,8 @@ pub struct Part {
     pub properties: Option<Box<Map<String, Value>>>,
     /// How its numbers are stored where glTF is quantized; readers leave it open. In a box for the same reason.
     pub storage: Option<Box<VertexStorage>>,
+    /// Points and lines of the mesh in glTF, carried as they are.
+    pub marks: RareValue<Vec<Marks>>,
 }
 
 impl Part {

@@ -102,6 +102,10 @@ impl Scene {
         for part in &self.parts {
             let groups = part.mesh.attributes().iter().filter(|attribute| is_material(attribute));
             used.extend(groups.flat_map(|groups| groups.values.iter().filter_map(|x| material_of(*x))));
+            for marks in part.marks.iter() {
+                used.extend(marks.material);
+                each_variant_material(&mut marks.primitive.clone(), &mut |at| used.extend(number(at)));
+            }
         }
         used.retain(|material| *material < n_materials);
         let (assets, mut numbers) = self.assets.with_materials(&used);
@@ -121,6 +125,13 @@ impl Scene {
         }
         for part in &mut scene.parts {
             part.mesh = with_groups(&part.mesh, &numbers)?;
+            if part.marks.is_empty() {
+                continue;
+            }
+            for marks in part.marks.iter_mut() {
+                marks.material = marks.material.and_then(|old| *numbers.get(old)?);
+                each_variant_material(&mut marks.primitive, &mut |at| renumber(at, &numbers));
+            }
         }
         Ok(Cow::Owned(scene))
     }

@@ -58,7 +58,9 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         let at = flat.parts.len();
         let mesh = mesh.into_owned();
         let properties = part.properties.clone();
-        flat.parts.push(Part { mesh, indexed, name: part.name.clone(), properties, ..Part::default() });
+        // Points and lines are not moved: what is written of this is a format without them, or without nodes.
+        let (name_of_part, marks) = (part.name.clone(), part.marks.clone());
+        flat.parts.push(Part { mesh, indexed, name: name_of_part, properties, marks, ..Part::default() });
         flat.nodes.push(Node {
             name: name.to_owned(),
             part: Some(at),

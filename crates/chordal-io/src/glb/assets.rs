@@ -5,12 +5,13 @@ use super::face_kinds::FileFaceKinds;
 use super::format::ComponentType;
 use super::json::JsonValue;
 use super::leniency::ForgivenIssues;
+use super::marks::read_marks;
 use super::meshopt;
 use super::model::{GltfModel, item};
 use super::node_tree::NodeTree;
 use super::report::GlbWarnings;
 use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage, VARIANTS};
-use crate::{FileLocation, MATERIAL, ReadError, Scene};
+use crate::{FileLocation, MATERIAL, Marks, ReadError, Scene};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -39,6 +40,8 @@ pub(super) struct PartAssets {
     pub groups: Vec<Vec<usize>>,
     /// By part: what its mesh has beside name and primitives.
     pub properties: Vec<Map<String, Value>>,
+    /// By part: its points and lines.
+    pub marks: Vec<Vec<Marks>>,
     pub report: GlbWarnings,
 }
 
@@ -80,11 +83,21 @@ impl<'a> AssetReader<'a> {
         tree.scene.assets.face_kinds = kinds;
         tree.scene.assets.keeps_bare_faces = has_bare_faces;
         let mut properties: Vec<_> = tree.meshes.iter().map(|mesh| self.mesh_properties(*mesh)).collect();
+        let mut marks = Vec::with_capacity(tree.meshes.len());
+        for mesh in &tree.meshes {
+            marks.push(self.marks(*mesh)?);
+        }
         let mut report = self.into_report();
         if !drop_unsound_assets(&mut tree.scene, &forgiven.unsound, &mut report) {
             properties.iter_mut().for_each(Map::clear);
         }
-        Ok(PartAssets { groups, properties, report })
+        let n_marks = marks.iter().map(Vec::len).sum::<usize>() as u64;
+        if n_marks > 0 && !forgiven.unsound.is_empty() {
+            let what = "points and lines that may have errors were left out";
+            report.add_many("points-and-lines-skipped", n_marks, FileLocation::File, what);
+            marks.iter_mut().for_each(Vec::clear);
+        }
+        Ok(PartAssets { groups, properties, marks, report })
     }
 
     fn list(&self, key: &str) -> &'a [JsonValue] {
@@ -176,6 +189,34 @@ impl<'a> AssetReader<'a> {
             properties.insert("extensions".to_owned(), Value::Object(extensions));
         }
         properties
+    }
+
+    /// The points and lines of a mesh.
+    fn marks(&mut self, i: usize) -> Result<Vec<Marks>, ReadError> {
+        let model = self.model;
+        let Some(mesh) = item(&model.meshes, Some(i)) else { return Ok(Vec::new()) };
+        let objects = self.list("meshes")[i].get("primitives").and_then(JsonValue::items).unwrap_or_default();
+        let mut all = Vec::new();
+        for (p, (primitive, object)) in mesh.primitives.iter().zip(objects).enumerate() {
+            if !primitive.is_marks() {
+                continue;
+            }
+            let pointer = || format!("/meshes/{i}/primitives/{p}");
+            let place = FileLocation::Pointer(pointer());
+            let from = (object, self.list("accessors"));
+            match read_marks(model, primitive, from, |bytes| self.charge(bytes, pointer))? {
+                Some(marks) => {
+                    let what = "points and lines are carried as they are: nothing measures them, and no bound covers them";
+                    self.report.add("points-and-lines", place, what);
+                    all.push(marks);
+                }
+                None => {
+                    let what = "points and lines without positions that can be read were skipped";
+                    self.report.add("points-and-lines-skipped", place, what);
+                }
+            }
+        }
+        Ok(all)
     }
 
     /// What a mesh has beside its name and primitives.
@@ -383,34 +424,33 @@ impl<'a> AssetReader<'a> {
             let rows = AccessorRows::new(self.model, accessor).ok().filter(AccessorRows::has_data);
             let Some(rows) = rows else { return Ok(None) };
             self.charge(rows.n_bytes(), || format!("/accessors/{accessor}"))?;
-            assets.accessors.push(self.packed(accessor, &rows));
+            assets.accessors.push(packed_accessor(self.list("accessors").get(accessor), &rows));
             *slot = Some(assets.accessors.len() - 1);
         }
         Ok(*slot)
     }
+}
 
-    fn packed(&self, accessor: usize, rows: &AccessorRows<'_>) -> PackedAccessor {
-        let left_out = ["bufferView", "byteOffset", "sparse", "extensions", "extras"];
-        let properties =
-            self.list("accessors").get(accessor).map(|object| members_without(object, &left_out));
-        let mut properties = properties.unwrap_or_default();
-        let n = rows.format.kind.n_components();
-        let (mut least, mut most) = (vec![f64::INFINITY; n], vec![f64::NEG_INFINITY; n]);
-        let mut bytes = Vec::new();
-        rows.each(|_, row| {
-            for (k, x) in row.iter().enumerate() {
-                (least[k], most[k]) = (lesser(*x, least[k]), greater(*x, most[k]));
-                put(rows.format.component, *x, &mut bytes);
-            }
-        });
-        // Times must have bounds, and what a file says of them may be wrong.
-        for (key, bounds) in [("min", least), ("max", most)] {
-            if n == 1 || properties.contains_key(key) {
-                properties.insert(key.to_owned(), json!(bounds));
-            }
+/// The rows of an accessor of the file, copied without gaps, and what its object says of them.
+pub(super) fn packed_accessor(object: Option<&JsonValue>, rows: &AccessorRows<'_>) -> PackedAccessor {
+    let left_out = ["bufferView", "byteOffset", "sparse", "extensions", "extras"];
+    let mut properties = object.map(|object| members_without(object, &left_out)).unwrap_or_default();
+    let n = rows.format.kind.n_components();
+    let (mut least, mut most) = (vec![f64::INFINITY; n], vec![f64::NEG_INFINITY; n]);
+    let mut bytes = Vec::new();
+    rows.each(|_, row| {
+        for (k, x) in row.iter().enumerate() {
+            (least[k], most[k]) = (lesser(*x, least[k]), greater(*x, most[k]));
+            put(rows.format.component, *x, &mut bytes);
         }
-        PackedAccessor { properties, bytes: bytes.into() }
+    });
+    // Times must have bounds, and what a file says of them may be wrong.
+    for (key, bounds) in [("min", least), ("max", most)] {
+        if n == 1 || properties.contains_key(key) {
+            properties.insert(key.to_owned(), json!(bounds));
+        }
     }
+    PackedAccessor { properties, bytes: bytes.into() }
 }
 
 /// Appends a number that was read from a component of this type.

@@ -1,6 +1,7 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
 use super::deformation::{has_skin, short_weights, skin_sets, targets_of};
 use super::draw_order::in_draw_order;
+use super::marks::MarkAccessor;
 use super::material_runs::material_runs;
 use super::meshopt;
 use super::node_list;
@@ -10,7 +11,7 @@ use super::stored_positions::{StoredPositions, storage_of};
 use super::streams::{AccessorStream, CompressedStream, stored_bounds};
 use super::vertex_storage::VertexStorage;
 use crate::assets::{ImageContent, SceneAssets, collect_extensions, plain_material};
-use crate::{CoordinateOverflow, Frame, MATERIAL, Part, Scene, TextureOrigin, WriteError};
+use crate::{CoordinateOverflow, Frame, MATERIAL, Marks, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Domain, InvalidMesh, Semantic};
 use chordal::math::{greater, lesser};
@@ -39,13 +40,17 @@ impl<'a> GltfPart<'a> {
             mesh = Cow::Owned(in_draw_order(&mesh).map_err(too_large)?);
         }
         let n_points = mesh.positions().len();
-        if mesh.faces().is_empty() && n_points > 0 {
+        if mesh.faces().is_empty() && n_points > 0 && part.marks.is_empty() {
             let name = &part.name;
             return Err(WriteError::Unsupported(format!(
                 "part \"{name}\" has {n_points} points and no triangle"
             )));
         }
-        let storage = storage_of(part, packing);
+        let mut storage = storage_of(part, packing);
+        if let Some(storage) = storage.as_mut().filter(|_| part.marks.iter().any(is_moved)) {
+            // A skin or morph targets move them from where they stand, and not from where a node would put them.
+            storage.lattice = None;
+        }
         let positions = StoredPositions::new(&mesh, storage);
         Ok(Self { mesh, positions, storage, turns_v: frame.turns_v(TextureOrigin::UpperLeft) })
     }
@@ -74,6 +79,8 @@ pub(super) struct GltfDocument<'a> {
     shown: Vec<node_list::PartMesh>,
     /// The materials for meshes without and with a boundary, once they are used.
     material: [Option<usize>; 2],
+    /// The accessors of points and lines, by what they say and their bytes.
+    mark_accessors: BTreeMap<(String, u32, Vec<u8>), usize>,
     /// Where meshes may share rows: the accessors so far by what their rows look like from afar.
     known_rows: Option<BTreeMap<RowsOutline, Vec<usize>>>,
 }
@@ -100,6 +107,7 @@ impl<'a> GltfDocument<'a> {
             has_fewer_bits: false,
             shown: Vec::new(),
             material: [None; 2],
+            mark_accessors: BTreeMap::new(),
             known_rows: None,
         };
         for image in &assets.images {
@@ -181,13 +189,94 @@ impl<'a> GltfDocument<'a> {
         part: &Part,
         shape: &'a GltfPart<'_>,
     ) -> Result<node_list::PartMesh, WriteError> {
-        let empty = shape.mesh.faces().is_empty();
+        let (has_faces, marks) = (!shape.mesh.faces().is_empty(), &part.marks);
+        let empty = !has_faces && marks.is_empty();
         let mesh = if empty { None } else { Some(self.add_mesh(part, shape)?) };
-        let (has_skin, n_targets) = (has_skin(&shape.mesh), targets_of(&shape.mesh).len());
+        let has_skin = has_faces && has_skin(&shape.mesh) || marks.iter().any(Marks::has_skin);
+        let n_targets = n_targets(part, &shape.mesh);
         Ok(node_list::PartMesh { mesh, positions: shape.positions, has_skin, n_targets })
     }
 
     fn add_mesh(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<usize, WriteError> {
+        let mut primitives = Vec::new();
+        if !shape.mesh.faces().is_empty() {
+            self.add_triangles(shape, &mut primitives)?;
+        }
+        let n_targets = n_targets(part, &shape.mesh);
+        for marks in part.marks.iter() {
+            primitives.push(self.add_marks(marks, &shape.positions, n_targets));
+        }
+        let mut object = part.properties.as_deref().cloned().unwrap_or_default();
+        if n_targets == 0 {
+            object.shift_remove("weights");
+        }
+        object.insert("primitives".to_owned(), json!(primitives));
+        self.meshes.push(node_list::with_name(&part.name, Value::Object(object)));
+        Ok(self.meshes.len() - 1)
+    }
+
+    /// The primitive of points or lines of a mesh that has so many morph targets.
+    fn add_marks(&mut self, marks: &Marks, place: &StoredPositions, n_targets: usize) -> Value {
+        let mut primitive = marks.primitive.clone();
+        if marks.n_targets() != n_targets {
+            primitive.shift_remove("targets");
+        }
+        let packed = |at: &Value| {
+            let at = usize::try_from(at.as_u64()?).ok()?;
+            marks.accessors.get(at)
+        };
+        if let Some(at) = primitive.get_mut("indices")
+            && let Some(packed) = packed(at)
+        {
+            *at = json!(self.add_mark_accessor(MarkAccessor::indices(packed)));
+        }
+        if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
+            for (name, at) in attributes {
+                let Some(packed) = packed(at) else { continue };
+                *at = json!(self.add_mark_accessor(MarkAccessor::attribute(packed, name, place)));
+            }
+        }
+        // Morph targets say how far they move, wherever that is.
+        let plain = StoredPositions::Single([0.0; 3]);
+        for target in primitive.get_mut("targets").and_then(Value::as_array_mut).into_iter().flatten() {
+            for (name, at) in target.as_object_mut().into_iter().flatten() {
+                let Some(packed) = packed(at) else { continue };
+                *at = json!(self.add_mark_accessor(MarkAccessor::attribute(packed, name, &plain)));
+            }
+        }
+        if let Some(material) = marks.material.filter(|material| *material < self.assets.materials.len()) {
+            primitive.insert("material".to_owned(), json!(material));
+        }
+        Value::Object(primitive)
+    }
+
+    /// Adds an accessor of points and lines, once for all that have the same bytes and properties: levels repeat
+    /// those of their part.
+    fn add_mark_accessor(&mut self, accessor: MarkAccessor) -> usize {
+        let MarkAccessor { mut properties, bytes, stride, target, needs_quantization } = accessor;
+        let key = (Value::Object(properties.clone()).to_string(), target, bytes);
+        if let Some(known) = self.mark_accessors.get(&key) {
+            return *known;
+        }
+        self.has_fewer_bits |= needs_quantization;
+        let view = self.add_view(AccessorStream::compressed_bytes(key.2.clone()));
+        self.views[view]["target"] = json!(target);
+        if let Some(stride) = stride {
+            self.views[view]["byteStride"] = json!(stride);
+        }
+        properties.insert("bufferView".to_owned(), json!(view));
+        self.accessors.push(Value::Object(properties));
+        let at = self.accessors.len() - 1;
+        self.mark_accessors.insert(key, at);
+        at
+    }
+
+    /// Adds the primitives of the triangles of a part.
+    fn add_triangles(
+        &mut self,
+        shape: &'a GltfPart<'_>,
+        primitives: &mut Vec<Value>,
+    ) -> Result<(), WriteError> {
         let mesh: &Mesh = &shape.mesh;
         let bounds = stored_bounds(mesh, &shape.positions);
         if let Some(value) = bounds.as_flattened().iter().find(|x| !x.is_finite()) {
@@ -216,7 +305,6 @@ impl<'a> GltfDocument<'a> {
             }
         }
         let targets = self.add_targets(mesh)?;
-        let mut primitives = Vec::new();
         let mut first = 0;
         for (group, n_faces) in material_runs(mesh) {
             let faces = &mesh.faces()[first..first + n_faces];
@@ -238,13 +326,7 @@ impl<'a> GltfDocument<'a> {
             }
             primitives.push(primitive);
         }
-        let mut object = part.properties.as_deref().cloned().unwrap_or_default();
-        if targets.is_empty() {
-            object.shift_remove("weights");
-        }
-        object.insert("primitives".to_owned(), json!(primitives));
-        self.meshes.push(node_list::with_name(&part.name, Value::Object(object)));
-        Ok(self.meshes.len() - 1)
+        Ok(())
     }
 
     /// The morph targets of a mesh: for each its accessors by name.
@@ -462,6 +544,7 @@ impl<'a> GltfDocument<'a> {
         }
         let mut used = self.assets.used_extensions();
         nodes.list.iter().for_each(|node| collect_extensions(node, &mut used));
+        self.meshes.iter().for_each(|mesh| collect_extensions(mesh, &mut used));
         let meshopt = (self.n_unpacked > 0).then(|| meshopt::NAMES[0].to_owned());
         let quantized = self.has_fewer_bits.then(|| QUANTIZATION.to_owned());
         let own: Vec<String> = meshopt.into_iter().chain(quantized).collect();
@@ -479,6 +562,19 @@ impl<'a> GltfDocument<'a> {
         }
         root.insert("extensionsUsed".to_owned(), json!(used));
     }
+}
+
+/// The number of morph targets of all primitives of a part: that of its triangles, where it has some.
+fn n_targets(part: &Part, mesh: &Mesh) -> usize {
+    if mesh.faces().is_empty() {
+        return part.marks.iter().map(Marks::n_targets).max().unwrap_or(0);
+    }
+    targets_of(mesh).len()
+}
+
+/// Whether a skin or morph targets move points and lines.
+fn is_moved(marks: &Marks) -> bool {
+    marks.has_skin() || marks.n_targets() > 0
 }
 
 /// The names of the groups of faces that parts of the scene have, by kind. Those of materials are theirs.

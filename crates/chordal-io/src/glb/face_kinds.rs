@@ -1,5 +1,6 @@
 //! `FileFaceKinds`: what the primitives of a file say of their faces, and the groups of faces that they become.
 use super::json::JsonValue;
+use super::marks::FIRST_MODE_OF_TRIANGLES;
 use crate::FaceKind;
 use crate::assets::{VARIANTS, plain_material};
 use serde_json::{Map, Value, json};
@@ -33,7 +34,8 @@ impl FileFaceKinds {
             meshes.iter().map(|mesh| vec![0; primitives_of(mesh).len()]).collect();
         let painted = painted_faces(meshes, n);
         let has_bare_faces = painted.iter().any(|faces| faces.material.is_none());
-        if !has_bare_faces && painted.iter().all(|faces| faces.properties.is_empty()) {
+        // Marks name materials by their numbers in the file.
+        if !has_bare_faces && !has_marks(meshes) && painted.iter().all(|faces| faces.properties.is_empty()) {
             let numbers = without_plain(&mut materials);
             for faces in painted {
                 groups[faces.mesh][faces.primitive] = faces.material.map_or(0, |material| numbers[material]);
@@ -72,13 +74,23 @@ fn primitives_of(mesh: &JsonValue) -> &[JsonValue] {
     mesh.get("primitives").and_then(JsonValue::items).unwrap_or_default()
 }
 
+/// Whether a primitive is points or lines.
+fn is_marks(primitive: &JsonValue) -> bool {
+    let mode = primitive.get("mode").and_then(JsonValue::integer);
+    mode.and_then(|mode| u64::try_from(mode).ok()).is_some_and(|mode| mode < FIRST_MODE_OF_TRIANGLES)
+}
+
+/// Whether some mesh has points or lines.
+fn has_marks(meshes: &[JsonValue]) -> bool {
+    meshes.iter().flat_map(primitives_of).any(is_marks)
+}
+
 /// The primitives with triangles of a file with so many materials.
 fn painted_faces(meshes: &[JsonValue], n_materials: usize) -> Vec<PaintedFaces> {
     let mut all = Vec::new();
     for (mesh, object) in meshes.iter().enumerate() {
         for (primitive, object) in primitives_of(object).iter().enumerate() {
-            // Modes below 4 are points and lines.
-            if object.get("mode").and_then(JsonValue::integer).is_some_and(|mode| mode < 4) {
+            if is_marks(object) {
                 continue;
             }
             let material = object.get("material").and_then(JsonValue::integer);
@@ -91,7 +103,7 @@ fn painted_faces(meshes: &[JsonValue], n_materials: usize) -> Vec<PaintedFaces> 
 }
 
 /// What a primitive says that is kept: its extras, and its materials in variants.
-fn properties_of(primitive: &JsonValue) -> Map<String, Value> {
+pub(super) fn properties_of(primitive: &JsonValue) -> Map<String, Value> {
     let mut properties = Map::new();
     if let Some(extras) = primitive.get("extras") {
         properties.insert("extras".to_owned(), extras.to_value());

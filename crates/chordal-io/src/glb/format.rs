@@ -36,6 +36,19 @@ impl ComponentType {
         }
     }
 
+    /// The number that a component's bytes say, little-endian; 0 for another count of them than it has.
+    pub fn number(self, bytes: &[u8]) -> f64 {
+        match (self, bytes) {
+            (Self::I8, [a]) => f64::from(i8::from_le_bytes([*a])),
+            (Self::U8, [a]) => f64::from(*a),
+            (Self::I16, [a, b]) => f64::from(i16::from_le_bytes([*a, *b])),
+            (Self::U16, [a, b]) => f64::from(u16::from_le_bytes([*a, *b])),
+            (Self::U32, [a, b, c, d]) => f64::from(u32::from_le_bytes([*a, *b, *c, *d])),
+            (Self::F32, [a, b, c, d]) => f64::from(f32::from_le_bytes([*a, *b, *c, *d])),
+            _ => 0.0,
+        }
+    }
+
     /// The lowest and highest value; infinite for floats.
     pub fn range(self) -> (f64, f64) {
         match self {

@@ -19,6 +19,7 @@ mod level_set;
 mod levels;
 mod lint;
 mod lod_nodes;
+mod marks;
 mod material_runs;
 mod meshopt;
 mod model;

@@ -1,5 +1,6 @@
 //! `GltfModel`: a parsed glTF file; each field is valid, or `None` where the file errs.
 use super::format::{AccessorFormat, AccessorType, ComponentType};
+use super::marks::FIRST_MODE_OF_TRIANGLES;
 use super::meshopt::MeshoptLayout;
 
 /// The objects of a file by their lists; an item that is no object is `None`.
@@ -179,9 +180,14 @@ impl GltfPrimitive<'_> {
         named.chain(self.indices.map(|indices| (indices, None))).collect()
     }
 
+    /// Whether it is points or lines.
+    pub fn is_marks(&self) -> bool {
+        self.mode.is_some_and(|mode| mode < FIRST_MODE_OF_TRIANGLES)
+    }
+
     /// Whether it has triangles.
     pub fn is_drawn(&self) -> bool {
-        self.mode.is_some_and(|mode| mode >= 4) && self.position().is_some()
+        self.mode.is_some_and(|mode| mode >= FIRST_MODE_OF_TRIANGLES) && self.position().is_some()
     }
 }
 

@@ -2,6 +2,7 @@
 use super::accessor_rows::{AccessorError, AccessorRows};
 use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning};
 use super::draco;
+use super::marks::FIRST_MODE_OF_TRIANGLES;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
 use super::skin_plan::SkinPlan;
@@ -118,8 +119,8 @@ impl<'m> PartReader<'m> {
         let Some(mode) = primitive.mode else {
             return Err(ReadError::new("VALUE_NOT_IN_RANGE", place(), "mode is none of 0 to 6"));
         };
-        if mode < 4 {
-            self.report.add("points-and-lines-skipped", place(), "points and lines were skipped");
+        if mode < FIRST_MODE_OF_TRIANGLES {
+            // The reader of assets takes them.
             return Ok(());
         }
         let Some(position) = position else {

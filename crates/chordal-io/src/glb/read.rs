@@ -52,7 +52,8 @@ const HARMLESS: [&str; 18] = [
 /// `asset.extras.chordal`.
 ///
 /// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points and
-/// lines, and animations of anything but nodes, are counted as warnings; materials, textures, cameras, lights,
+/// lines are carried as they are ([`crate::Part::marks`]), and counted in a warning as animations of anything but
+/// nodes are; materials, textures, cameras, lights,
 /// skins and extras of nodes go to [`Scene::assets`] and the nodes, as they are. Weights of joints and morph
 /// targets become attributes of vertices that can be blended; positions are those at rest. The
 /// reader never opens other files or the network; [`crate::read_with`] opens files beside it. Of levels of
@@ -128,6 +129,9 @@ pub(crate) fn read_with(
     scene.parts = meshes.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     for (part, properties) in scene.parts.iter_mut().zip(assets.properties) {
         part.properties = Some(properties).filter(|map| !map.is_empty()).map(Box::new);
+    }
+    for (part, marks) in scene.parts.iter_mut().zip(assets.marks) {
+        part.marks = marks.into();
     }
     report.append(parts.report);
     drop_dangling_references(&mut scene, &mut report);

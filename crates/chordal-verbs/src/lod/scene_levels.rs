@@ -92,6 +92,7 @@ impl SceneLevels {
                     indexed: part.indexed,
                     properties: part.properties.clone(),
                     storage: storage.map(Box::new),
+                    marks: part.marks.clone(),
                 };
                 let level = finisher.finish(own, bound, notes, job)?;
                 // Rounding may leave two levels alike.

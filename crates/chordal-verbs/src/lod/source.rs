@@ -286,6 +286,9 @@ impl LevelSource<'_> {
 fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
     let mut dropped: Vec<String> = scene.assets.beside_materials().into_iter().map(str::to_owned).collect();
     dropped.extend(properties_of_nodes(scene));
+    let n_marks: usize = scene.parts.iter().map(|part| part.marks.len()).sum();
+    dropped.extend((n_marks > 0).then(|| format!("points and lines ({n_marks}x)")));
+    scene.parts.iter_mut().for_each(|part| part.marks = Vec::new().into());
     if !dropped.is_empty() {
         let note = format!("these levels show triangles alone: left out are {}", dropped.join(", "));
         notes.push(note.into());

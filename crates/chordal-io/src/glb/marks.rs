@@ -1,0 +1,167 @@
+//! Points and lines of a glTF: read as they are, and written again.
+use super::accessor_rows::AccessorRows;
+use super::assets::packed_accessor;
+use super::format::ComponentType;
+use super::json::JsonValue;
+use super::model::{GltfAttributes, GltfModel, GltfPrimitive};
+use super::stored_positions::StoredPositions;
+use crate::{Marks, PackedAccessor};
+use chordal::math::{greater, lesser};
+use serde_json::{Map, Value, json};
+
+/// The modes of primitives below this are points and lines (glTF 2.0, section 5.24.4).
+pub(super) const FIRST_MODE_OF_TRIANGLES: u64 = 4;
+
+/// The joints of marks, whose presence says that a skin moves them.
+const JOINTS: &str = "JOINTS_0";
+
+/// Reads a primitive that is no triangles; none where some of its numbers are missing. `charge` is called with
+/// the bytes of each accessor before they are copied.
+pub(super) fn read_marks<E>(
+    model: &GltfModel<'_>,
+    primitive: &GltfPrimitive<'_>,
+    (object, accessors): (&JsonValue, &[JsonValue]),
+    mut charge: impl FnMut(u64) -> Result<(), E>,
+) -> Result<Option<Marks>, E> {
+    let mut packed: Vec<PackedAccessor> = Vec::new();
+    let mut pack = |accessor: Option<usize>, name: &str| -> Result<Option<usize>, E> {
+        let Some(accessor) = accessor else { return Ok(None) };
+        let Ok(rows) = AccessorRows::new(model, accessor) else { return Ok(None) };
+        if rows.check_sparse().is_err() {
+            return Ok(None);
+        }
+        charge(rows.n_bytes())?;
+        let mut copied = packed_accessor(accessors.get(accessor), &rows);
+        if name == "POSITION" && !copied.properties.contains_key("min") {
+            return Ok(None);
+        }
+        // What is laid out anew begins where its view does.
+        copied.properties.shift_remove("name");
+        packed.push(copied);
+        Ok(Some(packed.len() - 1))
+    };
+    let mut list = |attributes: &GltfAttributes<'_>| -> Result<Option<Map<String, Value>>, E> {
+        let mut map = Map::new();
+        for (name, accessor) in attributes {
+            let Some(at) = pack(*accessor, name)? else { return Ok(None) };
+            map.insert((*name).to_owned(), json!(at));
+        }
+        Ok(Some(map))
+    };
+    let Some(attributes) = list(&primitive.attributes)? else { return Ok(None) };
+    let mut targets = Vec::new();
+    for target in primitive.targets.iter().flatten() {
+        let Some(target) = list(target)? else { return Ok(None) };
+        targets.push(Value::Object(target));
+    }
+    let mut members = Map::new();
+    members.insert("attributes".to_owned(), Value::Object(attributes));
+    if primitive.indices.is_some() {
+        let Some(at) = pack(primitive.indices, "indices")? else { return Ok(None) };
+        members.insert("indices".to_owned(), json!(at));
+    }
+    members.insert("mode".to_owned(), json!(primitive.mode));
+    if !targets.is_empty() {
+        members.insert("targets".to_owned(), Value::Array(targets));
+    }
+    members.extend(super::face_kinds::properties_of(object));
+    Ok(Some(Marks { primitive: members, material: primitive.material, accessors: packed }))
+}
+
+/// An accessor of marks as it is written.
+pub(super) struct MarkAccessor {
+    pub properties: Map<String, Value>,
+    /// Rows of vertices begin at multiples of four bytes.
+    pub bytes: Vec<u8>,
+    pub stride: Option<usize>,
+    pub target: u32,
+    /// Whether `KHR_mesh_quantization` alone allows its numbers.
+    pub needs_quantization: bool,
+}
+
+impl MarkAccessor {
+    /// The indices of marks.
+    pub fn indices(packed: &PackedAccessor) -> Self {
+        // `ELEMENT_ARRAY_BUFFER`
+        let target = 34963;
+        let (properties, bytes) = (packed.properties.clone(), packed.bytes.to_vec());
+        Self { properties, bytes, stride: None, target, needs_quantization: false }
+    }
+
+    /// An attribute of marks, or of one of their morph targets. Positions are stored as those of the triangles of
+    /// their mesh, by whose node both are placed; where these are on a lattice, in single precision about its
+    /// corner.
+    pub fn attribute(packed: &PackedAccessor, name: &str, place: &StoredPositions) -> Self {
+        let placed = if name == "POSITION" && !place.is_plain() { moved(packed, place) } else { None };
+        let packed = placed.as_ref().unwrap_or(packed);
+        let properties = packed.properties.clone();
+        let number = |key: &str| properties.get(key).and_then(Value::as_u64).unwrap_or_default();
+        let count = usize::try_from(number("count")).unwrap_or_default();
+        let size = packed.bytes.len().checked_div(count).unwrap_or_default();
+        let padded = size.next_multiple_of(4);
+        let (bytes, stride) = if size == padded {
+            (packed.bytes.to_vec(), None)
+        } else {
+            let mut bytes = Vec::with_capacity(padded * count);
+            for row in packed.bytes.chunks_exact(size) {
+                bytes.extend_from_slice(row);
+                bytes.resize(bytes.len() + padded - size, 0);
+            }
+            (bytes, Some(padded))
+        };
+        let is_normalized = properties.get("normalized") == Some(&Value::Bool(true));
+        let component = ComponentType::from_code(number("componentType"));
+        let needs_quantization = match component {
+            Some(ComponentType::F32) | None => false,
+            Some(component) => {
+                let is_unsigned = matches!(component, ComponentType::U8 | ComponentType::U16);
+                let is_texcoord = name.starts_with("TEXCOORD_");
+                ["POSITION", "NORMAL", "TANGENT"].contains(&name)
+                    || is_texcoord && !(is_unsigned && is_normalized)
+            }
+        };
+        // `ARRAY_BUFFER`
+        Self { properties, bytes, stride, target: 34962, needs_quantization }
+    }
+}
+
+/// Positions of marks as numbers in single precision about a place that is not that of their file.
+fn moved(packed: &PackedAccessor, place: &StoredPositions) -> Option<PackedAccessor> {
+    let code = packed.properties.get("componentType")?.as_u64()?;
+    let component = ComponentType::from_code(code)?;
+    let is_normalized = packed.properties.get("normalized") == Some(&Value::Bool(true));
+    let (origin, step) = match *place {
+        StoredPositions::Single(origin) => (origin, 1.0),
+        StoredPositions::Lattice(lattice, corner) => (corner, lattice.step()),
+    };
+    let size = usize::try_from(component.size()).ok()?;
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let mut bytes = Vec::with_capacity(packed.bytes.len() / size * 4);
+    for (i, number) in packed.bytes.chunks_exact(size).enumerate() {
+        let (raw, k) = (component.number(number), i % 3);
+        let x = if is_normalized { greater(raw / component.range().1, -1.0) } else { raw };
+        let stored = ((x - origin[k]) / step) as f32;
+        let [least, most] = bounds.each_mut().map(|bound| &mut bound[k]);
+        (*least, *most) = (lesser(f64::from(stored) + 0.0, *least), greater(f64::from(stored) + 0.0, *most));
+        bytes.extend(stored.to_le_bytes());
+    }
+    let mut properties = packed.properties.clone();
+    properties.shift_remove("normalized");
+    // `FLOAT`
+    properties.insert("componentType".to_owned(), json!(5126));
+    properties.insert("min".to_owned(), json!(bounds[0]));
+    properties.insert("max".to_owned(), json!(bounds[1]));
+    Some(PackedAccessor { properties, bytes: bytes.into() })
+}
+
+impl Marks {
+    /// Whether a skin moves them.
+    pub(super) fn has_skin(&self) -> bool {
+        self.primitive.get("attributes").is_some_and(|attributes| attributes.get(JOINTS).is_some())
+    }
+
+    /// The number of their morph targets.
+    pub(super) fn n_targets(&self) -> usize {
+        self.primitive.get("targets").and_then(Value::as_array).map_or(0, Vec::len)
+    }
+}
