@@ -73,6 +73,8 @@ pub struct Scene {
     pub assets: Box<SceneAssets>,
     /// How glTF stores its numbers. Readers leave it at the plain form, whatever the form of their file.
     pub packing: GltfPacking,
+    /// How the glTF that this was read from stored its numbers; the plain form for other files.
+    pub stored: GltfPacking,
 }
 
 /// The shape that a reader found.

@@ -20,6 +20,8 @@ impl Spelling for Keywords {
             Setting::Open => "border=\"open\"".to_owned(),
             Setting::Triangles => number("triangles"),
             Setting::Segments => number("segments"),
+            Setting::Compress => text("compress"),
+            Setting::Quantize => "quantize=True".to_owned(),
             Setting::Level => "Cage.refined".to_owned(),
             Setting::Index
             | Setting::TileTriangles

@@ -2,6 +2,7 @@
 use crate::collapsed_faces::drop_collapsed_faces;
 use crate::file_rows::{to_file_rows, unsupported};
 use crate::format_rounding::{single_precision_note, storage_within};
+use crate::notes::packing_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation};
@@ -23,6 +24,7 @@ pub(crate) fn finish_triangles(
 ) -> Result<MeshOutcome, MeshFailure> {
     let to = asked.to;
     scene.packing = asked.packing;
+    certificate.notes.extend(packing_note(scene.stored, asked.form()));
     if asked.form().is_quantized() {
         round_attributes(&mut scene, asked)?;
         certificate.notes.extend(single_precision_note(&scene.parts));

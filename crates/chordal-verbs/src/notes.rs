@@ -1,12 +1,40 @@
 //! Notes of a report that several verbs make.
-use chordal::budget::advice::Message;
+use crate::OutputForm;
+use chordal::budget::advice::{Message, Setting};
 use chordal::lod::ReductionStats;
-use chordal_io::{Part, Scene};
+use chordal_io::glb::GltfPacking;
+use chordal_io::{Format, Part, Scene};
 
 /// What a bound of meshes that skins or morph targets deform does not cover.
 pub(crate) fn deformation_note(scene: &Scene) -> Option<Message> {
     let note = "the bound is of meshes at rest: skins and morph targets move them afterwards";
     scene.parts.iter().any(Part::is_deformed).then(|| note.into())
+}
+
+/// What is said where the input is compressed or quantized and the output is not, though it could be.
+pub(crate) fn packing_note(stored: GltfPacking, form: OutputForm) -> Option<Message> {
+    let OutputForm { format, packing } = form;
+    if !matches!(format, Format::Glb | Format::Gltf) {
+        return None;
+    }
+    let unpacked = stored.is_compressed && !packing.is_compressed;
+    let widened = stored.is_quantized && !packing.is_quantized;
+    let what = match (unpacked, widened) {
+        (false, false) => return None,
+        (true, false) => "the input is compressed, and the output is not: ",
+        (false, true) => "the input is quantized, and the output is not: ",
+        (true, true) => "the input is compressed and quantized, and the output is not: ",
+    };
+    let compress = |message: Message| message.value(Setting::Compress, "meshopt");
+    let message = Message::from(what);
+    let message = match (unpacked, widened) {
+        (true, false) => compress(message).words(" compresses"),
+        (false, _) => message.setting(Setting::Quantize).words(" rounds"),
+        (true, true) => {
+            compress(message).words(" compresses, and ").setting(Setting::Quantize).words(" rounds")
+        }
+    };
+    Some(message.words(" what is written"))
 }
 
 /// Notes on the course of a simplification.

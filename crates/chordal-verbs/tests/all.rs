@@ -8,6 +8,7 @@ mod corpus;
 mod deviation;
 mod drawing;
 mod lod_files;
+mod looks;
 mod mend;
 mod mesh;
 mod open_scan;

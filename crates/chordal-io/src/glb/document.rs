@@ -1,4 +1,5 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
+use super::QUANTIZATION;
 use super::deformation::{has_skin, short_weights, skin_sets, targets_of};
 use super::draw_order::in_draw_order;
 use super::marks::MarkAccessor;
@@ -18,9 +19,6 @@ use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-
-/// The extension that allows numbers of fewer bits.
-const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// A part in the form that glTF can hold.
 pub(super) struct GltfPart<'a> {

@@ -63,6 +63,8 @@ pub(crate) const BIN_CHUNK: u32 = 0x004E_4942;
 /// Bytes that may be decoded and checked for each byte of a file: one becomes eight at most, and few of them
 /// are read twice.
 const DECODED_PER_BYTE: u64 = 64;
+/// The extension that allows numbers of fewer bits.
+const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// The extension by which a node shows its mesh at many places.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// The extension by which a node names its lower levels of detail.

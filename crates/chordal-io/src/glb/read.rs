@@ -4,11 +4,11 @@ use super::dangling_references::drop_dangling_references;
 use super::json::{self, JsonValue};
 use super::leniency::ForgivenIssues;
 use super::lint::{self, GltfLint};
-use super::model::GltfModel;
+use super::model::{GltfModel, GltfPrimitive};
 use super::node_tree::NodeTree;
 use super::parts::PartReader;
 use super::report::GlbWarnings;
-use super::{DECODED_PER_BYTE, INSTANCING, LOD};
+use super::{DECODED_PER_BYTE, GltfPacking, INSTANCING, LOD, QUANTIZATION};
 use super::{container, draco, external, meshopt, packed_views};
 use crate::files::FileOpener;
 use crate::text::is_space;
@@ -22,7 +22,7 @@ const OBJECT_BYTES: u64 = 512;
 /// Extensions that are read, or do not change the triangles; `*` matches any ending.
 const HARMLESS: [&str; 18] = [
     draco::DRACO,
-    "KHR_mesh_quantization",
+    QUANTIZATION,
     "KHR_materials_*",
     "KHR_texture_*",
     "KHR_lights_*",
@@ -142,6 +142,7 @@ pub(crate) fn read_with(
         texture_origin: Some(TextureOrigin::UpperLeft),
     };
     scene.certificate = certificate(&json, has_levels);
+    scene.stored = stored(&model);
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: report.warnings })
 }
 
@@ -220,6 +221,18 @@ fn check_zeros(model: &GltfModel<'_>, limits: &Limits, quota: u64) -> Result<(),
         };
     }
     Ok(())
+}
+
+/// How a file stores its numbers.
+fn stored(model: &GltfModel<'_>) -> GltfPacking {
+    let has_stream = model.views.iter().flatten().any(|view| view.packed.is_some());
+    let is_draco =
+        |primitive: &GltfPrimitive<'_>| primitive.draco.is_some() && !draco::has_plain_copy(model, primitive);
+    let has_draco = model.meshes.iter().flatten().flat_map(|mesh| &mesh.primitives).any(is_draco);
+    GltfPacking {
+        is_compressed: has_stream || has_draco,
+        is_quantized: model.extensions_used.contains(&QUANTIZATION),
+    }
 }
 
 fn is_harmless(name: &str) -> bool {

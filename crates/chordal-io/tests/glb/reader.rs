@@ -32,7 +32,7 @@ fn every_kind_of_object_is_accepted_and_what_is_dropped_is_counted() {
     let (json, bin) = every_object();
     let (scene, warnings) = loaded(&json, &bin);
     assert_eq!(scene.parts.len(), 3);
-    for code in ["extension-ignored", "points-and-lines-skipped", "animations-dropped"] {
+    for code in ["extension-ignored", "points-and-lines", "animations-dropped"] {
         assert!(warnings.contains(&code), "{code} is missing in {warnings:?}");
     }
     let skinned = &scene.parts[0].mesh;

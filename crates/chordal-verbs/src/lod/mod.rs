@@ -9,9 +9,10 @@ mod tile_hierarchy;
 mod tileset;
 
 use crate::format_rounding::single_precision_note;
+use crate::notes::packing_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output};
 use crate::too_fine::too_fine_note;
-use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape};
+use crate::{BudgetSpec, Input, MeshFailure, Normals, OutputForm, Shape};
 use chordal::Job;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::camera::MinDistanceView;
@@ -114,6 +115,10 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let budget = Budget { attributes: spec.attributes, ..Budget::length(finest) };
     certificate.budget = Some(BudgetFacts::new(&budget));
     let (frame, from) = (*input.shape.frame(), input.format);
+    if let Shape::Scene(scene) = &input.shape {
+        let form = OutputForm { format: Format::Glb, packing: spec.packing };
+        certificate.notes.extend(packing_note(scene.stored, form));
+    }
     let source = LevelSource { spec, finest, job };
     let made = source.levels(input.shape, &mut certificate.notes)?;
     let assets = made.assets();

@@ -193,7 +193,7 @@ impl SceneLevels {
             return Some(Cow::Borrowed(&self.finest));
         }
         let parts = choice.iter().enumerate().map(|(part, level)| self.part(part, *level).clone());
-        let Scene { nodes, roots, frame, certificate, groups, assets, packing, .. } = &self.finest;
+        let Scene { nodes, roots, frame, certificate, groups, assets, packing, stored, .. } = &self.finest;
         Some(Cow::Owned(Scene {
             parts: parts.collect(),
             nodes: nodes.clone(),
@@ -203,6 +203,7 @@ impl SceneLevels {
             groups: groups.clone(),
             assets: assets.clone(),
             packing: *packing,
+            stored: *stored,
         }))
     }
 }

@@ -32,6 +32,10 @@ pub enum Setting {
     TileTriangles,
     /// The most bytes of memory.
     MaxMemory,
+    /// The codec that compresses a glTF.
+    Compress,
+    /// Whether the numbers of a glTF are rounded to fewer bits.
+    Quantize,
     /// Whether an inspection looks for triangles that cross.
     SelfIntersections,
     /// A repair of a mesh.
@@ -40,7 +44,7 @@ pub enum Setting {
 
 impl Setting {
     /// All but the repairs, of which [`Cure::ALL`] has the list.
-    pub const PLAIN: [Self; 15] = [
+    pub const PLAIN: [Self; 17] = [
         Self::Unit,
         Self::From,
         Self::Surface,
@@ -55,6 +59,8 @@ impl Setting {
         Self::Level,
         Self::TileTriangles,
         Self::MaxMemory,
+        Self::Compress,
+        Self::Quantize,
         Self::SelfIntersections,
     ];
 
@@ -82,6 +88,8 @@ impl Setting {
             Self::Level => "level",
             Self::TileTriangles => "tile-triangles",
             Self::MaxMemory => "max-memory",
+            Self::Compress => "compress",
+            Self::Quantize => "quantize",
             Self::SelfIntersections => "self-intersections",
             Self::Cure(cure) => cure.name(),
         }
