@@ -132,12 +132,7 @@ fn stored(
         Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
         Err(JobError::Refused(_)) => return Ok(fewest),
     };
-    let exceeds = |off: &AttributeDeviation| match off.semantic {
-        Semantic::TexCoord(_) => limits.texcoord().is_some_and(|limit| off.largest > limit),
-        Semantic::Normal => limits.normal_deg().is_some_and(|limit| off.largest > limit),
-        _ => false,
-    };
-    if !off.iter().any(exceeds) {
+    if !off.iter().any(|off| exceeds(limits, off)) {
         return Ok(fewest);
     }
     if let Some(storage) = &mut part.storage {
@@ -145,6 +140,15 @@ fn stored(
     }
     let single = RoundingTarget { lattice: None, ..*target };
     Ok(with_attributes(part.storage.as_deref(), round(&made.shape.mesh, &single, job)?)?)
+}
+
+/// Whether an attribute is off by more than its limit.
+pub(crate) fn exceeds(limits: &AttributeLimits, off: &AttributeDeviation) -> bool {
+    match off.semantic {
+        Semantic::TexCoord(_) => limits.texcoord().is_some_and(|limit| off.largest > limit),
+        Semantic::Normal => limits.normal_deg().is_some_and(|limit| off.largest > limit),
+        _ => false,
+    }
 }
 
 /// A mesh at the positions of its file, and how far that moved it. Of a lattice, triangles that it left with two

@@ -3,11 +3,14 @@ use super::LodSpec;
 use crate::file_rows::{to_file_rows, unsupported};
 use crate::format_rounding::{RoundingTarget, limits_left, storage_within};
 use crate::rounded_mesh::snap_with_bound;
+use crate::simplify::exceeds;
 use crate::{MeshFailure, Normals};
-use chordal::budget::Bound;
 use chordal::budget::advice::Message;
 use chordal::budget::attributes::AttributeLimits;
+use chordal::budget::{Bound, JobError, Reference, Tolerance};
+use chordal::check::findings::{AttributeDeviation, attribute_deviation};
 use chordal::explicit::Topology;
+use chordal::lod::LodLevel;
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::glb::{PositionLattice, VertexStorage};
 use chordal_io::{Format, Frame, Part, Scene, SceneAssets};
@@ -38,6 +41,41 @@ impl LevelFinisher {
     /// How a part is stored whose positions are on that lattice, if numbers are rounded to fewer bits at all.
     pub fn storage(&self, lattice: Option<PositionLattice>) -> Option<VertexStorage> {
         self.is_quantized.then(|| storage_within(lattice, &self.asked))
+    }
+
+    /// How far the attributes of levels on a lattice are off from those of a mesh. Where there are no limits, or no
+    /// lattice, nothing is measured; [`LatticeFit::Exceeds`] where a level slides past a limit, or nothing can say
+    /// that it does not.
+    pub fn fit(
+        &self,
+        before: &Mesh,
+        chain: &[LodLevel],
+        lattice: Option<PositionLattice>,
+        job: &Job,
+    ) -> Result<LatticeFit, MeshFailure> {
+        let Some(storage) = self.storage(lattice).filter(|_| lattice.is_some() && self.asked.is_set()) else {
+            return Ok(LatticeFit::Free);
+        };
+        if before.faces().is_empty() {
+            return Ok(LatticeFit::Exceeds);
+        }
+        let mut measured = Vec::with_capacity(chain.len());
+        for level in chain {
+            let snapped = RoundingTarget::new(Format::Glb, lattice).snap(&level.mesh)?;
+            let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
+            let after = storage.round_attributes(&snapped.mesh).map_err(unsupported)?;
+            let moved = level.bound.clone().then(&step).at_most().and_then(|most| Tolerance::new(most).ok());
+            let off = match attribute_deviation(before, &after, moved, job) {
+                Ok(off) => off,
+                Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+                Err(JobError::Refused(_)) => return Ok(LatticeFit::Exceeds),
+            };
+            if off.iter().any(|off| exceeds(&self.asked, off)) {
+                return Ok(LatticeFit::Exceeds);
+            }
+            measured.push(off);
+        }
+        Ok(LatticeFit::Within(measured))
     }
 
     /// A mesh as a scene of its own, with its attributes rounded.
@@ -75,6 +113,16 @@ impl LevelFinisher {
         let shape = to_file_rows(scene, Format::Glb)?.parts.remove(0);
         Ok(Bounded { shape, bound })
     }
+}
+
+/// Whether attributes of levels keep their limits where positions slide on a lattice.
+pub(super) enum LatticeFit {
+    /// There is none of the two.
+    Free,
+    /// They do: by level, how far attributes are off.
+    Within(Vec<Vec<AttributeDeviation>>),
+    /// They do not: positions stay in single precision.
+    Exceeds,
 }
 
 /// What limits on attributes leave once their values are rounded.

@@ -1,5 +1,5 @@
 //! `SceneLevels`: each part of a scene in levels of detail, and which of them make a level of the whole.
-use super::level_finisher::LevelFinisher;
+use super::level_finisher::{LatticeFit, LevelFinisher};
 use super::level_mesh::LevelMesh;
 use crate::MeshFailure;
 use crate::placements;
@@ -79,12 +79,21 @@ impl SceneLevels {
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
         let (mut coarser, mut bounds, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
         for ((part, chain), lattice) in finest.parts.iter_mut().zip(chains).zip(lattices) {
+            let (lattice, measured) = match finisher.fit(&part.mesh, &chain, lattice, job)? {
+                LatticeFit::Free => (lattice, Vec::new()),
+                LatticeFit::Within(measured) => (lattice, measured),
+                LatticeFit::Exceeds => (None, Vec::new()),
+            };
+            let mut measured = measured.into_iter();
             let storage = finisher.storage(lattice);
             let mut levels: Vec<Bounded<Part>> = Vec::new();
             let mut off = Vec::new();
             for level in chain {
-                let mut level_attributes = level.attributes;
-                level_attributes.iter_mut().for_each(|off| add_rounding(off, storage.as_ref()));
+                let level_attributes = measured.next().unwrap_or_else(|| {
+                    let mut off = level.attributes;
+                    off.iter_mut().for_each(|off| add_rounding(off, storage.as_ref()));
+                    off
+                });
                 let bound = if moved_at_most > 0.0 { level.bound.then(&moved) } else { level.bound };
                 let own = Part {
                     name: part.name.clone(),

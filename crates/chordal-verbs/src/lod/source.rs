@@ -223,7 +223,9 @@ impl LevelSource<'_> {
         let inner = request.with_budget(inner).reserve_rounding(moved_at_most)?;
         let steps = self.steps(&inner);
         let chain = lod::chain(LodSource::Triangles(&mesh, topology), &steps, self.job)?;
-        self.as_source(template, chain, (moved_at_most, request.lattice), notes)
+        // On a lattice attributes slide, and nothing measures them against parts that were put together.
+        let lattice = request.lattice.filter(|_| !self.spec.attributes.is_set());
+        self.as_source(template, chain, (moved_at_most, lattice), notes)
     }
 
     fn of_smooth_shape(
