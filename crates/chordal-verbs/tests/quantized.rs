@@ -280,3 +280,42 @@ fn levels_of_a_part_stand_on_one_lattice() {
     made.write(Format::Glb, &mut bytes).expect("written");
     assert!(String::from_utf8_lossy(&bytes).contains("KHR_mesh_quantization"));
 }
+
+/// A flat square beginning at (0.1, 0.2), with texture coordinates that grow a hundred times as fast as places.
+fn steep_square() -> String {
+    let n = 8;
+    let mut text = String::new();
+    for i in 0..n * n {
+        let [u, v] = [i % n, i / n].map(|k| k as f64 / (n - 1) as f64);
+        text += &format!("v {} {} 0\nvt {} {}\n", 0.1 + u, 0.2 + v, 100.0 * u, 100.0 * v);
+    }
+    for i in (0..n * (n - 1)).filter(|i| i % n != n - 1) {
+        let [a, b, c, d] = [i + 1, i + 2, i + n + 2, i + n + 1];
+        text += &format!("f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}\n");
+    }
+    text
+}
+
+#[test]
+fn levels_keep_limits_on_attributes_where_a_lattice_slides_them() {
+    let text = steep_square();
+    // A step of 2⁻¹⁵ moves a corner by up to half of it along each axis, and texture coordinates 100 times as far.
+    for (limit, has_lattice) in [(1e-4, false), (1e-2, true)] {
+        for parts in [LodParts::Separate, LodParts::Merged] {
+            let attributes = AttributeLimits::new(Some(limit), None).expect("limits");
+            let spec = LodSpec { attributes, parts, ..levels(None) };
+            let made = lod(loaded(text.as_bytes(), Format::Obj), &spec, &Job::default()).expect("levels");
+            let (scene, _) = made.level(0).expect("a level");
+            let part = &scene.parts[0];
+            let lattice = part.storage.as_ref().and_then(|storage| storage.lattice);
+            // Of merged parts nothing measures it.
+            assert_eq!(lattice.is_some(), has_lattice && parts == LodParts::Separate, "{limit} {parts:?}");
+            let texcoords = part.mesh.attribute(&Semantic::TexCoord(0)).expect("texture coordinates");
+            for (v, [x, y, _]) in part.mesh.positions().iter().enumerate() {
+                let [u, v] =
+                    [texcoords.row(v)[0] - 100.0 * (x - 0.1), texcoords.row(v)[1] - 100.0 * (y - 0.2)];
+                assert!((u * u + v * v).sqrt() <= limit, "{u} {v} at {x} {y}");
+            }
+        }
+    }
+}
