@@ -2,7 +2,7 @@
 use super::QUANTIZATION;
 use super::deformation::{has_skin, short_weights, skin_sets, targets_of};
 use super::draw_order::in_draw_order;
-use super::marks::MarkAccessor;
+use super::marks::{MarkAccessor, n_targets};
 use super::material_runs::material_runs;
 use super::meshopt;
 use super::node_list;
@@ -45,7 +45,7 @@ impl<'a> GltfPart<'a> {
             )));
         }
         let mut storage = storage_of(part, packing);
-        if let Some(storage) = storage.as_mut().filter(|_| part.marks.iter().any(is_moved)) {
+        if let Some(storage) = storage.as_mut().filter(|_| part.marks.iter().any(Marks::is_moved)) {
             // A skin or morph targets move them from where they stand, and not from where a node would put them.
             storage.lattice = None;
         }
@@ -202,7 +202,13 @@ impl<'a> GltfDocument<'a> {
         }
         let n_targets = n_targets(part, &shape.mesh);
         for marks in part.marks.iter() {
-            primitives.push(self.add_marks(marks, &shape.positions, n_targets));
+            let place = (&shape.positions, n_targets);
+            let mut primitive = marks.object(place, |accessor| self.add_mark_accessor(accessor));
+            if let Some(material) = marks.material.filter(|material| *material < self.assets.materials.len())
+            {
+                primitive.insert("material".to_owned(), json!(material));
+            }
+            primitives.push(Value::Object(primitive));
         }
         let mut object = part.properties.as_deref().cloned().unwrap_or_default();
         if n_targets == 0 {
@@ -211,41 +217,6 @@ impl<'a> GltfDocument<'a> {
         object.insert("primitives".to_owned(), json!(primitives));
         self.meshes.push(node_list::with_name(&part.name, Value::Object(object)));
         Ok(self.meshes.len() - 1)
-    }
-
-    /// The primitive of points or lines of a mesh that has so many morph targets.
-    fn add_marks(&mut self, marks: &Marks, place: &StoredPositions, n_targets: usize) -> Value {
-        let mut primitive = marks.primitive.clone();
-        if marks.n_targets() != n_targets {
-            primitive.shift_remove("targets");
-        }
-        let packed = |at: &Value| {
-            let at = usize::try_from(at.as_u64()?).ok()?;
-            marks.accessors.get(at)
-        };
-        if let Some(at) = primitive.get_mut("indices")
-            && let Some(packed) = packed(at)
-        {
-            *at = json!(self.add_mark_accessor(MarkAccessor::indices(packed)));
-        }
-        if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
-            for (name, at) in attributes {
-                let Some(packed) = packed(at) else { continue };
-                *at = json!(self.add_mark_accessor(MarkAccessor::attribute(packed, name, place)));
-            }
-        }
-        // Morph targets say how far they move, wherever that is.
-        let plain = StoredPositions::Single([0.0; 3]);
-        for target in primitive.get_mut("targets").and_then(Value::as_array_mut).into_iter().flatten() {
-            for (name, at) in target.as_object_mut().into_iter().flatten() {
-                let Some(packed) = packed(at) else { continue };
-                *at = json!(self.add_mark_accessor(MarkAccessor::attribute(packed, name, &plain)));
-            }
-        }
-        if let Some(material) = marks.material.filter(|material| *material < self.assets.materials.len()) {
-            primitive.insert("material".to_owned(), json!(material));
-        }
-        Value::Object(primitive)
     }
 
     /// Adds an accessor of points and lines, once for all that have the same bytes and properties: levels repeat
@@ -560,19 +531,6 @@ impl<'a> GltfDocument<'a> {
         }
         root.insert("extensionsUsed".to_owned(), json!(used));
     }
-}
-
-/// The number of morph targets of all primitives of a part: that of its triangles, where it has some.
-fn n_targets(part: &Part, mesh: &Mesh) -> usize {
-    if mesh.faces().is_empty() {
-        return part.marks.iter().map(Marks::n_targets).max().unwrap_or(0);
-    }
-    targets_of(mesh).len()
-}
-
-/// Whether a skin or morph targets move points and lines.
-fn is_moved(marks: &Marks) -> bool {
-    marks.has_skin() || marks.n_targets() > 0
 }
 
 /// The names of the groups of faces that parts of the scene have, by kind. Those of materials are theirs.

@@ -1,11 +1,13 @@
 //! Points and lines of a glTF: read as they are, and written again.
 use super::accessor_rows::AccessorRows;
 use super::assets::packed_accessor;
+use super::deformation::targets_of;
 use super::format::ComponentType;
 use super::json::JsonValue;
 use super::model::{GltfAttributes, GltfModel, GltfPrimitive};
 use super::stored_positions::StoredPositions;
-use crate::{Marks, PackedAccessor};
+use crate::{Marks, PackedAccessor, Part};
+use chordal::Mesh;
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 
@@ -155,13 +157,59 @@ fn moved(packed: &PackedAccessor, place: &StoredPositions) -> Option<PackedAcces
 }
 
 impl Marks {
+    /// The primitive as glTF has it, without its material, in a mesh whose positions are stored so and that has so
+    /// many morph targets. `add` writes an accessor and returns its number.
+    pub(super) fn object(
+        &self,
+        (place, n_targets): (&StoredPositions, usize),
+        mut add: impl FnMut(MarkAccessor) -> usize,
+    ) -> Map<String, Value> {
+        let mut primitive = self.primitive.clone();
+        if self.n_targets() != n_targets {
+            primitive.shift_remove("targets");
+        }
+        let packed = |at: &Value| self.accessors.get(usize::try_from(at.as_u64()?).ok()?);
+        if let Some(at) = primitive.get_mut("indices")
+            && let Some(packed) = packed(at)
+        {
+            *at = json!(add(MarkAccessor::indices(packed)));
+        }
+        let mut add_all = |attributes: &mut Value, place: &StoredPositions| {
+            for (name, at) in attributes.as_object_mut().into_iter().flatten() {
+                let Some(packed) = packed(at) else { continue };
+                *at = json!(add(MarkAccessor::attribute(packed, name, place)));
+            }
+        };
+        if let Some(attributes) = primitive.get_mut("attributes") {
+            add_all(attributes, place);
+        }
+        // Morph targets say how far they move, wherever that is.
+        let plain = StoredPositions::Single([0.0; 3]);
+        let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
+        targets.into_iter().flatten().for_each(|target| add_all(target, &plain));
+        primitive
+    }
+
     /// Whether a skin moves them.
     pub(super) fn has_skin(&self) -> bool {
         self.primitive.get("attributes").is_some_and(|attributes| attributes.get(JOINTS).is_some())
     }
 
     /// The number of their morph targets.
-    pub(super) fn n_targets(&self) -> usize {
+    fn n_targets(&self) -> usize {
         self.primitive.get("targets").and_then(Value::as_array).map_or(0, Vec::len)
     }
+
+    /// Whether a skin or morph targets move them.
+    pub(super) fn is_moved(&self) -> bool {
+        self.has_skin() || self.n_targets() > 0
+    }
+}
+
+/// The number of morph targets of all primitives of a part: that of its triangles, where it has some.
+pub(super) fn n_targets(part: &Part, mesh: &Mesh) -> usize {
+    if mesh.faces().is_empty() {
+        return part.marks.iter().map(Marks::n_targets).max().unwrap_or(0);
+    }
+    targets_of(mesh).len()
 }

@@ -1,6 +1,6 @@
 //! Verdicts of gltf-validator 2.0.0-dev.3.10 over changes of a document with every kind of object.
 use super::build::{every_object, glb_of, put, read, strict, triangle};
-use chordal_io::{Conformance, Content, FileLocation, Limits, glb};
+use chordal_io::{Conformance, Content, FileLocation, Format, Limits, glb};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -70,6 +70,33 @@ fn changes_are_judged_as_the_validator_judges_them() {
         }
     }
     assert!(codes.len() >= 85, "only {} codes: {codes:?}", codes.len());
+}
+
+#[test]
+fn a_gltf_with_its_buffer_beside_it_is_judged_at_the_same_places() {
+    let mut n = [0, 0];
+    for Verdict { changes, errors } in verdicts() {
+        let (mut json, bin) = changed(&changes);
+        if let Some(Value::Object(buffer)) = json.pointer_mut("/buffers/0") {
+            buffer.entry("uri").or_insert(json!("every_object.bin"));
+        }
+        let mut open = |path: &str| match path {
+            "every_object.bin" => Ok(bin.clone()),
+            other => Err(format!("there is no {other}")),
+        };
+        let read = chordal_io::read_with(json.to_string().as_bytes(), Format::Gltf, &mut open, &strict());
+        n[usize::from(errors.is_empty())] += 1;
+        match read {
+            Ok(_) => assert!(errors.is_empty(), "{changes:?} was accepted"),
+            Err(error) => {
+                let is_it = |(code, at): &(String, String)| {
+                    *code == error.code && error.place == FileLocation::Pointer(at.clone())
+                };
+                assert!(errors.iter().any(is_it), "{changes:?}: {} at {}", error.code, error.place);
+            }
+        }
+    }
+    assert_eq!(n, [268, 159], "refused and valid");
 }
 
 #[test]
