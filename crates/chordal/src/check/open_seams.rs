@@ -2,7 +2,7 @@
 use super::connectivity::MeshConnectivity;
 use super::finding::{Finding, Witness};
 use super::point_tree::PointTree;
-use crate::explicit::{Twin, next_in_face};
+use crate::explicit::{Twin, next_in_face, position_id_by_bits};
 use crate::math::{Box3, greater, lesser};
 use std::collections::BTreeMap;
 
@@ -48,17 +48,32 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
     }
     let vertices: Vec<BoundaryVertex> = boundary.into_values().collect();
     let points: Vec<[f64; 3]> = vertices.iter().map(|vertex| at(vertex.row)).collect();
-    let tree = PointTree::new(&points);
+    // Vertices at one place are one point of the tree, whose shortest edge is the longest of theirs: thousands that
+    // meet there are found as one.
+    let places = position_id_by_bits(&points);
+    let (mut distinct, mut longest) = (Vec::new(), Vec::<f64>::new());
+    let mut number = vec![0_usize; points.len()];
+    for (i, (place, vertex)) in places.iter().zip(&vertices).enumerate() {
+        if *place as usize == i {
+            number[i] = distinct.len();
+            distinct.push(points[i]);
+            longest.push(vertex.shortest);
+        } else {
+            let longest = &mut longest[number[*place as usize]];
+            *longest = greater(vertex.shortest, *longest);
+        }
+    }
+    let tree = PointTree::new(&distinct);
     let most = SHARE_OF_BOX * mesh.bounds().diagonal();
     let mut found = OpenSeams::default();
-    for (i, (vertex, p)) in vertices.iter().zip(&points).enumerate() {
+    for (vertex, p) in vertices.iter().zip(&points) {
         let own = lesser(SHARE_OF_EDGE * vertex.shortest, most);
         let mut nearest = f64::INFINITY;
         tree.near_segment([*p, *p], own, |j| {
             let j = j as usize;
-            let apart = distance_up(*p, points[j]);
+            let apart = distance_up(*p, distinct[j]);
             // Equal positions are another defect, with a cure of its own.
-            if j != i && apart > 0.0 && apart <= own && apart <= SHARE_OF_EDGE * vertices[j].shortest {
+            if apart > 0.0 && apart <= own && apart <= SHARE_OF_EDGE * longest[j] {
                 nearest = lesser(apart, nearest);
             }
         });
