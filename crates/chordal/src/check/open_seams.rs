@@ -48,21 +48,7 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
     }
     let vertices: Vec<BoundaryVertex> = boundary.into_values().collect();
     let points: Vec<[f64; 3]> = vertices.iter().map(|vertex| at(vertex.row)).collect();
-    // Vertices at one place are one point of the tree, whose shortest edge is the longest of theirs: thousands that
-    // meet there are found as one.
-    let places = position_id_by_bits(&points);
-    let (mut distinct, mut longest) = (Vec::new(), Vec::<f64>::new());
-    let mut number = vec![0_usize; points.len()];
-    for (i, (place, vertex)) in places.iter().zip(&vertices).enumerate() {
-        if *place as usize == i {
-            number[i] = distinct.len();
-            distinct.push(points[i]);
-            longest.push(vertex.shortest);
-        } else {
-            let longest = &mut longest[number[*place as usize]];
-            *longest = greater(vertex.shortest, *longest);
-        }
-    }
+    let (distinct, longest) = distinct_places(&points, &vertices);
     let tree = PointTree::new(&distinct);
     let most = SHARE_OF_BOX * mesh.bounds().diagonal();
     let mut found = OpenSeams::default();
@@ -83,6 +69,25 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
         }
     }
     found
+}
+
+/// The places of vertices, and of each the longest of their shortest edges. Vertices at one place are one point of the
+/// tree: thousands that meet there are found as one.
+fn distinct_places(points: &[[f64; 3]], vertices: &[BoundaryVertex]) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let places = position_id_by_bits(points);
+    let (mut distinct, mut longest) = (Vec::new(), Vec::<f64>::new());
+    let mut number = vec![0_usize; points.len()];
+    for (i, (place, vertex)) in places.iter().zip(vertices).enumerate() {
+        if *place as usize == i {
+            number[i] = distinct.len();
+            distinct.push(points[i]);
+            longest.push(vertex.shortest);
+        } else {
+            let longest = &mut longest[number[*place as usize]];
+            *longest = greater(vertex.shortest, *longest);
+        }
+    }
+    (distinct, longest)
 }
 
 /// An upper bound of the distance of two points; 0 where they are equal.
@@ -113,6 +118,14 @@ mod tests {
         };
         let cell = |i: u32| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]];
         Mesh::new((0..=n).flat_map(column).collect(), (0..n).flat_map(cell).collect()).expect("a tube")
+    }
+
+    #[test]
+    fn vertices_at_one_place_are_searched_as_one() {
+        let vertices = [1.0, 3.0, 2.0, 5.0].map(|shortest| BoundaryVertex { row: 0, shortest });
+        let points = [[0.0; 3], [-0.0, 0.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0]];
+        let (distinct, longest) = distinct_places(&points, &vertices);
+        assert_eq!((distinct, longest), (vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![3.0, 5.0]));
     }
 
     #[test]

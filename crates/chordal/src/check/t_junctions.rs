@@ -142,3 +142,36 @@ fn is_near_middle(p: [f64; 3], [a, b]: [[f64; 3]; 2], tolerance: f64) -> bool {
     let off = if from_start < from_end { from_a - along * from_start } else { from_b + along * from_end };
     from_start > 1.0 && from_end > 1.0 && off.length() <= 1.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles on one another, each with rows of its own, and a vertex of as many others in an edge of each.
+    fn crowd(n: u32) -> Mesh {
+        let corners =
+            [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], [2.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
+        let positions = (0..n).flat_map(|_| corners).collect();
+        let faces = (0..n).flat_map(|i| [[6 * i, 6 * i + 1, 6 * i + 2], [6 * i + 3, 6 * i + 4, 6 * i + 5]]);
+        Mesh::new(positions, faces.collect()).expect("valid")
+    }
+
+    #[test]
+    fn a_crowd_of_vertices_is_visited_once_for_each_edge() {
+        const N: u32 = 1000;
+        let mesh = crowd(N);
+        let surface = MeshConnectivity::new(&mesh, Topology::Indices);
+        let (mut visits, mut rows_visited) = (0, 0);
+        vertices_in_edges(&surface, None, |rows, _| {
+            visits += 1;
+            rows_visited += rows.len() as u64;
+        });
+        assert_eq!((visits, rows_visited), (N, u64::from(N * N)));
+        let all: Vec<u32> = (0..6 * N).collect();
+        assert_eq!(BoundaryPlaces::new(&mesh, &all).points.len(), 6);
+        let found = t_junctions_of(&surface, None);
+        assert_eq!(found.count, u64::from(N));
+        let expected = |i: u32| MeshLocation::OnEdge { vertex: 6 * i + 3, edge: [0, 1], face: 0 };
+        assert!((0..).zip(&found.witnesses).all(|(i, witness)| witness.place == expected(i)));
+    }
+}

@@ -159,6 +159,12 @@ impl<'a> Forsyth<'a> {
         (self.slot[moved as usize], self.slot[corner as usize]) = (at, last);
     }
 
+    /// Corners of triangles left at a vertex, of which one may be next.
+    fn considered(&self, vertex: u32) -> &[u32] {
+        let from = self.first[vertex as usize] as usize;
+        &self.around[from..from + (self.left[vertex as usize] as usize).min(MOST_CONSIDERED)]
+    }
+
     /// Updates the scores of all vertices in the cache, evicts those that do not fit, and finds the best
     /// triangle.
     fn score(&mut self, cache: &mut Vec<u32>) -> Option<u32> {
@@ -169,9 +175,7 @@ impl<'a> Forsyth<'a> {
         }
         let mut best: Option<(f32, u32)> = None;
         for &v in cache.iter() {
-            let from = self.first[v as usize] as usize;
-            let n = (self.left[v as usize] as usize).min(MOST_CONSIDERED);
-            for corner in &self.around[from..from + n] {
+            for corner in self.considered(v) {
                 let face = corner / 3;
                 let [a, b, c] = self.faces[face as usize].map(|v| self.vertex_score[v as usize]);
                 let score = a + b + c;
@@ -226,4 +230,28 @@ pub fn fetch_order(faces: &[[u32; 3]]) -> Vec<u32> {
     let mut seen = vec![false; n_vertices(faces)];
     let is_new = |v: &&u32| !std::mem::replace(&mut seen[**v as usize], true);
     faces.as_flattened().iter().filter(is_new).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_looks_at_few_triangles_of_a_hub() {
+        // A hundred thousand coincident triangles, and as many around one vertex: minutes if each step saw all.
+        const N: u32 = 100_000;
+        let fan: Vec<[u32; 3]> = (1..=N).map(|i| [0, i, i + 1]).collect();
+        for faces in [vec![[0, 1, 2]; N as usize], fan] {
+            let order = Forsyth::new(&faces);
+            assert_eq!(order.left[0], N);
+            assert!(order.considered(0).len() <= MOST_CONSIDERED);
+            let ordered = order.run();
+            let mut sorted = ordered.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..N), "not a permutation");
+            let ordered: Vec<[u32; 3]> = ordered.iter().map(|face| faces[*face as usize]).collect();
+            // What a fan takes in its own order: each step brings one vertex.
+            assert!(cache_misses(&ordered, CACHE as u32) <= u64::from(N) + 2);
+        }
+    }
 }
