@@ -102,7 +102,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("convert", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    console.result(&report.to_value(), &summary_text(&report), stdout)
+    console.result(&report, &summary_text(&report), stdout)
 }
 
 /// The verb that makes of the shape what the format holds, and its budget.

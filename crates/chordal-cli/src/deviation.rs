@@ -84,7 +84,7 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let run = RunFacts { input: Some(first.name()), ..report.run };
     report.run = clock.fill(run, &job);
     console.warn(&names, &report.certificate.notes);
-    console.result(&report.to_value(), &summary_text(&report, &second.name()), StdoutUse::Free)?;
+    console.result(&report, &summary_text(&report, &second.name()), StdoutUse::Free)?;
     report.deviation.as_ref().map_or(Ok(()), |facts| check(&names, &report, facts))
 }
 

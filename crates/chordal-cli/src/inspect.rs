@@ -75,7 +75,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let input_triangles = input.shape.n_triangles();
     let run = RunFacts { input: Some(name.clone()), input_triangles, ..report.run };
     report.run = clock.fill(run, &job);
-    console.result(&report.to_value(), &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;
+    console.result(&report, &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;
     check(&name, report.certificate.valid.as_ref(), &args.require)
 }
 

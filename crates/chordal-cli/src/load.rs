@@ -2,14 +2,16 @@
 use crate::args::{InputArgs, PolygonSurfaceArg};
 use crate::beside::read_beside;
 use crate::console::Console;
-use crate::fault::Fault;
+use crate::fault::{Exit, Fault};
 use crate::folder::list_slices;
 use crate::input::InputSource;
+use crate::memory;
 use crate::spelling::CommandLine;
 use chordal::Job;
+use chordal::budget::RefusalCode;
 use chordal::budget::advice::Spell;
 use chordal_io::{Conformance, Format, Limits};
-use chordal_verbs::{FormatHint, Input, load_with};
+use chordal_verbs::{FormatHint, Input, Shape, load_with};
 
 /// Reads what `args` name on the threads of a job, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fault> {
@@ -141,10 +143,29 @@ impl RawInput {
         let mut input = load_with(&self.bytes, self.hint(args), &mut open, &limits)
             .spelled(&CommandLine)
             .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
+        self.check_memory(&input, args)?;
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
         frame.up = args.up.or(frame.up);
         Ok(input)
+    }
+}
+
+impl RawInput {
+    /// Refuses triangles that cannot be worked on within the limit of memory, before the work.
+    fn check_memory(&self, input: &Input, args: &InputArgs) -> Result<(), Fault> {
+        let (Shape::Scene(scene), Some(limit)) = (&input.shape, args.memory_limit()) else { return Ok(()) };
+        let least = memory::least_for(scene, self.bytes.len() as u64);
+        if least <= limit {
+            return Ok(());
+        }
+        let n_triangles = input.shape.n_triangles().unwrap_or(0);
+        let message = format!(
+            "{}: {n_triangles} triangles and what is needed to work on them take {least} bytes of memory at least; the \
+             limit is {limit} (--max-memory)",
+            self.name
+        );
+        Err(Fault::new(Exit::Budget, RefusalCode::TooMuchMemory.as_str(), message))
     }
 }
 

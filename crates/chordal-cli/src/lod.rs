@@ -199,7 +199,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let run = RunFacts { input_triangles, ..run_outcome::facts("lod", name, written, bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report.to_value(), &summary_text(&report), stdout)
+    console.result(&report, &summary_text(&report), stdout)
 }
 
 /// The file of a tileset that names all others.

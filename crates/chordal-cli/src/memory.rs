@@ -1,5 +1,6 @@
 //! How much memory a job may take where nobody says it: a share of what the machine, or the group of
-//! processes, has.
+//! processes, has. And how much triangles take at least.
+use chordal_io::Scene;
 use std::fs;
 
 /// The share of the memory: half, chosen so that a job and what reads its result fit side by side.
@@ -10,6 +11,24 @@ const SHARE: u64 = 2;
 #[must_use]
 pub fn default_limit() -> Option<u64> {
     default_limit_from(&|path| fs::read_to_string(path).ok())
+}
+
+/// The least memory, in bytes, for reading the triangles of a file of so many bytes and for any work on them: its bytes
+/// and the triangles, then these and the neighbours of each triangle, which every verb looks up. Measured on a million
+/// triangles in nine formats: `inspect` and `convert` hold 1.2 to 1.7 times this at most, of a 3MF 4 times, whose text is
+/// packed.
+#[must_use]
+pub fn least_for(scene: &Scene, n_file_bytes: u64) -> u64 {
+    let (mut held, mut neighbours) = (0, 0);
+    for mesh in scene.parts.iter().map(|part| &part.mesh) {
+        let values: usize = mesh.attributes().iter().map(|attribute| attribute.values.len()).sum();
+        let ids = mesh.position_id().map_or(0, size_of_val);
+        held += size_of_val(mesh.positions()) + size_of_val(mesh.faces()) + size_of::<f64>() * values + ids;
+        // Of the largest part: one after the other is looked at. 12 bytes a triangle and 4 a row, as
+        // `MeshConnectivity` says.
+        neighbours = neighbours.max(12 * mesh.faces().len() + 4 * mesh.positions().len());
+    }
+    held as u64 + n_file_bytes.max(neighbours as u64)
 }
 
 /// The same, where `read` knows the system's files.

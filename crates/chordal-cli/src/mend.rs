@@ -120,7 +120,7 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let run = RunFacts { input_triangles, ..run_outcome::facts("mend", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report.to_value(), &summary_text(&report), stdout)
+    console.result(&report, &summary_text(&report), stdout)
 }
 
 impl MendArgs {

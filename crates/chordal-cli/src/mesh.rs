@@ -212,7 +212,7 @@ fn print_summary(
 ) -> Result<(), Fault> {
     let report = Report::new(certificate, RunFacts { verb: "mesh", ..run });
     report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report.to_value(), &summary::mesh(&report), stdout)
+    console.result(&report, &summary::mesh(&report), stdout)
 }
 
 /// What is said where nothing limits what may be lost. Volumes alone have a resolution of their own.

@@ -153,7 +153,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         format!("lanes a pixel, light at 1, yellow 2, orange 4, red 8, darkest at {DARKEST_LANES} and more")
     });
     let picture = scale.or(lanes).map_or(picture.clone(), |scale| format!("{picture}: {scale}"));
-    console.result(&report.to_value(), &summary::render(&report, &picture, outcome.back_share), stdout)
+    console.result(&report, &summary::render(&report, &picture, outcome.back_share), stdout)
 }
 
 /// The shape of `--against`, which `--show deviation` needs and nothing else takes.

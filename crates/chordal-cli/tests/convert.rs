@@ -196,3 +196,22 @@ fn an_obj_brings_its_materials_in_files_beside_it() {
     let piped = run(&["convert", painted, "-", "--to", "obj"]);
     assert!(piped.code == 0 && piped.stderr.contains("they were left out"), "{piped:?}");
 }
+
+#[test]
+fn points_are_refused_where_only_triangles_are_held() {
+    let folder = Folder::new("convert-points");
+    let input = folder.file("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    let output = folder.text("a.stl");
+    run(&["convert", &input, &output])
+        .fails_with(3, &["nothing was written", "3 points and no triangle", "stl"]);
+    assert!(!fs::exists(&output).unwrap());
+    for (name, points) in [("a.obj", "v 1 0 0\n"), ("a.off", "1 0 0\n"), ("a.ply", "element vertex 3\n")] {
+        let output = folder.text(name);
+        run(&["convert", &input, &output, "-q"]).succeeds();
+        let text = String::from_utf8_lossy(&fs::read(&output).unwrap()).into_owned();
+        assert!(text.contains(points), "{name}");
+    }
+    for name in ["a.glb", "a.3mf"] {
+        run(&["convert", &input, &folder.text(name)]).fails_with(4, &["3 points and no triangle"]);
+    }
+}

@@ -102,3 +102,37 @@ fn a_packed_volume_that_declares_more_than_the_limit_is_refused_unread() {
         .fails_with(3, &["a.nrrd: line 4: ", "2,924,207,000 bytes", "268,435,456"]);
     run(&["inspect", &input]).fails_with(3, &["a.nrrd: byte ", "more than 1000 times the 10 packed bytes"]);
 }
+
+#[test]
+fn triangles_that_cannot_fit_the_memory_are_refused_before_the_work() {
+    let folder = Folder::new("hard-memory");
+    // A point of 4 bytes a line and a triangle of 8 take 24 and 12 bytes in memory.
+    let text = ["v 0 0 0\n".repeat(30_000), "f 1 2 3\n".repeat(30_000)].concat();
+    let input = folder.file("a.obj", &text);
+    let (size, held) = (text.len(), 30_000 * (24 + 12));
+    let least = size + held;
+    run(&["inspect", &input, "--max-memory", &(least - 1).to_string()])
+        .fails_with(5, &["30000 triangles", &least.to_string(), "--max-memory"]);
+    run(&["inspect", &input, "-q", "--max-memory", &least.to_string()]).succeeds();
+}
+
+#[test]
+fn a_scene_of_ten_thousand_parts_is_told_of_in_little_memory() {
+    let folder = Folder::new("hard-parts");
+    let corner =
+        |x: u32, y: u32| format!("<vertex><coordinates><x>{x}</x><y>{y}</y><z>0</z></coordinates></vertex>");
+    let part = |i: u32| {
+        let corners = [corner(2 * i, 0), corner(2 * i + 1, 0), corner(2 * i, 1)].concat();
+        let face = "<volume><triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle></volume>";
+        format!(r#"<object id="{i}"><mesh><vertices>{corners}</vertices>{face}</mesh></object>"#)
+    };
+    let parts: String = (0..10_000).map(part).collect();
+    let input = folder.file("a.amf", format!(r#"<amf unit="millimeter">{parts}</amf>"#));
+    let made = run(&["inspect", &input, "--json"]);
+    assert_eq!(made.code, 0);
+    let report = made.report();
+    assert_eq!(report["inspection"]["parts"].as_array().map(Vec::len), Some(10_000));
+    // Known on Linux only. As values with a copy of each key it took 160 MiB.
+    let peak = report["run"]["peak_bytes"].as_u64().unwrap_or(0);
+    assert!(peak <= 96 << 20, "{peak}");
+}

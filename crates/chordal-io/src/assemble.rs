@@ -193,23 +193,33 @@ fn count_duplicate_vertices(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), 
 
 /// Counts faces over the same three positions, with the same or the opposite orientation.
 fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
-    let mut keys: Vec<u128> = with_room(mesh.faces().len())?;
-    for face in mesh.faces() {
-        let [a, b, c] = face.map(|i| mesh.position_of(i));
-        if a == b || b == c || c == a {
-            continue;
-        }
-        let mut sorted = [a, b, c];
-        sorted.sort_unstable();
-        // A rotation of the sorted triple is even; the other three orders are odd.
-        let odd = (a < b) as u8 + (b < c) as u8 + (c < a) as u8 == 1;
-        let [a, b, c] = sorted.map(u128::from);
-        keys.push((a << 65) | (b << 33) | (c << 1) | u128::from(odd));
+    // Sorted by their lowest position first, in linear time: few faces share one, and their sorts are short.
+    let mut ends: Vec<u32> = with_room(mesh.positions().len())?;
+    ends.resize(mesh.positions().len(), 0);
+    let keys = || mesh.faces().iter().filter_map(|face| face_key(face.map(|i| mesh.position_of(i))));
+    keys().for_each(|(lowest, _)| ends[lowest as usize] += 1);
+    let mut n_keys = 0;
+    for end in &mut ends {
+        n_keys += *end;
+        *end = n_keys - *end;
     }
-    keys.sort_unstable();
-    let pairs = |same: fn(u128, u128) -> bool| keys.windows(2).filter(|w| same(w[0], w[1])).count() as u64;
-    let same = pairs(|a, b| a == b);
-    let opposite = pairs(|a, b| a != b && a >> 1 == b >> 1);
+    let mut sorted: Vec<u128> = with_room(n_keys as usize)?;
+    sorted.resize(n_keys as usize, 0);
+    for (lowest, key) in keys() {
+        let end = &mut ends[lowest as usize];
+        sorted[*end as usize] = key;
+        *end += 1;
+    }
+    let (mut start, mut same, mut opposite) = (0, 0, 0);
+    for end in ends {
+        let of_position = &mut sorted[start..end as usize];
+        start = end as usize;
+        of_position.sort_unstable();
+        for pair in of_position.windows(2) {
+            same += u64::from(pair[0] == pair[1]);
+            opposite += u64::from(pair[0] != pair[1] && pair[0] >> 1 == pair[1] >> 1);
+        }
+    }
     warnings.count_all("duplicate-faces", same, "faces repeat another one; they were not merged");
     warnings.count_all(
         "opposite-faces",
@@ -217,6 +227,21 @@ fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), Rea
         "faces cover another one the other way round; both were kept",
     );
     Ok(())
+}
+
+/// The lowest position of a face, and a number for the two others and the orientation; `None` where two corners share
+/// a position.
+#[inline]
+fn face_key([a, b, c]: [u32; 3]) -> Option<(u32, u128)> {
+    if a == b || b == c || c == a {
+        return None;
+    }
+    let mut sorted = [a, b, c];
+    sorted.sort_unstable();
+    // A rotation of the sorted triple is even; the other three orders are odd.
+    let odd = (a < b) as u8 + (b < c) as u8 + (c < a) as u8 == 1;
+    let [_, b, c] = sorted.map(u128::from);
+    Some((sorted[0], (b << 33) | (c << 1) | u128::from(odd)))
 }
 
 /// The error of a list with more rows than the limits allow, or than 32-bit indices can name.

@@ -10,8 +10,8 @@ const STEP: usize = 1 << 16;
 /// The content of a file: unpacked where it is gzipped, else the bytes themselves. `format` is what is known of
 /// it. NIfTI stays packed, because its reader unpacks no more than it needs.
 ///
-/// Of meshes, drawings and texts more than 16 MiB may be 200 times the packed bytes, of volumes more than 1 GiB
-/// may be 1,000 times these, and nothing more than [`Limits::bytes`].
+/// Of meshes, drawings and texts more than 16 MiB may be 200 times the packed bytes that were read for them, of
+/// volumes more than 1 GiB may be 1,000 times these, and nothing more than [`Limits::bytes`].
 ///
 /// # Errors
 /// When the packed bytes are damaged or cut off, unpack to too much, or are packed twice.
@@ -34,7 +34,6 @@ pub fn unpacked<'a>(
     }
     let format = format.or_else(|| Format::sniff(bytes));
     let cap = format.unwrap_or(Format::Obj).row().cap;
-    let n_packed = bytes.len() as u64;
     let mut inflater = InflateReader::gzip(bytes, 0);
     let mut content: Vec<u8> = Vec::new();
     let mut step = vec![0; STEP];
@@ -46,8 +45,10 @@ pub fn unpacked<'a>(
                 format!("the file unpacks to more than the limit of {} bytes", grouped(limits.bytes));
             return Err(ReadError::new("too-large", inflater.place(), message));
         }
-        if cap.is_too_dense(size, n_packed) {
-            let message = format!("the file {}", cap.too_dense(n_packed));
+        // Beside what was read so far: beside the whole file, a bomb of 10 MB would fill 2 GB first.
+        let n_read = (bytes.len() - inflater.rest().len()) as u64;
+        if cap.is_too_dense(size, n_read) {
+            let message = format!("what was read of the file so far {}", cap.too_dense(n_read));
             return Err(ReadError::new("too-dense", inflater.place(), message));
         }
         if content.capacity() - content.len() < n {

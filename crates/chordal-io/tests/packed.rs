@@ -71,6 +71,10 @@ fn damaged_and_hostile_packing_is_refused() {
     assert!(error.to_string().starts_with("line 2: "), "{error}");
     let bomb = pack(&vec![b'\n'; 20 << 20]);
     assert_eq!(refuse(&bomb, Format::Obj).code, "too-dense");
+    // It is told from the first 16 MiB, however much follows.
+    let bomb_of_64 = pack(&vec![b'\n'; 64 << 20]);
+    let FileLocation::Byte(at) = refuse(&bomb_of_64, Format::Obj).place else { panic!("no byte") };
+    assert!(at < bomb_of_64.len() as u64 / 3, "{at} of {}", bomb_of_64.len());
     // Samples may be as dense as this, but these are none.
     assert!(unpacked(&bomb, Some(Format::Nrrd), &Limits::default()).is_ok());
     let small = Limits { bytes: 1 << 20, ..Limits::default() };

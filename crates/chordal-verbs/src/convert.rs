@@ -7,7 +7,7 @@ use crate::straight::{line_losses, straight_lines};
 use crate::{Input, MeshFailure, OutputForm, Shape, Tessellation, formats};
 use chordal::Mesh;
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{Bound, Budget, Reference};
+use chordal::budget::{Bound, Budget, Reference, RefusalCode};
 use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
 use chordal_io::{
@@ -127,6 +127,7 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
     let bounds = input.shape.bounds()?;
     let (made, bound) = match input.shape {
         Shape::Scene(scene) => {
+            refuse_points_alone(&scene, to)?;
             certificate.notes.extend(frame_losses(&scene, to));
             certificate.notes.extend(structure_losses(&scene, to));
             let (scene, bound) = pass_through(scene, form, &mut certificate.notes)?;
@@ -179,6 +180,23 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
     }
     certificate.bound = Some(BoundFacts::new(&bound));
     Ok(ConvertOutcome { made, format: to, bound, certificate })
+}
+
+/// Refuses points without a triangle where the format holds triangles alone: the file would be empty. The writers of
+/// formats whose parts need triangles refuse each part without.
+fn refuse_points_alone(scene: &Scene, to: Format) -> Result<(), MeshFailure> {
+    let n_points: usize = scene.parts.iter().map(|part| part.mesh.positions().len()).sum();
+    if to.vertex_rows() != VertexRows::Soup
+        || n_points == 0
+        || scene.parts.iter().any(|part| !part.mesh.faces().is_empty())
+    {
+        return Ok(());
+    }
+    let message = format!(
+        "nothing was written: there are {n_points} points and no triangle, and {to} holds triangles alone; OBJ, OFF, \
+         PLY, USDA and VTP hold points"
+    );
+    Err(MeshFailure::refused(RefusalCode::Empty, message))
 }
 
 /// Whether the format holds only what `mesh` makes of the shape: triangles of patches, fields, cages, volumes

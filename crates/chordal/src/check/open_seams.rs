@@ -2,7 +2,7 @@
 use super::connectivity::MeshConnectivity;
 use super::finding::{Finding, Witness};
 use super::point_tree::PointTree;
-use crate::explicit::{Twin, next_in_face};
+use crate::explicit::{Twin, next_in_face, position_id_by_bits};
 use crate::math::{Box3, greater, lesser};
 use std::collections::BTreeMap;
 
@@ -48,17 +48,18 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
     }
     let vertices: Vec<BoundaryVertex> = boundary.into_values().collect();
     let points: Vec<[f64; 3]> = vertices.iter().map(|vertex| at(vertex.row)).collect();
-    let tree = PointTree::new(&points);
+    let (distinct, longest) = distinct_places(&points, &vertices);
+    let tree = PointTree::new(&distinct);
     let most = SHARE_OF_BOX * mesh.bounds().diagonal();
     let mut found = OpenSeams::default();
-    for (i, (vertex, p)) in vertices.iter().zip(&points).enumerate() {
+    for (vertex, p) in vertices.iter().zip(&points) {
         let own = lesser(SHARE_OF_EDGE * vertex.shortest, most);
         let mut nearest = f64::INFINITY;
         tree.near_segment([*p, *p], own, |j| {
             let j = j as usize;
-            let apart = distance_up(*p, points[j]);
+            let apart = distance_up(*p, distinct[j]);
             // Equal positions are another defect, with a cure of its own.
-            if j != i && apart > 0.0 && apart <= own && apart <= SHARE_OF_EDGE * vertices[j].shortest {
+            if apart > 0.0 && apart <= own && apart <= SHARE_OF_EDGE * longest[j] {
                 nearest = lesser(apart, nearest);
             }
         });
@@ -68,6 +69,25 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
         }
     }
     found
+}
+
+/// The places of vertices, and of each the longest of their shortest edges. Vertices at one place are one point of the
+/// tree: thousands that meet there are found as one.
+fn distinct_places(points: &[[f64; 3]], vertices: &[BoundaryVertex]) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let places = position_id_by_bits(points);
+    let (mut distinct, mut longest) = (Vec::new(), Vec::<f64>::new());
+    let mut number = vec![0_usize; points.len()];
+    for (i, (place, vertex)) in places.iter().zip(vertices).enumerate() {
+        if *place as usize == i {
+            number[i] = distinct.len();
+            distinct.push(points[i]);
+            longest.push(vertex.shortest);
+        } else {
+            let longest = &mut longest[number[*place as usize]];
+            *longest = greater(vertex.shortest, *longest);
+        }
+    }
+    (distinct, longest)
 }
 
 /// An upper bound of the distance of two points; 0 where they are equal.
@@ -98,6 +118,14 @@ mod tests {
         };
         let cell = |i: u32| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]];
         Mesh::new((0..=n).flat_map(column).collect(), (0..n).flat_map(cell).collect()).expect("a tube")
+    }
+
+    #[test]
+    fn vertices_at_one_place_are_searched_as_one() {
+        let vertices = [1.0, 3.0, 2.0, 5.0].map(|shortest| BoundaryVertex { row: 0, shortest });
+        let points = [[0.0; 3], [-0.0, 0.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0]];
+        let (distinct, longest) = distinct_places(&points, &vertices);
+        assert_eq!((distinct, longest), (vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![3.0, 5.0]));
     }
 
     #[test]

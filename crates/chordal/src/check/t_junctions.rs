@@ -4,7 +4,7 @@ use super::degenerate::is_collinear;
 use super::finding::{Finding, MeshLocation, Witness, ends};
 use super::point_tree::PointTree;
 use crate::budget::Tolerance;
-use crate::explicit::{Mesh, Topology, Twin, next_in_face};
+use crate::explicit::{Mesh, Topology, Twin, next_in_face, position_id_by_bits};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -18,7 +18,8 @@ use std::collections::BTreeMap;
 /// projection onto it is farther than the tolerance from both ends. Lengths are rounded here, so a vertex at
 /// the tolerance to the last bits may fall to either side.
 ///
-/// n log n for n boundary edges, unless all of them pass through one small region.
+/// n log n for n boundary edges, however many of them or of their ends coincide, unless different ones all pass
+/// through one small region.
 ///
 /// ```
 /// use chordal::{Mesh, check::t_junctions, explicit::Topology};
@@ -35,12 +36,16 @@ pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -
 
 pub(super) fn t_junctions_of(surface: &MeshConnectivity, within: Option<Tolerance>) -> Finding {
     let mesh = surface.mesh;
-    let mut edge_of: BTreeMap<u32, (u32, u32)> = BTreeMap::new();
-    vertices_in_edges(surface, within, |row, h| {
-        edge_of.entry(surface.id(row)).or_insert((row, h));
+    // By the first of the rows at one place, so that a crowd of rows in a crowd of edges is looked at once an edge.
+    let mut edge_of: BTreeMap<u32, (Vec<u32>, u32)> = BTreeMap::new();
+    vertices_in_edges(surface, within, |rows, h| {
+        edge_of.entry(rows[0]).or_insert_with(|| (rows.to_vec(), h));
     });
+    let each = edge_of.into_values().flat_map(|(rows, h)| rows.into_iter().map(move |row| (row, h)));
+    let mut each: Vec<(u32, u32)> = each.collect();
+    each.sort_unstable_by_key(|(row, _)| surface.id(*row));
     let mut found = Finding::default();
-    for (row, h) in edge_of.into_values() {
+    for (row, h) in each {
         found.add(|| Witness {
             place: MeshLocation::OnEdge { vertex: row, edge: ends(mesh, h), face: h / 3 },
             at: mesh.positions()[row as usize],
@@ -49,29 +54,58 @@ pub(super) fn t_junctions_of(surface: &MeshConnectivity, within: Option<Toleranc
     found
 }
 
-/// Calls `visit` with the row of a vertex and a half-edge for every T-junction, edge by edge: a vertex in the
-/// interior of several edges is visited once for each.
+/// Calls `visit` with the rows of vertices at one place, one for each of their positions, and a half-edge for every
+/// T-junction, edge by edge: a vertex in the interior of several edges is visited once for each.
 pub(crate) fn vertices_in_edges(
     surface: &MeshConnectivity,
     within: Option<Tolerance>,
-    mut visit: impl FnMut(u32, u32),
+    mut visit: impl FnMut(&[u32], u32),
 ) {
     let mesh = surface.mesh;
     let boundary: Vec<u32> =
         (0..surface.twins.len() as u32).filter(|&h| surface.twins.get(h) == Twin::Boundary).collect();
     let rows = boundary_rows(surface, &boundary);
-    let points: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
-    let tree = PointTree::new(&points);
+    let places = BoundaryPlaces::new(mesh, &rows);
+    let tree = PointTree::new(&places.points);
     for &h in &boundary {
         let edge = ends(mesh, h);
         let [a, b] = edge.map(|row| mesh.positions()[row as usize]);
-        let ids = edge.map(|row| surface.id(row));
         tree.near_segment([a, b], within.map_or(0.0, Tolerance::get), |i| {
-            let vertex = i as usize;
-            if !ids.contains(&surface.id(rows[vertex])) && is_inside(points[vertex], [a, b], within) {
-                visit(rows[vertex], h);
+            // The ends themselves are not inside, nor is what has their coordinates.
+            if is_inside(places.points[i as usize], [a, b], within) {
+                visit(places.rows_at(i), h);
             }
         });
+    }
+}
+
+/// The places of boundary positions: those with the same coordinates share one, so that a search of a place where
+/// thousands meet finds one point.
+struct BoundaryPlaces {
+    points: Vec<[f64; 3]>,
+    /// Where the rows of each place begin, and the end of the last.
+    first: Vec<u32>,
+    rows: Vec<u32>,
+}
+
+impl BoundaryPlaces {
+    fn new(mesh: &Mesh, rows: &[u32]) -> Self {
+        let all: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
+        let mut order: Vec<(u32, u32)> = position_id_by_bits(&all).into_iter().zip(0..).collect();
+        order.sort_unstable();
+        let (mut points, mut first) = (Vec::new(), Vec::new());
+        for (at, (place, i)) in order.iter().enumerate() {
+            if place == i {
+                points.push(all[*i as usize]);
+                first.push(at as u32);
+            }
+        }
+        first.push(order.len() as u32);
+        Self { points, first, rows: order.into_iter().map(|(_, i)| rows[i as usize]).collect() }
+    }
+
+    fn rows_at(&self, place: u32) -> &[u32] {
+        &self.rows[self.first[place as usize] as usize..self.first[place as usize + 1] as usize]
     }
 }
 
@@ -107,4 +141,37 @@ fn is_near_middle(p: [f64; 3], [a, b]: [[f64; 3]; 2], tolerance: f64) -> bool {
     let (from_start, from_end) = (from_a.dot(along), -from_b.dot(along));
     let off = if from_start < from_end { from_a - along * from_start } else { from_b + along * from_end };
     from_start > 1.0 && from_end > 1.0 && off.length() <= 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles on one another, each with rows of its own, and a vertex of as many others in an edge of each.
+    fn crowd(n: u32) -> Mesh {
+        let corners =
+            [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], [2.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
+        let positions = (0..n).flat_map(|_| corners).collect();
+        let faces = (0..n).flat_map(|i| [[6 * i, 6 * i + 1, 6 * i + 2], [6 * i + 3, 6 * i + 4, 6 * i + 5]]);
+        Mesh::new(positions, faces.collect()).expect("valid")
+    }
+
+    #[test]
+    fn a_crowd_of_vertices_is_visited_once_for_each_edge() {
+        const N: u32 = 1000;
+        let mesh = crowd(N);
+        let surface = MeshConnectivity::new(&mesh, Topology::Indices);
+        let (mut visits, mut rows_visited) = (0, 0);
+        vertices_in_edges(&surface, None, |rows, _| {
+            visits += 1;
+            rows_visited += rows.len() as u64;
+        });
+        assert_eq!((visits, rows_visited), (N, u64::from(N * N)));
+        let all: Vec<u32> = (0..6 * N).collect();
+        assert_eq!(BoundaryPlaces::new(&mesh, &all).points.len(), 6);
+        let found = t_junctions_of(&surface, None);
+        assert_eq!(found.count, u64::from(N));
+        let expected = |i: u32| MeshLocation::OnEdge { vertex: 6 * i + 3, edge: [0, 1], face: 0 };
+        assert!((0..).zip(&found.witnesses).all(|(i, witness)| witness.place == expected(i)));
+    }
 }

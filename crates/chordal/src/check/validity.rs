@@ -103,10 +103,13 @@ pub fn validity(mesh: &Mesh, topology: Topology) -> Validity {
 
 pub(super) fn validity_of(surface: &MeshConnectivity) -> Validity {
     let (mesh, topology) = (surface.mesh, surface.topology);
+    let n = mesh.faces().len();
     let (around, (pieces, apart)) = both(
+        n,
         || VertexTopology::count(surface),
         || {
             both(
+                n,
                 || EdgeTopology::count(surface),
                 || (find_duplicates(surface), thin_faces(mesh), measure(mesh)),
             )

@@ -60,7 +60,7 @@ const BLOCK: usize = 32;
 
 /// Uses a hash table with open addressing. `None` when the rows collide so often that sorting is safer.
 fn hashed(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
-    let mut table = PositionTable::new();
+    let mut table = PositionTable::new(positions.len());
     // At a load of one half a search takes 1.5 to 2.5 steps on average, and growing takes as many again.
     // Eight times that does not happen by chance.
     let mut steps_left = 16 * positions.len() + 1024;
@@ -91,8 +91,11 @@ struct PositionTable {
 }
 
 impl PositionTable {
-    fn new() -> Self {
-        Self { entries: vec![0; 1024], n_rows: 0 }
+    /// For rows of which so many may be distinct. A scene may have a hundred thousand parts of three rows.
+    fn new(n_rows: usize) -> Self {
+        // A load below one half from the start; more slots come when they are needed.
+        let n_slots = (2 * n_rows + BLOCK).next_power_of_two();
+        Self { entries: vec![0; n_slots.min(1024)], n_rows: 0 }
     }
 
     /// The slot follows from the upper half of the hash, so that an entry is enough to find it again.

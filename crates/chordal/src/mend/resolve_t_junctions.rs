@@ -46,8 +46,8 @@ pub fn resolve_t_junctions(
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let mut found: Vec<VertexInsertion> = Vec::new();
-    vertices_in_edges(&MeshConnectivity::new(mesh, topology), within, |row, half_edge| {
-        found.push(VertexInsertion { half_edge, row })
+    vertices_in_edges(&MeshConnectivity::new(mesh, topology), within, |rows, half_edge| {
+        found.extend(rows.iter().map(|&row| VertexInsertion { half_edge, row }));
     });
     if found.is_empty() {
         return Ok(MendedMesh::unchanged(mesh));
