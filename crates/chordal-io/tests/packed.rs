@@ -1,6 +1,6 @@
 //! Gzip around files of any format.
 use crate::common::refuse;
-use chordal_io::{Content, Format, Limits, ReadOutcome, read, unpacked};
+use chordal_io::{Content, FileLocation, Format, Limits, ReadOutcome, read, unpacked};
 use std::io::Write;
 
 fn pack(bytes: &[u8]) -> Vec<u8> {

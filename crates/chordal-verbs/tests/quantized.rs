@@ -1,6 +1,7 @@
 //! Files of fewer bits: the rounding is within the budget and part of the bound, which a sampler that shares no
 //! code with the library checks, and levels and tiles stand on one lattice.
 use chordal::budget::attributes::AttributeLimits;
+use chordal::explicit::Semantic;
 use chordal::math::Box3;
 use chordal::{Job, Mesh};
 use chordal_io::glb::{GltfPacking, PositionLattice};
