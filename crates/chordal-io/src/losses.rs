@@ -3,6 +3,7 @@ use crate::format_columns::TriangleFormat;
 use crate::instances::{PartInstance, first_rows, part_instances};
 use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
 use chordal::Mesh;
+use chordal::budget::advice::Message;
 use chordal::explicit::subdivision::{Boundary, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use serde_json::{Map, Value};
@@ -38,15 +39,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         return Ok(lost);
     };
     let title = format.to_string().to_uppercase();
-    let mut count = |message: String| match lost.iter_mut().find(|w| *w.message == message) {
-        Some(known) => known.count += 1,
-        None => lost.push(Warning {
-            code: "not-written",
-            count: 1,
-            place: FileLocation::File,
-            message: message.into(),
-        }),
-    };
+    let mut count = |message: String| add(&mut lost, message.into());
     if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
     }
@@ -62,8 +55,9 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     }
     words_of(scene).for_each(|what| count(format!("{title} holds no {what}")));
     if let Some(changes) = changes {
-        changes(scene).into_iter().for_each(&mut count);
+        changes(scene).into_iter().for_each(|message| add(&mut lost, message));
     }
+    let mut count = |message: String| add(&mut lost, message.into());
     let parts = if *has_nodes { Vec::new() } else { part_instances(scene)? };
     if *has_parts {
         let has_two =
@@ -87,6 +81,14 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         }
     }
     Ok(lost)
+}
+
+/// Counts what is lost by its sentence.
+fn add(lost: &mut Vec<Warning>, message: Message) {
+    match lost.iter_mut().find(|known| known.message == message) {
+        Some(known) => known.count += 1,
+        None => lost.push(Warning { code: "not-written", count: 1, place: FileLocation::File, message }),
+    }
 }
 
 /// What glTF says of a scene in words, which no other format holds, once for each object that says it.
