@@ -177,11 +177,11 @@ fn summary_text(report: &Report) -> String {
             let _ = writeln!(text, "  {name:<11} {}", faults(valid));
         }
     }
+    // Neither is a count of edges, and both take a search: `inspect` makes it.
+    let _ = writeln!(text, "  {:<11} {NOT_LOOKED_FOR}", "");
     certificate.notes.iter().for_each(|note| {
         let _ = writeln!(text, "  {:<11} {note}", "note");
     });
-    // Neither is a count of edges, and both take a search: `inspect` makes it.
-    let _ = writeln!(text, "  {:<11} {NOT_LOOKED_FOR}", "");
     text
 }
 

@@ -17,7 +17,7 @@ pub enum PictureFormat {
     Png,
     /// Small, for photographs: pixels are changed a little, and there is no transparency.
     Jpeg,
-    /// Every pixel as it is, smaller than PNG.
+    /// Every pixel as it is.
     Webp,
 }
 
