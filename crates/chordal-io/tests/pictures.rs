@@ -33,7 +33,7 @@ fn webp_keeps_every_pixel_and_the_text() {
         let pixels = picture.rgba.chunks_exact(4);
         assert_eq!(bytes, pixels.flat_map(|pixel| pixel[..channels].to_vec()).collect::<Vec<u8>>());
         let xmp = String::from_utf8(decoder.xmp_metadata().unwrap().expect("metadata")).unwrap();
-        assert!(xmp.contains("Software: Chordal\nchordal: {"), "{xmp}");
+        assert!(xmp.contains("Software: Chordal&#10;chordal: {"), "{xmp}");
         let mut reader = quick_xml::Reader::from_str(&xmp);
         while reader.read_event().expect("XML") != quick_xml::events::Event::Eof {}
     }
