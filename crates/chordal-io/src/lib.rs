@@ -34,6 +34,7 @@ mod number;
 pub mod obj;
 pub mod off;
 mod picture_format;
+mod picture_size;
 mod plain_text;
 pub mod ply;
 pub mod png;

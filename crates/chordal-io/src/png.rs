@@ -1,6 +1,6 @@
 //! Pictures as PNG.
 use crate::WriteError;
-use crate::picture_format::check_size;
+use crate::picture_size::check_size;
 use chordal::render::Picture;
 use std::io::Write;
 

@@ -1,6 +1,6 @@
 //! Pictures as WebP.
 use crate::WriteError;
-use crate::picture_format::check_size;
+use crate::picture_size::check_size;
 use crate::xml_text::escaped;
 use chordal::render::Picture;
 use std::fmt::Write as _;
