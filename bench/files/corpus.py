@@ -32,7 +32,7 @@ READERS = {
     "obj": ["trimesh", "MeshLab", "VTK", "lines"], "ply": ["plyfile", "trimesh", "MeshLab"],
     "off": ["trimesh", "MeshLab", "numbers"], "stl": ["VTK", "trimesh", "MeshLab"], "gltf": ["JSON", "trimesh"],
     "glb": ["JSON", "trimesh"], "3mf": ["lib3mf", "trimesh"], "dae": ["MeshLab", "trimesh"], "nii": ["nibabel"],
-    "vti": ["VTK"], "mha": ["VTK"], "npy": ["NumPy"], "svg": ["svgelements"], "teaset": ["first line"], "vm": ["steps"],
+    "vti": ["VTK"], "slc": ["VTK"], "mha": ["VTK"], "npy": ["NumPy"], "svg": ["svgelements"], "teaset": ["first line"], "vm": ["steps"],
 }
 KINDS = {"triangles": "triangles", "cage": "cage", "field": "field", "volume": "samples", "drawing": "drawing", "patches": "patches"}
 

@@ -71,6 +71,8 @@ def vtk(path):
         from vtkmodules.vtkIOXML import vtkXMLPolyDataReader as reader_class
     elif kind == ".vti":
         from vtkmodules.vtkIOXML import vtkXMLImageDataReader as reader_class
+    elif kind == ".slc":
+        from vtkmodules.vtkIOImage import vtkSLCReader as reader_class
     else:
         from vtkmodules.vtkIOImage import vtkMetaImageReader as reader_class
     reader = reader_class()
@@ -81,7 +83,7 @@ def vtk(path):
     data = reader.GetOutput()
     if kind == ".obj" and data.GetNumberOfPoints() == 0:
         raise ValueError("it found nothing, and only its log says why")
-    if kind in (".vti", ".mhd"):
+    if kind in (".vti", ".mhd", ".slc"):
         values = vtk_to_numpy(data.GetPointData().GetScalars() or data.GetPointData().GetArray(0))
         return {"size": list(data.GetDimensions()), "low": float(values.min()), "high": float(values.max())}
     offsets = data.GetPolys().GetOffsetsArray()

@@ -43,6 +43,7 @@ OF_KINDS = {
     ("3mf", "trimesh", "box"): "objects of two parts of the package have one number, and the first is shown for both; lib3mf has our box",
     ("3mf", "trimesh", "vertices,triangles,box"): "finds no mesh in the package's other parts",
     ("dae", "trimesh", "vertices,triangles,box"): "finds no mesh",
+    ("glb", "trimesh", "box"): "does not decode Draco",
     ("glb", "trimesh", "error"): "a buffer that only compressed views (`EXT_meshopt_compression`) have",
     ("gltf", "trimesh", "box"): "counts points and lines, shows nothing without a scene, and leaves out the values of a sparse accessor",
     ("gltf", "trimesh", "vertices"): "an accessor that several primitives share counts for each",
@@ -71,7 +72,7 @@ OF_KINDS = {
 
 OTHERS = {
     ".mtl": ("other format", "a material library that no file names"), ".b3dm": ("other format", "3D Tiles 1.0"),
-    ".subtree": ("other format", "3D Tiles, a subtree of an implicit tileset"), ".slc": ("other format", "VTK's SLC volumes"),
+    ".subtree": ("other format", "3D Tiles, a subtree of an implicit tileset"),
     ".ttf": ("other format", "a typeface"), ".dem": ("other format", "a digital elevation model (USGS)"),
     ".ctm": ("other format", "OpenCTM"), ".msh": ("other format", "Gmsh"), ".mesh": ("other format", "Medit"),
     ".zip": ("other format", "a zip archive"), ".bz2": ("other format", "packed by bzip2"),

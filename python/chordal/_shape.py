@@ -43,10 +43,11 @@ def load(
 
     `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
     `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
-    `strict` refuses a glTF file for anything that Khronos' validator calls an error, also for what viewers accept;
-    `lenient` only warns of what is wrong without touching its geometry; not both. `drop_nonfinite` drops
-    vertices that are not finite numbers, with their faces, and counts them. `surface` is what the polygons of an .obj
-    stand for; without it they are a Catmull–Clark cage where the file has subdivision tags, else triangles.
+    `strict` refuses a glTF file for anything that Khronos' validator calls an error, also for what viewers accept,
+    and an .obj whose faces name normals or texture coordinates that it does not have; `lenient` only warns of what is
+    wrong without touching its geometry; not both. `drop_nonfinite` drops vertices that are not finite numbers, with
+    their faces, and counts them. `surface` is what the polygons of an .obj stand for; without it they are a
+    Catmull–Clark cage where the file has subdivision tags, else triangles.
 
     Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
 

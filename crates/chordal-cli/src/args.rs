@@ -49,7 +49,8 @@ pub struct InputArgs {
     #[arg(long, value_name = "WHICH")]
     pub surface: Option<PolygonSurfaceArg>,
 
-    /// Refuse a glTF file for anything that Khronos' validator calls an error, also for what viewers accept
+    /// Refuse a glTF file for anything that Khronos' validator calls an error, also for what viewers accept, and
+    /// an .obj whose faces name normals or texture coordinates that it does not have
     #[arg(long, conflicts_with = "lenient")]
     pub strict: bool,
 

@@ -54,7 +54,7 @@ pub enum Verb {
     Bake(BakeArgs),
     /// Write the same shape in another format, and say what that does not hold
     Convert(ConvertArgs),
-    /// Take a picture
+    /// Take a picture: .png, .jpg or .webp
     Render(RenderArgs),
     /// Do one of these with many files, and go on where it was stopped
     Batch(BatchArgs),

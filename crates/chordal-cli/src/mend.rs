@@ -26,13 +26,14 @@ use std::io;
 /// `chordal mend`
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("cures").required(true).multiple(true).args([
-    "weld", "drop_duplicates", "drop_degenerate", "resolve_t_junctions", "split_nonmanifold", "orient", "fill_holes",
+    "all", "weld", "drop_duplicates", "drop_degenerate", "resolve_t_junctions", "split_nonmanifold", "orient", "fill_holes",
     "drop_unused",
 ]))]
 #[command(after_help = "\
 Cures are applied in the order of this list, whatever the order on the command line. Nothing else is changed.
 
 Examples:
+  chordal mend scan.stl -o print.3mf --all --unit mm
   chordal mend scan.stl -o scan.obj --weld --drop-degenerate --orient
   chordal mend part.obj -o part.glb --weld=0.01mm --unit mm --fill-holes=20
   chordal inspect broken.ply && chordal mend broken.ply -o whole.ply --split-nonmanifold --orient --fill-holes")]
@@ -40,6 +41,10 @@ pub struct MendArgs {
     /// The format of the output, instead of what its name says
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
+
+    /// All cures of this list, exactly and with all holes unless others say more; what a print needs
+    #[arg(long)]
+    pub all: bool,
 
     /// Make vertices at one place one position: those with the same coordinates, or within a length of each
     /// other
@@ -119,25 +124,31 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("mend", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| console.detail(note));
     console.result(&report, &summary_text(&report), stdout)
 }
 
 impl MendArgs {
     fn spec(&self) -> MendSpec {
         let closeness = |length: Option<Length>| length.map_or(WeldTolerance::Exact, WeldTolerance::Within);
+        let usual = if self.all { MendSpec::ALL } else { MendSpec::default() };
         MendSpec {
-            weld: self.weld.map(closeness),
-            drop_duplicates: self.drop_duplicates.map(|which| match which {
-                DuplicatesArg::Any => Duplicates::EitherWay,
-                DuplicatesArg::Alike => Duplicates::SameWay,
-            }),
-            drop_degenerate: self.drop_degenerate,
-            resolve_t_junctions: self.resolve_t_junctions.map(closeness),
-            split_non_manifold: self.split_nonmanifold,
-            orient: self.orient,
-            fill_holes: self.fill_holes.map(|most| most.map_or(HoleSelection::All, HoleSelection::UpTo)),
-            drop_unused: self.drop_unused,
+            weld: self.weld.map(closeness).or(usual.weld),
+            drop_duplicates: self
+                .drop_duplicates
+                .map(|which| match which {
+                    DuplicatesArg::Any => Duplicates::EitherWay,
+                    DuplicatesArg::Alike => Duplicates::SameWay,
+                })
+                .or(usual.drop_duplicates),
+            drop_degenerate: self.drop_degenerate || usual.drop_degenerate,
+            resolve_t_junctions: self.resolve_t_junctions.map(closeness).or(usual.resolve_t_junctions),
+            split_non_manifold: self.split_nonmanifold || usual.split_non_manifold,
+            orient: self.orient || usual.orient,
+            fill_holes: self
+                .fill_holes
+                .map(|most| most.map_or(HoleSelection::All, HoleSelection::UpTo))
+                .or(usual.fill_holes),
+            drop_unused: self.drop_unused || usual.drop_unused,
         }
     }
 }
@@ -168,6 +179,9 @@ fn summary_text(report: &Report) -> String {
     }
     // Neither is a count of edges, and both take a search: `inspect` makes it.
     let _ = writeln!(text, "  {:<11} {NOT_LOOKED_FOR}", "");
+    certificate.notes.iter().for_each(|note| {
+        let _ = writeln!(text, "  {:<11} {note}", "note");
+    });
     text
 }
 

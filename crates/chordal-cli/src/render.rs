@@ -17,6 +17,7 @@ use chordal::budget::advice::Spell;
 use chordal::budget::camera::Screen;
 use chordal::budget::{Length, Pixels, View};
 use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
+use chordal_io::PictureFormat;
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against};
 use clap::{Args, ValueEnum};
@@ -113,7 +114,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
     let viewpoint = viewpoint(args)?;
-    check_name(&args.output.output)?;
+    let format = picture_format(&args.output.output)?;
     let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
@@ -138,7 +139,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         None => render(&input, &options, fineness(args), &job),
     };
     let outcome = outcome.spelled(&CommandLine).map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    let bytes = target.write(&mut |out| outcome.write(out))?;
+    let bytes = target.write(&mut |out| outcome.write(format, out))?;
 
     let run = RunFacts { input_triangles, ..run_outcome::facts("render", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
@@ -201,15 +202,15 @@ fn shown(show: RenderMode) -> Shown {
     }
 }
 
-/// Pictures are PNG, so that no other name is right.
-fn check_name(path: &Path) -> Result<(), Fault> {
-    match path.extension() {
-        Some(other) if !other.eq_ignore_ascii_case("png") => Err(Fault::usage(format!(
-            "{}: pictures are written as PNG: give a name that ends in .png",
+/// The format that the name says; PNG where it says none, as for stdout.
+fn picture_format(path: &Path) -> Result<PictureFormat, Fault> {
+    let Some(extension) = path.extension() else { return Ok(PictureFormat::default()) };
+    PictureFormat::from_extension(&extension.to_string_lossy()).ok_or_else(|| {
+        Fault::usage(format!(
+            "{}: pictures are written as PNG, JPEG or WebP: give a name that ends in .png, .jpg or .webp",
             path.display()
-        ))),
-        _ => Ok(()),
-    }
+        ))
+    })
 }
 
 fn culling(cull: CullArg) -> Culled {

@@ -75,6 +75,14 @@ fn all_cures_run_in_their_order_whatever_the_order_of_the_arguments() {
     assert_eq!(cures, order);
     assert_eq!(report["certificate"]["output"], json!({"vertices": 4, "positions": 4, "triangles": 4}));
     assert_eq!(run(&["inspect", &out, "--require", "closed,manifold,oriented"]).code, 0);
+    // All of them have one name, and those that say more say it beside that.
+    let bytes = std::fs::read(folder.path("out.ply")).unwrap();
+    let all = run(&["mend", &sick, "-o", &out, "--force", "--all", "--json"]);
+    all.succeeds();
+    assert_eq!(all.report()["certificate"], report["certificate"]);
+    assert!(std::fs::read(folder.path("out.ply")).unwrap() == bytes);
+    let few = run(&["mend", &sick, "-o", &out, "--force", "--all", "--fill-holes=2", "--json"]).report();
+    assert_eq!(few["certificate"]["valid"]["closed"], false);
     let told = run(&["mend", &sick, "-o", &out, "--force", "--orient", "--drop-unused"]);
     assert_eq!(told.code, 0);
     for part in ["orient: ", "dropped 1 vertex", "before ", "after "] {
@@ -169,4 +177,42 @@ fn a_soup_is_welded_for_a_format_with_indices() {
     run(&["mend", &good, "-o", &soup, "--orient"]).succeeds();
     run(&["mend", &soup, "-o", &out, "--weld"]).succeeds();
     assert_eq!(std::fs::read_to_string(&out).unwrap().lines().filter(|l| l.starts_with("v ")).count(), 4);
+}
+
+#[test]
+fn a_print_without_a_unit_is_told_its_size() {
+    let folder = Folder::new("mend-print");
+    // A box of 2 by 1 by 0.5 inches with a face too few, as a STL says it: without a unit.
+    let corner = |i: usize| format!("vertex {} {} {}", 2 * (i & 1), i >> 1 & 1, 0.5 * (i >> 2 & 1) as f64);
+    let faces = [
+        [0, 2, 3],
+        [0, 3, 1],
+        [4, 5, 7],
+        [4, 7, 6],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 6, 7],
+        [2, 7, 3],
+        [0, 4, 6],
+        [0, 6, 2],
+        [1, 3, 7],
+    ];
+    let facets = faces.map(|face| {
+        format!("facet normal 0 0 0\nouter loop\n{}\nendloop\nendfacet\n", face.map(corner).join("\n"))
+    });
+    let scan = folder.file("scan.stl", &format!("solid s\n{}endsolid s\n", facets.concat()));
+    let out = folder.text("print.3mf");
+    let told = run(&["mend", &scan, "-o", &out, "--all"]);
+    told.succeeds();
+    for words in
+        ["closed      yes", "filled 1 hole", "millimetres were taken, 2 x 1 x 0.5 mm", "--unit says another"]
+    {
+        assert!(told.stdout.contains(words), "{words}: {}", told.stdout);
+    }
+    let told = run(&["mend", &scan, "-o", &out, "--all", "--unit", "in", "--force"]);
+    told.succeeds();
+    assert!(!told.stdout.contains("--unit"), "{}", told.stdout);
+    let again = run(&["inspect", &out, "--json", "--require", "solid"]);
+    again.succeeds();
+    assert_eq!(again.report()["certificate"]["frame"]["metres_per_unit"], 0.0254);
 }

@@ -135,12 +135,27 @@ fn writes_completions_and_manual_pages() {
 }
 
 #[test]
-fn pictures_have_no_other_name_than_png() {
+fn pictures_are_what_their_names_say() {
     let folder = Folder::new("picture-name");
     let input = folder.file("a.obj", CLOSED_OBJ);
-    run(&["render", &input, "-o", &folder.text("a.jpg")]).fails_with(2, &["a.jpg", "PNG", ".png"]);
+    run(&["render", &input, "-o", &folder.text("a.gif")])
+        .fails_with(2, &["a.gif", "PNG", ".png", ".jpg", ".webp"]);
+    // A mesh has no picture's name.
+    run(&["mesh", &input, "--tol", "1", "-o", &folder.text("a.jpg")]).fails_with(2, &["a.jpg", "picture"]);
     assert_eq!(folder.names(), ["a.obj"]);
-    run(&["render", &input, "--size", "8x8", "-o", &folder.text("a.PNG")]).succeeds();
+    for (name, start) in [
+        ("a.PNG", &b"\x89PNG\r\n\x1a\n"[..]),
+        ("a.jpg", b"\xFF\xD8\xFF\xE0"),
+        ("a.JPEG", b"\xFF\xD8\xFF\xE0"),
+        ("a.webp", b"RIFF"),
+    ] {
+        run(&["render", &input, "--size", "8x8", "-o", &folder.text(name)]).succeeds();
+        let bytes = fs::read(folder.path(name)).unwrap();
+        assert!(bytes.starts_with(start), "{name}");
+        // The certificate travels in the file; that of a PNG is packed.
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(name == "a.PNG" || text.contains("chordal: {"), "{name}");
+    }
 }
 
 #[test]

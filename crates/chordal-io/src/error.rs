@@ -96,12 +96,29 @@ pub struct Warning {
     pub message: Message,
 }
 
+impl Warning {
+    /// The sentence with count and place, and with the settings that it advises.
+    ///
+    /// ```
+    /// use chordal::budget::advice::{Message, Setting};
+    /// use chordal_io::{FileLocation, Warning};
+    /// let message = Message::from("millimetres were taken; ").setting(Setting::Unit).words(" says another");
+    /// let warning = Warning { code: "unit", count: 1, place: FileLocation::File, message };
+    /// assert_eq!(warning.counted(), "millimetres were taken; 'unit' says another (1x)");
+    /// ```
+    #[must_use]
+    pub fn counted(&self) -> Message {
+        let message = self.message.clone();
+        match &self.place {
+            FileLocation::File => message.words(format_args!(" ({}x)", self.count)),
+            place => message.words(format_args!(" ({}x, first at {place})", self.count)),
+        }
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.place {
-            FileLocation::File => write!(f, "{} ({}x)", self.message, self.count),
-            place => write!(f, "{} ({}x, first at {place})", self.message, self.count),
-        }
+        self.counted().fmt(f)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::error::{ReadError, WriteError};
 use crate::files::FileOpener;
 use crate::scene::{ReadOutcome, Scene};
 use crate::{FileSet, Limits, Polygons, Volume};
+use chordal::budget::advice::Message;
 use chordal::explicit::Attribute;
 use serde_json::Value;
 use std::io::Write;
@@ -65,7 +66,7 @@ pub(crate) struct TriangleFormat {
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
     /// What else the writer changes, and what it leaves out of the looks of materials, in sentences. Where there
     /// is none and no file beside the document, it leaves out all looks.
-    pub changes: Option<fn(&Scene) -> Vec<String>>,
+    pub changes: Option<fn(&Scene) -> Vec<Message>>,
 }
 
 /// How a format is read.

@@ -34,7 +34,8 @@ pub enum Conformance {
     Strict,
     /// What viewers of glTF accept is a warning, and is mended where the file is written again: bounds of
     /// accessors, directions that are not of length 1, a scene that names a node below another one, a factor
-    /// of a material beyond 1, an extension that is not declared. Everything else is refused.
+    /// of a material beyond 1, an extension that is not declared. So it is where faces of an OBJ name normals or
+    /// texture coordinates and the file has none. Everything else is refused.
     #[default]
     Tolerant,
     /// Of glTF everything is a warning that leaves triangles to read, and materials and the like are left out

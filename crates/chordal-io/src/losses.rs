@@ -3,6 +3,7 @@ use crate::format_columns::TriangleFormat;
 use crate::instances::{PartInstance, first_rows, part_instances};
 use crate::{FileLocation, Format, MATERIAL, Polygons, Scene, Warning, WriteError};
 use chordal::Mesh;
+use chordal::budget::advice::Message;
 use chordal::explicit::subdivision::{Boundary, Scheme};
 use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use serde_json::{Map, Value};
@@ -39,15 +40,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         return Ok(lost);
     };
     let title = format.to_string().to_uppercase();
-    let mut count = |message: String| match lost.iter_mut().find(|w| *w.message == message) {
-        Some(known) => known.count += 1,
-        None => lost.push(Warning {
-            code: "not-written",
-            count: 1,
-            place: FileLocation::File,
-            message: message.into(),
-        }),
-    };
+    let mut count = |message: String| add(&mut lost, message.into());
     if scene.certificate.is_some() && !has_certificate {
         count(format!("{title} holds no certificate"));
     }
@@ -66,8 +59,9 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         .for_each(|_| count(format!("{title} holds no points and lines{}", materials_of_marks(scene))));
     words_of(scene).for_each(|what| count(format!("{title} holds no {what}")));
     if let Some(changes) = changes {
-        changes(scene).into_iter().for_each(&mut count);
+        changes(scene).into_iter().for_each(|message| add(&mut lost, message));
     }
+    let mut count = |message: String| add(&mut lost, message.into());
     let parts = if *has_nodes { Vec::new() } else { part_instances(scene)? };
     if *has_parts {
         let has_two =
@@ -114,6 +108,14 @@ fn materials_of_marks(scene: &Scene) -> String {
         [] => String::new(),
         [one] => format!(", and the material {one} is theirs alone"),
         _ => format!(", and the materials {} are theirs alone", names.join(", ")),
+    }
+}
+
+/// Counts what is lost by its sentence.
+fn add(lost: &mut Vec<Warning>, message: Message) {
+    match lost.iter_mut().find(|known| known.message == message) {
+        Some(known) => known.count += 1,
+        None => lost.push(Warning { code: "not-written", count: 1, place: FileLocation::File, message }),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Pictures as PNG.
 use crate::WriteError;
+use crate::picture_size::check_size;
 use chordal::render::Picture;
 use std::io::Write;
 
@@ -27,13 +28,7 @@ use std::io::Write;
 pub fn write(picture: &Picture, text: &[(&str, &str)], out: &mut impl Write) -> Result<(), WriteError> {
     let Picture { width, height, rgba } = picture;
     let unsupported = |message: String| Err(WriteError::Unsupported(message));
-    if *width == 0 || *height == 0 || *width > MOST_SIDE || *height > MOST_SIDE {
-        return unsupported(format!("a PNG has 1 to {MOST_SIDE} columns and rows, not {width}x{height}"));
-    }
-    let expected = 4 * u128::from(*width) * u128::from(*height);
-    if rgba.len() as u128 != expected {
-        return unsupported(format!("{width}x{height} pixels are {expected} bytes, not {}", rgba.len()));
-    }
+    check_size(picture, "PNG", MOST_SIDE)?;
     let mut encoder = ::png::Encoder::new(out, *width, *height);
     let opaque = picture.is_opaque();
     encoder.set_color(if opaque { ::png::ColorType::Rgb } else { ::png::ColorType::Rgba });

@@ -16,6 +16,7 @@ mod materials;
 mod off;
 mod packed;
 mod patches;
+mod pictures;
 mod png;
 mod round_trip;
 mod svg;

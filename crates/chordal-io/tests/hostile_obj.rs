@@ -2,7 +2,7 @@
 use crate::common;
 
 use chordal::explicit::Semantic;
-use chordal_io::{Content, FileLocation, Format, Limits, read};
+use chordal_io::{Conformance, Content, FileLocation, Format, Limits, read};
 use common::{count, load, load_scene, refuse};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -39,6 +39,39 @@ fn h18_indices_out_of_range_are_refused_at_their_line() {
     assert_eq!(mesh.faces(), [[0, 1, 2]]);
     let (mesh, _) = load(format!("{SQUARE}f -4 -3 -2\nv 5 5 5\nf -1 -2 -3\n").as_bytes(), Format::Obj);
     assert_eq!(mesh.faces(), [[0, 1, 2], [4, 3, 2]]);
+}
+
+#[test]
+fn corners_that_name_lists_the_file_does_not_have_are_without() {
+    let strict = Limits { conformance: Conformance::Strict, ..Limits::default() };
+    let plain = load(format!("{SQUARE}f 1 2 3\nf 1 3 4\n").as_bytes(), Format::Obj).0;
+    for (corner, normals, texcoords) in
+        [("{}//{}", 6, 0), ("{}/{}", 0, 6), ("{}/{}/{}", 6, 6), ("{}//-{}", 6, 0), ("{}//9{}", 6, 0)]
+    {
+        let face = |corners: [u32; 3]| {
+            let corners = corners.map(|i| corner.replace("{}", &i.to_string()));
+            format!("f {}\n", corners.join(" "))
+        };
+        let text = format!("{SQUARE}{}{}", face([1, 2, 3]), face([1, 3, 4]));
+        let (mesh, warnings) = load(text.as_bytes(), Format::Obj);
+        assert_eq!((mesh.faces(), mesh.positions()), (plain.faces(), plain.positions()), "{corner}");
+        assert!(mesh.attributes().is_empty(), "{corner}");
+        assert_eq!(count(&warnings, "normals-absent"), normals, "{corner}");
+        assert_eq!(count(&warnings, "texcoords-absent"), texcoords, "{corner}");
+        assert!(warnings.iter().all(|warning| warning.place == FileLocation::Line(5)), "{warnings:?}");
+        let error = read(text.as_bytes(), Format::Obj, &strict).expect_err("strict");
+        assert_eq!((error.code, &error.place), ("index-out-of-range", &FileLocation::Line(5)), "{error}");
+    }
+    // The other list is there and keeps its rules.
+    let (mesh, _) = load(format!("{SQUARE}vn 0 0 1\nf 1/7/1 2/7/1 3/7/1\n").as_bytes(), Format::Obj);
+    assert!(mesh.attributes().iter().map(|a| &a.semantic).eq([&Semantic::Normal]));
+    refuse_at(&format!("{SQUARE}vn 0 0 1\nf 1/7/2 2/7/1 3/7/1\n"), 6, "the file has 1 normals");
+    // A list that stands after the face is there.
+    refuse_at(&format!("{SQUARE}f 1//2 2//1 3//1\nvn 0 0 1\n"), 5, "the file has 1 normals");
+    // What is no index is none in an empty list either.
+    refuse_at(&format!("{SQUARE}f 1//0 2//1 3//1\n"), 5, "index 0 of a normal");
+    refuse_at(&format!("{SQUARE}f 1//x 2//1 3//1\n"), 5, "not an index of a normal");
+    refuse_at(&format!("{SQUARE}f 1//99999999999999999999 2//1 3//1\n"), 5, "the file has 0 normals");
 }
 
 #[test]

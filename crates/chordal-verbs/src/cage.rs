@@ -14,8 +14,8 @@ use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::glb::VertexStorage;
 use chordal_io::{
-    FileSet, Format, Polygons, Scene, WriteError, losses, losses_of_polygons, polygon_rounding, write,
-    write_files, write_polygons, write_polygons_files,
+    FileSet, Format, Polygons, Scene, Warning, WriteError, losses, losses_of_polygons, polygon_rounding,
+    write, write_files, write_polygons, write_polygons_files,
 };
 use std::io::Write;
 
@@ -179,7 +179,7 @@ pub fn refine(
         let bound = bound_to_limit(&refined.cage, job);
         let bound = bound.map(|bound| if moved > 0.0 { bound.then(&rounded) } else { bound });
         certificate.bound = bound.map(|bound| crate::report::BoundFacts::new(&bound));
-        certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(|lost| lost.to_string().into()));
+        certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(Warning::counted));
         certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&refined.cage)));
         return Ok(RefineOutcome { made: ControlMesh::Polygons(refined), format: to, certificate });
     }
@@ -367,6 +367,6 @@ fn triangles(
         part.mesh = storage.round_attributes(&part.mesh).map_err(crate::file_rows::unsupported)?;
         notes.extend(single_precision_note(&scene.parts));
     }
-    notes.extend(losses(&scene, formats[1])?.iter().map(|lost| lost.to_string().into()));
+    notes.extend(losses(&scene, formats[1])?.iter().map(Warning::counted));
     Ok(to_file_rows(scene, formats[1])?)
 }

@@ -11,7 +11,7 @@ use chordal::budget::{Bound, Budget, Reference, RefusalCode};
 use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
 use chordal_io::{
-    FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, WriteError, losses,
+    FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, Warning, WriteError, losses,
     losses_of_polygons, polygon_rounding, write, write_files, write_polygons, write_polygons_files,
     write_polylines, write_volume,
 };
@@ -146,7 +146,7 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
         }
         Shape::Cage(polygons) => {
             let lost = losses_of_polygons(&polygons, to);
-            certificate.notes.extend(lost.iter().map(|lost| lost.to_string().into()));
+            certificate.notes.extend(lost.iter().map(Warning::counted));
             certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&polygons.cage)));
             let moved = polygon_rounding(&polygons, to)?;
             let bound = match moved {

@@ -8,7 +8,7 @@ use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation};
 use chordal::budget::{Bound, PixelBudget, RequiredEvidence, Tolerance};
 use chordal::math::lesser;
-use chordal_io::{Format, Polylines, Scene, losses};
+use chordal_io::{Format, Polylines, Scene, Warning, losses};
 
 const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
@@ -29,7 +29,7 @@ pub(crate) fn finish_triangles(
         round_attributes(&mut scene, asked)?;
         certificate.notes.extend(single_precision_note(&scene.parts));
     }
-    certificate.notes.extend(losses(&scene, to)?.iter().map(|lost| lost.to_string().into()));
+    certificate.notes.extend(losses(&scene, to)?.iter().map(Warning::counted));
     let mut scene = to_file_rows(scene, to)?;
     // 3MF forbids triangles with a corner twice.
     if to == Format::ThreeMf {

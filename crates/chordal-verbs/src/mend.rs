@@ -130,8 +130,8 @@ pub fn mend(
 }
 
 impl MendSpec {
-    /// Every repair, without a length or a number.
-    const ALL: Self = Self {
+    /// Every repair, by equal positions and of all holes.
+    pub const ALL: Self = Self {
         weld: Some(WeldTolerance::Exact),
         drop_duplicates: Some(Duplicates::EitherWay),
         drop_degenerate: true,

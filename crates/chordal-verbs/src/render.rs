@@ -23,7 +23,7 @@ use chordal::render::{
     render_against as trace_against, render_overshade,
 };
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance, convert};
-use chordal_io::{Axis, Drawing, Frame, WriteError, png};
+use chordal_io::{Axis, Drawing, Frame, PictureFormat, WriteError};
 use std::io::Write;
 
 /// A picture with its certificate.
@@ -43,14 +43,14 @@ pub struct RenderOutcome {
 }
 
 impl RenderOutcome {
-    /// Writes the picture as PNG, with the certificate as text chunk.
+    /// Writes the picture, with the certificate as the text that the format has for that.
     ///
     /// # Errors
-    /// When the sink fails.
-    pub fn write(&self, mut out: &mut dyn Write) -> Result<(), WriteError> {
+    /// When the format does not hold so many pixels; when the sink fails.
+    pub fn write(&self, format: PictureFormat, mut out: &mut dyn Write) -> Result<(), WriteError> {
         let software = format!("chordal {}", self.certificate.version);
         let certificate = self.certificate.to_value().to_string();
-        png::write(&self.picture, &[("Software", &software), ("chordal", &certificate)], &mut out)
+        format.write(&self.picture, &[("Software", &software), ("chordal", &certificate)], &mut out)
     }
 }
 

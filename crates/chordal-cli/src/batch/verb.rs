@@ -1,6 +1,6 @@
 //! The verbs that a batch runs: which outputs they write, and which options they share.
 use crate::fault::Fault;
-use chordal_io::Format;
+use chordal_io::{Format, PictureFormat};
 use chordal_verbs::extension;
 use clap::ValueEnum;
 use std::path::Path;
@@ -16,7 +16,7 @@ pub enum BatchVerb {
     Mend,
     /// Distances on a lattice; .nrrd
     Bake,
-    /// Pictures; .png
+    /// Pictures; .png unless --to says otherwise
     Render,
     /// The same shapes; .glb
     Convert,
@@ -73,7 +73,10 @@ impl BatchVerb {
             [Format::holds_triangles, Format::holds_polylines, Format::holds_volumes];
         let lower = to.trim_start_matches('.').to_ascii_lowercase();
         let (found, which) = match self {
-            Self::Render => return if lower == "png" { Ok(lower) } else { refuse("png") },
+            Self::Render => {
+                let known = PictureFormat::from_extension(&lower);
+                return if known.is_some() { Ok(lower) } else { refuse("png, jpg and webp") };
+            }
             Self::Inspect => return if lower == "json" { Ok(lower) } else { refuse("json") },
             Self::Lod => return if lower == "glb" { Ok(lower) } else { refuse("glb") },
             Self::Bake => (is_held(&mesh[2..]), "npy and nrrd"),
@@ -95,10 +98,11 @@ mod tests {
         assert_eq!(BatchVerb::Mend.usual_extension(Path::new("a.star")), "glb");
         assert_eq!(BatchVerb::Convert.extension_for(".PLY").ok().as_deref(), Some("ply"));
         assert_eq!(BatchVerb::Bake.extension_for("npy").ok().as_deref(), Some("npy"));
+        assert_eq!(BatchVerb::Render.extension_for(".JPG").ok().as_deref(), Some("jpg"));
         for (verb, to) in [
             (BatchVerb::Bake, "obj"),
             (BatchVerb::Mesh, "nrrd"),
-            (BatchVerb::Render, "jpg"),
+            (BatchVerb::Render, "gif"),
             (BatchVerb::Lod, "obj"),
             (BatchVerb::Convert, "nii"),
             (BatchVerb::Mend, "../x"),

@@ -424,15 +424,23 @@ impl<'a> AssetReader<'a> {
             let rows = AccessorRows::new(self.model, accessor).ok().filter(AccessorRows::has_data);
             let Some(rows) = rows else { return Ok(None) };
             self.charge(rows.n_bytes(), || format!("/accessors/{accessor}"))?;
-            assets.accessors.push(packed_accessor(self.list("accessors").get(accessor), &rows));
+            // Times must have bounds.
+            let has_bounds = rows.format.kind.n_components() == 1;
+            let object = self.list("accessors").get(accessor);
+            assets.accessors.push(packed_accessor(object, &rows, has_bounds));
             *slot = Some(assets.accessors.len() - 1);
         }
         Ok(*slot)
     }
 }
 
-/// The rows of an accessor of the file, copied without gaps, and what its object says of them.
-pub(super) fn packed_accessor(object: Option<&JsonValue>, rows: &AccessorRows<'_>) -> PackedAccessor {
+/// The rows of an accessor of the file, copied without gaps, and what its object says of them; with bounds where it
+/// says some, or must.
+pub(super) fn packed_accessor(
+    object: Option<&JsonValue>,
+    rows: &AccessorRows<'_>,
+    must_have_bounds: bool,
+) -> PackedAccessor {
     let left_out = ["bufferView", "byteOffset", "sparse", "extensions", "extras"];
     let mut properties = object.map(|object| members_without(object, &left_out)).unwrap_or_default();
     let n = rows.format.kind.n_components();
@@ -444,11 +452,10 @@ pub(super) fn packed_accessor(object: Option<&JsonValue>, rows: &AccessorRows<'_
             put(rows.format.component, *x, &mut bytes);
         }
     });
-    // Times must have bounds, and what a file says of them may be wrong.
-    for (key, bounds) in [("min", least), ("max", most)] {
-        if n == 1 || properties.contains_key(key) {
-            properties.insert(key.to_owned(), json!(bounds));
-        }
+    // What a file says of them may be wrong, and one of them alone is.
+    if must_have_bounds || ["min", "max"].iter().any(|key| properties.contains_key(*key)) {
+        properties.insert("min".to_owned(), json!(least));
+        properties.insert("max".to_owned(), json!(most));
     }
     PackedAccessor { properties, bytes: bytes.into() }
 }

@@ -33,10 +33,7 @@ pub(super) fn read_marks<E>(
             return Ok(None);
         }
         charge(rows.n_bytes())?;
-        let mut copied = packed_accessor(accessors.get(accessor), &rows);
-        if name == "POSITION" && !copied.properties.contains_key("min") {
-            return Ok(None);
-        }
+        let mut copied = packed_accessor(accessors.get(accessor), &rows, name == "POSITION");
         // What is laid out anew begins where its view does.
         copied.properties.shift_remove("name");
         packed.push(copied);

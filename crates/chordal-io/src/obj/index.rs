@@ -2,15 +2,6 @@
 use crate::text::{IntegerError, grouped, integer, show};
 use crate::{FileLocation, ReadError};
 
-/// 0 for an empty token, else the row from 1.
-#[inline]
-pub(super) fn optional(
-    token: &[u8],
-    index: impl FnOnce() -> Result<u32, ReadError>,
-) -> Result<u32, ReadError> {
-    if token.is_empty() { Ok(0) } else { Ok(index()? + 1) }
-}
-
 /// The row from 0 that an index names: from 1 over all `total` rows of the file, or backwards from -1 over
 /// the `before` rows before this line.
 #[inline]

@@ -1,10 +1,10 @@
 //! Reads Wavefront OBJ.
+mod corner;
 mod parts;
 
 use super::CERTIFICATE;
 use super::cage::CageBuilder;
 use super::detect::{SKIPPED, escapes_folder, refuse_foreign};
-use super::index::{index, optional};
 use super::libraries::{LibraryRequest, read_libraries};
 use super::part::parts_of;
 use super::statements::ObjRowCounts;
@@ -38,6 +38,10 @@ use std::collections::BTreeMap;
 /// No other file is opened: materials have names alone. [`crate::read_with`] opens the libraries (`mtllib`)
 /// below the folder of the OBJ, and the pictures that they name; the materials become those of glTF, in
 /// [`Scene::assets`]. A library or picture that cannot be had is a warning.
+///
+/// Where the file has no normal at all, or no texture coordinate, faces that name some are a warning: their
+/// corners have none. [`Conformance::Strict`](crate::Conformance) refuses them. An index beyond the normals that
+/// there are is always an error, since the file then lacks some of them and which is not known.
 ///
 /// A cage has one row for each `v` line and one face for each polygon of three corners or more, both in the
 /// order of the file. It keeps texture coordinates with their own indices, and no normals. Its tags are those
@@ -339,33 +343,6 @@ impl<'a> ObjReader<'a> {
     /// The number of triangles so far, or of faces of the cage.
     fn n_faces(&self) -> usize {
         self.cage.as_ref().map_or(self.faces.n_triangles(), CageBuilder::n_faces)
-    }
-
-    /// Parses `v`, `v/vt`, `v//vn` or `v/vt/vn`; an empty field means none.
-    #[inline]
-    fn corner(&self, line: u64, token: &[u8]) -> Result<ObjCorner, ReadError> {
-        let mut parts = token.split(|b| *b == b'/');
-        let position = parts.next().unwrap_or_default();
-        let texcoord = parts.next().unwrap_or_default();
-        let normal = parts.next().unwrap_or_default();
-        if parts.next().is_some() {
-            let message = format!("{} has more than three indices", show(token));
-            return Err(ReadError::new("not-an-index", FileLocation::Line(line), message));
-        }
-        let ObjRowCounts { positions, texcoords, normals, .. } = self.counts;
-        let position = index(line, position, ["vertex", "vertices"], self.positions.len(), positions)?;
-        let texcoord = optional(texcoord, || {
-            index(
-                line,
-                texcoord,
-                ["texture coordinate", "texture coordinates"],
-                self.texcoords.len(),
-                texcoords,
-            )
-        })?;
-        let normal =
-            optional(normal, || index(line, normal, ["normal", "normals"], self.normals.len(), normals))?;
-        Ok(ObjCorner { position, texcoord, normal })
     }
 
     fn group(&mut self, kind: usize, line: u64, name: &[u8]) -> Result<(), ReadError> {

@@ -5,6 +5,7 @@ use super::pictures::file_name;
 use super::{write_polygons_with_library, write_with_library};
 use crate::side_file::{picture_extension, picture_extensions, picture_type};
 use crate::{FileSet, ImageContent, Polygons, Scene, SceneAssets, SceneImage, SideFile, Warning, WriteError};
+use chordal::budget::advice::Message;
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -49,9 +50,9 @@ pub fn side_files<'a>(scene: &'a Scene, stem: &str) -> Option<ObjSideFiles<'a>> 
 }
 
 /// What of its materials no statement of a library says.
-pub(crate) fn lost_looks(scene: &Scene) -> Vec<String> {
+pub(crate) fn lost_looks(scene: &Scene) -> Vec<Message> {
     let beside = side_files(scene, "");
-    beside.iter().flat_map(|beside| &beside.lost).map(|lost| lost.message.to_string()).collect()
+    beside.iter().flat_map(|beside| &beside.lost).map(|lost| lost.message.clone()).collect()
 }
 
 /// As [`side_files`], for a cage.

@@ -1,7 +1,8 @@
 //! `SceneProperties`: materials and colours of a scene, as 3MF can hold them.
 use super::properties::{CHANNEL, ColorBytes, MATERIAL};
 use crate::instances::first_rows;
-use crate::{Part, Scene};
+use crate::{Node, Part, Scene};
+use chordal::budget::advice::{Message, Setting};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::math::{greater, lesser};
 use serde_json::Value;
@@ -212,23 +213,39 @@ pub(crate) fn keeps(attribute: &Attribute, _first_rows: &[u32]) -> bool {
     is_kept(attribute)
 }
 
+/// The size of a scene of one part where it was read, as those have that know no unit: whoever forgot one sees it.
+fn size_of_one(scene: &Scene) -> String {
+    let is_plain = scene.nodes.len() == 1 && scene.nodes[0].matrix == Node::default().matrix;
+    let [part] = &scene.parts[..] else { return String::new() };
+    let bounds = part.mesh.bounds();
+    if !is_plain || bounds.is_empty() {
+        return String::new();
+    }
+    // Three digits tell 2 mm from 2 inches.
+    let short = |x: f64| format!("{x:.2e}").parse::<f64>().unwrap_or(x);
+    let [x, y, z] = [0, 1, 2].map(|k| short(bounds.max[k] - bounds.min[k]));
+    format!(", {x} x {y} x {z} mm")
+}
+
 /// What the writer makes of a scene that is not in it, or leaves out of what it keeps.
-pub(crate) fn changes(scene: &Scene) -> Vec<String> {
+pub(crate) fn changes(scene: &Scene) -> Vec<Message> {
     let mut found = Vec::new();
     if scene.frame.metres_per_unit.is_none() {
-        found.push("3MF needs a unit, and the shape has none: millimetres were taken".to_owned());
+        let taken = "3MF needs a unit, and the shape has none: millimetres were taken";
+        let message = Message::from(format!("{taken}{}; ", size_of_one(scene)));
+        found.push(message.setting(Setting::Unit).words(" says another"));
     }
     let is_byte = |value: &f64| {
         let nearest = (value * CHANNEL).round();
         (0.0..=CHANNEL).contains(&nearest) && nearest / CHANNEL == *value
     };
     if scene.parts.iter().filter_map(colors_of).any(|colors| !colors.values.iter().all(is_byte)) {
-        found.push("3MF holds colours of 8 bits a channel: others were rounded to them".to_owned());
+        found.push("3MF holds colours of 8 bits a channel: others were rounded to them".into());
     }
     let materials = &scene.assets.materials;
     if materials.iter().any(has_looks) {
         let what = "3MF holds names and base colours of materials: textures and all else were left out";
-        found.extend(materials.iter().filter(|material| has_looks(material)).map(|_| what.to_owned()));
+        found.extend(materials.iter().filter(|material| has_looks(material)).map(|_| what.into()));
     }
     for part in &scene.parts {
         let first_rows = first_rows(&part.mesh);
@@ -237,15 +254,15 @@ pub(crate) fn changes(scene: &Scene) -> Vec<String> {
             a == b || b == c || c == a
         };
         let collapsed = part.mesh.faces().iter().filter(is_collapsed);
-        found.extend(collapsed.map(|_| "3MF holds no triangles with a corner twice".to_owned()));
+        found.extend(collapsed.map(|_| "3MF holds no triangles with a corner twice".into()));
     }
     let mut coordinates = scene.parts.iter().flat_map(|part| part.mesh.positions().as_flattened());
     if coordinates.any(|x| x.abs() > LIB3MF_LIMIT) {
-        found.push("lib3mf, which programs read 3MF by, refuses coordinates over 1,000,000,000".to_owned());
+        found.push("lib3mf, which programs read 3MF by, refuses coordinates over 1,000,000,000".into());
     }
     if SceneProperties::new(scene).lacks_materials {
         found.push(
-            "3MF holds a colour or a material of a triangle: colours were written, materials not".to_owned(),
+            "3MF holds a colour or a material of a triangle: colours were written, materials not".into(),
         );
     }
     found

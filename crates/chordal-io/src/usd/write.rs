@@ -7,6 +7,7 @@ use crate::matrix::IDENTITY;
 use crate::number::ShortestDecimal;
 use crate::side_file::side_stem;
 use crate::{Axis, FileSet, Frame, Node, Scene, SceneAssets, WriteError};
+use chordal::budget::advice::{Message, Setting};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -68,16 +69,17 @@ pub(super) fn plain() -> Value {
 }
 
 /// What the writer changes, in sentences.
-pub(crate) fn changes(scene: &Scene) -> Vec<String> {
+pub(crate) fn changes(scene: &Scene) -> Vec<Message> {
     // Pictures are files beside the document, which is written with them.
     let assets = scene.assets_for_gltf(|_| plain()).with_pictures_beside("");
     let lost = SceneWriter::new(scene, &assets).and_then(|writer| writer.write(None, &mut std::io::sink()));
-    let mut lost: Vec<String> = lost.unwrap_or_default();
+    let mut lost: Vec<Message> = lost.unwrap_or_default().into_iter().map(Message::from).collect();
     if scene.frame.metres_per_unit.is_none() {
-        lost.push("USDA needs a unit: the metre was taken".to_owned());
+        let message = Message::from("USDA needs a unit: the metre was taken; ");
+        lost.push(message.setting(Setting::Unit).words(" says another"));
     }
     if scene.frame.up.is_none() {
-        lost.push("USDA needs an axis that is up: y was taken".to_owned());
+        lost.push("USDA needs an axis that is up: y was taken".into());
     }
     lost
 }
