@@ -186,7 +186,7 @@ fn what_is_wrong_in_a_tag_is_one_error_at_its_line() {
     refuse_at(&format!("{SQUARE}f\n"), 6, ["too-few-corners", "no corners"]);
     refuse_at(&format!("{SQUARE}f 1 2 9\n"), 6, [out, "'9'"]);
     refuse_at(&format!("{SQUARE}f 1 2 -5\n"), 6, [out, "'-5'"]);
-    refuse_at(&format!("{SQUARE}f 1/1 2 3\n"), 6, [out, "the file has 0 texture coordinates"]);
+    refuse_at(&format!("{SQUARE}vt 0 0\nf 1/2 2 3\n"), 7, [out, "the file has 1 texture coordinate"]);
 }
 
 #[test]

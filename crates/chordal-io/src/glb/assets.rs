@@ -2,13 +2,13 @@
 use super::accessor_rows::AccessorRows;
 use super::draco::DRACO;
 use super::face_kinds::FileFaceKinds;
-use super::format::ComponentType;
-use super::json::JsonValue;
+use super::json::{JsonValue, members_without};
 use super::leniency::ForgivenIssues;
 use super::marks::read_marks;
 use super::meshopt;
 use super::model::{GltfModel, item};
 use super::node_tree::NodeTree;
+use super::packed_accessor::packed_accessor;
 use super::report::GlbWarnings;
 use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage, VARIANTS};
 use crate::{FileLocation, MATERIAL, Marks, ReadError, Scene};
@@ -43,12 +43,6 @@ pub(super) struct PartAssets {
     /// By part: its points and lines.
     pub marks: Vec<Vec<Marks>>,
     pub report: GlbWarnings,
-}
-
-/// The members of an object but for some.
-fn members_without(object: &JsonValue, left_out: &[&str]) -> Map<String, Value> {
-    let kept = object.entries().iter().filter(|(key, _)| !left_out.contains(&&**key));
-    kept.map(|(key, value)| (key.to_string(), value.to_value())).collect()
 }
 
 impl<'a> AssetReader<'a> {
@@ -431,44 +425,6 @@ impl<'a> AssetReader<'a> {
             *slot = Some(assets.accessors.len() - 1);
         }
         Ok(*slot)
-    }
-}
-
-/// The rows of an accessor of the file, copied without gaps, and what its object says of them; with bounds where it
-/// says some, or must.
-pub(super) fn packed_accessor(
-    object: Option<&JsonValue>,
-    rows: &AccessorRows<'_>,
-    must_have_bounds: bool,
-) -> PackedAccessor {
-    let left_out = ["bufferView", "byteOffset", "sparse", "extensions", "extras"];
-    let mut properties = object.map(|object| members_without(object, &left_out)).unwrap_or_default();
-    let n = rows.format.kind.n_components();
-    let (mut least, mut most) = (vec![f64::INFINITY; n], vec![f64::NEG_INFINITY; n]);
-    let mut bytes = Vec::new();
-    rows.each(|_, row| {
-        for (k, x) in row.iter().enumerate() {
-            (least[k], most[k]) = (lesser(*x, least[k]), greater(*x, most[k]));
-            put(rows.format.component, *x, &mut bytes);
-        }
-    });
-    // What a file says of them may be wrong, and one of them alone is.
-    if must_have_bounds || ["min", "max"].iter().any(|key| properties.contains_key(*key)) {
-        properties.insert("min".to_owned(), json!(least));
-        properties.insert("max".to_owned(), json!(most));
-    }
-    PackedAccessor { properties, bytes: bytes.into() }
-}
-
-/// Appends a number that was read from a component of this type.
-fn put(component: ComponentType, x: f64, bytes: &mut Vec<u8>) {
-    match component {
-        ComponentType::I8 => bytes.extend((x as i8).to_le_bytes()),
-        ComponentType::U8 => bytes.push(x as u8),
-        ComponentType::I16 => bytes.extend((x as i16).to_le_bytes()),
-        ComponentType::U16 => bytes.extend((x as u16).to_le_bytes()),
-        ComponentType::U32 => bytes.extend((x as u32).to_le_bytes()),
-        ComponentType::F32 => bytes.extend((x as f32).to_le_bytes()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `FileFaceKinds`: what the primitives of a file say of their faces, and the groups of faces that they become.
+use super::format::FIRST_MODE_OF_TRIANGLES;
 use super::json::JsonValue;
-use super::marks::FIRST_MODE_OF_TRIANGLES;
 use crate::FaceKind;
 use crate::assets::{VARIANTS, plain_material};
 use serde_json::{Map, Value, json};

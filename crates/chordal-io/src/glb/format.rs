@@ -2,6 +2,9 @@
 use chordal::math::greater;
 use std::fmt;
 
+/// The modes of primitives below this are points and lines (glTF 2.0, section 5.24.4).
+pub(super) const FIRST_MODE_OF_TRIANGLES: u64 = 4;
+
 /// The type of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ComponentType {

@@ -4,7 +4,7 @@
 //! Duplicate keys are refused instead of one being dropped. Numbers are rounded correctly. A value takes 24
 //! bytes.
 use crate::{FileLocation, Limits, ReadError};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 /// A JSON value. Objects keep the order of the file, and have no duplicate keys.
 #[derive(Clone, Debug, PartialEq)]
@@ -315,6 +315,12 @@ fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), String> {
     }
     list.push(item);
     Ok(())
+}
+
+/// The members of an object but for some.
+pub(super) fn members_without(object: &JsonValue, left_out: &[&str]) -> Map<String, Value> {
+    let kept = object.entries().iter().filter(|(key, _)| !left_out.contains(&&**key));
+    kept.map(|(key, value)| (key.to_string(), value.to_value())).collect()
 }
 
 #[cfg(test)]

@@ -1,18 +1,15 @@
 //! Points and lines of a glTF: read as they are, and written again.
 use super::accessor_rows::AccessorRows;
-use super::assets::packed_accessor;
 use super::deformation::targets_of;
 use super::format::ComponentType;
 use super::json::JsonValue;
 use super::model::{GltfAttributes, GltfModel, GltfPrimitive};
+use super::packed_accessor::packed_accessor;
 use super::stored_positions::StoredPositions;
 use crate::{Marks, PackedAccessor, Part};
 use chordal::Mesh;
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
-
-/// The modes of primitives below this are points and lines (glTF 2.0, section 5.24.4).
-pub(super) const FIRST_MODE_OF_TRIANGLES: u64 = 4;
 
 /// The joints of marks, whose presence says that a skin moves them.
 const JOINTS: &str = "JOINTS_0";

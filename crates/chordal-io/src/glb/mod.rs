@@ -26,6 +26,7 @@ mod model;
 mod node_list;
 mod node_tree;
 mod pack;
+mod packed_accessor;
 mod packed_views;
 mod packing;
 mod parts;

@@ -1,6 +1,6 @@
 //! `GltfModel`: a parsed glTF file; each field is valid, or `None` where the file errs.
+use super::format::FIRST_MODE_OF_TRIANGLES;
 use super::format::{AccessorFormat, AccessorType, ComponentType};
-use super::marks::FIRST_MODE_OF_TRIANGLES;
 use super::meshopt::MeshoptLayout;
 
 /// The objects of a file by their lists; an item that is no object is `None`.

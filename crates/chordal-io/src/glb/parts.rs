@@ -2,7 +2,7 @@
 use super::accessor_rows::{AccessorError, AccessorRows};
 use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning};
 use super::draco;
-use super::marks::FIRST_MODE_OF_TRIANGLES;
+use super::format::FIRST_MODE_OF_TRIANGLES;
 use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
 use super::skin_plan::SkinPlan;

@@ -23,11 +23,11 @@ fn clearly_agrees([a, b, c]: [[f64; 3]; 3], normal: [f64; 3]) -> bool {
     const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
     const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
     let (mut along, mut most) = (0.0, 0.0);
-    for k in 0..3 {
+    for (k, n) in normal.iter().enumerate() {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         let (left, right) = ((b[i] - a[i]) * (c[j] - a[j]), (b[j] - a[j]) * (c[i] - a[i]));
-        along += (left - right) * normal[k];
-        most += (left.abs() + right.abs()) * normal[k].abs();
+        along += (left - right) * n;
+        most += (left.abs() + right.abs()) * n.abs();
     }
     along > CLEAR * most && along > LEAST && most < f64::INFINITY
 }
