@@ -202,7 +202,7 @@ fn points_are_refused_where_only_triangles_are_held() {
     let folder = Folder::new("convert-points");
     let input = folder.file("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
     let output = folder.text("a.stl");
-    run(&["convert", &input, &output])
+    run(&["convert", &input, &output, "-q"])
         .fails_with(3, &["nothing was written", "3 points and no triangle", "stl"]);
     assert!(!fs::exists(&output).unwrap());
     for (name, points) in [("a.obj", "v 1 0 0\n"), ("a.off", "1 0 0\n"), ("a.ply", "element vertex 3\n")] {
@@ -212,6 +212,6 @@ fn points_are_refused_where_only_triangles_are_held() {
         assert!(text.contains(points), "{name}");
     }
     for name in ["a.glb", "a.3mf"] {
-        run(&["convert", &input, &folder.text(name)]).fails_with(4, &["3 points and no triangle"]);
+        run(&["convert", &input, &folder.text(name), "-q"]).fails_with(4, &["3 points and no triangle"]);
     }
 }

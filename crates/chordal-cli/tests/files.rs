@@ -348,9 +348,8 @@ fn a_name_of_another_format_than_the_content_is_refused() {
     run(&["mend", &input, "--orient", "--to", "ply", "-o", &stl]).fails_with(2, &["b.stl", "--to", ".ply"]);
     let npy = folder.text("b.npy");
     run(&["bake", &input, "--cells", "4", "--to", "nrrd", "-o", &npy]).fails_with(2, &["b.npy", ".nrrd"]);
-    for (verb, more) in
-        [("mesh", &["--tol", "0.1"][..]), ("bake", &["--cells", "4"]), ("lod", &[]), ("render", &[])]
-    {
+    run(&["render", &input, "-o", &folder.text("b.gif")]).fails_with(2, &["b.gif"]);
+    for (verb, more) in [("mesh", &["--tol", "0.1"][..]), ("bake", &["--cells", "4"]), ("lod", &[])] {
         run(&[&[verb, &input, "-o", &folder.text("b.jpg")], more].concat()).fails_with(2, &["b.jpg"]);
     }
     assert_eq!(folder.names(), ["a.obj"]);

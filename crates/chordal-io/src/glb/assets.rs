@@ -10,7 +10,7 @@ use super::model::{GltfModel, item};
 use super::node_tree::NodeTree;
 use super::packed_accessor::packed_accessor;
 use super::report::GlbWarnings;
-use crate::assets::{ImageContent, PackedAccessor, SceneAssets, SceneImage, VARIANTS};
+use crate::assets::{ImageContent, SceneAssets, SceneImage, VARIANTS};
 use crate::{FileLocation, MATERIAL, Marks, ReadError, Scene};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};

@@ -250,8 +250,9 @@ mod tests {
             sorted.sort_unstable();
             assert!(sorted.into_iter().eq(0..N), "not a permutation");
             let ordered: Vec<[u32; 3]> = ordered.iter().map(|face| faces[*face as usize]).collect();
-            // What a fan takes in its own order: each step brings one vertex.
-            assert!(cache_misses(&ordered, CACHE as u32) <= u64::from(N) + 2);
+            // In its own order each step of a fan brings one vertex; where the order jumps it brings two.
+            let n_misses = cache_misses(&ordered, CACHE as u32);
+            assert!(20 * n_misses <= 21 * u64::from(N), "{n_misses}");
         }
     }
 }
