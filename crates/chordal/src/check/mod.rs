@@ -39,7 +39,8 @@ pub use degenerate::{has_zero_area, is_collinear};
 pub(crate) use deviation::distance::distance_up;
 pub use deviation::{Deviation, Goal, OneSidedDistance, deviation, vertex_deviation};
 pub(crate) use deviation::{
-    ProximityChecker, RegionTolerance, ToleranceField, ViolationReport, tolerance_violations,
+    MappedPair, NearFaces, ProximityChecker, RegionTolerance, ToleranceField, ViolationReport,
+    tolerance_violations,
 };
 pub use duplicates::duplicate_vertices;
 pub(crate) use fans::boundary_path;

@@ -6,7 +6,7 @@ use crate::math::{difference, length};
 const EPS: f64 = f64::EPSILON;
 
 /// The loss of squares and products to underflow, as a length, is less than `√(6 · 2⁻¹⁰⁷⁴)`; this is `2⁻⁵⁰⁸`.
-const UNDERFLOW: f64 = f64::from_bits((1023 - 508) << 52);
+pub(super) const UNDERFLOW: f64 = f64::from_bits((1023 - 508) << 52);
 
 /// An upper bound on the distance from `q` to the triangle, 0 where `q` is one of its corners.
 ///

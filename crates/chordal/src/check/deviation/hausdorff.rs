@@ -61,7 +61,7 @@ impl LimitInterval {
 
 impl HausdorffGoal {
     /// The distance that suffices for every point when some point has `least`.
-    fn sufficient_distance(&self, least: f64) -> f64 {
+    pub fn sufficient_distance(&self, least: f64) -> f64 {
         match self.max {
             // Closer to the limit than rounding allows, nothing is required.
             Some(limit) => greater(limit.within, least + self.floor),

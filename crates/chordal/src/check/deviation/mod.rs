@@ -5,6 +5,7 @@ pub(super) mod distance;
 mod distance_surface;
 mod frame;
 mod hausdorff;
+mod mapping;
 mod projection;
 mod shared;
 mod subtriangle;
@@ -15,8 +16,10 @@ use crate::explicit::{Bvh, Mesh};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 use distance_surface::DistanceSurface;
 use frame::DeviationFrame;
-use hausdorff::{HausdorffGoal, HausdorffQuery, LimitInterval, OneSidedSearch, search};
+use hausdorff::{FarthestSample, HausdorffGoal, HausdorffQuery, LimitInterval, OneSidedSearch, search};
+pub(crate) use mapping::{MappedPair, NearFaces};
 use shared::{SharedPositionIds, VertexDistances};
+use std::borrow::Cow;
 pub(crate) use violations::{
     ProximityChecker, RegionTolerance, ToleranceField, ViolationReport, tolerance_violations,
 };
@@ -111,46 +114,28 @@ const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers clipped in rounded n
 pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
     job.run(|| {
         let pair = SurfacePair::from_meshes([a, b], job)?;
-        let SurfacePair { frame, sides: [a, b], moved, reach, .. } = &pair;
-        let wanted = HausdorffGoal {
-            relative: greater(goal.relative, 0.0),
-            absolute: goal.absolute.map_or(0.0, |length| frame.local_length(length.get())),
-            floor: FLOOR * used_bounds(a.mesh()).union(used_bounds(b.mesh())).diagonal(),
-            max: goal.max.map(|length| pair.limit(length.get())),
-        };
         let vertices = [0, 1].map(|which| pair.vertex_distances(which, job));
+        let [a, b] = &pair.sides;
         let mut both = [OneSidedSearch::new(a, b, &vertices[0]), OneSidedSearch::new(b, a, &vertices[1])];
-        let reached = search(&mut both, &vertices, &HausdorffQuery { goal: wanted, reach: *reach }, job);
-        if job.is_cancelled() {
-            return Err(JobError::Cancelled);
-        }
-        let [forward, backward] = [(0, b), (1, a)].map(|(k, other)| {
-            let moved = if vertices[k].faces.is_empty() { 0.0 } else { *moved };
-            one_sided(&both[k], other, frame, moved)
-        });
-        let bound = two_sided(&forward, &backward);
-        // Rounding may undo a decision made in the frame.
-        let decided = goal.max.is_none_or(|max| {
-            bound.at_least() > max.get() || bound.at_most().is_some_and(|most| most <= max.get())
-        });
-        Ok(Deviation { bound, forward, backward, reached: reached && decided })
+        pair.search(&mut both, &vertices, goal, job)
     })
 }
 
-/// Two surfaces in one frame, ready for comparison.
-struct SurfacePair<'a> {
+/// The frame of two meshes.
+struct CommonFrame {
     frame: DeviationFrame,
-    common: SharedPositionIds,
-    sides: [DistanceSurface<'a>; 2],
+    /// The diagonal of the box around both, in the frame.
+    diagonal: f64,
     /// An upper bound on the displacement of both surfaces together by the frame's rounding, in the frame.
     /// Faces that both have are displaced alike.
     moved: f64,
-    /// The largest coordinate of either in world space.
+    /// The largest coordinate of either, in the frame.
     reach: f64,
 }
 
-impl<'a> SurfacePair<'a> {
-    fn from_meshes(meshes: [&'a Mesh; 2], job: &Job) -> Result<Self, JobError> {
+impl CommonFrame {
+    /// The frame, and both meshes in it.
+    fn around<'a>(meshes: [&'a Mesh; 2]) -> Result<(Self, [Cow<'a, Mesh>; 2]), JobError> {
         if flushes_subnormals() {
             let message =
                 "the floating-point environment flushes subnormal numbers, so that nothing can be proved";
@@ -169,21 +154,98 @@ impl<'a> SurfacePair<'a> {
             return overflows();
         }
         let frame = DeviationFrame::around(&bounds);
-        // From the original meshes: positions that the frame rounds to the same number need not be equal.
-        let common = SharedPositionIds::from_meshes(meshes);
         let (Some((local_a, a_moved)), Some((local_b, b_moved))) = (frame.local(a), frame.local(b)) else {
             return overflows();
         };
         let moved = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
-        let reach = Box3::from_points(a.positions().iter().chain(b.positions()));
+        let reach = Box3::from_points(local_a.positions().iter().chain(local_b.positions()));
         let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| greater(most, x.abs()));
-        let sides = [DistanceSurface::new(local_a, job)?, DistanceSurface::new(local_b, job)?];
-        Ok(Self { frame, common, sides, moved, reach })
+        let diagonal = used_bounds(&local_a).union(used_bounds(&local_b)).diagonal();
+        Ok((Self { frame, diagonal, moved, reach }, [local_a, local_b]))
     }
 
     /// A world-space length as a limit in the frame.
     fn limit(&self, length: f64) -> LimitInterval {
         LimitInterval::around(self.frame.local_length(length), self.moved)
+    }
+
+    /// Closer together than this, rounding decides.
+    fn floor(&self) -> f64 {
+        FLOOR * self.diagonal
+    }
+
+    /// A goal in the frame.
+    fn goal(&self, goal: &Goal) -> HausdorffGoal {
+        HausdorffGoal {
+            relative: greater(goal.relative, 0.0),
+            absolute: goal.absolute.map_or(0.0, |length| self.frame.local_length(length.get())),
+            floor: self.floor(),
+            max: goal.max.map(|length| self.limit(length.get())),
+        }
+    }
+
+    /// The result of a direction in world space. Rounding displaced both surfaces together by at most `moved`.
+    fn one_sided(&self, far: FarthestSample, (at_most, moved): (f64, f64), to: [f64; 3]) -> OneSidedDistance {
+        let least = if moved == 0.0 { far.at_least } else { sub_down(far.at_least, moved) };
+        let most = greater(at_most, far.at_least);
+        let most = if moved == 0.0 { most } else { add_up(most, moved) };
+        OneSidedDistance {
+            at_least: self.frame.length_down(greater(least, 0.0)),
+            at_most: self.frame.length_up(most),
+            from: self.frame.world(far.at),
+            to: self.frame.world(to),
+        }
+    }
+}
+
+/// Two surfaces in one frame, ready for comparison.
+struct SurfacePair<'a> {
+    shared: CommonFrame,
+    common: SharedPositionIds,
+    sides: [DistanceSurface<'a>; 2],
+}
+
+impl<'a> SurfacePair<'a> {
+    fn from_meshes(meshes: [&'a Mesh; 2], job: &Job) -> Result<Self, JobError> {
+        let (shared, [a, b]) = CommonFrame::around(meshes)?;
+        // From the original meshes: positions that the frame rounds to the same number need not be equal.
+        let common = SharedPositionIds::from_meshes(meshes);
+        let sides = [DistanceSurface::new(a, job)?, DistanceSurface::new(b, job)?];
+        Ok(Self { shared, common, sides })
+    }
+
+    /// Searches both directions until the goal is met, as far as it can be.
+    fn search(
+        &self,
+        both: &mut [OneSidedSearch<'_>; 2],
+        vertices: &[VertexDistances; 2],
+        goal: &Goal,
+        job: &Job,
+    ) -> Result<Deviation, JobError> {
+        let query = HausdorffQuery { goal: self.shared.goal(goal), reach: self.shared.reach };
+        let reached = search(both, vertices, &query, job);
+        if job.is_cancelled() {
+            return Err(JobError::Cancelled);
+        }
+        let [forward, backward] = [0, 1].map(|k| {
+            let moved = if vertices[k].faces.is_empty() { 0.0 } else { self.shared.moved };
+            let far = both[k].farthest;
+            let to = self.sides[1 - k].nearest(far.at);
+            self.shared.one_sided(far, (both[k].at_most(), moved), to)
+        });
+        let bound = two_sided(&forward, &backward);
+        // Rounding may undo a decision made in the frame.
+        let decided = goal.max.is_none_or(|max| {
+            bound.at_least() > max.get() || bound.at_most().is_some_and(|most| most <= max.get())
+        });
+        Ok(Deviation { bound, forward, backward, reached: reached && decided })
+    }
+
+    /// The vertices of some faces of either side with their distances to the other.
+    fn vertices_of(&self, faces: [Vec<u32>; 2], job: &Job) -> [VertexDistances; 2] {
+        let [a, b] = &self.sides;
+        let [of_a, of_b] = faces;
+        [(0, of_a), (1, of_b)].map(|faces| VertexDistances::of_faces(&self.common, [a, b], faces, job))
     }
 
     /// The vertices of a side with their distances to the other.
@@ -230,25 +292,6 @@ pub(super) fn refused<T>(code: RefusalCode, message: impl Into<Message>) -> Resu
 /// The bounding box of the vertices that faces use.
 fn used_bounds(mesh: &Mesh) -> Box3 {
     Box3::from_points(mesh.faces().as_flattened().iter().map(|&row| &mesh.positions()[row as usize]))
-}
-
-/// The result of a direction in world space. Rounding displaced both surfaces together by at most `moved`.
-fn one_sided(
-    direction: &OneSidedSearch,
-    other: &DistanceSurface,
-    frame: &DeviationFrame,
-    moved: f64,
-) -> OneSidedDistance {
-    let far = direction.farthest;
-    let least = if moved == 0.0 { far.at_least } else { sub_down(far.at_least, moved) };
-    let most = greater(direction.at_most(), far.at_least);
-    let most = if moved == 0.0 { most } else { add_up(most, moved) };
-    OneSidedDistance {
-        at_least: frame.length_down(greater(least, 0.0)),
-        at_most: frame.length_up(most),
-        from: frame.world(far.at),
-        to: frame.world(other.nearest(far.at)),
-    }
 }
 
 pub(super) fn two_sided(forward: &OneSidedDistance, backward: &OneSidedDistance) -> Bound {

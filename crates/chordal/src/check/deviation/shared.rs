@@ -23,14 +23,14 @@ impl SharedPositionIds {
         Self { ids: [ids, second], n: all.len() }
     }
 
-    /// The first face at each position on side `which`; [`NONE`] where there is none.
-    fn first_faces(&self, mesh: &Mesh, which: usize) -> Vec<u32> {
+    /// The first of some faces at each position on side `which`; [`NONE`] where there is none.
+    fn first_faces(&self, mesh: &Mesh, which: usize, faces: impl Iterator<Item = u32>) -> Vec<u32> {
         let mut first = vec![NONE; self.n];
-        for (face, rows) in mesh.faces().iter().enumerate() {
-            for &row in rows {
+        for face in faces {
+            for row in mesh.faces()[face as usize] {
                 let first = &mut first[self.ids[which][row as usize] as usize];
                 if *first == NONE {
-                    *first = face as u32;
+                    *first = face;
                 }
             }
         }
@@ -70,10 +70,21 @@ impl VertexDistances {
         which: usize,
         job: &Job,
     ) -> Self {
+        let all = 0..sides[which].mesh().faces().len() as u32;
+        Self::of_faces(common, sides, (which, all.collect()), job)
+    }
+
+    /// The same for the vertices of some faces.
+    pub fn of_faces(
+        common: &SharedPositionIds,
+        sides: [&DistanceSurface; 2],
+        (which, asked): (usize, Vec<u32>),
+        job: &Job,
+    ) -> Self {
         let meshes = sides.map(DistanceSurface::mesh);
         let (own, other) = (meshes[which], sides[1 - which]);
-        let mine = common.first_faces(own, which);
-        let theirs = common.first_faces(other.mesh(), 1 - which);
+        let mine = common.first_faces(own, which, asked.iter().copied());
+        let theirs = common.first_faces(other.mesh(), 1 - which, 0..other.mesh().faces().len() as u32);
         let mut corners = vec![DistanceSample { at: [0.0; 3], up: 0.0, face: NONE }; common.n];
         let mut open = Vec::new();
         for (row, &id) in common.ids[which].iter().enumerate() {
@@ -88,20 +99,19 @@ impl VertexDistances {
             }
         }
         let chunks: Vec<&[u32]> = open.chunks(CHUNK).collect();
-        let asked = par_map(job, &chunks, |_, chunk| {
+        let found = par_map(job, &chunks, |_, chunk| {
             let ask = |id: &u32| other.sample(corners[*id as usize].at);
             if job.is_cancelled() { Vec::new() } else { chunk.iter().map(ask).collect() }
         });
-        for (id, corner) in open.iter().zip(asked.into_iter().flatten()) {
+        for (id, corner) in open.iter().zip(found.into_iter().flatten()) {
             corners[*id as usize] = corner;
         }
-        let all = 0..own.faces().len() as u32;
         let some_shared = mine.iter().zip(&theirs).any(|(a, b)| *a != NONE && *b != NONE);
         let faces = if some_shared {
             let shared = common.shared_faces(meshes, which);
-            all.filter(|face| !shared[*face as usize]).collect()
+            asked.into_iter().filter(|face| !shared[*face as usize]).collect()
         } else {
-            all.collect()
+            asked
         };
         Self { corners, ids: common.ids[which].clone(), faces }
     }

@@ -1,9 +1,9 @@
 //! `tolerance_violations`: where two surfaces are farther apart than a tolerance, face by face.
-use super::SurfacePair;
 use super::cover::{Cover, CoverLimits, CoverScratch, cover};
 use super::distance_surface::DistanceSurface;
 use super::shared::VertexDistances;
 use super::subtriangle::MeshSubtriangle;
+use super::{CommonFrame, SurfacePair};
 use crate::budget::{ErrorLimit, Job, JobError, PixelScale, par_map};
 use crate::explicit::Mesh;
 use crate::math::{add_up, greater};
@@ -100,14 +100,14 @@ impl ToleranceField for WorldTolerance<'_> {
     /// World-space points are where the frame has them, up to its rounding. Where the eye is too close for
     /// any length, only points that have not moved at all are within tolerance.
     fn over_triangle(&self, triangle: [[f64; 3]; 3], off: f64) -> RegionTolerance {
-        let SurfacePair { frame, moved, .. } = self.pair;
+        let CommonFrame { frame, moved, .. } = &self.pair.shared;
         let off = if off == 0.0 || *moved == 0.0 { off + *moved } else { add_up(off, *moved) };
         let (length, sight) = self.allowed.at_with_scale(&frame.world_box(&triangle, off));
-        RegionTolerance { tolerance: self.pair.limit(length.unwrap_or(0.0)).within(), sight }
+        RegionTolerance { tolerance: self.pair.shared.limit(length.unwrap_or(0.0)).within(), sight }
     }
 
     fn pixels_of(&self, here: &RegionTolerance, distance: f64) -> f64 {
-        let SurfacePair { frame, moved, .. } = self.pair;
+        let CommonFrame { frame, moved, .. } = &self.pair.shared;
         let distance = if *moved == 0.0 { distance } else { add_up(distance, *moved) };
         let seen = here.sight.and_then(|sight| sight.pixels_of(frame.length_up(distance)));
         seen.unwrap_or(f64::INFINITY)
@@ -134,26 +134,30 @@ pub(crate) fn tolerance_violations(
 ) -> Result<ViolationReport, JobError> {
     job.run(|| {
         let pair = SurfacePair::from_meshes([a, b], job)?;
+        let vertices = [0, 1].map(|which| pair.vertex_distances(which, job));
         let places = match allowed.constant() {
-            Some(length) => find_violations(&pair, &pair.limit(length).within(), job),
-            None => find_violations(&pair, &WorldTolerance { allowed, pair: &pair }, job),
+            Some(length) => find_violations(&pair, &vertices, &pair.shared.limit(length).within(), job),
+            None => find_violations(&pair, &vertices, &WorldTolerance { allowed, pair: &pair }, job),
         };
         if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(places) }
     })
 }
 
-fn find_violations(
+/// The violations of the faces of both sides that are to be compared.
+pub(super) fn find_violations(
     pair: &SurfacePair<'_>,
+    vertices: &[VertexDistances; 2],
     near: &(impl ToleranceField + Sync),
     job: &Job,
 ) -> ViolationReport {
-    let SurfacePair { frame, sides: [a, b], moved, .. } = pair;
+    let CommonFrame { frame, moved, .. } = &pair.shared;
+    let [a, b] = &pair.sides;
     let (mut at_most, mut pixels) = (0.0, 0.0);
     let beyond = [(a, b, 0), (b, a, 1)].map(|(own, other, which)| {
-        let vertices = pair.vertex_distances(which, job);
+        let vertices = &vertices[which];
         let chunks: Vec<&[u32]> = vertices.faces.chunks(CHUNK).collect();
         let found = par_map(job, &chunks, |_, faces| {
-            let asked = FaceComparison { pair, own, other, vertices: &vertices };
+            let asked = FaceComparison { pair, own, other, vertices };
             if job.is_cancelled() { ViolationReport::NONE } else { asked.find_in_faces(faces, which, near) }
         });
         let most = found.iter().fold(0.0, |most, found| greater(most, found.at_most));
@@ -177,8 +181,8 @@ struct FaceComparison<'a> {
 impl FaceComparison<'_> {
     /// The violations of side `which`; upper bounds are in the frame.
     fn find_in_faces(&self, faces: &[u32], which: usize, near: &impl ToleranceField) -> ViolationReport {
-        let frame = &self.pair.frame;
-        let terms = CoverLimits { tolerance: 0.0, most_faces: MOST_FACES, reach: self.pair.reach };
+        let CommonFrame { frame, reach, .. } = &self.pair.shared;
+        let terms = CoverLimits { tolerance: 0.0, most_faces: MOST_FACES, reach: *reach };
         let mut scratch = CoverScratch::default();
         let mut found = ViolationReport::NONE;
         for face in faces {
@@ -338,12 +342,21 @@ impl<'a> ProximityChecker<'a> {
     /// Whether all points of a triangle are within tolerance of the surface, proved; `false` where that is
     /// not known.
     pub fn is_within(&self, triangle: [[f64; 3]; 3], near: &impl ToleranceField) -> bool {
+        self.distance_within(triangle, near).is_some()
+    }
+
+    /// A bound on the distance of all points of a triangle that is within tolerance, proved; `None` where
+    /// there is no such bound.
+    pub fn distance_within(&self, triangle: [[f64; 3]; 3], near: &impl ToleranceField) -> Option<f64> {
         let corners = triangle.map(|at| self.side.sample(at));
         let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| greater(most, x.abs()));
         let terms = CoverLimits { tolerance: 0.0, most_faces: FEW_FACES, reach };
         let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
         let look =
             classify(piece, &self.side, terms, ViolationSearch::Any, near, &mut self.scratch.borrow_mut());
-        matches!(look, SubtriangleVerdict::Within { .. })
+        match look {
+            SubtriangleVerdict::Within { up, .. } => Some(up),
+            SubtriangleVerdict::TooFar(..) => None,
+        }
     }
 }

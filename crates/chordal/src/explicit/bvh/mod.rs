@@ -35,6 +35,15 @@ pub(crate) fn distance_sq_to_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> f6
     triangle::closest_point(q, corners).distance_sq
 }
 
+/// A proved lower bound for the distance from a point to a triangle, rounding included, for coordinates whose
+/// squares neither overflow nor vanish. Where that is sure to be at least `enough`, it may be any bound that is.
+#[inline]
+pub(crate) fn distance_to_triangle_down(q: [f64; 3], corners: [[f64; 3]; 3], enough: f64) -> f64 {
+    // The error of underflow is less than the smallest normal number.
+    let down = crate::math::sub_down(triangle::distance_down(q, corners, enough), f64::MIN_POSITIVE);
+    crate::math::greater(down, 0.0)
+}
+
 /// Children of a node. Four f32 fill one SSE, NEON or WASM register.
 const WIDTH: usize = 4;
 /// Marks a child that is a leaf, a run of triangles.

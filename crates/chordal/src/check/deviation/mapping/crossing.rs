@@ -1,0 +1,73 @@
+//! `Crossing`: where the image of an edge of the source leaves a face of the result.
+use super::super::distance::{UNDERFLOW, apart_up};
+use crate::math::{difference, dot, greater, lesser};
+
+/// A point of an edge of the source and a point of an edge of the result, which stand for each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crossing {
+    /// The parameter on the edge of the source, between 0 and 1. As a number of f64 it is exact, and so is the
+    /// point that it stands for.
+    pub t: f64,
+    /// The same on the edge of the result.
+    pub s: f64,
+    /// An upper bound on the distance of the two points.
+    pub up: f64,
+}
+
+fn clamp(x: f64, least: f64) -> f64 {
+    if x > least { lesser(x, 1.0) } else { least }
+}
+
+/// Below this share of the product of squared lengths two edges count as parallel: then any point does.
+/// Chosen: it decides tightness alone.
+const PARALLEL: f64 = 1e-14;
+
+impl Crossing {
+    /// The nearest points of the edge `source` and the edge `result`, of which the first is not before `least`.
+    pub fn nearest(source: [[f64; 3]; 2], result: [[f64; 3]; 2], least: f64) -> Self {
+        let ([u, v], [a, b]) = (source, result);
+        let (along, across, from) = (difference(v, u), difference(b, a), difference(u, a));
+        let (uu, ab, aa) = (dot(along, along), dot(along, across), dot(across, across));
+        let (c, f) = (dot(along, from), dot(across, from));
+        let whole = uu * aa - ab * ab;
+        let mut t = if uu <= 0.0 {
+            least
+        } else if whole > PARALLEL * uu * aa {
+            clamp((ab * f - c * aa) / whole, least)
+        } else {
+            0.5 * (least + 1.0)
+        };
+        let mut s = if aa > 0.0 { (ab * t + f) / aa } else { 0.0 };
+        if !(0.0..=1.0).contains(&s) && uu > 0.0 {
+            // The end of the other edge is nearer.
+            s = clamp(s, 0.0);
+            t = clamp((ab * s - c) / uu, least);
+        }
+        s = if aa > 0.0 { clamp((ab * t + f) / aa, 0.0) } else { 0.0 };
+        Self { t, s, up: apart_at_most(source, t, result, s) }
+    }
+}
+
+/// An upper bound on the distance of `u + t (v − u)` and `a + s (b − a)`, for exact `t` and `s` in [0, 1].
+///
+/// A component is a sum of three terms with at most four roundings on the way to each (a difference, a product,
+/// two sums), so that it is off by less than `2.01 ε` times the sum of their sizes, which itself is low by at most
+/// that. `3 ε S` and `8 ε` cover this, the length and second orders with a margin, as in
+/// [`super::super::distance::distance_up`].
+fn apart_at_most([u, v]: [[f64; 3]; 2], t: f64, [a, b]: [[f64; 3]; 2], s: f64) -> f64 {
+    // From the nearer end where the point is an end: the distance of two ends loses nothing.
+    let (p, t) = if t == 1.0 { (v, 0.0) } else { (u, t) };
+    let (q, s) = if s == 1.0 { (b, 0.0) } else { (a, s) };
+    if t == 0.0 && s == 0.0 {
+        return if p == q { 0.0 } else { apart_up(p, q) };
+    }
+    let (mut square, mut size) = (0.0, 0.0);
+    for k in 0..3 {
+        let [x, y, z] = [p[k] - q[k], t * (v[k] - u[k]), s * (b[k] - a[k])];
+        let sum = x + y - z;
+        square += sum * sum;
+        size += x.abs() + y.abs() + z.abs();
+    }
+    let rounding = 3.0 * f64::EPSILON * size; // derived above
+    greater((square.sqrt() + rounding) * (1.0 + 8.0 * f64::EPSILON) + UNDERFLOW, 0.0) // derived above
+}

@@ -1,0 +1,209 @@
+//! `MappedPair`: two surfaces of which it is known which parts stand for each other, and how far they are apart.
+mod cells;
+mod crossing;
+mod far_points;
+mod images;
+mod nearby;
+mod paths;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use super::hausdorff::{FarthestSample, OneSidedSearch};
+use super::violations::{ViolationReport, find_violations};
+use super::{CommonFrame, Deviation, Goal, SurfacePair, two_sided};
+use crate::budget::{Job, JobError};
+use crate::explicit::{Bvh, Mesh, Topology, distance_sq_to_triangle};
+use crate::math::{add_up, greater};
+use cells::{SurfaceMapping, surface_mapping};
+use far_points::distance_down_to_all;
+use images::{VertexImage, largest_distance_sq, vertex_images};
+use nearby::{NearbySearch, Side};
+use paths::edge_paths;
+use std::borrow::Cow;
+use surface::FanSurface;
+
+/// For each vertex of a mesh a face of another one that is near it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearFaces<'a> {
+    /// By row: a face of the other mesh, or more than it has where none is known.
+    pub by_row: &'a [u32],
+    /// Which rows of the mesh are one position.
+    pub topology: Topology,
+}
+
+/// A mesh and another one that stands for it piece by piece, as a simplified one does.
+///
+/// Both surfaces are mapped onto each other, which bounds most faces without a search: `cells.rs` has the proof. The
+/// faces that are near are not trusted: a wrong one costs time.
+///
+/// Cost: 0.4 µs a triangle of the first mesh on one core; 130 bytes a triangle.
+pub(crate) struct MappedPair<'a> {
+    meshes: [&'a Mesh; 2],
+    local: [Cow<'a, Mesh>; 2],
+    shared: CommonFrame,
+    source: FanSurface,
+    result: FanSurface,
+    images: Vec<VertexImage>,
+    mapping: SurfaceMapping,
+}
+
+/// How far walks may be beyond the farthest vertex before others are tried. Chosen: as [`Goal::relative`].
+const PATH_SLACK: f64 = 1.1;
+/// Beyond this share of faces without a bound all of them are searched at once. Chosen.
+const MOST_ALONE: usize = 4;
+
+impl<'a> MappedPair<'a> {
+    /// Maps `a` onto `b`.
+    ///
+    /// # Errors
+    /// As for [`super::deviation`].
+    pub fn new(a: &'a Mesh, b: &'a Mesh, near: NearFaces<'_>, job: &Job) -> Result<Self, JobError> {
+        job.run(|| {
+            let meshes = [a, b];
+            let (shared, local) = CommonFrame::around(meshes)?;
+            // From the original meshes: positions that the frame rounds to the same number need not be equal.
+            let source = FanSurface::new(&local[0], near.topology.ids(a).as_deref());
+            let result = FanSurface::new(&local[1], Topology::Indices.ids(b).as_deref());
+            let rows = a.faces().as_flattened();
+            let images = vertex_images(&source, &result, (rows, near.by_row), job);
+            let enough = greater(PATH_SLACK * largest_distance_sq(&images).sqrt(), shared.floor());
+            let paths = edge_paths(&source, &result, &images, (enough, job));
+            let mapping = surface_mapping(&source, &result, &images, (&paths, job));
+            if job.is_cancelled() {
+                return Err(JobError::Cancelled);
+            }
+            Ok(Self { meshes, local, shared, source, result, images, mapping })
+        })
+    }
+
+    /// The distance of both, as by [`super::deviation`].
+    ///
+    /// # Errors
+    /// As for [`super::deviation`].
+    pub fn deviation(&self, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
+        job.run(|| {
+            // The lower end: the vertices that are the farthest from their images.
+            let tree = Bvh::build(&self.local[1], job)?;
+            let [from_source, from_result] = &self.mapping.farthest;
+            let wanted = self.shared.goal(goal);
+            let most = [&self.mapping.forward, &self.mapping.backward].map(|up| largest_known(up));
+            let most = greater(most[0], most[1]);
+            let enough = |least: f64| wanted.sufficient_distance(least) >= most;
+            let none = FarthestSample { at: self.source.at(0), at_least: 0.0 };
+            let down = |at, _| tree.closest_distance_down(at).unwrap_or(0.0);
+            let far = from_source.farthest(none, |_| false, down);
+            let to = tree.closest_point(far.at).map_or(far.at, |closest| closest.point);
+            let down = |at, up| distance_down_to_all(&self.source, at, up, job);
+            let from = FarthestSample { at: to, at_least: 0.0 };
+            let back = if enough(far.at_least) { from } else { from_result.farthest(from, enough, down) };
+            let enough = wanted.sufficient_distance(greater(far.at_least, back.at_least));
+            let [forward, backward] = self.settle(enough, job);
+            if job.is_cancelled() {
+                return Err(JobError::Cancelled);
+            }
+            if forward.open.is_empty() && backward.open.is_empty() {
+                let near = self.nearest(back.at);
+                let forward = self.shared.one_sided(far, (forward.up, self.shared.moved), to);
+                let backward = self.shared.one_sided(back, (backward.up, self.shared.moved), near);
+                let bound = two_sided(&forward, &backward);
+                return Ok(Deviation { bound, forward, backward, reached: true });
+            }
+            self.search([forward, backward], [far, back], (goal, job))
+        })
+    }
+
+    /// Searches the faces that are open.
+    fn search(
+        &self,
+        settled: [Settled; 2],
+        far: [FarthestSample; 2],
+        (goal, job): (&Goal, &Job),
+    ) -> Result<Deviation, JobError> {
+        let pair = SurfacePair::from_meshes(self.meshes, job)?;
+        let [first, second] = &pair.sides;
+        let up = [settled[0].up, settled[1].up];
+        let vertices = pair.vertices_of(settled.map(|settled| settled.open), job);
+        let mut both = [
+            OneSidedSearch::new(first, second, &vertices[0]),
+            OneSidedSearch::new(second, first, &vertices[1]),
+        ];
+        for ((direction, far), up) in both.iter_mut().zip(far).zip(up) {
+            direction.settled = greater(direction.settled, up);
+            if far.at_least > direction.farthest.at_least {
+                direction.farthest = far;
+            }
+        }
+        pair.search(&mut both, &vertices, goal, job)
+    }
+
+    /// The nearest point of the source, rounded.
+    fn nearest(&self, at: [f64; 3]) -> [f64; 3] {
+        let nearer = |best: (f64, u32), face: u32| {
+            let d = distance_sq_to_triangle(at, self.source.corners(face));
+            if d < best.0 { (d, face) } else { best }
+        };
+        let (_, face) = (0..self.source.n_faces() as u32).fold((f64::INFINITY, 0), nearer);
+        VertexImage::on_face(at, face, &self.source).at
+    }
+
+    /// Faces that are farther away than a length, or may be, as by [`super::tolerance_violations`].
+    pub fn violations(&self, length: f64, job: &Job) -> Result<ViolationReport, JobError> {
+        job.run(|| {
+            let enough = self.shared.limit(length).within();
+            let settled = self.settle(enough, job);
+            if job.is_cancelled() {
+                return Err(JobError::Cancelled);
+            }
+            let most = greater(settled[0].up, settled[1].up);
+            let moved = self.shared.moved;
+            let most = self.shared.frame.length_up(if moved > 0.0 { add_up(most, moved) } else { most });
+            let mut found = ViolationReport { violations: Default::default(), at_most: 0.0, pixels: 0.0 };
+            if settled.iter().any(|settled| !settled.open.is_empty()) {
+                let pair = SurfacePair::from_meshes(self.meshes, job)?;
+                let vertices = pair.vertices_of(settled.map(|settled| settled.open), job);
+                found = find_violations(&pair, &vertices, &enough, job);
+                if job.is_cancelled() {
+                    return Err(JobError::Cancelled);
+                }
+            }
+            Ok(ViolationReport { at_most: greater(found.at_most, most), ..found })
+        })
+    }
+
+    /// The faces of either surface that are not known to be within a distance of the frame, and how far the others
+    /// are.
+    fn settle(&self, enough: f64, job: &Job) -> [Settled; 2] {
+        let SurfaceMapping { forward, backward, .. } = &self.mapping;
+        let mut nearby = None;
+        [(forward, Side::Source), (backward, Side::Result)].map(|(up, side)| {
+            let open: Vec<u32> = (0..up.len() as u32).filter(|face| up[*face as usize] > enough).collect();
+            let within = up.iter().filter(|up| **up <= enough);
+            let mut settled = Settled { up: within.fold(0.0, |most, up| greater(most, *up)), open };
+            if settled.open.is_empty() || settled.open.len() > up.len() / MOST_ALONE {
+                return settled;
+            }
+            let nearby =
+                nearby.get_or_insert_with(|| NearbySearch::new(&self.source, &self.result, &self.images));
+            let bounds = nearby.bounds(&settled.open, side, (enough, job));
+            let known = bounds.iter().filter_map(|up| *up);
+            settled.up = known.fold(settled.up, greater);
+            let open = settled.open.iter().zip(&bounds).filter(|(_, up)| up.is_none());
+            settled.open = open.map(|(face, _)| *face).collect();
+            settled
+        })
+    }
+}
+
+/// What is known of the faces of one surface.
+struct Settled {
+    /// The largest distance of those that are within what was asked.
+    up: f64,
+    /// The others.
+    open: Vec<u32>,
+}
+
+/// The largest of the bounds that are known.
+fn largest_known(up: &[f64]) -> f64 {
+    up.iter().filter(|up| **up < f64::INFINITY).fold(0.0, |most, up| greater(most, *up))
+}

@@ -1,0 +1,395 @@
+//! `EdgePaths`: for every edge of the source a walk over faces of the result, from the image of one end to that
+//! of the other.
+use super::crossing::Crossing;
+use super::images::{Carrier, VertexImage};
+use super::surface::{FanSurface, NONE};
+use crate::budget::{Job, par_map};
+use crate::explicit::{distance_sq_to_triangle, next_in_face, previous_in_face};
+use crate::math::{cross, difference, dot, greater, lesser, unit};
+
+/// The walks of all edges, in one list.
+pub(super) struct EdgePaths {
+    /// By half-edge of the source that stands for its edge: where its walk starts in the list; one more at the
+    /// end.
+    first: Vec<u32>,
+    /// Half-edges of the result through which the walks leave a face.
+    pub crossed: Vec<u32>,
+    /// The distance of the two points of each crossing, rounded up.
+    pub up: Vec<f64>,
+    /// By half-edge: whether its edge has a walk.
+    is_known: Vec<bool>,
+}
+
+impl EdgePaths {
+    /// Where the walk of an edge is in the lists; `None` where it has none.
+    pub fn of(&self, edge: u32) -> Option<std::ops::Range<usize>> {
+        let h = edge as usize;
+        self.is_known[h].then(|| self.first[h] as usize..self.first[h + 1] as usize)
+    }
+
+    /// The points of the source and of the result that are crossing `i` of the list, rounded, each with how far
+    /// it may be off.
+    pub fn at(&self, i: u32, source: &FanSurface, result: &FanSurface) -> [([f64; 3], f64); 2] {
+        let edge = self.first.partition_point(|first| *first <= i) as u32 - 1;
+        let [u, v] = [source.at(source.start(edge)), source.at(source.end(edge))];
+        let (mut t, mut s, mut across) = (0.0, 0.0, [u, v]);
+        for g in &self.crossed[self.first[edge as usize] as usize..=i as usize] {
+            across = [result.at(result.start(*g)), result.at(result.end(*g))];
+            let crossing = Crossing::nearest([u, v], across, t);
+            (t, s) = (crossing.t, crossing.s);
+        }
+        // Each coordinate has a difference of at most twice the largest one, a product and a sum: 2.5 ε of that
+        // at most, and √3 of it in space.
+        let point = |[a, b]: [[f64; 3]; 2], t: f64| {
+            let largest = a.iter().chain(&b).fold(0.0, |most, x| greater(x.abs(), most));
+            (std::array::from_fn(|k| a[k] + t * (b[k] - a[k])), 8.0 * f64::EPSILON * largest)
+        };
+        [point([u, v], t), point(across, s)]
+    }
+}
+
+/// Half-edges in one task.
+const CHUNK: usize = 3 << 12;
+
+/// Walks for all edges. Where a walk is within `enough`, no other is tried.
+pub(super) fn edge_paths(
+    source: &FanSurface,
+    result: &FanSurface,
+    images: &[VertexImage],
+    (enough, job): (f64, &Job),
+) -> EdgePaths {
+    let normal = |face: u32| {
+        let [a, b, c] = result.corners(face);
+        unit(cross(difference(b, a), difference(c, a))).unwrap_or([0.0; 3])
+    };
+    let normals: Vec<[f64; 3]> = (0..result.n_faces() as u32).map(normal).collect();
+    let n = 3 * source.n_faces();
+    let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
+    let parts = par_map(job, &starts, |_, start| {
+        let mut walker = PathFinder { source, result, images, normals: &normals, enough };
+        let end = lesser(start + CHUNK, n);
+        let mut part = PathPart::default();
+        for h in *start as u32..end as u32 {
+            part.first.push(part.crossed.len() as u32);
+            let is_known = !job.is_cancelled() && source.edge(h) == h && walker.find(h, &mut part);
+            part.is_known.push(is_known);
+        }
+        part
+    });
+    let (mut first, mut is_known) = (Vec::with_capacity(n + 1), Vec::with_capacity(n));
+    let n_crossed = parts.iter().map(|part| part.crossed.len()).sum();
+    let (mut crossed, mut up) = (Vec::with_capacity(n_crossed), Vec::with_capacity(n_crossed));
+    for part in parts {
+        first.extend(part.first.iter().map(|at| at + crossed.len() as u32));
+        crossed.extend(part.crossed);
+        up.extend(part.up);
+        is_known.extend(part.is_known);
+    }
+    first.push(crossed.len() as u32);
+    EdgePaths { first, crossed, up, is_known }
+}
+
+#[derive(Default)]
+struct PathPart {
+    first: Vec<u32>,
+    crossed: Vec<u32>,
+    up: Vec<f64>,
+    is_known: Vec<bool>,
+}
+
+struct PathFinder<'a> {
+    source: &'a FanSurface,
+    result: &'a FanSurface,
+    images: &'a [VertexImage],
+    normals: &'a [[f64; 3]],
+    enough: f64,
+}
+
+/// A point of an edge of the source and its image.
+#[derive(Clone, Copy)]
+struct PathEnd {
+    at: [f64; 3],
+    image: VertexImage,
+}
+
+/// The best walk so far.
+struct BestPath {
+    crossed: Vec<u32>,
+    up: f64,
+}
+
+/// Faces that one walk crosses at most, and half-edges around one vertex. Chosen: what needs more is searched for.
+const MOST_CROSSED: usize = 200;
+const MOST_AROUND: usize = 64;
+/// How often an edge is halved at most to find a walk. Chosen.
+const MOST_HALVINGS: u32 = 6;
+/// How far toward the other end a point is asked for the face in which it lies. Chosen: small, so that it is
+/// still in the faces around its start.
+const TOWARD: f64 = 0.01;
+
+impl PathFinder<'_> {
+    /// Adds the walk of the edge of `h`; `false` where none was found.
+    fn find(&mut self, h: u32, part: &mut PathPart) -> bool {
+        let [a, b] = [self.source.start(h), self.source.end(h)]
+            .map(|v| PathEnd { at: self.source.at(v), image: self.images[v as usize] });
+        if a.image.face == NONE || b.image.face == NONE {
+            return false;
+        }
+        if a.image.face == b.image.face {
+            return true;
+        }
+        let mut best = BestPath { crossed: Vec::new(), up: f64::INFINITY };
+        if let Some(g) = self.result.between(a.image.face, b.image.face) {
+            let crossing = Crossing::nearest([a.at, b.at], self.ends(g), 0.0);
+            if crossing.up <= self.enough {
+                part.crossed.push(g);
+                part.up.push(crossing.up);
+                return true;
+            }
+            best = BestPath { crossed: vec![g], up: crossing.up };
+        }
+        self.improve(&a, &b, 0, &mut best);
+        if best.up == f64::INFINITY {
+            return false;
+        }
+        let mut t = 0.0;
+        for &g in &best.crossed {
+            let crossing = Crossing::nearest([a.at, b.at], self.ends(g), t);
+            t = crossing.t;
+            part.crossed.push(g);
+            part.up.push(crossing.up);
+        }
+        true
+    }
+
+    #[inline]
+    fn ends(&self, g: u32) -> [[f64; 3]; 2] {
+        [self.result.at(self.result.start(g)), self.result.at(self.result.end(g))]
+    }
+
+    /// Takes a walk if it is closer than the best.
+    fn offer(&self, ends: [&PathEnd; 2], mut crossed: Vec<u32>, best: &mut BestPath) {
+        cancel(&mut crossed, self.result);
+        let edge = ends.map(|end| end.at);
+        let (mut t, mut up) = (0.0, 0.0);
+        for &g in &crossed {
+            let crossing = Crossing::nearest(edge, self.ends(g), t);
+            t = crossing.t;
+            up = greater(up, crossing.up);
+            if up >= best.up {
+                return;
+            }
+        }
+        *best = BestPath { crossed, up };
+    }
+
+    /// Tries other walks until one is close enough.
+    fn improve(&self, a: &PathEnd, b: &PathEnd, depth: u32, best: &mut BestPath) {
+        // 1. Straight, from the faces that lie toward each other.
+        if let Some(crossed) = self.straight(a, b) {
+            self.offer([a, b], crossed, best);
+        }
+        if best.up <= self.enough {
+            return;
+        }
+        // 2. Around a vertex of both faces, one way or the other.
+        let [f, g] = [a.image.face, b.image.face];
+        for v in self.result.vertices(f) {
+            if !self.result.vertices(g).contains(&v) {
+                continue;
+            }
+            for way in [Way::Left, Way::Right] {
+                if let Some(crossed) = self.around(v, [f, g], way) {
+                    self.offer([a, b], crossed, best);
+                }
+            }
+        }
+        if best.up <= self.enough || depth >= MOST_HALVINGS {
+            return;
+        }
+        // 3. Over the image of the middle.
+        let at: [f64; 3] = std::array::from_fn(|k| 0.5 * (a.at[k] + b.at[k]));
+        let [x, y] = [f, g].map(|face| VertexImage::on_face(at, face, self.result).descend(at, self.result));
+        let middle = PathEnd { at, image: if y.distance_sq < x.distance_sq { y } else { x } };
+        let half = |from: &PathEnd, to: &PathEnd| {
+            let mut half = BestPath { crossed: Vec::new(), up: f64::INFINITY };
+            if from.image.face == to.image.face {
+                half.up = 0.0;
+            } else {
+                self.improve(from, to, depth + 1, &mut half);
+            }
+            (half.up < f64::INFINITY).then_some(half.crossed)
+        };
+        if let (Some(mut crossed), Some(rest)) = (half(a, &middle), half(&middle, b)) {
+            crossed.extend(rest);
+            self.offer([a, b], crossed, best);
+        }
+    }
+
+    /// A walk over the faces that the plane through both images and along the mean normal cuts.
+    fn straight(&self, a: &PathEnd, b: &PathEnd) -> Option<Vec<u32>> {
+        let (f, g) = self.facing(a, b);
+        let mut crossed = self.turn(a, a.image.face, f)?;
+        self.walk([f, g], [a.image.at, b.image.at], &mut crossed)?;
+        crossed.extend(self.turn(b, g, b.image.face)?);
+        Some(crossed)
+    }
+
+    /// The faces around the two images that lie toward each other.
+    fn facing(&self, a: &PathEnd, b: &PathEnd) -> (u32, u32) {
+        let has = |carrier: Carrier, face: u32| match carrier {
+            Carrier::Inside => false,
+            Carrier::Edge(h) => {
+                let t = self.result.twin(h);
+                t != NONE && t / 3 == face
+            }
+            Carrier::Corner(h) => self.result.vertices(face).contains(&self.result.start(h)),
+        };
+        let (p, q) = (&a.image, &b.image);
+        if let (Carrier::Corner(h), Carrier::Corner(g)) = (p.carrier, q.carrier) {
+            let other = self.result.start(g);
+            let both = |h: &u32| self.result.vertices(*h / 3).contains(&other);
+            if let Some(h) = self.result.ring(self.result.start(h)).find(both) {
+                return (h / 3, h / 3);
+            }
+        }
+        if has(p.carrier, q.face) {
+            return (q.face, q.face);
+        }
+        if has(q.carrier, p.face) {
+            return (p.face, p.face);
+        }
+        (self.toward(p, q.at), self.toward(q, p.at))
+    }
+
+    /// The face around an image that lies toward a point.
+    fn toward(&self, from: &VertexImage, to: [f64; 3]) -> u32 {
+        let m: [f64; 3] = std::array::from_fn(|k| from.at[k] + TOWARD * (to[k] - from.at[k]));
+        let off = |face: u32| distance_sq_to_triangle(m, self.result.corners(face));
+        let nearer = |best: (f64, u32), face: u32| {
+            let d = off(face);
+            if d < best.0 { (d, face) } else { best }
+        };
+        match from.carrier {
+            Carrier::Inside => from.face,
+            Carrier::Edge(h) => match self.result.twin(h) {
+                NONE => from.face,
+                t => nearer((off(from.face), from.face), t / 3).1,
+            },
+            Carrier::Corner(h) => {
+                let ring = self.result.ring(self.result.start(h)).take(MOST_AROUND);
+                ring.map(|g| g / 3).fold((off(from.face), from.face), nearer).1
+            }
+        }
+    }
+
+    /// The shorter way around an image from one face to another.
+    fn turn(&self, at: &PathEnd, from: u32, to: u32) -> Option<Vec<u32>> {
+        if from == to {
+            return Some(Vec::new());
+        }
+        if let Some(h) = self.result.between(from, to) {
+            return Some(vec![h]);
+        }
+        let Carrier::Corner(h) = at.image.carrier else { return None };
+        let ways = [Way::Left, Way::Right].map(|way| self.around(self.result.start(h), [from, to], way));
+        match ways {
+            [Some(x), Some(y)] => Some(if y.len() < x.len() { y } else { x }),
+            [x, y] => x.or(y),
+        }
+    }
+
+    /// The way around a vertex from one of its faces to another.
+    fn around(&self, v: u32, [from, to]: [u32; 2], way: Way) -> Option<Vec<u32>> {
+        let mut h = (3 * from..3 * from + 3).find(|h| self.result.start(*h) == v)?;
+        let mut crossed = Vec::new();
+        for _ in 0..MOST_AROUND {
+            if h / 3 == to {
+                return Some(crossed);
+            }
+            let leaves = match way {
+                Way::Left => previous_in_face(h),
+                Way::Right => h,
+            };
+            let t = self.result.twin(leaves);
+            if t == NONE {
+                return None;
+            }
+            crossed.push(leaves);
+            h = match way {
+                Way::Left => t,
+                Way::Right => next_in_face(t),
+            };
+        }
+        None
+    }
+
+    fn walk(&self, [f, g]: [u32; 2], [a, b]: [[f64; 3]; 2], crossed: &mut Vec<u32>) -> Option<()> {
+        if f == g {
+            return Some(());
+        }
+        if let Some(h) = self.result.between(f, g) {
+            crossed.push(h);
+            return Some(());
+        }
+        let along = difference(b, a);
+        let [m, n] = [f, g].map(|face| self.normals[face as usize]);
+        let plane = cross(along, std::array::from_fn(|k| m[k] + n[k]));
+        let side = |v: u32| dot(plane, difference(self.result.at(v), a));
+        // The edge of the first face that the plane cuts farther on.
+        let mut out = (f64::NEG_INFINITY, NONE);
+        for h in 3 * f..3 * f + 3 {
+            let [u, v] = [self.result.start(h), self.result.end(h)];
+            let [s, t] = [side(u), side(v)];
+            if (s >= 0.0) == (t >= 0.0) {
+                continue;
+            }
+            let share = s / (s - t);
+            let [p, q] = [self.result.at(u), self.result.at(v)];
+            let cut: [f64; 3] = std::array::from_fn(|k| p[k] + share * (q[k] - p[k]) - a[k]);
+            let far = dot(along, cut);
+            if far > out.0 {
+                out = (far, h);
+            }
+        }
+        let mut h = out.1;
+        if h == NONE {
+            return None;
+        }
+        for _ in 0..MOST_CROSSED {
+            let t = self.result.twin(h);
+            if t == NONE {
+                return None;
+            }
+            crossed.push(h);
+            if t / 3 == g {
+                return Some(());
+            }
+            let apex = side(self.result.start(previous_in_face(t))) >= 0.0;
+            let start = side(self.result.start(t)) >= 0.0;
+            h = if apex == start { next_in_face(t) } else { previous_in_face(t) };
+        }
+        None
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Way {
+    Left,
+    Right,
+}
+
+/// Removes what goes through an edge and straight back.
+fn cancel(crossed: &mut Vec<u32>, surface: &FanSurface) {
+    let mut n = 0;
+    for i in 0..crossed.len() {
+        let h = crossed[i];
+        if n > 0 && surface.twin(crossed[n - 1]) == h {
+            n -= 1;
+        } else {
+            crossed[n] = h;
+            n += 1;
+        }
+    }
+    crossed.truncate(n);
+}
