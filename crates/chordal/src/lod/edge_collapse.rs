@@ -1,5 +1,7 @@
 //! `EdgeCollapser`: collapses edges, the cheapest first, as long as the surface stays manifold and no face
 //! flips.
+mod link_condition;
+
 use super::attribute_guard::{AttributeGuard, WedgesAfter};
 use super::bucket_queue::BucketQueue;
 use super::error_monitor::{CollapseChange, ErrorMonitor};
@@ -9,7 +11,7 @@ use super::surface::{HalfEdgeSurface, NONE};
 use super::wedges::{WedgeChange, WedgeTransfer, Wedges};
 use crate::budget::Job;
 use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
-use crate::math::{Box3, cross, difference, dot, greater, lesser, unit_and_length};
+use crate::math::{Box3, cross, difference, dot, greater, lesser, prefetch, unit_and_length};
 
 /// How a vertex may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,10 +55,12 @@ pub(super) struct EdgeCollapser {
     pub is_original: Vec<bool>,
     /// By vertex: upper bound of the distance of the feature lines that it represents from it and its edges.
     feature_deviation: Vec<f64>,
+    /// By vertex: the one into which it was collapsed, or itself.
+    pub merged_into: Vec<u32>,
     /// By face: the cost of the collapse that last changed it.
     pub face_cost: Vec<f32>,
-    /// By half-edge, for one of the two of an edge: its cost in the queue; NaN for the other.
-    cost: Vec<f32>,
+    /// By half-edge: whether it is in the queue, for one of the two of an edge.
+    is_queued: Vec<bool>,
     queue: BucketQueue,
     /// Vertices that were visited in this round.
     visited: Vec<u32>,
@@ -86,6 +90,10 @@ enum CollapseAnchor {
 
 /// The least cosine between the normals of a face before and after. Chosen: without a limit thin parts fold.
 const LEAST_TURN: f64 = 0.25;
+/// How many entries of the queue ahead memory is asked for: indices, then what they lead to. Chosen; without any, a
+/// prototype of this loop took twice the time.
+const FAR_AHEAD: usize = 12;
+const NEAR_AHEAD: usize = 6;
 /// The contribution of the square of an edge's length to its cost, as a fraction of its weight: it decides
 /// where planes do not. Chosen.
 const SHORT: f64 = 1e-9;
@@ -122,8 +130,9 @@ impl EdgeCollapser {
             attribute_guard: None,
             is_original: vec![true; n_vertices],
             feature_deviation: vec![0.0; n_vertices],
+            merged_into: (0..n_vertices as u32).collect(),
             face_cost: vec![0.0; n / 3],
-            cost: vec![f32::NAN; n],
+            is_queued: vec![false; n],
             queue: BucketQueue::new(),
             visited: vec![0; n_vertices],
             round: 0,
@@ -213,25 +222,29 @@ impl EdgeCollapser {
         Some(EdgeCollapse { h, to, anchor, cost })
     }
 
-    /// Puts an edge into the queue.
+    /// Puts an edge into the queue, by a cost that is asked when it comes out: edges around a collapse mostly are in
+    /// it already, and their costs rise.
     #[inline]
     fn enqueue(&mut self, h: u32) {
         let twin = self.surface.twin[h as usize];
-        let h = lesser(twin, h);
-        if let Some(EdgeCollapse { cost, .. }) = self.collapse_of(h) {
-            self.cost[h as usize] = cost;
-            self.queue.push(cost, h);
-        } else {
-            self.cost[h as usize] = f32::NAN;
+        if !self.is_queued[h as usize] && (twin == NONE || !self.is_queued[twin as usize]) {
+            let h = lesser(twin, h);
+            self.is_queued[h as usize] = true;
+            self.queue.push_now(h);
         }
     }
 
-    /// Puts every edge into the queue.
+    /// Puts every edge into the queue by its cost.
     fn enqueue_all(&mut self) {
         self.queue = BucketQueue::new();
+        self.is_queued.fill(false);
         for h in 0..self.surface.start.len() as u32 {
-            if self.surface.start[h as usize] != NONE && h < self.surface.twin[h as usize] {
-                self.enqueue(h);
+            if self.surface.start[h as usize] != NONE
+                && h < self.surface.twin[h as usize]
+                && let Some(EdgeCollapse { cost, .. }) = self.collapse_of(h)
+            {
+                self.is_queued[h as usize] = true;
+                self.queue.push(cost, h);
             }
         }
     }
@@ -242,19 +255,30 @@ impl EdgeCollapser {
         self.enqueue_all();
         let mut steps = 0_u32;
         while self.surface.n_faces > until.faces {
-            let Some((cost, h)) = self.queue.pop() else { break };
-            // An outdated entry; the edge was queued again.
-            if self.cost[h as usize].to_bits() != cost.to_bits() {
+            let Some(h) = self.queue.pop() else { break };
+            self.fetch_ahead();
+            self.is_queued[h as usize] = false;
+            if self.surface.start[h as usize] == NONE {
                 continue;
             }
-            self.cost[h as usize] = f32::NAN;
+            // Edges that were merged may both have been in the queue.
+            let twin = self.surface.twin[h as usize];
+            if twin != NONE && self.is_queued[twin as usize] {
+                continue;
+            }
+            let h = lesser(twin, h);
+            let Some(shrink) = self.collapse_of(h) else { continue };
+            if self.queue.is_later(shrink.cost) {
+                self.is_queued[h as usize] = true;
+                self.queue.push(shrink.cost, h);
+                continue;
+            }
             steps = steps.wrapping_add(1);
             // About once a millisecond.
             if steps.is_multiple_of(1024) && job.is_cancelled() {
                 return false;
             }
-            if let Some(shrink) = self.collapse_of(h)
-                && self.satisfies_link_condition(h)
+            if self.satisfies_link_condition(h)
                 && self.flips_no_face(&shrink)
                 && self.stays_within_tolerance(&shrink, until)
                 && self.keeps_attributes(&shrink, until)
@@ -265,80 +289,23 @@ impl EdgeCollapser {
         true
     }
 
-    /// The position of the mesh that a vertex represents: one for all fans that are tied there.
+    /// Asks for the memory of edges that come out soon, in two steps, since the second one needs the first.
     #[inline]
-    fn position_of(&self, v: u32) -> u32 {
-        self.first_fan[self.source_vertex[v as usize] as usize]
-    }
-
-    /// The link condition: the ends of the edge have no common neighbour but the apexes of its faces, and no
-    /// apex loses its last face.
-    fn satisfies_link_condition(&mut self, h: u32) -> bool {
-        let s = &self.surface;
-        let (a, b) = (s.start[h as usize], s.end(h));
-        let across = s.twin[h as usize];
-        if across != NONE && s.is_border(a) && s.is_border(b) {
-            return false;
+    fn fetch_ahead(&self) {
+        if let Some(h) = self.queue.ahead(FAR_AHEAD) {
+            prefetch(&self.surface.start, h as usize);
+            prefetch(&self.surface.twin, h as usize);
         }
-        self.round += 1;
-        let round = self.round;
-        let mut n_common = 0;
-        // A vertex on a border has one neighbour more than faces: the start of the last incoming half-edge.
-        let mut last = NONE;
-        for g in self.surface.one_ring(a) {
-            let end = self.position_of(self.surface.end(g));
-            self.visited[end as usize] = round;
-            last = g;
+        if let Some(h) = self.queue.ahead(NEAR_AHEAD) {
+            let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
+            for v in [a, b] {
+                if v != NONE {
+                    prefetch(&self.quadric, v as usize);
+                    prefetch(&self.at, v as usize);
+                    prefetch(&self.surface.outgoing, v as usize);
+                }
+            }
         }
-        let open = |last: u32| {
-            let arrives = previous_in_face(last);
-            (self.surface.twin[arrives as usize] == NONE).then(|| self.surface.start[arrives as usize])
-        };
-        if let Some(v) = open(last) {
-            let v = self.position_of(v);
-            self.visited[v as usize] = round;
-        }
-        last = NONE;
-        for g in self.surface.one_ring(b) {
-            n_common += usize::from(self.visited[self.position_of(self.surface.end(g)) as usize] == round);
-            last = g;
-        }
-        if let Some(v) = open(last) {
-            n_common += usize::from(self.visited[self.position_of(v) as usize] == round);
-        }
-        let sides = if across == NONE { 1 } else { 2 };
-        n_common == sides
-            && [h, across].into_iter().take(sides).all(|side| self.keeps_apex_valence(side))
-            && self.keeps_locked_fans_apart(a, b)
-    }
-
-    /// Whether no new edge may coincide with another edge of the mesh: between two locked vertices, or from
-    /// one to a neighbour of another fan of its position.
-    fn keeps_locked_fans_apart(&self, a: u32, b: u32) -> bool {
-        let tied = |v: u32| self.kind[v as usize] == CollapseVertexKind::Locked;
-        if !tied(a) && !tied(b) {
-            return true;
-        }
-        let (stays, goes) = if tied(a) { (a, b) } else { (b, a) };
-        let around = |v: u32| {
-            let s = &self.surface;
-            s.one_ring(v).flat_map(move |g| [s.end(g), s.start[previous_in_face(g) as usize]])
-        };
-        let place = self.position_of(stays);
-        let is_other_fan = |v: u32| v != stays && self.position_of(v) == place;
-        around(goes).filter(|v| *v != stays).all(|v| !tied(v) && !around(v).any(is_other_fan))
-    }
-
-    /// Whether the apex of a face keeps enough neighbours: three inside the surface, two at a border.
-    fn keeps_apex_valence(&self, side: u32) -> bool {
-        let (next, previous) = (next_in_face(side), previous_in_face(side));
-        // Two feature lines would become one.
-        if self.is_kept_line(next) && self.is_kept_line(previous) {
-            return false;
-        }
-        let apex = self.surface.start[previous as usize];
-        let needed = if self.surface.is_border(apex) { 2 } else { 4 };
-        self.surface.one_ring(apex).take(needed).count() == needed
     }
 
     /// Collects the faces around the edge and returns whether none of them flips.
@@ -483,6 +450,19 @@ impl EdgeCollapser {
         guard.allows(&watch.samples, &faces, until.tolerance)
     }
 
+    /// The vertex that stands for an original one now.
+    pub fn representative(&mut self, mut v: u32) -> u32 {
+        loop {
+            let up = self.merged_into[v as usize];
+            if up == v {
+                return v;
+            }
+            // Halves the way for the next time.
+            self.merged_into[v as usize] = self.merged_into[up as usize];
+            v = up;
+        }
+    }
+
     fn apply(&mut self, shrink: &EdgeCollapse) {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
@@ -516,14 +496,6 @@ impl EdgeCollapser {
             if side == NONE {
                 continue;
             }
-            for g in [next_in_face(side), previous_in_face(side)] {
-                self.cost[g as usize] = f32::NAN;
-                let t = self.surface.twin[g as usize];
-                if t != NONE {
-                    self.cost[t as usize] = f32::NAN;
-                }
-            }
-            self.cost[side as usize] = f32::NAN;
             let [x, y] = [next_in_face(side), previous_in_face(side)].map(|g| self.surface.twin[g as usize]);
             let line =
                 self.is_line[next_in_face(side) as usize] || self.is_line[previous_in_face(side) as usize];
@@ -534,6 +506,7 @@ impl EdgeCollapser {
             }
         }
         self.surface.collapse(h);
+        self.merged_into[a as usize] = b;
         let first = self.surface.outgoing[b as usize];
         let mut g = first;
         loop {

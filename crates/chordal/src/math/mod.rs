@@ -29,6 +29,7 @@ pub(crate) use rounding::length_up;
 pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
 };
+pub(crate) use simd::prefetch;
 pub(crate) use vector::{cross, difference, dot, length, unit_and_length};
 pub use vector::{greater, lesser, unit};
 
