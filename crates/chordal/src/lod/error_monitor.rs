@@ -4,8 +4,8 @@ use super::samples::SamplesByFace;
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::budget::{Job, JobError};
 use crate::check::ProximityChecker;
-use crate::explicit::Mesh;
-use crate::math::lesser;
+use crate::explicit::{Mesh, distance_sq_to_triangle};
+use crate::math::{difference, dot, lesser};
 use std::borrow::Cow;
 use std::rc::Rc;
 
@@ -161,16 +161,47 @@ impl ErrorMonitor {
         if care == CheckLevel::Frozen {
             return false;
         }
-        let near = |q: [f64; 3]| room.holds(q, self.original.distance_sq(q));
-        let quick = near(change.to)
+        let here: Vec<u32> = self.vertices_held_by(change.before).collect();
+        let middle = |[p, x, _]: [[f64; 3]; 3]| std::array::from_fn(|k| 0.5 * (p[k] + x[k]));
+        let quick = self.is_near_original(change.to, &here, room)
             && self.samples.try_reassign(change.before, change.after, room)
-            && change.after.iter().all(|(_, [p, x, _])| near(std::array::from_fn(|k| 0.5 * (p[k] + x[k]))));
+            && change.after.iter().all(|(_, t)| self.is_near_original(middle(*t), &here, room));
         let is_close = match care {
             CheckLevel::Sampled => false,
             CheckLevel::ProvedFrom(cost) => change.cost >= cost,
             CheckLevel::Proved | CheckLevel::Frozen => true,
         };
         quick && (!is_close || self.proves(change, room))
+    }
+
+    /// The vertices of the original that some faces hold.
+    fn vertices_held_by<'s>(&'s self, faces: &'s [u32]) -> impl Iterator<Item = u32> + 's {
+        let n = self.first.len() as u32 - 1;
+        faces.iter().flat_map(|face| self.samples.of_face(*face)).filter(move |sample| *sample < n)
+    }
+
+    /// Whether a point is close enough to the original. The faces around the nearest of the vertices `here` mostly
+    /// tell; only where they do not, all faces are searched.
+    fn is_near_original(&self, q: [f64; 3], here: &[u32], room: &LocalTolerance) -> bool {
+        let off = |v: &u32| {
+            let off = difference(self.samples.at[*v as usize], q);
+            dot(off, off)
+        };
+        let nearer = |best: (f64, u32), v: &u32| {
+            let d = off(v);
+            if d < best.0 { (d, *v) } else { best }
+        };
+        let (_, v) = here.iter().fold((f64::INFINITY, NONE), nearer);
+        if v != NONE {
+            for k in self.first[v as usize]..self.first[v as usize + 1] {
+                let face = self.corners[self.faces_at_vertices[k as usize] as usize];
+                let d = distance_sq_to_triangle(q, face.map(|v| self.samples.at[v as usize]));
+                if room.holds(q, d) {
+                    return true;
+                }
+            }
+        }
+        room.holds(q, self.original.distance_sq(q))
     }
 
     /// The strictest level of the samples of some faces.
@@ -182,7 +213,8 @@ impl ErrorMonitor {
     /// The thorough check.
     fn proves(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
         // 1. Points that are often too far off, which are cheaper than a proof.
-        let near = |q: [f64; 3]| room.holds(q, self.original.distance_sq(q));
+        let here: Vec<u32> = self.vertices_held_by(change.before).collect();
+        let near = |q: [f64; 3]| self.is_near_original(q, &here, room);
         let more = [[0.25, 0.75, 0.0], [0.75, 0.25, 0.0], [0.375, 0.375, 0.25], [0.0, 0.5, 0.5]];
         let point = |t: &[[f64; 3]; 3], w: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k])

@@ -75,6 +75,8 @@ pub(super) struct MeshReduction<'a> {
     frame: ReductionFrame,
     engine: EdgeCollapser,
     row: Vec<u32>,
+    /// By row of the mesh: its vertex at the start, or [`NONE`].
+    vertex_of_row: Vec<u32>,
     /// Whether it is a part of a larger mesh: at its locked vertices other parts may be attached.
     is_region: bool,
     pub stats: ReductionStats,
@@ -93,6 +95,10 @@ impl<'a> MeshReduction<'a> {
         let ids = topology.ids(mesh);
         let ManifoldSplit { surface, first_fan: place, is_locked: mut is_tied, row, n_collapsed: collapsed } =
             HalfEdgeSurface::from_mesh(mesh, ids.as_deref());
+        let mut vertex_of_row = vec![NONE; mesh.positions().len()];
+        for (row, v) in mesh.faces().as_flattened().iter().zip(&surface.start).filter(|(_, v)| **v != NONE) {
+            vertex_of_row[*row as usize] = *v;
+        }
         let used = mesh.faces().as_flattened().iter().map(|row| &mesh.positions()[*row as usize]);
         let frame = ReductionFrame::from_bounds(&Box3::from_points(used));
         let at: Vec<[f64; 3]> =
@@ -110,7 +116,7 @@ impl<'a> MeshReduction<'a> {
             degenerate_faces: collapsed as u64,
             ..ReductionStats::default()
         };
-        Self { mesh, frame, engine, row, is_region: is_part, stats: kept }
+        Self { mesh, frame, engine, row, vertex_of_row, is_region: is_part, stats: kept }
     }
 
     /// The number of remaining faces.
@@ -332,6 +338,32 @@ impl<'a> MeshReduction<'a> {
     fn faces(&self) -> Vec<u32> {
         let surface = &self.engine.surface;
         (0..(surface.start.len() / 3) as u32).filter(|f| surface.corners(*f)[0] != NONE).collect()
+    }
+
+    /// For each row of the original mesh a face of the current one that is near it, by its number in
+    /// [`Self::mesh`]; [`NONE`] where there is none.
+    pub fn near_faces(&mut self) -> Vec<u32> {
+        let mut number = vec![NONE; self.engine.surface.start.len() / 3];
+        for (i, face) in self.faces().into_iter().enumerate() {
+            number[face as usize] = i as u32;
+        }
+        let rows = std::mem::take(&mut self.vertex_of_row);
+        let near = rows.iter().map(|v| match *v {
+            NONE => NONE,
+            v => {
+                // The vertices are the first samples. A face that was removed as a whole has no number.
+                let held = self.engine.monitor.as_ref().map(|monitor| monitor.samples.holder(v));
+                if let Some(face) = held {
+                    return number[face as usize];
+                }
+                let v = self.engine.representative(v);
+                let h = self.engine.surface.outgoing[v as usize];
+                if h == NONE { NONE } else { number[h as usize / 3] }
+            }
+        });
+        let near = near.collect();
+        self.vertex_of_row = rows;
+        near
     }
 
     /// The current mesh.

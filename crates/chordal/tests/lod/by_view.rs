@@ -219,7 +219,9 @@ fn an_eye_anywhere_and_parallel_rays_are_a_length_for_all() {
         let everywhere = budget.length_in(&mesh.bounds()).expect("a length");
         let (by_view, by_length) = (made(&mesh, &budget), made(&mesh, &length(everywhere)));
         assert_eq!(by_view.shape.mesh, by_length.shape.mesh, "{view}");
-        assert_eq!(by_view.bound.at_most(), by_length.bound.at_most(), "{view}");
+        // One bound may come from a search and the other from a map, and both are proved.
+        let [a, b] = [&by_view, &by_length].map(|made| made.bound.at_most().expect("proved"));
+        assert!(a <= 1.1 * b && b <= 1.1 * a, "{view}: {a} and {b}");
         let proved = by_view.bound.pixels.expect("proved");
         assert!(proved <= 1.0 && proved > 0.5, "{view}: {proved}");
     }
