@@ -39,7 +39,8 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
 /// rounding included, on the triangles that are returned: by a map between both surfaces, and where that does not
-/// reach as by [`check::deviation`](crate::check::deviation). Not covered: the angles of normals, and attribute values between the points of a feature line.
+/// reach as by [`check::deviation`](crate::check::deviation). Not covered: the angles of normals, and attribute
+/// values between the points of a feature line.
 ///
 /// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a
 /// camera each place has its own length: far away, behind the eye and off the axis, a pixel is a longer one.
