@@ -200,7 +200,7 @@ fn a_print_without_a_unit_is_told_its_size() {
     let facets = faces.map(|face| {
         format!("facet normal 0 0 0\nouter loop\n{}\nendloop\nendfacet\n", face.map(corner).join("\n"))
     });
-    let scan = folder.file("scan.stl", &format!("solid s\n{}endsolid s\n", facets.concat()));
+    let scan = folder.file("scan.stl", format!("solid s\n{}endsolid s\n", facets.concat()));
     let out = folder.text("print.3mf");
     let told = run(&["mend", &scan, "-o", &out, "--all"]);
     assert_eq!(told.code, 0);

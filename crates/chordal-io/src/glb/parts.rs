@@ -1,4 +1,6 @@
 //! `PartReader`: reads meshes of the file into parts: vertices, triangles, attributes.
+mod unshaded;
+
 use super::accessor_rows::{AccessorError, AccessorRows};
 use super::attribute_plan::{AttributePlan, PlannedAttribute, StreamSource, is_skinning};
 use super::draco;
@@ -41,6 +43,9 @@ struct PartDraft<'m> {
 /// What the vertices of a primitive are made of.
 type VertexKey<'m> = (&'m GltfAttributes<'m>, Option<&'m [GltfAttributes<'m>]>);
 
+/// The name of normals in a primitive.
+const NORMAL: &str = "NORMAL";
+
 /// The message for attributes that are left out.
 const SKIPPED: &str = "attributes that not all primitives of their mesh have in one form were skipped";
 
@@ -70,17 +75,45 @@ impl<'m> PartReader<'m> {
         }
         let streams = plan.streams.iter().map(|_| Vec::new()).collect();
         let mut draft = PartDraft { plan, streams, ..PartDraft::default() };
+        let mut unshaded = Vec::new();
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let pointer = format!("/meshes/{mesh_idx}/primitives/{p}");
             let n = draft.faces.len();
             self.primitive(&mut draft, primitive, &pointer)?;
             let group = self.material_groups.get(mesh_idx).and_then(|groups| groups.get(p));
             let n_new = draft.faces.len() - n;
+            if draft.has_normals()
+                && n_new > 0
+                && primitive.attributes.iter().all(|(name, _)| *name != NORMAL)
+            {
+                unshaded.push(n..draft.faces.len());
+                self.plan_flat_faces(&draft, n_new, &pointer)?;
+            }
             draft.materials.resize(draft.materials.len() + n_new, group.map_or(0.0, |group| *group as f64));
         }
+        draft.shade_flat(&unshaded);
         let mesh = self.finish(draft, mesh_idx)?;
         let name = item(&self.model.meshes, Some(mesh_idx)).map_or("", |mesh| mesh.name);
         Ok(Part { name: name.to_owned(), mesh, ..Part::default() })
+    }
+
+    /// Counts the corners of faces that will be shaded flat beside others.
+    fn plan_flat_faces(
+        &mut self,
+        draft: &PartDraft<'m>,
+        n_faces: usize,
+        pointer: &str,
+    ) -> Result<(), ReadError> {
+        let n_rows = 3 * n_faces as u64;
+        if n_rows > self.limits.rows || draft.positions.len() as u64 + n_rows >= u64::from(u32::MAX) {
+            let what = format!("{n_rows} corners that are shaded flat pass the limit of rows");
+            return Err(ReadError::new("too-many-rows", FileLocation::Pointer(pointer.to_owned()), what));
+        }
+        self.charge(n_rows * 8 * draft.row_width() as u64, pointer)?;
+        let what = "triangles without normals, in a mesh where others have some, got their own: they are shaded flat";
+        let place = FileLocation::Pointer(pointer.to_owned());
+        self.report.add_many("normals-of-faces", n_faces as u64, place, what);
+        Ok(())
     }
 
     /// Plans the weights of joints, unless they would take most of what may be decoded.
@@ -257,7 +290,9 @@ impl<'m> PartReader<'m> {
         reserve(values, count * planned.width, pointer)?;
         let Some(accessor) = accessor else {
             let what = "vertices lack an attribute that others of their mesh have";
-            self.report.add_many("attribute-missing", count as u64, place(), what);
+            if planned.semantic != Semantic::Normal {
+                self.report.add_many("attribute-missing", count as u64, place(), what);
+            }
             values.resize(values.len() + count * planned.width, planned.default_value());
             return Ok(());
         };

@@ -126,6 +126,42 @@ fn only_the_scene_that_is_shown_has_roots() {
 }
 
 #[test]
+fn triangles_without_normals_beside_others_that_have_some_are_shaded_flat() {
+    let (mut json, mut bin) = triangle();
+    for _ in 0..3 {
+        [0.6_f32, 0.0, 0.8].iter().for_each(|x| bin.extend(x.to_le_bytes()));
+    }
+    put(&mut json, "/buffers/0/byteLength", json!(80));
+    put(&mut json, "/bufferViews/2", json!({ "buffer": 0, "byteOffset": 44, "byteLength": 36 }));
+    put(
+        &mut json,
+        "/accessors/2",
+        json!({ "bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC3" }),
+    );
+    // Twice the one without, so that its vertices are shared.
+    put(&mut json, "/meshes/0/primitives/1", json!({ "attributes": { "POSITION": 0, "NORMAL": 2 } }));
+    put(&mut json, "/meshes/0/primitives/2", json!({ "attributes": { "POSITION": 0 }, "indices": 1 }));
+    let (scene, warnings) = loaded(&json, &bin);
+    assert_eq!(warnings, ["normals-of-faces"]);
+    let mesh = &scene.parts[0].mesh;
+    let normals = mesh.attribute(&Semantic::Normal).expect("normals");
+    assert_eq!((mesh.faces().len(), mesh.positions().len()), (3, 9));
+    for (face, rows) in mesh.faces().iter().enumerate() {
+        let flat = chordal::explicit::face_normal(mesh.corners(face)).unwrap();
+        for row in rows {
+            let normal = normals.row(*row as usize);
+            if face == 1 {
+                assert!((normal[0] - 0.6).abs() < 1e-6 && (normal[2] - 0.8).abs() < 1e-6, "{normal:?}");
+            } else {
+                assert_eq!(normal, flat);
+            }
+        }
+    }
+    // The topology is that of one triangle, three times.
+    assert_eq!(mesh.n_positions(), 3);
+}
+
+#[test]
 fn an_attribute_that_some_primitives_lack_is_filled_and_counted() {
     let (mut json, mut bin) = triangle();
     for _ in 0..3 {
