@@ -54,6 +54,8 @@ impl DeviationFrame {
             let shifted: [f64; 3] = std::array::from_fn(|k| p[k] - self.origin[k]);
             let square = (0..3).fold(0.0, |sum, k| {
                 let lost = DoubleDouble::two_sum(p[k], -self.origin[k]).lo;
+                // Scaled first: squares of tiny lengths would be rounded up to far more.
+                let lost = if lost == 0.0 { 0.0 } else { mul_up(lost.abs(), self.scale) };
                 if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
             });
             moved = greater(square, moved);
@@ -61,7 +63,7 @@ impl DeviationFrame {
             underflowed |= (0..3).any(|k| scaled[k] / self.scale != shifted[k]);
             positions.push(scaled);
         }
-        let moved = if moved == 0.0 { 0.0 } else { mul_up(sqrt_up(moved), self.scale) };
+        let moved = if moved == 0.0 { 0.0 } else { sqrt_up(moved) };
         // Underflow moves a coordinate by at most half of the smallest number.
         let moved = if underflowed { add_up(moved, f64::MIN_POSITIVE) } else { moved };
         // Equal positions stay equal, so only an overflow can be refused.
