@@ -85,6 +85,8 @@ pub(super) struct OneSidedSearch<'a> {
     pub farthest: FarthestSample,
     /// An upper bound on the distance of all points outside of open pieces.
     pub settled: f64,
+    /// Whether the frame may have displaced what is bounded: faces that both surfaces share lose nothing.
+    pub is_displaced: bool,
     open: Vec<MeshSubtriangle>,
 }
 
@@ -122,6 +124,7 @@ impl<'a> OneSidedSearch<'a> {
             other,
             farthest: FarthestSample { at: [0.0; 3], at_least: 0.0 },
             settled: 0.0,
+            is_displaced: !vertices.faces.is_empty(),
             open: Vec::new(),
         };
         if let Some(far) = vertices.farthest() {

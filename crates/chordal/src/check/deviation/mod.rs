@@ -228,7 +228,7 @@ impl<'a> SurfacePair<'a> {
             return Err(JobError::Cancelled);
         }
         let [forward, backward] = [0, 1].map(|k| {
-            let moved = if vertices[k].faces.is_empty() { 0.0 } else { self.shared.moved };
+            let moved = if both[k].is_displaced { self.shared.moved } else { 0.0 };
             let far = both[k].farthest;
             let to = self.sides[1 - k].nearest(far.at);
             self.shared.one_sided(far, (both[k].at_most(), moved), to)

@@ -122,16 +122,19 @@ impl<'a> MappedPair<'a> {
     ) -> Result<Deviation, JobError> {
         let pair = SurfacePair::from_meshes(self.meshes, job)?;
         let [first, second] = &pair.sides;
-        let up = [settled[0].up, settled[1].up];
+        let up = [0, 1].map(|k| (settled[k].up, settled[k].n > 0));
         let vertices = pair.vertices_of(settled.map(|settled| settled.open), job);
         let mut both = [
             OneSidedSearch::new(first, second, &vertices[0]),
             OneSidedSearch::new(second, first, &vertices[1]),
         ];
-        for ((direction, far), up) in both.iter_mut().zip(far).zip(up) {
+        for ((direction, far), (up, is_bounded)) in both.iter_mut().zip(far).zip(up) {
             direction.settled = greater(direction.settled, up);
+            // Also where none of its faces is left to be searched.
+            direction.is_displaced |= is_bounded;
             if far.at_least > direction.farthest.at_least {
                 direction.farthest = far;
+                direction.is_displaced = true;
             }
         }
         pair.search(&mut both, &vertices, goal, job)
@@ -155,9 +158,12 @@ impl<'a> MappedPair<'a> {
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
             }
-            let most = greater(settled[0].up, settled[1].up);
             let moved = self.shared.moved;
-            let most = self.shared.frame.length_up(if moved > 0.0 { add_up(most, moved) } else { most });
+            // A limit below what the frame rounds settles nothing; then faces that both share are within it.
+            let most = settled.iter().filter(|settled| settled.n > 0).fold(0.0, |most, settled| {
+                greater(most, if moved > 0.0 { add_up(settled.up, moved) } else { settled.up })
+            });
+            let most = self.shared.frame.length_up(most);
             let mut found = ViolationReport { violations: Default::default(), at_most: 0.0, pixels: 0.0 };
             if settled.iter().any(|settled| !settled.open.is_empty()) {
                 let pair = SurfacePair::from_meshes(self.meshes, job)?;
@@ -179,7 +185,8 @@ impl<'a> MappedPair<'a> {
         [(forward, Side::Source), (backward, Side::Result)].map(|(up, side)| {
             let open: Vec<u32> = (0..up.len() as u32).filter(|face| up[*face as usize] > enough).collect();
             let within = up.iter().filter(|up| **up <= enough);
-            let mut settled = Settled { up: within.fold(0.0, |most, up| greater(most, *up)), open };
+            let most = within.fold(0.0, |most, up| greater(most, *up));
+            let mut settled = Settled { up: most, n: up.len() - open.len(), open };
             if settled.open.is_empty() || settled.open.len() > up.len() / MOST_ALONE {
                 return settled;
             }
@@ -190,6 +197,7 @@ impl<'a> MappedPair<'a> {
             settled.up = known.fold(settled.up, greater);
             let open = settled.open.iter().zip(&bounds).filter(|(_, up)| up.is_none());
             settled.open = open.map(|(face, _)| *face).collect();
+            settled.n = up.len() - settled.open.len();
             settled
         })
     }
@@ -199,6 +207,8 @@ impl<'a> MappedPair<'a> {
 struct Settled {
     /// The largest distance of those that are within what was asked.
     up: f64,
+    /// How many those are.
+    n: usize,
     /// The others.
     open: Vec<u32>,
 }

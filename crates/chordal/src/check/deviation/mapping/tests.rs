@@ -5,7 +5,7 @@ use super::paths::edge_paths;
 use super::surface::FanSurface;
 use super::{MappedPair, NearFaces};
 use crate::budget::Job;
-use crate::check::{Deviation, Goal, deviation};
+use crate::check::{Deviation, Goal, OneSidedDistance, deviation};
 use crate::explicit::{Mesh, Topology};
 use chordal_testkit::Random;
 
@@ -177,4 +177,46 @@ fn violations_are_those_beyond_the_length() {
     let none = pair.violations(1.001 * most, &job).unwrap();
     assert!(none.is_empty() && none.at_most >= least && none.at_most <= 1.001 * most);
     assert!(!pair.violations(0.99 * least, &job).unwrap().is_empty());
+}
+
+#[test]
+fn both_ends_have_the_rounding_of_the_frame_where_one_direction_alone_is_searched() {
+    let mut random = Random::new(11);
+    let triangle = |tip: f64| {
+        let positions = vec![[1000.0, 0.9, 0.0], [1001.0, 1.1, 0.0], [1000.5, tip, 0.0]];
+        Mesh::new(positions, vec![[0, 1, 2]]).unwrap()
+    };
+    for _ in 0..200 {
+        // Far from zero along x, so that the frame rounds y; the tips are that far apart, exactly.
+        let (tip, off) = (0.001 + 0.05 * random.unit(), 1e-4 * random.unit());
+        let (a, b) = (triangle(tip - off), triangle(tip));
+        let apart = tip - a.positions()[2][1];
+        let found = mapped(&a, &b, &[0; 3]);
+        let (least, most) = (found.bound.at_least(), found.bound.at_most().unwrap());
+        assert!(least <= apart && apart <= most, "{least:e} to {most:e}, but {apart:e}");
+        let OneSidedDistance { at_least, at_most, .. } = found.forward;
+        assert!(at_least <= apart && apart <= at_most, "{at_least:e} to {at_most:e}, but {apart:e}");
+    }
+}
+
+#[test]
+fn a_surface_is_within_less_of_itself_than_the_frame_rounds() {
+    for scale in [1.0, 1e-300] {
+        let torus = torus(16, 0.05);
+        let positions = torus
+            .positions()
+            .iter()
+            .map(|p| [p[0] + 1e6, p[1] - 2e3, p[2] + 0.7].map(|x| scale * x))
+            .collect();
+        let a = Mesh::new(positions, torus.faces().to_vec()).unwrap();
+        let (job, near) = (Job::default(), near(16, 1));
+        let pair =
+            MappedPair::new(&a, &a, NearFaces { by_row: &near, topology: Topology::Indices }, &job).unwrap();
+        // The surface moves by less than a unit of the last place of the largest coordinate.
+        let moved = 2.0 * f64::EPSILON * 1e6 * scale;
+        let found = pair.deviation(&Goal::default(), &job).unwrap();
+        assert!(found.bound.at_most().unwrap() <= moved, "{:?}", found.bound);
+        let none = pair.violations(1e-20 * scale, &job).unwrap();
+        assert!(none.is_empty() && none.at_most <= 1e-20 * scale, "{:e}", none.at_most);
+    }
 }
