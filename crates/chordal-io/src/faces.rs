@@ -35,6 +35,12 @@ impl Faces {
         Ok(Self { triangles: crate::grow::with_room(rows)?, ..Self::default() })
     }
 
+    /// Reserves memory for more triangles, of which so many can be in the bytes of the file.
+    pub(crate) fn reserve(&mut self, more: usize) -> Result<(), ReadError> {
+        let n = self.triangles.len();
+        self.triangles.try_reserve_exact(more).map_err(|_| crate::grow::out_of_memory(n))
+    }
+
     /// The number of triangles so far.
     pub(crate) fn n_triangles(&self) -> usize {
         self.triangles.len()

@@ -41,6 +41,13 @@ impl Warnings {
         self.count_many(code, many, || (FileLocation::File, message.to_owned()));
     }
 
+    /// Adds what others have counted, after all before.
+    pub(crate) fn append(&mut self, others: Self) {
+        for Warning { code, count, place, message } in others.list {
+            self.count_many(code, count, || (place, message));
+        }
+    }
+
     /// Returns the collected warnings.
     pub(crate) fn into_list(self) -> Vec<Warning> {
         self.list

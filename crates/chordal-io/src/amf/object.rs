@@ -2,7 +2,7 @@
 use crate::assemble::{RawMesh, mesh};
 use crate::grow::{push, with_room};
 use crate::warnings::Warnings;
-use crate::{FileLocation, MATERIAL, Part, ReadError};
+use crate::{FileLocation, Limits, MATERIAL, Part, ReadError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
 
@@ -84,7 +84,12 @@ impl AmfObject {
     ///
     /// # Errors
     /// When a material is not there.
-    pub(super) fn part(self, names: &mut AmfNames, warnings: &mut Warnings) -> Result<Part, ReadError> {
+    pub(super) fn part(
+        self,
+        names: &mut AmfNames,
+        limits: &Limits,
+        warnings: &mut Warnings,
+    ) -> Result<Part, ReadError> {
         let n = self.faces.len();
         let mut attributes = Vec::new();
         attributes.extend(self.colors(names, warnings)?);
@@ -112,7 +117,7 @@ impl AmfObject {
             attributes.push(face(VOLUME, values));
         }
         let raw = RawMesh { positions: self.positions, position_id: None, faces: self.faces, attributes };
-        Ok(Part { name: self.name, mesh: mesh(raw, warnings)?, indexed: true, ..Part::default() })
+        Ok(Part { name: self.name, mesh: mesh(raw, limits, warnings)?, indexed: true, ..Part::default() })
     }
 
     /// The volumes with the number of their triangles. Triangles are in volumes alone.

@@ -51,7 +51,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     AmfNodeBuilder { constellations: &constellations, targets: &targets, n_objects: objects.len() }
         .nodes(&mut scene)?;
     for object in objects {
-        let part = object.part(&mut names, &mut warnings)?;
+        let part = object.part(&mut names, limits, &mut warnings)?;
         push_large(&mut scene.parts, part)?;
     }
     for (kind, list) in [(MATERIAL, material_names), (VOLUME, names.volumes)] {

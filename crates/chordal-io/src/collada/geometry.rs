@@ -194,6 +194,7 @@ impl ColladaGeometry {
     pub(super) fn part(
         mut self,
         number: &dyn Fn(&str) -> u32,
+        limits: &Limits,
         warnings: &mut Warnings,
     ) -> Result<Part, ReadError> {
         let n = self.faces.len();
@@ -212,7 +213,7 @@ impl ColladaGeometry {
         }
         let raw = RawMesh { positions: self.positions, position_id: None, faces: self.faces, attributes };
         let name = if self.name.is_empty() { self.id } else { self.name };
-        Ok(Part { name, mesh: mesh(raw, warnings)?, indexed: true, ..Part::default() })
+        Ok(Part { name, mesh: mesh(raw, limits, warnings)?, indexed: true, ..Part::default() })
     }
 
     /// The values of corners, if any has one.

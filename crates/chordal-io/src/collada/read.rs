@@ -59,7 +59,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
             let target = bound.iter().find(|[of, _]| of == symbol).map_or(symbol, |[_, target]| target);
             looks.number(target).unwrap_or(0)
         };
-        let part = geometry.part(&number, &mut warnings)?;
+        let part = geometry.part(&number, limits, &mut warnings)?;
         push_large(&mut scene.parts, part)?;
     }
     let has_scene = scene.nodes.iter().any(|node| node.part.is_some());

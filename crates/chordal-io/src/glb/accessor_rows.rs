@@ -3,6 +3,9 @@ use super::format::{AccessorFormat, ComponentType};
 use super::meshopt::BROKEN_STREAM;
 use super::model::{GltfModel, item};
 
+/// The numbers that are decoded at once: few enough to stay in the nearest cache.
+const BLOCK: usize = 1024;
+
 /// An accessor whose bytes are all present.
 pub(super) struct AccessorRows<'m> {
     pub format: AccessorFormat,
@@ -122,22 +125,25 @@ impl<'m> AccessorRows<'m> {
     /// Visits the rows in order, with their raw numbers.
     pub fn each(&self, mut visit: impl FnMut(u64, &[f64])) {
         let n = self.format.kind.n_components();
-        let mut row = [0.0; 16];
-        let mut next = 0;
-        for i in 0..self.count {
-            if let Some(sparse) = &self.sparse
-                && next < sparse.count
-                && sparse.index(next) == i
-            {
-                (0..n).for_each(|k| row[k] = sparse.value(self.format, next, k));
-                // Indices increase, or the file was refused; equal ones are skipped.
-                while next < sparse.count && sparse.index(next) <= i {
-                    next += 1;
-                }
-            } else {
-                (0..n).for_each(|k| row[k] = self.base_number(i, k));
+        self.each_block(|first, numbers| {
+            (first..).zip(numbers.chunks_exact(n)).for_each(|(i, row)| visit(i, row));
+        });
+    }
+
+    /// Visits the rows in order, many at once: the first of them, and the raw numbers of all.
+    pub fn each_block(&self, mut visit: impl FnMut(u64, &[f64])) {
+        let n = self.format.kind.n_components();
+        let mut block = [0.0; BLOCK];
+        let (mut first, mut next) = (0, 0);
+        while first < self.count {
+            let n_rows = (self.count - first).min((BLOCK / n) as u64);
+            let numbers = &mut block[..n_rows as usize * n];
+            self.base_rows(first, numbers);
+            if let Some(sparse) = &self.sparse {
+                next = sparse.replace(self.format, next, first, numbers);
             }
-            visit(i, &row[..n]);
+            visit(first, numbers);
+            first += n_rows;
         }
     }
 
@@ -166,6 +172,22 @@ impl<'m> AccessorRows<'m> {
         // Rows that passed the check in `new` are in memory.
         self.format.component.read(bytes.get(row as usize * stride + self.places[k]..).unwrap_or_default())
     }
+
+    /// The numbers of whole rows from a first one on, without those that are replaced.
+    fn base_rows(&self, first: u64, numbers: &mut [f64]) {
+        let Some((bytes, stride)) = self.base else { return numbers.fill(0.0) };
+        let (component, n) = (self.format.component, self.format.kind.n_components());
+        let bytes = bytes.get(first as usize * stride..).unwrap_or_default();
+        let size = component.size() as usize;
+        if stride == n * size && bytes.len() >= numbers.len() * size {
+            return component.read_all(bytes, numbers);
+        }
+        for (i, row) in numbers.chunks_exact_mut(n).enumerate() {
+            for (x, place) in row.iter_mut().zip(&self.places) {
+                *x = component.read(bytes.get(i * stride + place..).unwrap_or_default());
+            }
+        }
+    }
 }
 
 impl SparseRows<'_> {
@@ -177,6 +199,23 @@ impl SparseRows<'_> {
     fn value(&self, format: AccessorFormat, i: usize, k: usize) -> f64 {
         let at = (i * format.kind.n_components() + k) * format.component.size() as usize;
         format.component.read(self.values.get(at..).unwrap_or_default())
+    }
+
+    /// Puts the rows from `next` on in their place, as far as they are among those of the numbers, and returns the
+    /// first beyond. `first` is the first row of the numbers.
+    fn replace(&self, format: AccessorFormat, mut next: usize, first: u64, numbers: &mut [f64]) -> usize {
+        let n = format.kind.n_components();
+        while next < self.count {
+            let i = self.index(next);
+            let place = usize::try_from(i.saturating_sub(first)).unwrap_or(usize::MAX);
+            let Some(row) = numbers.chunks_exact_mut(n).nth(place) else { break };
+            row.iter_mut().enumerate().for_each(|(k, x)| *x = self.value(format, next, k));
+            // Indices increase, or the file was refused; equal ones are skipped.
+            while next < self.count && self.index(next) <= i {
+                next += 1;
+            }
+        }
+        next
     }
 
     fn find(&self, row: u64) -> Option<usize> {
@@ -248,4 +287,50 @@ fn buffer_data<'m>(model: &'m GltfModel<'_>, buffer: usize) -> Result<&'m [u8], 
             None => format!("buffer {buffer} has no data"),
         },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::format::AccessorType;
+    use super::*;
+    use chordal_testkit::Random;
+
+    #[test]
+    fn rows_in_order_are_those_one_by_one() {
+        let mut random = Random::new(5);
+        let kinds = [AccessorType::Scalar, AccessorType::Vec2, AccessorType::Vec3, AccessorType::Mat3];
+        let components = [ComponentType::I8, ComponentType::U16, ComponentType::U32, ComponentType::F32];
+        for i in 0..200_usize {
+            let format = AccessorFormat::plain(kinds[i % 4], components[i / 4 % 4]);
+            let n = format.kind.n_components();
+            let (count, stride) = (1 + random.below(2000), format.natural_stride() as usize + 4 * (i % 3));
+            let mut bytes = |n: usize| (0..n).map(|_| random.below(256) as u8).collect::<Vec<u8>>();
+            let (base, values) = (bytes(count * stride), bytes(count * n * 4));
+            let replaced: Vec<u16> = (0..count as u16).filter(|_| random.below(50) == 0).collect();
+            let indices: Vec<u8> = replaced.iter().flat_map(|row| row.to_le_bytes()).collect();
+            let sparse = SparseRows {
+                count: replaced.len(),
+                index_component: ComponentType::U16,
+                indices: &indices,
+                values: &values,
+            };
+            let mut places = [0; 16];
+            (0..n).for_each(|k| places[k] = format.place_of(k) as usize);
+            let rows = AccessorRows {
+                format,
+                count: count as u64,
+                base: (i % 5 > 0).then_some((&base[..], stride)),
+                sparse: (i % 2 > 0).then_some(sparse),
+                places,
+            };
+            let mut next = 0;
+            rows.each(|row, numbers| {
+                assert_eq!(row, next);
+                next += 1;
+                let one_by_one = (0..n).map(|k| rows.number(row, k).to_bits());
+                assert!(numbers.iter().map(|x| x.to_bits()).eq(one_by_one), "row {row} of {format}");
+            });
+            assert_eq!(next, rows.count);
+        }
+    }
 }

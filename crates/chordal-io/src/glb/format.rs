@@ -77,6 +77,22 @@ impl ComponentType {
         }
     }
 
+    /// Reads numbers that follow each other without gaps, as many as there is room for.
+    pub fn read_all(self, bytes: &[u8], numbers: &mut [f64]) {
+        fn each<const N: usize>(bytes: &[u8], numbers: &mut [f64], number: impl Fn([u8; N]) -> f64) {
+            let (chunks, _) = bytes.as_chunks::<N>();
+            numbers.iter_mut().zip(chunks).for_each(|(x, chunk)| *x = number(*chunk));
+        }
+        match self {
+            Self::I8 => each(bytes, numbers, |b| f64::from(i8::from_le_bytes(b))),
+            Self::U8 => each(bytes, numbers, |b| f64::from(u8::from_le_bytes(b))),
+            Self::I16 => each(bytes, numbers, |b| f64::from(i16::from_le_bytes(b))),
+            Self::U16 => each(bytes, numbers, |b| f64::from(u16::from_le_bytes(b))),
+            Self::U32 => each(bytes, numbers, |b| f64::from(u32::from_le_bytes(b))),
+            Self::F32 => each(bytes, numbers, |b| f64::from(f32::from_le_bytes(b))),
+        }
+    }
+
     /// The value of a normalized integer: 0 to 1, or −1 to 1.
     pub fn normalize(self, x: f64) -> f64 {
         match self {

@@ -11,7 +11,7 @@ use super::skin_plan::SkinPlan;
 use super::triangles::{PrimitiveIndices, triangles};
 use crate::{FileLocation, Limits, MATERIAL, Part, ReadError};
 use chordal::Mesh;
-use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal::explicit::{Attribute, Domain, Semantic, position_id_by_bits};
 use std::collections::BTreeMap;
 
 /// Reads meshes into parts, within limits.
@@ -36,7 +36,7 @@ struct PartDraft<'m> {
     /// The first vertex and the count of each block of vertices: primitives with the same attributes share
     /// one.
     blocks: BTreeMap<VertexKey<'m>, (usize, usize)>,
-    /// The group of each face, 0 for none.
+    /// The group of each face, 0 for none; empty while no face has one.
     materials: Vec<f64>,
 }
 
@@ -89,9 +89,15 @@ impl<'m> PartReader<'m> {
                 unshaded.push(n..draft.faces.len());
                 self.plan_flat_faces(&draft, n_new, &pointer)?;
             }
-            draft.materials.resize(draft.materials.len() + n_new, group.map_or(0.0, |group| *group as f64));
+            let group = group.map_or(0.0, |group| *group as f64);
+            if group > 0.0 || !draft.materials.is_empty() {
+                draft.materials.resize(n, 0.0);
+                draft.materials.resize(n + n_new, group);
+            }
         }
-        draft.shade_flat(&unshaded);
+        if !unshaded.is_empty() {
+            draft.shade_flat(&unshaded);
+        }
         let mesh = self.finish(draft, mesh_idx)?;
         let name = item(&self.model.meshes, Some(mesh_idx)).map_or("", |mesh| mesh.name);
         Ok(Part { name: name.to_owned(), mesh, ..Part::default() })
@@ -232,7 +238,11 @@ impl<'m> PartReader<'m> {
         let count = rows.count as usize;
         reserve(&mut draft.positions, count, &pointer)?;
         // Zero loses its sign here, so that −0 and 0 tie vertices.
-        rows.each(|_, row| draft.positions.push([0, 1, 2].map(|k| rows.decode(row[k]) + 0.0)));
+        rows.each_block(|_, numbers| {
+            let (points, _) = numbers.as_chunks::<3>();
+            let plain = |x: f64| rows.decode(x) + 0.0;
+            draft.positions.extend(points.iter().map(|[x, y, z]| [plain(*x), plain(*y), plain(*z)]));
+        });
         let mut named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         named.remove("POSITION");
         let by_name = |attributes: &'m GltfAttributes<'m>| attributes.iter().copied().collect();
@@ -311,15 +321,20 @@ impl<'m> PartReader<'m> {
                 return Ok(());
             }
         };
+        let first = values.len();
+        let n = rows.format.kind.n_components();
+        if n == planned.width {
+            rows.each_block(|_, numbers| values.extend(numbers.iter().map(|x| rows.decode(*x))));
+        } else {
+            // A colour without alpha gets alpha 1.
+            let value = |row: &[f64], k: usize| row.get(k).map_or(1.0, |x| rows.decode(*x));
+            rows.each(|_, row| values.extend((0..planned.width).map(|k| value(row, k))));
+        }
         let mut n_broken = 0;
-        rows.each(|_, row| {
-            for k in 0..planned.width {
-                // A colour without alpha gets alpha 1.
-                let x = row.get(k).map_or(1.0, |x| rows.decode(*x));
-                n_broken += u64::from(!x.is_finite());
-                values.push(if x.is_finite() { x } else { 0.0 });
-            }
-        });
+        for x in &mut values[first..] {
+            n_broken += u64::from(!x.is_finite());
+            *x = if x.is_finite() { *x } else { 0.0 };
+        }
         let what = "attribute values that are not finite became zero";
         self.report.add_many("attribute-not-finite", n_broken, place(), what);
         Ok(())
@@ -358,12 +373,14 @@ impl<'m> PartReader<'m> {
         reserve(&mut list, rows.count as usize, pointer)?;
         let (restart, limit) = (format.component.range().1, count as f64);
         let mut wrong = None;
-        rows.each(|i, row| {
-            if wrong.is_none() && (row[0] >= limit || row[0] == restart) {
-                wrong = Some((i, row[0]));
+        rows.each_block(|row, indices| {
+            let is_wrong = |index: &f64| *index >= limit || *index == restart;
+            if wrong.is_none() && indices.iter().fold(false, |any, index| any | is_wrong(index)) {
+                let first = indices.iter().position(is_wrong);
+                wrong = first.map(|i| (row + i as u64, indices[i]));
             }
             // In range, or the list is discarded below.
-            list.push(first_idx.saturating_add(row[0] as u32));
+            list.extend(indices.iter().map(|index| first_idx.saturating_add(*index as u32)));
         });
         if let Some((i, index)) = wrong {
             let (code, what) = if index == restart {
@@ -460,17 +477,10 @@ impl PartDraft<'_> {
     }
 }
 
-/// For each vertex the first at the bit-identical position; `None` when no two share one.
+/// For each vertex the first at the bit-identical position; `None` when no two share one. There is no −0.
 fn exact_ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
-    let bits = |i: u32| positions[i as usize].map(f64::to_bits);
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by(|a, b| bits(*a).cmp(&bits(*b)).then(a.cmp(b)));
-    let mut ids = vec![0; positions.len()];
-    let mut is_tied = false;
-    for same in order.chunk_by(|a, b| bits(*a) == bits(*b)) {
-        is_tied |= same.len() > 1;
-        same.iter().for_each(|i| ids[*i as usize] = same[0]);
-    }
+    let ids = position_id_by_bits(positions);
+    let is_tied = (0..).zip(&ids).any(|(row, id)| row != *id);
     is_tied.then_some(ids)
 }
 

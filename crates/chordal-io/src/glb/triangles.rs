@@ -43,7 +43,12 @@ pub(super) fn triangles(corners: &PrimitiveIndices, mode: u64, out: &mut Vec<[u3
     let n = corners.len();
     let mut left = SkippedTriangles::default();
     if mode == 4 {
-        out.extend((0..n / 3).map(|t| [0, 1, 2].map(|k| corners.get(3 * t + k))));
+        match corners {
+            PrimitiveIndices::List(list) => out.extend_from_slice(list.as_chunks().0),
+            PrimitiveIndices::Range(first, _) => {
+                out.extend((0..n as u32 / 3).map(|t| [0, 1, 2].map(|k| first + 3 * t + k)));
+            }
+        }
         left.unused = (n % 3) as u64;
         return left;
     }

@@ -471,7 +471,7 @@ impl<'a> ObjReader<'a> {
         raw.faces = self.faces.cut(&raw.positions, FileLocation::Line, &mut self.warnings);
         let (groups, names) = group_attributes(self.groups, raw.faces.len())?;
         raw.attributes.extend(groups);
-        let mesh = assemble::mesh(raw, &mut self.warnings)?;
+        let mesh = assemble::mesh(raw, self.limits, &mut self.warnings)?;
         let mut scene = Scene::from_mesh("", mesh, FRAME);
         scene.certificate = self.certificate;
         scene.groups = names;

@@ -48,7 +48,8 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let place = if is_binary { |row| FileLocation::Row { list: "face", row } } else { FileLocation::Line };
     let faces = faces.cut(&positions, place, &mut warnings);
     attributes.extend(colors.finish(Domain::Face, &mut warnings));
-    let mesh = assemble::mesh(RawMesh { positions, position_id: None, faces, attributes }, &mut warnings)?;
+    let mesh =
+        assemble::mesh(RawMesh { positions, position_id: None, faces, attributes }, limits, &mut warnings)?;
     let mut scene = Scene::from_mesh("", mesh, Frame::default());
     scene.certificate = header.certificate;
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })

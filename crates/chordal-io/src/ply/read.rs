@@ -71,7 +71,7 @@ pub(super) fn read_in_parts(
     let place = |row| FileLocation::Row { list: "face", row };
     let faces = faces.faces.cut(&vertices.positions, place, &mut warnings);
     let PlyVertices { positions, position_id, attributes } = vertices;
-    let mesh = assemble::mesh(RawMesh { positions, position_id, faces, attributes }, &mut warnings)?;
+    let mesh = assemble::mesh(RawMesh { positions, position_id, faces, attributes }, limits, &mut warnings)?;
     let mut scene = Scene::from_mesh("", mesh, Frame::default());
     scene.certificate = header.certificate;
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })

@@ -132,30 +132,34 @@ impl PlyFileLayout {
         let mut row = Vec::new();
         for (vertex, first_row) in first_rows.iter().enumerate() {
             row.clear();
-            part.position(vertex)?.iter().for_each(|x| row.extend(x.to_le_bytes()));
+            put_doubles(&mut row, &part.position(vertex)?);
             if self.has_normals {
-                let normal = normals.map_or([0.0; 3], |a| part.normal(a.row(vertex)));
-                normal.iter().for_each(|x| row.extend((*x as f32).to_le_bytes()));
+                put_floats(&mut row, &normals.map_or([0.0; 3], |a| part.normal(a.row(vertex))));
             }
             if self.has_texcoords {
-                let texcoord = texcoords.map_or([0.0; 2], |a| [a.row(vertex)[0], a.row(vertex)[1]]);
-                texcoord.iter().for_each(|x| row.extend(x.to_le_bytes()));
+                put_doubles(&mut row, texcoords.map_or(&[0.0; 2], |a| &a.row(vertex)[..2]));
             }
             let channel = |k: usize| colors.map_or(1.0, |a| a.row(vertex).get(k).copied().unwrap_or(1.0));
             match self.colors {
                 PlyColors::None => {}
                 PlyColors::Bytes(width) => row.extend((0..width).map(|k| byte(channel(k)).unwrap_or(255))),
-                PlyColors::Floats(width) => {
-                    (0..width).for_each(|k| row.extend((channel(k) as f32).to_le_bytes()))
-                }
+                PlyColors::Floats(width) => (0..width).for_each(|k| put_floats(&mut row, &[channel(k)])),
             }
             if self.has_ids {
-                row.extend((first_vertex + first_row).to_le_bytes());
+                row.extend_from_slice(&(first_vertex + first_row).to_le_bytes());
             }
             out.write_all(&row)?;
         }
         Ok(())
     }
+}
+
+fn put_doubles(row: &mut Vec<u8>, numbers: &[f64]) {
+    numbers.iter().for_each(|x| row.extend_from_slice(&x.to_le_bytes()));
+}
+
+fn put_floats(row: &mut Vec<u8>, numbers: &[f64]) {
+    numbers.iter().for_each(|x| row.extend_from_slice(&(*x as f32).to_le_bytes()));
 }
 
 fn faces(part: &PartInstance, first_vertex: u32, out: &mut impl Write) -> Result<(), WriteError> {

@@ -14,15 +14,16 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadErr
     if size_of(n_facets) > bytes.len() as u64 {
         return Err(too_short(bytes, n_facets));
     }
-    let mut facets = StlFacets::default();
+    let mut facets = StlFacets::with_room(n_facets as usize)?;
     let (records, rest) = bytes[HEAD..].split_at(FACET * n_facets as usize);
-    for (row, record) in records.chunks_exact(FACET).enumerate() {
-        let number = |at: usize| {
-            f64::from(f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]))
-        };
-        let triple = |at: usize| [number(at), number(at + 4), number(at + 8)];
+    for (row, record) in records.as_chunks::<FACET>().0.iter().enumerate() {
+        let mut triples = [[0.0; 3]; 4];
+        for (x, bytes) in triples.as_flattened_mut().iter_mut().zip(record.as_chunks().0) {
+            *x = f64::from(f32::from_le_bytes(*bytes));
+        }
+        let [normal, corners @ ..] = triples;
         let place = || FileLocation::Row { list: "facet", row: row as u64 };
-        facets.push([triple(12), triple(24), triple(36)], triple(0), place, limits)?;
+        facets.push(corners, normal, place, limits)?;
         if record[48..] != [0, 0] {
             let message = "attribute bytes of facets (colours, in some tools) were skipped";
             facets.warnings.count("attributes-skipped", || (place(), message.to_owned()));
@@ -32,7 +33,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadErr
         let place = FileLocation::Byte((bytes.len() - rest.len()) as u64);
         (place, format!("{} extra bytes after the last facet were skipped", grouped(rest.len() as u64)))
     });
-    let (mesh, warnings) = facets.into_mesh(None)?;
+    let (mesh, warnings) = facets.into_mesh(None, limits)?;
     let scene = Scene::from_triangle_soup("", mesh, Frame::default());
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }

@@ -1,6 +1,6 @@
 //! `StlFacets`: triangles with three vertices of their own each, and the checks of their normals.
 use crate::assemble::{self, RawMesh};
-use crate::grow::{push, with_room};
+use crate::grow::{extend, with_room};
 use crate::text::not_finite;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
@@ -33,6 +33,11 @@ fn clearly_agrees([a, b, c]: [[f64; 3]; 3], normal: [f64; 3]) -> bool {
 }
 
 impl StlFacets {
+    /// No facets, with room for those that were counted in the bytes of the file.
+    pub(super) fn with_room(n_facets: usize) -> Result<Self, ReadError> {
+        Ok(Self { positions: with_room(3 * n_facets)?, ..Self::default() })
+    }
+
     /// The number of facets.
     pub(super) fn len(&self) -> usize {
         self.positions.len() / 3
@@ -59,15 +64,15 @@ impl StlFacets {
             return Err(not_finite(bad.to_string().as_bytes(), place()));
         }
         self.compare(corners, normal, &place);
-        for corner in corners {
-            let n_negative = corner.iter().filter(|x| **x == 0.0 && x.is_sign_negative()).count();
-            self.warnings.count_many("negative-zeros", n_negative as u64, || {
-                (place(), "coordinates -0 were read as 0, so that equal vertices are tied".to_owned())
-            });
-            // −0 + 0 is 0, and anything else + 0 is itself.
-            push(&mut self.positions, corner.map(|x| x + 0.0))?;
-        }
-        Ok(())
+        let numbers = corners.as_flattened().iter();
+        let n_negative = numbers.filter(|x| x.to_bits() == (-0.0_f64).to_bits()).count();
+        self.warnings.count_many("negative-zeros", n_negative as u64, || {
+            (place(), "coordinates -0 were read as 0, so that equal vertices are tied".to_owned())
+        });
+        // −0 + 0 is 0, and anything else + 0 is itself.
+        let plain = |[x, y, z]: [f64; 3]| [x + 0.0, y + 0.0, z + 0.0];
+        let [a, b, c] = corners;
+        extend(&mut self.positions, &[plain(a), plain(b), plain(c)])
     }
 
     fn compare(&mut self, corners: [[f64; 3]; 3], normal: [f64; 3], place: &impl Fn() -> FileLocation) {
@@ -90,7 +95,11 @@ impl StlFacets {
     }
 
     /// Builds the mesh: `position_id` ties bit-identical positions.
-    pub(super) fn into_mesh(mut self, attribute: Option<Attribute>) -> Result<(Mesh, Warnings), ReadError> {
+    pub(super) fn into_mesh(
+        mut self,
+        attribute: Option<Attribute>,
+        limits: &Limits,
+    ) -> Result<(Mesh, Warnings), ReadError> {
         let n = self.positions.len() as u32;
         let mut faces = with_room(self.len())?;
         faces.extend((0..n / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]));
@@ -102,7 +111,7 @@ impl StlFacets {
             faces,
             attributes: attribute.into_iter().collect(),
         };
-        let mesh = assemble::mesh(raw, &mut self.warnings)?;
+        let mesh = assemble::mesh(raw, limits, &mut self.warnings)?;
         Ok((mesh, self.warnings))
     }
 }

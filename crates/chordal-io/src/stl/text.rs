@@ -29,7 +29,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadErr
     reader.count_open(open);
     let attribute = if n_solids > 1 { solids.attribute("solid", reader.facets.len())? } else { None };
     let has_groups = attribute.is_some();
-    let (mesh, warnings) = reader.facets.into_mesh(attribute)?;
+    let (mesh, warnings) = reader.facets.into_mesh(attribute, limits)?;
     let mut scene = Scene::from_triangle_soup(&name, mesh, Frame::default());
     if has_groups {
         scene.groups.insert("solid".to_owned(), solids.into_names());

@@ -49,10 +49,11 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
                 *slot = rounded(part.position(face[corner] as usize)?)?;
             }
             let normal = face_normal(corners).unwrap_or_default();
+            let mut facet = [0; FACET];
             let numbers = normal.iter().chain(corners.as_flattened());
-            let mut facet = Vec::with_capacity(FACET);
-            numbers.for_each(|x| facet.extend((*x as f32).to_le_bytes()));
-            facet.extend([0, 0]);
+            for (bytes, x) in facet.as_chunks_mut().0.iter_mut().zip(numbers) {
+                *bytes = (*x as f32).to_le_bytes();
+            }
             out.write_all(&facet)?;
         }
     }
@@ -62,7 +63,8 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
 
 /// A position rounded to single precision.
 fn rounded(position: [f64; 3]) -> Result<[f64; 3], WriteError> {
-    let rounded = position.map(|x| f64::from(x as f32));
+    let single = |k: usize| f64::from(position[k] as f32);
+    let rounded = [single(0), single(1), single(2)];
     match rounded.iter().position(|x| !x.is_finite()) {
         None => Ok(rounded),
         Some(k) => Err(WriteError::Unsupported(format!(

@@ -554,7 +554,7 @@ impl<'a, 's> ModelReader<'a, 's> {
             let attributes = properties.attributes(&model_mesh)?;
             let ModelMesh { positions, faces, .. } = model_mesh;
             let raw = RawMesh { positions, position_id: None, faces, attributes };
-            let mesh = mesh(raw, &mut self.set.warnings)?;
+            let mesh = mesh(raw, self.limits, &mut self.set.warnings)?;
             self.set.parts.push(Part { name, mesh, indexed: true, ..Part::default() });
         }
         Ok(())

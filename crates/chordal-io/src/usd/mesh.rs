@@ -118,7 +118,7 @@ pub(super) fn triangles(
             values,
         });
     }
-    assemble::mesh(raw, warnings).map(Some).map_err(|error| {
+    assemble::mesh(raw, &stage.limits, warnings).map(Some).map_err(|error| {
         let message = format!("{}: {}", request.prim.path, &*error.message);
         ReadError { message: message.into(), ..error }
     })

@@ -46,6 +46,7 @@ pub(crate) enum Endian {
 
 impl Endian {
     /// The bytes of one number, in little-endian order.
+    #[inline]
     pub(crate) fn array<const N: usize>(self, bytes: &[u8]) -> [u8; N] {
         let mut array = [0; N];
         array.copy_from_slice(&bytes[..N]);

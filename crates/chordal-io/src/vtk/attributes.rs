@@ -107,7 +107,7 @@ impl VtkAttributes {
         let values = match rows {
             ArrayRows::Points(_) => {
                 let mut values = with_room(n_values)?;
-                values.extend((0..n_values).map(value));
+                array.numbers.each_block(n_values, |block| values.extend(block.iter().map(|x| x / divisor)));
                 values
             }
             ArrayRows::Cells(_, cells) => {

@@ -67,6 +67,26 @@ impl<'a> CellList<'a> {
         Ok(())
     }
 
+    /// The points of the next cell, if it is a triangle of points below `n_points`; any other is not taken.
+    #[inline]
+    pub(super) fn next_triangle(&mut self, n_points: usize) -> Option<[u32; 3]> {
+        let row = self.row as usize;
+        let CellEnds::Ends(ends) = &self.ends else { return None };
+        if row >= ends.len()
+            || self.points.len() - self.at < 3
+            || ends.integer(row) != Some(self.at as i64 + 3)
+        {
+            return None;
+        }
+        let [a, b, c] = self.points.three_integers(self.at)?;
+        let is_there = |index: i64| index >= 0 && (index as u64) < n_points as u64;
+        if !(is_there(a) && is_there(b) && is_there(c)) {
+            return None;
+        }
+        (self.at, self.row) = (self.at + 3, self.row + 1);
+        Some([a as u32, b as u32, c as u32])
+    }
+
     /// The end of the next cell in the list of points; its start is `at`.
     #[inline]
     fn end(&mut self) -> Result<usize, ReadError> {

@@ -95,7 +95,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         })?;
     }
     counts.finish(&mut warnings)?;
-    let part = PieceMesh { positions, surface, attributes }.part(&mut warnings)?;
+    let part = PieceMesh { positions, surface, attributes }.part(limits, &mut warnings)?;
     let scene = scene_of(vec![part], None)?;
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }

@@ -4,6 +4,9 @@ use crate::text::{IntegerError, integer, is_space, number, number_error, show};
 use crate::volume::element::{Endian, SampleType, half};
 use std::borrow::Cow;
 
+/// The numbers that are converted at once: few enough to stay in the nearest cache, and whole rows of one to four.
+const BLOCK: usize = 3 << 8;
+
 /// Numbers one after the other.
 #[derive(Clone, Debug)]
 pub(crate) enum NumberArray<'a> {
@@ -135,6 +138,27 @@ impl NumberArray<'_> {
         }
     }
 
+    /// Visits the first `n` numbers in order, many at once and rows of up to four whole.
+    pub(crate) fn each_block(&self, n: usize, mut visit: impl FnMut(&[f64])) {
+        let mut block = [0.0; BLOCK];
+        for first in (0..n).step_by(BLOCK) {
+            let n_here = (n - first).min(BLOCK);
+            let numbers = &mut block[..n_here];
+            match self {
+                Self::Packed { kind: SampleType::F32, endian: Endian::Little, bytes } => {
+                    let chunks = bytes[4 * first..].as_chunks().0;
+                    numbers.iter_mut().zip(chunks).for_each(|(x, b)| *x = f64::from(f32::from_le_bytes(*b)));
+                }
+                Self::Packed { kind: SampleType::F64, endian: Endian::Little, bytes } => {
+                    let chunks = bytes[8 * first..].as_chunks().0;
+                    numbers.iter_mut().zip(chunks).for_each(|(x, b)| *x = f64::from_le_bytes(*b));
+                }
+                _ => numbers.iter_mut().zip(first..).for_each(|(x, i)| *x = self.real(i)),
+            }
+            visit(numbers);
+        }
+    }
+
     /// A whole number; `None` where the type has others too, or it is beyond an i64.
     #[inline]
     pub(crate) fn integer(&self, i: usize) -> Option<i64> {
@@ -154,6 +178,23 @@ impl NumberArray<'_> {
             SampleType::U64 => i64::try_from(u64::from_le_bytes(self.field(i))).ok(),
             SampleType::I64 => Some(i64::from_le_bytes(self.field(i))),
             SampleType::F16 | SampleType::F32 | SampleType::F64 => None,
+        }
+    }
+
+    /// Three whole numbers from one on; `None` where one is none, as [`Self::integer`] says.
+    #[inline]
+    pub(crate) fn three_integers(&self, i: usize) -> Option<[i64; 3]> {
+        match self {
+            Self::Packed { kind: SampleType::I32, endian: Endian::Little, bytes } => {
+                let [a, b, c, ..] = bytes[4 * i..].as_chunks().0 else { return None };
+                let integer = |bytes: &[u8; 4]| i64::from(i32::from_le_bytes(*bytes));
+                Some([integer(a), integer(b), integer(c)])
+            }
+            Self::Packed { kind: SampleType::I64, endian: Endian::Little, bytes } => {
+                let [a, b, c, ..] = bytes[8 * i..].as_chunks().0 else { return None };
+                Some([i64::from_le_bytes(*a), i64::from_le_bytes(*b), i64::from_le_bytes(*c)])
+            }
+            _ => Some([self.integer(i)?, self.integer(i + 1)?, self.integer(i + 2)?]),
         }
     }
 
@@ -193,6 +234,27 @@ mod tests {
         assert_eq!(little(SampleType::U64, &[0xff; 8]).integer(0), None);
         assert_eq!(little(SampleType::U64, &[0xff; 8]).real(0), u64::MAX as f64);
         assert_eq!(little(SampleType::F32, &[0; 4]).integer(0), None);
+    }
+
+    #[test]
+    fn many_at_once_are_those_one_by_one() {
+        let bytes: Vec<u8> = (0..20_000_u32).map(|i| (i * i / 7) as u8).collect();
+        for kind in [SampleType::U8, SampleType::I32, SampleType::I64, SampleType::F32, SampleType::F64] {
+            for endian in [Endian::Little, Endian::Big] {
+                let array = NumberArray::Packed { kind, endian, bytes: Cow::Borrowed(&bytes) };
+                let n = array.len() - 1;
+                let mut reals = Vec::new();
+                array.each_block(n, |block| reals.extend(block.iter().map(|x| x.to_bits())));
+                assert_eq!(reals, (0..n).map(|i| array.real(i).to_bits()).collect::<Vec<_>>(), "{kind:?}");
+                for i in 0..n - 1 {
+                    let one_by_one = [i, i + 1, i + 2].map(|i| array.integer(i));
+                    assert_eq!(
+                        array.three_integers(i).map(|all| all.map(Some)).unwrap_or_default(),
+                        one_by_one
+                    );
+                }
+            }
+        }
     }
 
     #[test]

@@ -45,17 +45,16 @@ impl Positions<'_> {
         warnings.count_many("values-left-over", there - 3 * n, || {
             (place(), "coordinates after those of the last point were not used".to_owned())
         });
-        let mut positions = with_room(n as usize)?;
-        for row in 0..n as usize {
-            let position: [f64; 3] = std::array::from_fn(|k| self.numbers.real(3 * row + k));
-            if let Some(k) = position.iter().position(|x| !x.is_finite())
-                && !self.limits.drop_nonfinite
-            {
-                let message = format!("{} = {} is not finite", ["x", "y", "z"][k], position[k]);
-                let place = FileLocation::Row { list: "point", row: row as u64 };
-                return Err(ReadError::new("not-finite", place, message));
-            }
-            positions.push(position);
+        let mut positions: Vec<[f64; 3]> = with_room(n as usize)?;
+        self.numbers.each_block(3 * n as usize, |block| positions.extend_from_slice(block.as_chunks().0));
+        let is_bad = |position: &[f64; 3]| position.iter().any(|x| !x.is_finite());
+        if !self.limits.drop_nonfinite
+            && let Some(row) = positions.iter().position(is_bad)
+        {
+            let k = (0..2).find(|k| !positions[row][*k].is_finite()).unwrap_or(2);
+            let message = format!("{} = {} is not finite", ["x", "y", "z"][k], positions[row][k]);
+            let place = FileLocation::Row { list: "point", row: row as u64 };
+            return Err(ReadError::new("not-finite", place, message));
         }
         Ok(positions)
     }
@@ -70,13 +69,13 @@ pub(super) struct PieceMesh {
 
 impl PieceMesh {
     /// The part that it is.
-    pub(super) fn part(self, warnings: &mut Warnings) -> Result<Part, ReadError> {
+    pub(super) fn part(self, limits: &Limits, warnings: &mut Warnings) -> Result<Part, ReadError> {
         let Self { positions, surface, attributes } = self;
         let place = |row| FileLocation::Row { list: "cell", row };
         let faces = surface.faces.cut(&positions, place, warnings);
         let VtkAttributes { list, position_id, .. } = attributes;
         let raw = RawMesh { positions, position_id, faces, attributes: list };
-        Ok(Part { mesh: mesh(raw, warnings)?, indexed: true, ..Part::default() })
+        Ok(Part { mesh: mesh(raw, limits, warnings)?, indexed: true, ..Part::default() })
     }
 }
 

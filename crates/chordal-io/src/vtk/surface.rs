@@ -3,7 +3,7 @@ use super::cell_list::CellList;
 use super::cell_types::{CellShape, shape, title};
 use crate::assemble::too_many_rows;
 use crate::faces::{Faces, SHORT_FACES};
-use crate::grow::{push, push_many};
+use crate::grow::{out_of_memory, push, push_many};
 use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
@@ -72,9 +72,23 @@ impl VtkSurface {
         scope: &mut CellScope<'_>,
     ) -> Result<(), ReadError> {
         let mut corners = std::mem::take(&mut self.corners);
+        let kinds = kinds.into_iter();
+        // A triangle takes three points of the list.
+        let room = kinds.size_hint().0.min(list.n_left() as usize / 3);
+        self.faces.reserve(room)?;
+        self.cells.try_reserve_exact(room).map_err(|_| out_of_memory(room))?;
         for kind in kinds {
-            list.next(scope.n_points, &mut corners)?;
-            self.cell(kind, &mut corners, scope)?;
+            // Most cells are triangles.
+            let triangle =
+                if shape(kind) == CellShape::Polygon { list.next_triangle(scope.n_points) } else { None };
+            if let Some(triangle) = triangle {
+                scope.counts.n_surface += 1;
+                self.faces.push(&triangle, scope.cell)?;
+                push(&mut self.cells, scope.cell as u32)?;
+            } else {
+                list.next(scope.n_points, &mut corners)?;
+                self.cell(kind, &mut corners, scope)?;
+            }
             scope.cell += 1;
             let n = self.faces.n_triangles() as u64;
             if n > scope.limits.rows {

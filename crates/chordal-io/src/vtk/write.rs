@@ -211,9 +211,9 @@ impl VtpStream {
                 for k in 0..self.width {
                     let value = found.map_or(missing, |attribute| attribute.row(i)[k]);
                     let value = if self.turns_v && k == 1 { 1.0 - value } else { value };
-                    match byte(value).filter(|_| self.is_bytes) {
+                    match self.is_bytes.then(|| byte(value)).flatten() {
                         Some(byte) => row.push(byte),
-                        None => row.extend(value.to_le_bytes()),
+                        None => row.extend_from_slice(&value.to_le_bytes()),
                     }
                 }
                 out.write_all(&row)?;

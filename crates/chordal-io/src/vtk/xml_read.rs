@@ -123,7 +123,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
             }
         }
         self.n_spread = attributes.n_spread;
-        PieceMesh { positions, surface, attributes }.part(&mut self.warnings)
+        PieceMesh { positions, surface, attributes }.part(self.limits, &mut self.warnings)
     }
 
     fn positions(&mut self, piece: &'d VtkPiece<'a>) -> Result<Vec<[f64; 3]>, ReadError> {

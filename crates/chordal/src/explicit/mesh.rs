@@ -123,12 +123,19 @@ impl Mesh {
                 expected: self.positions.len(),
             });
         }
-        let mut seen: Vec<Option<[u64; 3]>> = vec![None; id.len()];
-        for (row, &i) in id.iter().enumerate() {
-            let bits = self.positions[row].map(f64::to_bits);
-            let known = seen.get_mut(i as usize).ok_or(InvalidMesh::PositionId { row })?;
-            if *known.get_or_insert(bits) != bits {
-                return Err(InvalidMesh::PositionId { row });
+        let bits = |row: usize| {
+            let [x, y, z] = self.positions[row];
+            [x.to_bits(), y.to_bits(), z.to_bits()]
+        };
+        // Where every id is a row of its position, as ids mostly are, those of one id are equal.
+        let is_row = |(row, i): (usize, &u32)| (*i as usize) < id.len() && bits(*i as usize) == bits(row);
+        if !id.iter().enumerate().all(is_row) {
+            let mut first_rows: Vec<Option<u32>> = vec![None; id.len()];
+            for (row, &i) in id.iter().enumerate() {
+                let first = first_rows.get_mut(i as usize).ok_or(InvalidMesh::PositionId { row })?;
+                if bits(*first.get_or_insert(row as u32) as usize) != bits(row) {
+                    return Err(InvalidMesh::PositionId { row });
+                }
             }
         }
         self.position_id = Some(id);
@@ -206,7 +213,8 @@ impl Mesh {
     #[inline]
     #[must_use]
     pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
-        self.faces[face].map(|i| self.positions[i as usize])
+        let [a, b, c] = self.faces[face];
+        [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
     /// The bounding box of the positions.
@@ -296,3 +304,25 @@ impl fmt::Display for InvalidMesh {
 }
 
 impl std::error::Error for InvalidMesh {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_tie_rows_of_one_position_whatever_they_number() {
+        let [p, q] = [[1.0, 2.0, 3.0], [0.0; 3]];
+        let with = |rows: &[[f64; 3]], id: &[u32]| {
+            Mesh::new(rows.to_vec(), Vec::new()).and_then(|mesh| mesh.with_position_id(id.to_vec()))
+        };
+        // The ids may be those of rows at their position, or any other numbers.
+        for id in [[0, 0, 2], [1, 1, 2], [2, 2, 0], [0, 1, 2], [2, 1, 0]] {
+            assert_eq!(with(&[p, p, q], &id).unwrap().position_id(), Some(&id[..]));
+        }
+        for (id, row) in [([0, 0, 0], 2), ([0, 2, 2], 2), ([1, 1, 3], 2), ([5, 0, 0], 0)] {
+            assert_eq!(with(&[p, p, q], &id), Err(InvalidMesh::PositionId { row }), "{id:?}");
+        }
+        // The zeros differ in a bit.
+        assert_eq!(with(&[q, [-0.0; 3]], &[0, 0]), Err(InvalidMesh::PositionId { row: 1 }));
+    }
+}

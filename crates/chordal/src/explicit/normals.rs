@@ -21,8 +21,9 @@ use glam::DVec3;
 /// ```
 #[must_use]
 pub fn face_normal(corners: [[f64; 3]; 3]) -> Option<[f64; 3]> {
-    let [a, b, c] = corners.map(DVec3::from);
-    let (ab, ac) = (b - a, c - a);
+    let [a, b, c] = corners;
+    let a = DVec3::from(a);
+    let (ab, ac) = (DVec3::from(b) - a, DVec3::from(c) - a);
     // Scaled to the longer edge, so that neither tiny nor huge triangles leave the range of f64.
     let scale = ab.abs().max_element().max(ac.abs().max_element());
     if !(scale > 0.0 && scale.is_finite()) {

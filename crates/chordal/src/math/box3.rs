@@ -21,18 +21,20 @@ impl Box3 {
     }
 
     /// The smallest box around this one and `point`.
+    #[inline]
     #[must_use]
     pub fn with(self, point: [f64; 3]) -> Self {
         self.union(Self { min: point, max: point })
     }
 
     /// The smallest box around both.
+    #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
-        let pick = |a: [f64; 3], b: [f64; 3], f: fn(f64, f64) -> bool| {
-            std::array::from_fn(|k| if f(a[k], b[k]) { a[k] } else { b[k] })
-        };
-        Self { min: pick(self.min, other.min, |a, b| a < b), max: pick(self.max, other.max, |a, b| a > b) }
+        // Without `from_fn`, which stays three calls here: readers ask this of every point.
+        let low = |k: usize| if self.min[k] < other.min[k] { self.min[k] } else { other.min[k] };
+        let high = |k: usize| if self.max[k] > other.max[k] { self.max[k] } else { other.max[k] };
+        Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
     /// Whether it contains no point.

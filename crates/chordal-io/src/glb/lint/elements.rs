@@ -64,16 +64,27 @@ impl<'a> GltfLint<'a> {
     }
 
     fn check_numbers(&mut self, accessor: &GltfAccessor, rows: &AccessorRows<'_>) {
+        let has_bounds = accessor.min.is_some() || accessor.max.is_some();
+        if !has_bounds && rows.format.component != ComponentType::F32 {
+            return;
+        }
         let n = rows.format.kind.n_components();
         let mut least = vec![f64::INFINITY; n];
         let mut greatest = vec![f64::NEG_INFINITY; n];
         let mut not_finite = None;
-        rows.each(|i, row| {
-            for (k, x) in row.iter().enumerate() {
-                least[k] = lesser(*x, least[k]);
-                greatest[k] = greater(*x, greatest[k]);
-                if !x.is_finite() && not_finite.is_none() {
-                    not_finite = Some((i, *x));
+        rows.each_block(|first, numbers| {
+            let are_finite = numbers.iter().fold(true, |all, x| all & x.is_finite());
+            if !are_finite && not_finite.is_none() {
+                let found = numbers.iter().position(|x| !x.is_finite());
+                not_finite = found.map(|at| (first + (at / n) as u64, numbers[at]));
+            }
+            if !has_bounds {
+                return;
+            }
+            for row in numbers.chunks_exact(n) {
+                for ((x, least), greatest) in row.iter().zip(&mut least).zip(&mut greatest) {
+                    *least = lesser(*x, *least);
+                    *greatest = greater(*x, *greatest);
                 }
             }
         });
@@ -186,16 +197,23 @@ impl<'a> GltfLint<'a> {
     fn check_indices(&mut self, rows: &AccessorRows<'_>, limit: u64, pointer: &str) {
         let restart = rows.format.component.range().1;
         let highest = limit as f64;
-        rows.each(|i, row| {
-            if row[0] >= highest {
-                let code = "ACCESSOR_INDEX_OOB";
-                self.issue_at(code, pointer, || {
-                    format!("index {i} is {}, there are {limit} vertices", row[0])
-                });
+        let is_wrong = |index: f64| index >= highest || index == restart;
+        rows.each_block(|first, indices| {
+            if !indices.iter().fold(false, |any, index| any | is_wrong(*index)) {
+                return;
             }
-            if row[0] == restart {
-                let code = "ACCESSOR_INDEX_PRIMITIVE_RESTART";
-                self.issue_at(code, pointer, || format!("index {i} is {restart}, which means \"restart\""));
+            for (i, index) in (first..).zip(indices) {
+                if *index >= highest {
+                    self.issue_at("ACCESSOR_INDEX_OOB", pointer, || {
+                        format!("index {i} is {index}, there are {limit} vertices")
+                    });
+                }
+                if *index == restart {
+                    let code = "ACCESSOR_INDEX_PRIMITIVE_RESTART";
+                    self.issue_at(code, pointer, || {
+                        format!("index {i} is {restart}, which means \"restart\"")
+                    });
+                }
             }
         });
     }
