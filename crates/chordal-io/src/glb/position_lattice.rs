@@ -134,11 +134,18 @@ mod tests {
     fn cloud() -> impl Strategy<Value = Mesh> {
         let point = prop::array::uniform3(-1.0..1.0_f64);
         let exponent = prop::array::uniform4(-7.0..7.0_f64);
-        (prop::collection::vec(point.clone(), 1..20), point, exponent).prop_map(|(unit, centre, e)| {
-            let at = |u: [f64; 3]| {
-                std::array::from_fn(|k| centre[k] * libm::pow(10.0, e[k]) + u[k] * libm::pow(10.0, e[3]))
-            };
-            Mesh::new(unit.into_iter().map(at).collect(), Vec::new()).expect("finite")
+        let meshes =
+            (prop::collection::vec(point.clone(), 1..20), point, exponent).prop_map(|(unit, centre, e)| {
+                let at = |u: [f64; 3]| {
+                    std::array::from_fn(|k| centre[k] * libm::pow(10.0, e[k]) + u[k] * libm::pow(10.0, e[3]))
+                };
+                Mesh::new(unit.into_iter().map(at).collect(), Vec::new()).expect("finite")
+            });
+        // Smaller ones have no lattice, but for a point alone.
+        meshes.prop_filter("too small for viewers", |mesh| {
+            let bounds = mesh.bounds();
+            let extent = (0..3).fold(0.0, |most, k| greater(bounds.max[k] - bounds.min[k], most));
+            extent == 0.0 || extent / MOST_STEPS >= STEPS[0]
         })
     }
 

@@ -267,7 +267,10 @@ impl<'a> ProgressiveSimplifier<'a> {
             }
             reduction.run(0, &room, job)?;
             reduction.drop_small_components(&room, job)?;
-            if self.is_proved && reduction.n_faces() == self.proved.n_faces() {
+            // Where nothing was left out either, the mesh is what it was.
+            let is_known =
+                self.is_proved || (reduction.stats.degenerate_faces == 0 && !self.attributes.is_set());
+            if is_known && reduction.n_faces() == self.proved.n_faces() {
                 return Ok(None);
             }
             let made = reduction.mesh();
