@@ -141,8 +141,11 @@ pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
 /// From so many faces on, threads count. Measured: 4096 faces take one of them a tenth of a millisecond.
 const MANY_FACES: usize = 4096;
 
+/// Counts one kind of oddity, or two that are found together.
+type OddityCount = fn(&Mesh, &mut Warnings) -> Result<(), ReadError>;
+
 /// What is counted of a mesh, in the order in which it is said.
-const ODDITIES: [fn(&Mesh, &mut Warnings) -> Result<(), ReadError>; 4] =
+const ODDITIES: [OddityCount; 4] =
     [count_isolated_vertices, count_flat_faces, count_duplicate_vertices, count_duplicate_faces];
 
 /// Counts what is legal but rarely intended. Changes nothing.
