@@ -39,7 +39,7 @@ pub use degenerate::{has_zero_area, is_collinear};
 pub(crate) use deviation::distance::distance_up;
 pub use deviation::{Deviation, Goal, OneSidedDistance, deviation, vertex_deviation};
 pub(crate) use deviation::{
-    MappedPair, NearFaces, ProximityChecker, RegionTolerance, ToleranceField, ViolationReport,
+    MappedPair, NearFaces, NearestFaces, ProximityChecker, RegionTolerance, ToleranceField, ViolationReport,
     tolerance_violations,
 };
 pub use duplicates::duplicate_vertices;

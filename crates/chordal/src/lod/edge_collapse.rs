@@ -33,6 +33,9 @@ pub(super) struct StopCriterion<'a> {
     pub faces: usize,
     /// The allowed distance from the original, by place.
     pub tolerance: &'a LocalTolerance,
+    /// The largest mean distance from the planes of the original that a collapse may cost, as a fraction of the
+    /// tolerance.
+    pub share: Option<f64>,
 }
 
 #[derive(Clone)]
@@ -59,14 +62,19 @@ pub(super) struct EdgeCollapser {
     pub merged_into: Vec<u32>,
     /// By face: the cost of the collapse that last changed it.
     pub face_cost: Vec<f32>,
+    /// By vertex: whether it stays where collapses have no monitor.
+    pub is_held: Vec<bool>,
     /// By half-edge: whether it is in the queue, for one of the two of an edge.
     is_queued: Vec<bool>,
     queue: BucketQueue,
     /// Vertices that were visited in this round.
     visited: Vec<u32>,
     round: u32,
-    /// The faces around the edge after the collapse, without the two that are removed.
+    /// The faces around the edge after the collapse, without the two that are removed, counter-clockwise around the
+    /// new point.
     after: Vec<(u32, [[f64; 3]; 3])>,
+    /// The half-edges of those that are opposite the new point.
+    opposite: Vec<u32>,
     /// The faces around the edge before the collapse, with those two.
     before: Vec<u32>,
 }
@@ -132,11 +140,13 @@ impl EdgeCollapser {
             feature_deviation: vec![0.0; n_vertices],
             merged_into: (0..n_vertices as u32).collect(),
             face_cost: vec![0.0; n / 3],
+            is_held: vec![false; n_vertices],
             is_queued: vec![false; n],
             queue: BucketQueue::new(),
             visited: vec![0; n_vertices],
             round: 0,
             after: Vec::new(),
+            opposite: Vec::new(),
             before: Vec::new(),
         };
         engine.add_planes();
@@ -279,6 +289,7 @@ impl EdgeCollapser {
                 return false;
             }
             if self.satisfies_link_condition(h)
+                && until.share.is_none_or(|share| self.is_slight(&shrink, share, until.tolerance))
                 && self.flips_no_face(&shrink)
                 && self.stays_within_tolerance(&shrink, until)
                 && self.keeps_attributes(&shrink, until)
@@ -287,6 +298,17 @@ impl EdgeCollapser {
             }
         }
         true
+    }
+
+    /// Whether the mean distance of planes of the original from the new point is below a fraction of the tolerance.
+    fn is_slight(&self, shrink: &EdgeCollapse, share: f64, tolerance: &LocalTolerance) -> bool {
+        let ends = [self.surface.start[shrink.h as usize], self.surface.end(shrink.h)];
+        if ends.into_iter().any(|v| self.is_held[v as usize]) {
+            return false;
+        }
+        let [a, b] = ends.map(|v| &self.quadric[v as usize]);
+        let sum = a.plus(b);
+        tolerance.holds(shrink.to, sum.at(shrink.to) / (sum.weight() * share * share))
     }
 
     /// Asks for the memory of edges that come out soon, in two steps, since the second one needs the first.
@@ -310,39 +332,34 @@ impl EdgeCollapser {
 
     /// Collects the faces around the edge and returns whether none of them flips.
     fn flips_no_face(&mut self, shrink: &EdgeCollapse) -> bool {
-        let h = shrink.h;
-        let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
-        let gone = [h / 3, self.surface.twin[h as usize] / 3];
-        self.after.clear();
-        self.before.clear();
-        self.before.push(gone[0]);
-        if self.surface.twin[h as usize] != NONE {
-            self.before.push(gone[1]);
+        let Self { surface, at, before, after, opposite, .. } = self;
+        let across = surface.twin[shrink.h as usize];
+        before.clear();
+        after.clear();
+        opposite.clear();
+        before.push(shrink.h / 3);
+        if across != NONE {
+            before.push(across / 3);
         }
-        for v in [a, b] {
-            for g in self.surface.one_ring(v) {
-                let face = g / 3;
-                if face == gone[0] || face == gone[1] {
-                    continue;
-                }
-                let x = self.at[self.surface.end(g) as usize];
-                let y = self.at[self.surface.start[previous_in_face(g) as usize] as usize];
-                let old = self.at[v as usize];
-                let side = difference(y, x);
-                let before = cross(difference(x, old), side);
-                let now = cross(difference(x, shrink.to), side);
-                let together = dot(before, now);
-                let (bb, nn) = (dot(before, before), dot(now, now));
-                // A face without area has no front to lose.
-                if bb > 0.0 && (together <= 0.0 || together * together < LEAST_TURN * LEAST_TURN * bb * nn) {
-                    return false;
-                }
-                if nn <= 0.0 {
-                    return false;
-                }
-                self.after.push((face, [shrink.to, x, y]));
-                self.before.push(face);
+        for g in surface.around_edge(shrink.h) {
+            let (face, side) = (g / 3, next_in_face(g));
+            let old = at[surface.start[g as usize] as usize];
+            let [x, y] = [side, next_in_face(side)].map(|h| at[surface.start[h as usize] as usize]);
+            let along = difference(y, x);
+            let normal = cross(difference(x, old), along);
+            let now = cross(difference(x, shrink.to), along);
+            let together = dot(normal, now);
+            let (bb, nn) = (dot(normal, normal), dot(now, now));
+            // A face without area has no front to lose.
+            if bb > 0.0 && (together <= 0.0 || together * together < LEAST_TURN * LEAST_TURN * bb * nn) {
+                return false;
             }
+            if nn <= 0.0 {
+                return false;
+            }
+            after.push((face, [shrink.to, x, y]));
+            opposite.push(side);
+            before.push(face);
         }
         true
     }
@@ -387,17 +404,20 @@ impl EdgeCollapser {
 
     /// Whether the surface stays within the tolerance of the original, as far as a monitor checks it.
     fn stays_within_tolerance(&mut self, shrink: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
-        if self.monitor.is_some()
+        if until.tolerance.is_finite()
             && !until.tolerance.holds_in_box(|| self.changed_box(shrink), self.feature_deviation(shrink))
         {
             return false;
         }
         let Some(watch) = &mut self.monitor else { return true };
-        let (before, after) = (&self.before, &self.after);
+        let surface = &self.surface;
+        let ends = [surface.start[shrink.h as usize], surface.end(shrink.h)];
         watch.allows(
             CollapseChange {
-                before,
-                after,
+                before: &self.before,
+                after: &self.after,
+                opposite: &self.opposite,
+                is_closed: !ends.into_iter().any(|v| surface.is_border(v)),
                 to: shrink.to,
                 surface: &self.surface,
                 at: &self.at,
@@ -450,19 +470,6 @@ impl EdgeCollapser {
         guard.allows(&watch.samples, &faces, until.tolerance)
     }
 
-    /// The vertex that stands for an original one now.
-    pub fn representative(&mut self, mut v: u32) -> u32 {
-        loop {
-            let up = self.merged_into[v as usize];
-            if up == v {
-                return v;
-            }
-            // Halves the way for the next time.
-            self.merged_into[v as usize] = self.merged_into[up as usize];
-            v = up;
-        }
-    }
-
     fn apply(&mut self, shrink: &EdgeCollapse) {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
@@ -476,9 +483,7 @@ impl EdgeCollapser {
             watch.samples.commit(&self.before);
         }
         self.after.iter().for_each(|(face, _)| self.face_cost[*face as usize] = shrink.cost);
-        if self.monitor.is_some() {
-            self.feature_deviation[b as usize] = self.feature_deviation(shrink);
-        }
+        self.feature_deviation[b as usize] = self.feature_deviation(shrink);
         let sum = self.quadric[a as usize];
         self.quadric[b as usize].add(&sum);
         if shrink.anchor != CollapseAnchor::End {
@@ -521,6 +526,19 @@ impl EdgeCollapser {
                 break;
             }
         }
+    }
+}
+
+/// The vertex that stands for an original one, from the one into which each was collapsed.
+pub(super) fn representative(merged_into: &mut [u32], mut v: u32) -> u32 {
+    loop {
+        let up = merged_into[v as usize];
+        if up == v {
+            return v;
+        }
+        // Halves the way for the next time.
+        merged_into[v as usize] = merged_into[up as usize];
+        v = up;
     }
 }
 

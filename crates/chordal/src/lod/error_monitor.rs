@@ -1,10 +1,11 @@
 //! `ErrorMonitor`: checks during simplification how far the surface is from the original.
+use super::edge_guard::{EdgeVerdict, OriginalEdges};
 use super::local_tolerance::LocalTolerance;
 use super::samples::SamplesByFace;
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::budget::{Job, JobError};
-use crate::check::ProximityChecker;
-use crate::explicit::{Mesh, distance_sq_to_triangle};
+use crate::check::{NearFaces, NearestFaces, ProximityChecker};
+use crate::explicit::{Mesh, Topology, distance_sq_to_triangle, next_in_face};
 use crate::math::{difference, dot, lesser};
 use std::borrow::Cow;
 use std::rc::Rc;
@@ -24,6 +25,9 @@ pub(super) struct ErrorMonitor {
     first: Rc<[u32]>,
     /// By face of the original: its vertices.
     corners: Rc<[[u32; 3]]>,
+    edges: Rc<OriginalEdges>,
+    /// By sample beside the vertices: a half-edge of the original on which it lies.
+    beside: Rc<[u32]>,
     /// By sample: how thoroughly changes of the faces that hold it are checked.
     pub check_levels: Vec<CheckLevel>,
     /// By face of the original: the last round in which it was visited.
@@ -89,8 +93,12 @@ impl CheckLevel {
 pub(super) struct CollapseChange<'a> {
     /// The faces that are removed or changed.
     pub before: &'a [u32],
-    /// The changed faces: the new point first.
+    /// The changed faces: the new point first, counter-clockwise around it.
     pub after: &'a [(u32, [[f64; 3]; 3])],
+    /// Their half-edges that are opposite the new point.
+    pub opposite: &'a [u32],
+    /// Whether they close around it.
+    pub is_closed: bool,
     /// The new point, and the positions of all others.
     pub to: [f64; 3],
     pub surface: &'a HalfEdgeSurface,
@@ -99,9 +107,15 @@ pub(super) struct CollapseChange<'a> {
     pub cost: f32,
 }
 
+/// Vertices of the original that one face offers for a descent, and the steps of one. Chosen.
+const SOME: usize = 4;
+const MOST_STEPS: u32 = 64;
+/// How many edges around a place that is too far from the original still have to do with it. Chosen.
+const AROUND: u32 = 3;
+
 impl ErrorMonitor {
     /// Monitors a surface that is still the original, with sample points `more` beside its vertices, each on
-    /// a face.
+    /// a half-edge.
     pub fn new(
         surface: &HalfEdgeSurface,
         at: &[[f64; 3]],
@@ -113,7 +127,7 @@ impl ErrorMonitor {
         for (v, p) in at.iter().enumerate() {
             samples.add(*p, surface.outgoing[v] / 3);
         }
-        more.iter().for_each(|(p, face)| samples.add(*p, *face));
+        more.iter().for_each(|(p, h)| samples.add(*p, *h / 3));
         let mut corners: Vec<[u32; 3]> = (0..n_faces as u32).map(|face| surface.corners(face)).collect();
         // Faces that were left out from the start.
         corners.iter_mut().filter(|c| c[0] == NONE).for_each(|c| *c = [NONE; 3]);
@@ -143,6 +157,8 @@ impl ErrorMonitor {
             faces_at_vertices: around,
             first,
             corners,
+            edges: Rc::new(OriginalEdges::new(surface, at.len())),
+            beside: more.iter().map(|(_, h)| *h).collect(),
             check_levels: care,
             visited: seen,
             round: 0,
@@ -154,6 +170,79 @@ impl ErrorMonitor {
         self.corners[face as usize]
     }
 
+    /// Gives every sample the face of the current surface that is nearest to it, as far as a descent tells: from the one
+    /// that holds it or, where that is gone, from one that `near` knows of its vertex. Fails with the vertices of the
+    /// original at which some are too far, and leaves all as they are then.
+    pub fn assign_nearest(
+        &mut self,
+        surface: &HalfEdgeSurface,
+        at: &[[f64; 3]],
+        mut near: impl FnMut(u32) -> u32,
+        (room, job): (&LocalTolerance, &Job),
+    ) -> Result<(), Vec<u32>> {
+        let n = self.first.len() - 1;
+        let there: Vec<u32> =
+            (0..(surface.start.len() / 3) as u32).filter(|f| surface.corners(*f)[0] != NONE).collect();
+        let mut number = vec![NONE; surface.start.len() / 3];
+        there.iter().enumerate().for_each(|(i, face)| number[*face as usize] = i as u32);
+        let known = |face: u32| if face == NONE { NONE } else { number[face as usize] };
+        let by_row: Vec<u32> = (0..n as u32)
+            .map(|v| match known(self.samples.holder(v)) {
+                NONE => known(near(v)),
+                face => face,
+            })
+            .collect();
+        let rows = |c: [u32; 3]| if c[0] == NONE { [0; 3] } else { c };
+        let original = self.corners.iter().map(|c| rows(*c)).collect();
+        let original = Mesh::by_construction(self.samples.at[..n].to_vec(), original);
+        let faces = there.iter().map(|face| surface.corners(*face)).collect();
+        let current = Mesh::by_construction(at.to_vec(), faces);
+        let near = NearFaces { by_row: &by_row, topology: Topology::Indices };
+        let nearest = NearestFaces::new(&original, &current, near, job);
+        let corner_of = |v: u32| {
+            let face = self.faces_at_vertices[self.first[v as usize] as usize];
+            let k = self.corners[face as usize].iter().position(|c| *c == v);
+            3 * face + k.unwrap_or(0) as u32
+        };
+        let mut holders = Vec::with_capacity(self.samples.at.len());
+        let mut far = Vec::new();
+        let mut last = None;
+        for (sample, at) in (0_u32..).zip(&self.samples.at) {
+            let beside = self.beside.get((sample as usize).wrapping_sub(n));
+            let found = match beside {
+                None => nearest.of_corner(corner_of(sample)),
+                Some(h) => {
+                    // From either end, and from the sample before.
+                    let ends = [*h, next_in_face(*h)].map(|h| nearest.of_corner(h));
+                    let from = ends.into_iter().chain([last]).flatten();
+                    let found = from.map(|(face, _)| nearest.from_face(*at, face));
+                    found.min_by(|(_, a), (_, b)| a.total_cmp(b))
+                }
+            };
+            last = found;
+            match found.filter(|(_, distance_sq)| room.holds_sample(sample, *distance_sq)) {
+                Some((face, _)) => holders.push(there[face as usize]),
+                None => far.push(beside.map_or(sample, |h| self.corners[*h as usize / 3][*h as usize % 3])),
+            }
+        }
+        if !far.is_empty() {
+            return Err(far);
+        }
+        self.samples.assign(holders);
+        Ok(())
+    }
+
+    /// The vertices of the original that a few edges lead to from some, with these.
+    pub fn around(&self, mut vertices: Vec<u32>) -> Vec<u32> {
+        for _ in 0..AROUND {
+            let next: Vec<u32> = vertices.iter().flat_map(|v| self.edges.neighbours(*v)).copied().collect();
+            vertices.extend(next);
+            vertices.sort_unstable();
+            vertices.dedup();
+        }
+        vertices
+    }
+
     /// Whether a change keeps the surface close enough to the original, as far as a check tells. The new
     /// assignment of the samples is kept for [`SamplesByFace::commit`].
     pub fn allows(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
@@ -161,11 +250,20 @@ impl ErrorMonitor {
         if care == CheckLevel::Frozen {
             return false;
         }
-        let here: Vec<u32> = self.vertices_held_by(change.before).collect();
         let middle = |[p, x, _]: [[f64; 3]; 3]| std::array::from_fn(|k| 0.5 * (p[k] + x[k]));
-        let quick = self.is_near_original(change.to, &here, room)
+        let quick = self.is_near_original(change.to, change.before, room)
             && self.samples.try_reassign(change.before, change.after, room)
-            && change.after.iter().all(|(_, t)| self.is_near_original(middle(*t), &here, room));
+            && match self.edges.verdict(&self.samples, &change, room) {
+                EdgeVerdict::Near => true,
+                EdgeVerdict::Unknown => {
+                    change.after.iter().all(|(_, t)| self.is_near_original(middle(*t), change.before, room))
+                }
+                // A map goes over edges, and what is too far along them may still be near another part.
+                EdgeVerdict::Far => {
+                    self.is_near_original(middle(change.after[0].1), change.before, room)
+                        && self.proves(change, room)
+                }
+            };
         let is_close = match care {
             CheckLevel::Sampled => false,
             CheckLevel::ProvedFrom(cost) => change.cost >= cost,
@@ -174,25 +272,40 @@ impl ErrorMonitor {
         quick && (!is_close || self.proves(change, room))
     }
 
-    /// The vertices of the original that some faces hold.
-    fn vertices_held_by<'s>(&'s self, faces: &'s [u32]) -> impl Iterator<Item = u32> + 's {
+    /// Whether a point is close enough to the original. The faces around the vertex that is nearest to it, as far as a
+    /// descent from one of those that some faces hold finds it, mostly tell; only where they do not, all are searched.
+    fn is_near_original(&self, q: [f64; 3], held_by: &[u32], room: &LocalTolerance) -> bool {
         let n = self.first.len() as u32 - 1;
-        faces.iter().flat_map(|face| self.samples.of_face(*face)).filter(move |sample| *sample < n)
-    }
-
-    /// Whether a point is close enough to the original. The faces around the nearest of the vertices `here` mostly
-    /// tell; only where they do not, all faces are searched.
-    fn is_near_original(&self, q: [f64; 3], here: &[u32], room: &LocalTolerance) -> bool {
-        let off = |v: &u32| {
-            let off = difference(self.samples.at[*v as usize], q);
+        let off = |v: u32| {
+            let off = difference(self.samples.at[v as usize], q);
             dot(off, off)
         };
-        let nearer = |best: (f64, u32), v: &u32| {
+        let mut best = (f64::INFINITY, NONE);
+        let offer = |best: &mut (f64, u32), v: u32| {
             let d = off(v);
-            if d < best.0 { (d, *v) } else { best }
+            if d < best.0 {
+                *best = (d, v);
+            }
         };
-        let (_, v) = here.iter().fold((f64::INFINITY, NONE), nearer);
+        for face in held_by {
+            let some = self.samples.of_face(*face).filter(|v| *v < n).take(SOME);
+            some.for_each(|v| offer(&mut best, v));
+        }
+        for _ in 0..MOST_STEPS {
+            let here = best.1;
+            if here == NONE || room.holds(q, best.0) {
+                break;
+            }
+            self.edges.neighbours(here).iter().for_each(|v| offer(&mut best, *v));
+            if best.1 == here {
+                break;
+            }
+        }
+        let (distance_sq, v) = best;
         if v != NONE {
+            if room.holds(q, distance_sq) {
+                return true;
+            }
             for k in self.first[v as usize]..self.first[v as usize + 1] {
                 let face = self.corners[self.faces_at_vertices[k as usize] as usize];
                 let d = distance_sq_to_triangle(q, face.map(|v| self.samples.at[v as usize]));
@@ -213,8 +326,7 @@ impl ErrorMonitor {
     /// The thorough check.
     fn proves(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
         // 1. Points that are often too far off, which are cheaper than a proof.
-        let here: Vec<u32> = self.vertices_held_by(change.before).collect();
-        let near = |q: [f64; 3]| self.is_near_original(q, &here, room);
+        let near = |q: [f64; 3]| self.is_near_original(q, change.before, room);
         let more = [[0.25, 0.75, 0.0], [0.75, 0.25, 0.0], [0.375, 0.375, 0.25], [0.0, 0.5, 0.5]];
         let point = |t: &[[f64; 3]; 3], w: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k])

@@ -84,6 +84,11 @@ impl LocalTolerance {
         by_place.is_some_and(|by_place| by_place.limit.at(&by_place.frame.world_box(place)).is_none())
     }
 
+    /// Whether some distance is too large anywhere.
+    pub fn is_finite(&self) -> bool {
+        self.least < f64::INFINITY
+    }
+
     /// Whether the tolerance is uniform.
     pub fn is_constant(&self) -> bool {
         self.varying.is_none()

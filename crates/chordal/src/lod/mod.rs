@@ -3,6 +3,7 @@ mod attribute_guard;
 mod bucket_queue;
 mod chain;
 mod edge_collapse;
+mod edge_guard;
 mod error_monitor;
 mod flat_normals;
 mod local_tolerance;

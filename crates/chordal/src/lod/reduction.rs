@@ -1,6 +1,6 @@
 //! `MeshReduction`: a mesh during simplification, from its preparation to each extracted mesh.
 use super::attribute_guard::AttributeGuard;
-use super::edge_collapse::{CollapseVertexKind, EdgeCollapser, StopCriterion};
+use super::edge_collapse::{CollapseVertexKind, EdgeCollapser, StopCriterion, representative};
 use super::error_monitor::{CheckLevel, ErrorMonitor};
 use super::flat_normals::{is_flat, updated_normal};
 use super::local_tolerance::LocalTolerance;
@@ -147,7 +147,7 @@ impl<'a> MeshReduction<'a> {
             let more = if gaps < f64::from(MOST_ON_EDGE) { gaps as u32 } else { MOST_ON_EDGE };
             for i in 1..=more {
                 let t = f64::from(i) / f64::from(more + 1);
-                points.push((std::array::from_fn(|k| p[k] + t * (q[k] - p[k])), h / 3));
+                points.push((std::array::from_fn(|k| p[k] + t * (q[k] - p[k])), h));
             }
         }
         self.engine.monitor = Some(ErrorMonitor::new(surface, &self.engine.at, &points, job)?);
@@ -264,8 +264,36 @@ impl<'a> MeshReduction<'a> {
 
     /// Collapses edges until `faces` are left, or nothing more fits into the tolerance.
     pub fn run(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
-        let until = StopCriterion { faces, tolerance: room };
+        let until = StopCriterion { faces, tolerance: room, share: None };
         if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
+    }
+
+    /// Collapses edges that cost little enough that most of them need no monitor: their mean distance from planes of the
+    /// original is below a fraction `share` of what is allowed. Vertices in `held` stay. Fails with vertices of the original
+    /// that are too far from the surface then, with those around them.
+    pub fn run_slight(
+        &mut self,
+        (share, held): (f64, &[u32]),
+        room: &LocalTolerance,
+        job: &Job,
+    ) -> Result<Result<(), Vec<u32>>, JobError> {
+        let Some(mut monitor) = self.engine.monitor.take() else { return Ok(Ok(())) };
+        let EdgeCollapser { is_held, merged_into, .. } = &mut self.engine;
+        is_held.fill(false);
+        held.iter().for_each(|v| is_held[representative(merged_into, *v) as usize] = true);
+        let until = StopCriterion { faces: 0, tolerance: room, share: Some(share) };
+        if !self.engine.run(&until, job) {
+            return Err(JobError::Cancelled);
+        }
+        let EdgeCollapser { surface, at, merged_into, .. } = &mut self.engine;
+        let near = |v: u32| match surface.outgoing[representative(merged_into, v) as usize] {
+            NONE => NONE,
+            h => h / 3,
+        };
+        let found = monitor.assign_nearest(surface, at, near, (room, job));
+        let found = found.map_err(|far| monitor.around(far));
+        self.engine.monitor = Some(monitor);
+        Ok(found)
     }
 
     /// Removes small components that are separate from all others and close enough to the rest: their absence
@@ -356,7 +384,7 @@ impl<'a> MeshReduction<'a> {
                 if let Some(face) = held {
                     return number[face as usize];
                 }
-                let v = self.engine.representative(v);
+                let v = representative(&mut self.engine.merged_into, v);
                 let h = self.engine.surface.outgoing[v as usize];
                 if h == NONE { NONE } else { number[h as usize / 3] }
             }

@@ -3,6 +3,9 @@ use super::local_tolerance::LocalTolerance;
 use super::surface::NONE;
 use crate::explicit::distance_sq_to_triangle;
 
+/// A sample that is within an eighth of the allowed distance of the face that held it stays with it; squared. Chosen.
+const NEAR: f64 = 64.0;
+
 /// Points that must stay within the tolerance of the surface, in lists by face.
 ///
 /// They only guide the simplification and prove nothing: `check::deviation` proves the points between them at
@@ -46,6 +49,15 @@ impl SamplesByFace {
         self.first[face as usize] = sample;
     }
 
+    /// Gives every sample to a face.
+    pub fn assign(&mut self, holders: Vec<u32>) {
+        self.first.fill(NONE);
+        for (sample, face) in holders.iter().enumerate() {
+            self.next[sample] = std::mem::replace(&mut self.first[*face as usize], sample as u32);
+        }
+        self.holder = holders;
+    }
+
     /// The samples of a face.
     pub fn of_face(&self, face: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.first[face as usize];
@@ -61,15 +73,21 @@ impl SamplesByFace {
         self.reassignments.clear();
         self.round += 1;
         for &face in old {
+            let own = new.iter().find(|(f, _)| *f == face);
             let mut sample = self.first[face as usize];
             while sample != NONE {
                 let p = self.at[sample as usize];
                 let mut best = (f64::INFINITY, NONE);
-                for (face, corners) in new {
+                let offer = |best: &mut (f64, u32), (face, corners): &(u32, [[f64; 3]; 3])| {
                     let d = distance_sq_to_triangle(p, *corners);
                     if d < best.0 {
-                        best = (d, *face);
+                        *best = (d, *face);
                     }
+                };
+                // Mostly the face that held it still does.
+                own.into_iter().for_each(|own| offer(&mut best, own));
+                if !room.holds_sample(sample, best.0 * NEAR) {
+                    new.iter().filter(|(f, _)| *f != face).for_each(|new| offer(&mut best, new));
                 }
                 if !room.holds_sample(sample, best.0) {
                     return false;
@@ -104,9 +122,15 @@ impl SamplesByFace {
         self.holder[sample as usize]
     }
 
+    /// The face that would hold a sample after the pending collapse, where that is another one or around it.
+    #[inline]
+    pub fn pending_holder(&self, sample: u32) -> Option<u32> {
+        let (round, face) = self.last_query[sample as usize];
+        (round == self.round).then_some(face)
+    }
+
     /// The face that would hold a sample after the pending collapse.
     pub fn holder_after(&self, sample: u32) -> u32 {
-        let (round, face) = self.last_query[sample as usize];
-        if round == self.round { face } else { self.holder[sample as usize] }
+        self.pending_holder(sample).unwrap_or(self.holder[sample as usize])
     }
 }

@@ -116,6 +116,31 @@ impl HalfEdgeSurface {
         OneRingHalfEdges { surface: self, first, next: first }
     }
 
+    /// The half-edges that start at the ends of an edge, one for each face there without the edge's own,
+    /// counter-clockwise around the vertex that the edge becomes. Its ends are not both on a border, unless it is one.
+    pub fn around_edge(&self, h: u32) -> impl Iterator<Item = u32> + '_ {
+        let across = self.twin[h as usize];
+        let [a, b] = [self.start[h as usize], self.end(h)].map(|v| self.outgoing[v as usize]);
+        let after = |side: u32| self.twin[previous_in_face(side) as usize];
+        // Up to a half-edge, which is left out, or the border.
+        let runs = if across == NONE {
+            [(b, next_in_face(h)), (after(h), NONE), (NONE, NONE)]
+        } else {
+            let (at_start, at_end) = (next_in_face(across), next_in_face(h));
+            match [a, b].map(|outgoing| self.twin[outgoing as usize] == NONE) {
+                [true, _] => [(a, at_start), (after(across), at_end), (after(h), NONE)],
+                [_, true] => [(b, at_end), (after(h), at_start), (after(across), NONE)],
+                _ => [(after(h), at_start), (after(across), at_end), (NONE, NONE)],
+            }
+        };
+        runs.into_iter().flat_map(move |(first, end)| {
+            let up_to_end = move |g: u32| (g != NONE && g != end).then_some(g);
+            std::iter::successors(up_to_end(first), move |g| {
+                up_to_end(self.twin[previous_in_face(*g) as usize])
+            })
+        })
+    }
+
     /// The vertices of a face.
     #[inline]
     pub fn corners(&self, face: u32) -> [u32; 3] {

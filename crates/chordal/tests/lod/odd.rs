@@ -156,7 +156,9 @@ fn huge_and_tiny_coordinates_survive() {
         &mesh(&[[0.0; 3], [1e150, 0.0, 0.0], [0.0, 1e-150, 0.0], [1.0, 1.0, 1.0]], &[[0, 1, 2], [1, 3, 2]]),
     );
     let far = mesh(&[[-1.7e308, 0.0, 0.0], [1.7e308, 0.0, 0.0], [0.0, 1e308, 0.0]], &[[0, 1, 2]]);
-    assert_eq!(code(&far, &length(1.0)), RefusalCode::NotFinite);
+    assert_eq!(code(&far, &Budget::triangles(1)), RefusalCode::NotFinite);
+    // What stays as it is needs no distance.
+    assert_eq!(made(&far, &length(1.0)).bound.at_most(), Some(0.0));
 }
 
 #[test]

@@ -17,7 +17,7 @@ use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 use distance_surface::DistanceSurface;
 use frame::DeviationFrame;
 use hausdorff::{FarthestSample, HausdorffGoal, HausdorffQuery, LimitInterval, OneSidedSearch, search};
-pub(crate) use mapping::{MappedPair, NearFaces};
+pub(crate) use mapping::{MappedPair, NearFaces, NearestFaces};
 use shared::{SharedPositionIds, VertexDistances};
 use std::borrow::Cow;
 pub(crate) use violations::{

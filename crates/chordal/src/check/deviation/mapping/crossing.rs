@@ -1,6 +1,7 @@
 //! `Crossing`: where the image of an edge of the source leaves a face of the result.
 use super::super::distance::{UNDERFLOW, apart_up};
-use crate::math::{difference, dot, greater, lesser};
+use crate::explicit::closest_on_segments;
+use crate::math::greater;
 
 /// A point of an edge of the source and a point of an edge of the result, which stand for each other.
 #[derive(Clone, Copy, Debug)]
@@ -14,36 +15,10 @@ pub(super) struct Crossing {
     pub up: f64,
 }
 
-fn clamp(x: f64, least: f64) -> f64 {
-    if x > least { lesser(x, 1.0) } else { least }
-}
-
-/// Below this share of the product of squared lengths two edges count as parallel: then any point does.
-/// Chosen: it decides tightness alone.
-const PARALLEL: f64 = 1e-14;
-
 impl Crossing {
     /// The nearest points of the edge `source` and the edge `result`, of which the first is not before `least`.
     pub fn nearest(source: [[f64; 3]; 2], result: [[f64; 3]; 2], least: f64) -> Self {
-        let ([u, v], [a, b]) = (source, result);
-        let (along, across, from) = (difference(v, u), difference(b, a), difference(u, a));
-        let (uu, ab, aa) = (dot(along, along), dot(along, across), dot(across, across));
-        let (c, f) = (dot(along, from), dot(across, from));
-        let whole = uu * aa - ab * ab;
-        let mut t = if uu <= 0.0 {
-            least
-        } else if whole > PARALLEL * uu * aa {
-            clamp((ab * f - c * aa) / whole, least)
-        } else {
-            0.5 * (least + 1.0)
-        };
-        let mut s = if aa > 0.0 { (ab * t + f) / aa } else { 0.0 };
-        if !(0.0..=1.0).contains(&s) && uu > 0.0 {
-            // The end of the other edge is nearer.
-            s = clamp(s, 0.0);
-            t = clamp((ab * s - c) / uu, least);
-        }
-        s = if aa > 0.0 { clamp((ab * t + f) / aa, 0.0) } else { 0.0 };
+        let [t, s] = closest_on_segments(source, result, least);
         Self { t, s, up: apart_at_most(source, t, result, s) }
     }
 }

@@ -1,5 +1,5 @@
 //! `VertexImage`: for each vertex of the source a point of one face of the other surface.
-use super::surface::{FanSurface, NONE};
+use super::surface::{FanSurface, MOST_AROUND, NONE};
 use crate::budget::{Job, par_map};
 use crate::explicit::closest_on_triangle;
 use crate::math::{difference, dot, greater, lesser};
@@ -71,7 +71,7 @@ impl VertexImage {
                         break;
                     }
                     last = v;
-                    for g in surface.ring(v) {
+                    for g in surface.ring(v).take(MOST_AROUND) {
                         if g / 3 != before.face {
                             self.take_nearer(p, g / 3, surface);
                         }

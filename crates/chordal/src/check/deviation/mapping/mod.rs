@@ -21,7 +21,7 @@ use images::{VertexImage, largest_distance_sq, vertex_images};
 use nearby::{NearbySearch, Side};
 use paths::edge_paths;
 use std::borrow::Cow;
-use surface::FanSurface;
+use surface::{FanSurface, NONE};
 
 /// For each vertex of a mesh a face of another one that is near it.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +30,37 @@ pub(crate) struct NearFaces<'a> {
     pub by_row: &'a [u32],
     /// Which rows of the mesh are one position.
     pub topology: Topology,
+}
+
+/// For each vertex of a surface the face of another one that is nearest to it, as far as a descent from a face near it
+/// tells.
+pub(crate) struct NearestFaces {
+    source: FanSurface,
+    result: FanSurface,
+    images: Vec<VertexImage>,
+}
+
+impl NearestFaces {
+    /// From the faces `near` of `a`'s vertices.
+    pub fn new(a: &Mesh, b: &Mesh, near: NearFaces<'_>, job: &Job) -> Self {
+        let source = FanSurface::new(a, near.topology.ids(a).as_deref());
+        let result = FanSurface::new(b, Topology::Indices.ids(b).as_deref());
+        let images = vertex_images(&source, &result, (a.faces().as_flattened(), near.by_row), job);
+        Self { source, result, images }
+    }
+
+    /// The face for the vertex at the start of a half-edge of `a`, and the squared distance, rounded.
+    pub fn of_corner(&self, h: u32) -> Option<(u32, f64)> {
+        Some(self.images[self.source.start(h) as usize])
+            .filter(|image| image.face != NONE)
+            .map(|image| (image.face, image.distance_sq))
+    }
+
+    /// The same for a point, by a descent from a face.
+    pub fn from_face(&self, p: [f64; 3], face: u32) -> (u32, f64) {
+        let image = VertexImage::on_face(p, face, &self.result).descend(p, &self.result);
+        (image.face, image.distance_sq)
+    }
 }
 
 /// A mesh and another one that stands for it piece by piece, as a simplified one does.

@@ -2,7 +2,7 @@
 //! of the other.
 use super::crossing::Crossing;
 use super::images::{Carrier, VertexImage};
-use super::surface::{FanSurface, NONE};
+use super::surface::{FanSurface, MOST_AROUND, NONE};
 use crate::budget::{Job, par_map};
 use crate::explicit::{distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{cross, difference, dot, greater, lesser, unit};
@@ -118,9 +118,8 @@ struct BestPath {
     up: f64,
 }
 
-/// Faces that one walk crosses at most, and half-edges around one vertex. Chosen: what needs more is searched for.
+/// Faces that one walk crosses at most. Chosen: what needs more is searched for.
 const MOST_CROSSED: usize = 200;
-const MOST_AROUND: usize = 64;
 /// How often an edge is halved at most to find a walk. Chosen.
 const MOST_HALVINGS: u32 = 6;
 /// How far toward the other end a point is asked for the face in which it lies. Chosen: small, so that it is

@@ -3,6 +3,8 @@ use crate::explicit::{Mesh, Twin, Twins, next_in_face, previous_in_face};
 
 /// No half-edge, no face.
 pub(super) const NONE: u32 = u32::MAX;
+/// Faces that are looked at around one vertex at most. Chosen: what needs more is searched for.
+pub(super) const MOST_AROUND: usize = 64;
 
 /// Faces that are neighbours where exactly two of them share an edge and are wound alike. Where several fans
 /// of faces meet at one position, each has a vertex of its own.

@@ -1,0 +1,134 @@
+//! `OriginalEdges`: whether edges of the original stay close to the faces around a collapse.
+use super::error_monitor::CollapseChange;
+use super::local_tolerance::LocalTolerance;
+use super::samples::SamplesByFace;
+use super::surface::{HalfEdgeSurface, NONE};
+use crate::explicit::closest_on_segments;
+use crate::math::dot;
+
+/// The edges of the original, by vertex.
+///
+/// The vertices of the original are held by faces. An edge whose ends are held by different faces is walked along
+/// from the one to the other, over the edges between them; where each of these comes close to it, so do the faces
+/// that lie between. That is how the final proof maps both surfaces onto each other, so a surface whose collapses were
+/// all allowed here mostly needs no other proof.
+pub(super) struct OriginalEdges {
+    /// Neighbours of vertex v: `neighbours[first[v]..first[v + 1]]`.
+    first: Vec<u32>,
+    neighbours: Vec<u32>,
+}
+
+/// What is known of the edges of the original around a collapse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EdgeVerdict {
+    /// All stay close.
+    Near,
+    /// All that lead to faces next to the collapse do; some lead farther.
+    Unknown,
+    /// Some do not.
+    Far,
+}
+
+impl OriginalEdges {
+    pub fn new(surface: &HalfEdgeSurface, n_vertices: usize) -> Self {
+        let mut first = vec![0_u32; n_vertices + 1];
+        let edges = || {
+            let there = (0..surface.start.len() as u32).filter(|h| surface.start[*h as usize] != NONE);
+            there.flat_map(|h| {
+                let (u, v) = (surface.start[h as usize], surface.end(h));
+                let back = (surface.twin[h as usize] == NONE).then_some((v, u));
+                std::iter::once((u, v)).chain(back)
+            })
+        };
+        edges().for_each(|(u, _)| first[u as usize + 1] += 1);
+        for v in 0..n_vertices {
+            first[v + 1] += first[v];
+        }
+        let mut free = first.clone();
+        let mut neighbours = vec![0; first.last().map_or(0, |n| *n as usize)];
+        for (u, v) in edges() {
+            let place = &mut free[u as usize];
+            neighbours[*place as usize] = v;
+            *place += 1;
+        }
+        Self { first, neighbours }
+    }
+
+    /// The vertices with which one shares an edge.
+    #[inline]
+    pub fn neighbours(&self, v: u32) -> &[u32] {
+        &self.neighbours[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
+    }
+
+    /// Looks at the edges whose vertices the faces around a collapse would hold, as `samples` has just found.
+    pub fn verdict(
+        &self,
+        samples: &SamplesByFace,
+        change: &CollapseChange<'_>,
+        room: &LocalTolerance,
+    ) -> EdgeVerdict {
+        let n = self.first.len() as u32 - 1;
+        let place = |face: u32| change.after.iter().position(|(f, _)| *f == face);
+        let mut verdict = EdgeVerdict::Near;
+        for &(v, face) in samples.reassignments() {
+            if v >= n {
+                continue;
+            }
+            let Some(from) = place(face) else { continue };
+            for &u in self.neighbours(v) {
+                let edge = [v, u].map(|v| samples.at[v as usize]);
+                let to = match samples.pending_holder(u) {
+                    // Seen from one end is enough.
+                    Some(_) if u < v => continue,
+                    Some(face) if face == change.after[from].0 => continue,
+                    Some(face) => place(face),
+                    None => {
+                        let outside = samples.holder(u);
+                        let across = |h: &u32| {
+                            let t = change.surface.twin[*h as usize];
+                            t != NONE && t / 3 == outside
+                        };
+                        let to = change.opposite.iter().position(across);
+                        let side = |k: usize| [change.after[k].1[1], change.after[k].1[2]];
+                        if to.is_some_and(|k| !is_close(edge, side(k), room)) {
+                            return EdgeVerdict::Far;
+                        }
+                        to
+                    }
+                };
+                match to {
+                    Some(to) if !turns_close(edge, [from, to], change, room) => return EdgeVerdict::Far,
+                    Some(_) => {}
+                    None => verdict = EdgeVerdict::Unknown,
+                }
+            }
+        }
+        verdict
+    }
+}
+
+/// Whether two segments come close to each other.
+#[inline]
+fn is_close(edge: [[f64; 3]; 2], other: [[f64; 3]; 2], room: &LocalTolerance) -> bool {
+    let [t, s] = closest_on_segments(edge, other, 0.0);
+    let on =
+        |[a, b]: [[f64; 3]; 2], t: f64| -> [f64; 3] { std::array::from_fn(|k| a[k] + t * (b[k] - a[k])) };
+    let (p, q) = (on(edge, t), on(other, s));
+    let off: [f64; 3] = std::array::from_fn(|k| p[k] - q[k]);
+    room.holds(p, dot(off, off))
+}
+
+/// Whether an edge of the original comes close to all edges between two faces around the new point, on one of the two
+/// ways around it.
+fn turns_close(
+    edge: [[f64; 3]; 2],
+    [from, to]: [usize; 2],
+    change: &CollapseChange<'_>,
+    room: &LocalTolerance,
+) -> bool {
+    let n = change.after.len();
+    // Between a face and the next one.
+    let is_near = |k: usize| is_close(edge, [change.to, change.after[k % n].1[2]], room);
+    let (low, high) = if from < to { (from, to) } else { (to, from) };
+    (low..high).all(is_near) || (change.is_closed && (high..low + n).all(is_near))
+}
