@@ -155,7 +155,7 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
     let truth = triangles(given);
     let mut random = Random::new(3);
     let made =
-        lod(loaded(text.as_bytes(), Format::Obj), &spec("0.002", 400), &Job::default()).expect("levels");
+        lod(loaded(text.as_bytes(), Format::Obj), &spec("0.0005", 200), &Job::default()).expect("levels");
     let files = made.tileset().expect("files");
     let read = |name: &str| -> Mesh {
         let bytes = &files.beside.iter().find(|file| file.name == name).expect("a file").bytes;

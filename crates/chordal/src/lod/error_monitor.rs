@@ -215,7 +215,7 @@ impl ErrorMonitor {
                     // From either end, and from the sample before.
                     let ends = [*h, next_in_face(*h)].map(|h| nearest.of_corner(h));
                     let from = ends.into_iter().chain([last]).flatten();
-                    let found = from.map(|(face, _)| nearest.from_face(*at, face));
+                    let found = from.map(|(face, _)| nearest.descend_from(*at, face));
                     found.min_by(|(_, a), (_, b)| a.total_cmp(b))
                 }
             };

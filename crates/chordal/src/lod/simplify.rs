@@ -20,8 +20,8 @@ use crate::math::{Box3, lesser};
 pub struct SimplifiedMesh {
     /// The triangles.
     pub mesh: Mesh,
-    /// The worst pair of points: one on one surface, and the closest point on the other. `None` where nothing
-    /// was lost.
+    /// The worst pair of points: one on one surface, and the closest point on the other. `None` where no point was
+    /// found to be off.
     pub worst: Option<OneSidedDistance>,
     /// What could not be collapsed, and what was left out.
     pub stats: ReductionStats,
@@ -39,7 +39,8 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
 /// rounding included, on the triangles that are returned: by a map between both surfaces, and where that does not
-/// reach as by [`check::deviation`](crate::check::deviation). Not covered: the angles of normals, and attribute
+/// reach as by [`check::deviation`](crate::check::deviation). Its ends are within a tenth of each other, and for a
+/// length not closer than a hundredth of it. Not covered: the angles of normals, and attribute
 /// values between the points of a feature line.
 ///
 /// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a
@@ -198,7 +199,7 @@ const SHARE: f64 = 0.99;
 /// The largest number of attempts, each with stricter checks where the one before deviated too much.
 /// Measured: up to 6 are needed.
 const ATTEMPTS: u32 = 14;
-/// The fraction of a length up to which both ends of a bound may differ. Chosen.
+/// The fraction of a length, or of the diagonal if that is less, by which both ends of a bound may differ. Chosen.
 const CLOSE: f64 = 0.01;
 /// The fraction of a length that collapses without a monitor may cost, and how often it is tried, each time without places
 /// that were too far off before. Chosen.
@@ -299,7 +300,8 @@ impl<'a> ProgressiveSimplifier<'a> {
                     continue;
                 }
                 // What is far below the length need not be known to a tenth of itself.
-                let absolute = allowed.constant().and_then(|length| Tolerance::new(CLOSE * length).ok());
+                let close = |length| Tolerance::new(CLOSE * lesser(length, mesh.bounds().diagonal())).ok();
+                let absolute = allowed.constant().and_then(close);
                 let goal = Goal { absolute, ..Goal::default() };
                 let found = match mapped {
                     Some(mapped) => mapped.deviation(&goal, job)?,

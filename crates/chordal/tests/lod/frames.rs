@@ -90,7 +90,7 @@ fn a_thin_tray_keeps_its_walls() {
     // Five times as much as the walls are thick, and less.
     for asked in [0.01, 0.001, 0.0001] {
         let made = made(&mesh, &length(asked));
-        bounds::holds("tray", &mesh, &made, &mut Random::new(1));
+        bounds::holds("tray", &mesh, &length(asked), &made, &mut Random::new(1));
         let found = chordal::check::validity(&made.shape.mesh, chordal::explicit::Topology::Positions);
         assert!(found.closed && found.manifold() && found.genus == Some(0), "{asked}: {found:?}");
         assert!(n_faces(&made) < 200, "{asked}: {} triangles", n_faces(&made));

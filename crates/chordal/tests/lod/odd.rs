@@ -166,7 +166,7 @@ fn a_length_larger_than_the_mesh_leaves_the_least() {
     for (mesh, least) in [(shapes::torus([40, 20], 0.0), 14), (shapes::mobius([60, 8]), 5)] {
         let made = made(&mesh, &length(1000.0));
         assert!((least..least + 30).contains(&n_faces(&made)), "{}", n_faces(&made));
-        bounds::holds("least", &mesh, &made, &mut Random::new(1));
+        bounds::holds("least", &mesh, &length(1000.0), &made, &mut Random::new(1));
     }
 }
 

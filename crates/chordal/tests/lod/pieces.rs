@@ -34,7 +34,7 @@ fn debris_goes_where_the_length_covers_it() {
     assert_eq!(components(&mesh), 41);
     let made = made(&mesh, &length(0.05));
     assert_eq!((components(&made.shape.mesh), made.shape.stats.dropped_components), (1, 40));
-    bounds::holds("debris", &mesh, &made, &mut Random::new(1));
+    bounds::holds("debris", &mesh, &length(0.05), &made, &mut Random::new(1));
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn debris_stays_where_the_length_does_not_cover_it() {
     let made = made(&mesh, &length(0.008));
     assert_eq!((components(&made.shape.mesh), made.shape.stats.dropped_components), (41, 0));
     assert!(n_faces(&made) < mesh.faces().len() / 2);
-    bounds::holds("debris", &mesh, &made, &mut Random::new(1));
+    bounds::holds("debris", &mesh, &length(0.008), &made, &mut Random::new(1));
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn the_only_piece_stays_whatever_the_length() {
     let mesh = shapes::sphere(3);
     let made = made(&mesh, &length(100.0));
     assert_eq!(n_faces(&made), 4);
-    bounds::holds("ball", &mesh, &made, &mut Random::new(1));
+    bounds::holds("ball", &mesh, &length(100.0), &made, &mut Random::new(1));
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn a_count_below_what_is_possible_gives_the_best() {
     };
     // The least that a torus without a double edge has is 14.
     assert!((14..40).contains(&n_faces(&best)), "{}", n_faces(&best));
-    bounds::holds("torus", &mesh, &best, &mut Random::new(1));
+    bounds::holds("torus", &mesh, &Budget::triangles(4), &best, &mut Random::new(1));
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn three_sheets_at_one_line_keep_the_line() {
     assert_eq!(of(&mesh).non_manifold_edges.count, 16);
     for budget in [Budget::triangles(1), length(0.5)] {
         let made = made(&mesh, &budget);
-        bounds::holds("sheets", &mesh, &made, &mut Random::new(1));
+        bounds::holds("sheets", &mesh, &budget, &made, &mut Random::new(1));
         let out = &made.shape.mesh;
         assert_eq!(of(out).non_manifold_edges.count, 16);
         let line =
@@ -147,7 +147,7 @@ fn two_fans_at_one_vertex_stay_together() {
         assert!(made.shape.mesh.positions().contains(&[1.0, 0.0, 0.0]));
         assert_eq!(of(&made.shape.mesh).components, of(&mesh).components);
         assert!(!of(&made.shape.mesh).manifold());
-        bounds::holds("balls", &mesh, &made, &mut Random::new(1));
+        bounds::holds("balls", &mesh, &budget, &made, &mut Random::new(1));
     }
 }
 

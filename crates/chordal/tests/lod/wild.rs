@@ -91,7 +91,7 @@ fn held(seed: u64, mesh: &Mesh, random: &mut Random) {
     };
     let made = made(mesh, &budget);
     let name = format!("seed {seed}, {budget:?}");
-    bounds::holds(&name, mesh, &made, random);
+    bounds::holds(&name, mesh, &budget, &made, random);
     if let Some(asked) = budget.length {
         assert!(made.bound.at_most().expect("proved") <= asked.get(), "{name}");
     }

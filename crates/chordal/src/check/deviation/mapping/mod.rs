@@ -57,7 +57,7 @@ impl NearestFaces {
     }
 
     /// The same for a point, by a descent from a face.
-    pub fn from_face(&self, p: [f64; 3], face: u32) -> (u32, f64) {
+    pub fn descend_from(&self, p: [f64; 3], face: u32) -> (u32, f64) {
         let image = VertexImage::on_face(p, face, &self.result).descend(p, &self.result);
         (image.face, image.distance_sq)
     }
