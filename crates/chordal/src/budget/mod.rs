@@ -27,6 +27,8 @@ pub use length::{InvalidLength, Length, Unit};
 pub(crate) use lens::{Lens, PixelScale};
 pub use limits::{Budget, PixelBudget, RequiredEvidence, UnknownRequirement};
 pub(crate) use message::{Message, Spell, Spelling};
+#[cfg(feature = "threads")]
+pub(crate) use parallel::has_threads;
 pub use parallel::par_map;
 pub(crate) use parallel::par_map_owned;
 pub(crate) use setting::Setting;

@@ -70,7 +70,11 @@ fn for_each(job: &Job, n: usize, task: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "threads")]
     job.enter(&mut || {
         use rayon::prelude::*;
-        (0..n).into_par_iter().for_each(task);
+        if has_threads() {
+            (0..n).into_par_iter().for_each(task);
+        } else {
+            (0..n).for_each(task);
+        }
     });
     #[cfg(not(feature = "threads"))]
     {
@@ -105,6 +109,20 @@ impl Job {
         }
         work();
     }
+}
+
+/// Whether the caller is on the threads of a pool, or the host's pool has any: where the machine grants none, rayon
+/// panics at the first use of that pool.
+#[cfg(feature = "threads")]
+pub(crate) fn has_threads() -> bool {
+    use std::{error::Error, sync::OnceLock};
+    static HOST: OnceLock<bool> = OnceLock::new();
+    // Of its errors, only that of the machine has a source; the other one is that the host has started the pool.
+    rayon::current_thread_index().is_some()
+        || *HOST.get_or_init(|| match rayon::ThreadPoolBuilder::new().build_global() {
+            Ok(()) => true,
+            Err(error) => error.source().is_none(),
+        })
 }
 
 /// The pool with that many threads, started once per process: starting one takes 40 µs, which is as long as a

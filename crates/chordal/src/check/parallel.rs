@@ -1,5 +1,7 @@
 //! Parallel execution of two closures or of all chunks of a slice; the results do not depend on the number of
 //! threads.
+#[cfg(feature = "threads")]
+use crate::budget::has_threads;
 use crate::budget::{Job, par_map};
 
 /// Fewer triangles than this are looked at faster than another thread wakes up. Derived: at 55 ns each
@@ -15,7 +17,7 @@ pub(super) fn both<A: Send, B: Send>(
     a: impl FnOnce() -> A + Send,
     b: impl FnOnce() -> B + Send,
 ) -> (A, B) {
-    if n_triangles < WORTH_A_THREAD { (a(), b()) } else { rayon::join(a, b) }
+    if n_triangles < WORTH_A_THREAD || !has_threads() { (a(), b()) } else { rayon::join(a, b) }
 }
 
 /// Runs both, one after the other.

@@ -161,6 +161,11 @@ impl<'a> MeshReduction<'a> {
             wedges.as_ref().map(|wedges| AttributeGuard::new(surface, wedges, at.len(), limits));
     }
 
+    /// Whether there are attributes that collapses keep within limits.
+    pub fn guards_attributes(&self) -> bool {
+        self.engine.attribute_guard.is_some()
+    }
+
     /// Resets the shares of the limits of attributes that collapses may use, for a larger length.
     pub fn reset_attribute_shares(&mut self) {
         self.engine.attribute_guard.iter_mut().for_each(AttributeGuard::reset);

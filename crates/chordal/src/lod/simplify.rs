@@ -326,7 +326,7 @@ impl<'a> ProgressiveSimplifier<'a> {
         room: &LocalTolerance,
         job: &Job,
     ) -> Result<Option<MeshReduction<'a>>, JobError> {
-        if self.attributes.is_set() || !room.is_constant() {
+        if self.proved.guards_attributes() || !room.is_constant() {
             return Ok(None);
         }
         let mut held: Vec<u32> = Vec::new();
