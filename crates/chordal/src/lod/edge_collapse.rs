@@ -7,11 +7,12 @@ use super::bucket_queue::BucketQueue;
 use super::error_monitor::{CollapseChange, ErrorMonitor};
 use super::local_tolerance::LocalTolerance;
 use super::quadric::Quadric;
-use super::surface::{HalfEdgeSurface, NONE};
+use super::surface::{Compaction, HalfEdgeSurface, NONE};
 use super::wedges::{WedgeChange, WedgeTransfer, Wedges};
 use crate::budget::Job;
 use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{Box3, cross, difference, dot, greater, lesser, prefetch, unit_and_length};
+use std::rc::Rc;
 
 /// How a vertex may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +48,7 @@ pub(super) struct EdgeCollapser {
     /// By vertex: its original number; for a locked vertex, that of its position.
     pub source_vertex: Vec<u32>,
     /// By original number: the first fan at the same position of the mesh.
-    pub first_fan: Vec<u32>,
+    pub first_fan: Rc<[u32]>,
     /// By half-edge: whether its edge is on a feature line. A border always is one.
     pub is_line: Vec<bool>,
     pub monitor: Option<ErrorMonitor>,
@@ -67,7 +68,7 @@ pub(super) struct EdgeCollapser {
     /// By half-edge: whether it is in the queue, for one of the two of an edge.
     is_queued: Vec<bool>,
     queue: BucketQueue,
-    /// Vertices that were visited in this round.
+    /// By original number: the round in which the position was visited.
     visited: Vec<u32>,
     round: u32,
     /// The faces around the edge after the collapse, without the two that are removed, counter-clockwise around the
@@ -298,6 +299,27 @@ impl EdgeCollapser {
             }
         }
         true
+    }
+
+    /// Leaves out removed faces and vertices; the others stay in their order.
+    pub fn compact(&mut self) -> Compaction {
+        let kept = self.surface.compact();
+        self.at = kept.vertices(&self.at).collect();
+        self.quadric = kept.vertices(&self.quadric).collect();
+        self.kind = kept.vertices(&self.kind).collect();
+        self.source_vertex = kept.vertices(&self.source_vertex).collect();
+        self.is_original = kept.vertices(&self.is_original).collect();
+        self.feature_deviation = kept.vertices(&self.feature_deviation).collect();
+        let (n_vertices, n) = (self.at.len(), self.surface.start.len());
+        self.merged_into = (0..n_vertices as u32).collect();
+        self.is_held = vec![false; n_vertices];
+        self.is_line = kept.half_edges(&self.is_line).collect();
+        self.is_queued = vec![false; n];
+        self.queue = BucketQueue::new();
+        self.face_cost = kept.faces(&self.face_cost).collect();
+        self.monitor.iter_mut().for_each(|monitor| monitor.samples.compact(&kept));
+        self.wedges.iter_mut().for_each(|wedges| wedges.compact(&kept));
+        kept
     }
 
     /// Whether the mean distance of planes of the original from the new point is below a fraction of the tolerance.

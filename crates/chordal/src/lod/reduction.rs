@@ -13,6 +13,7 @@ use crate::math::{Box3, difference, exponent, greater, length, lesser, power_of_
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
+use std::rc::Rc;
 
 /// World → local: minus the middle of the mesh, times a power of two that scales the extent to 1 or less.
 #[derive(Clone, Copy, Debug)]
@@ -74,9 +75,14 @@ pub(super) struct MeshReduction<'a> {
     mesh: &'a Mesh,
     frame: ReductionFrame,
     engine: EdgeCollapser,
-    row: Vec<u32>,
+    /// By vertex at the start: a row of the mesh.
+    row: Rc<[u32]>,
     /// By row of the mesh: its vertex at the start, or [`NONE`].
-    vertex_of_row: Vec<u32>,
+    vertex_of_row: Rc<[u32]>,
+    /// By vertex at the start: the one into which it was collapsed before the last compaction, or [`NONE`].
+    vertex_of_start: Vec<u32>,
+    /// By face: that of the mesh.
+    source_face: Vec<u32>,
     /// Whether it is a part of a larger mesh: at its locked vertices other parts may be attached.
     is_region: bool,
     pub stats: ReductionStats,
@@ -110,13 +116,26 @@ impl<'a> MeshReduction<'a> {
         let kind = vertex_kinds(&surface, &is_line, &is_tied);
         let mut engine = EdgeCollapser::new(surface, at, kind, is_line);
         engine.wedges = wedges;
-        engine.first_fan = place;
+        engine.first_fan = place.into();
         let kept = ReductionStats {
             locked_vertices: tied_vertices,
             degenerate_faces: collapsed as u64,
             ..ReductionStats::default()
         };
-        Self { mesh, frame, engine, row, vertex_of_row, is_region: is_part, stats: kept }
+        let vertex_of_start = (0..row.len() as u32).collect();
+        let source_face = (0..mesh.faces().len() as u32).collect();
+        let (row, vertex_of_row) = (row.into(), vertex_of_row.into());
+        Self {
+            mesh,
+            frame,
+            engine,
+            row,
+            vertex_of_row,
+            vertex_of_start,
+            source_face,
+            is_region: is_part,
+            stats: kept,
+        }
     }
 
     /// The number of remaining faces.
@@ -127,6 +146,22 @@ impl<'a> MeshReduction<'a> {
     /// Whether every face has two corners at one position, so that there is no surface.
     pub fn is_empty(&self) -> bool {
         self.n_faces() == 0
+    }
+
+    /// Leaves out removed faces and vertices where most are.
+    pub fn compact(&mut self) {
+        if self.n_faces() > self.source_face.len() / 2 {
+            return;
+        }
+        let Self { engine, vertex_of_start, source_face, .. } = self;
+        for v in vertex_of_start.iter_mut().filter(|v| **v != NONE) {
+            *v = representative(&mut engine.merged_into, *v);
+        }
+        let kept = engine.compact();
+        for v in vertex_of_start.iter_mut().filter(|v| **v != NONE) {
+            *v = kept.new_vertex[*v as usize];
+        }
+        *source_face = kept.faces(source_face).collect();
     }
 
     /// Starts to monitor the distance, before anything is collapsed.
@@ -231,8 +266,9 @@ impl<'a> MeshReduction<'a> {
             let corners = then.original_corners(far.face);
             // A face that was left out from the start has no vertices here.
             if corners[0] != NONE {
-                let costs = corners.map(|v| made_at(then.samples.holder(v)));
-                let cost = costs.into_iter().fold(f32::INFINITY, |least, x| lesser(x, least));
+                let holders =
+                    corners.map(|v| then.samples.holder(v)).into_iter().filter(|face| *face != NONE);
+                let cost = holders.map(made_at).reduce(lesser).unwrap_or(0.0);
                 corners.into_iter().for_each(|v| mark(v, cost));
             }
         }
@@ -258,13 +294,17 @@ impl<'a> MeshReduction<'a> {
         if room.is_constant() {
             return;
         }
-        let EdgeCollapser { surface, at, monitor: Some(watch), .. } = &mut self.engine else { return };
-        for face in 0..(surface.start.len() / 3) as u32 {
-            let corners = surface.corners(face);
-            if corners[0] != NONE && room.is_too_close(&Box3::from_points(&corners.map(|v| at[v as usize]))) {
-                corners.into_iter().for_each(|v| watch.check_levels[v as usize] = CheckLevel::Frozen);
+        let Some(mut monitor) = self.engine.monitor.take() else { return };
+        let EdgeCollapser { surface, at, .. } = &self.engine;
+        for face in self.faces() {
+            let corners = surface.corners(face).map(|v| at[v as usize]);
+            if room.is_too_close(&Box3::from_points(&corners)) {
+                for sample in self.samples_near(&monitor, face) {
+                    monitor.check_levels[sample as usize] = CheckLevel::Frozen;
+                }
             }
         }
+        self.engine.monitor = Some(monitor);
     }
 
     /// Collapses edges until `faces` are left, or nothing more fits into the tolerance.
@@ -285,15 +325,19 @@ impl<'a> MeshReduction<'a> {
         let Some(mut monitor) = self.engine.monitor.take() else { return Ok(Ok(())) };
         let EdgeCollapser { is_held, merged_into, .. } = &mut self.engine;
         is_held.fill(false);
-        held.iter().for_each(|v| is_held[representative(merged_into, *v) as usize] = true);
+        let known = held.iter().map(|v| self.vertex_of_start[*v as usize]).filter(|v| *v != NONE);
+        known.for_each(|v| is_held[representative(merged_into, v) as usize] = true);
         let until = StopCriterion { faces: 0, tolerance: room, share: Some(share) };
         if !self.engine.run(&until, job) {
             return Err(JobError::Cancelled);
         }
         let EdgeCollapser { surface, at, merged_into, .. } = &mut self.engine;
-        let near = |v: u32| match surface.outgoing[representative(merged_into, v) as usize] {
+        let near = |v: u32| match self.vertex_of_start[v as usize] {
             NONE => NONE,
-            h => h / 3,
+            v => match surface.outgoing[representative(merged_into, v) as usize] {
+                NONE => NONE,
+                h => h / 3,
+            },
         };
         let found = monitor.assign_nearest(surface, at, near, (room, job));
         let found = found.map_err(|far| monitor.around(far));
@@ -313,8 +357,13 @@ impl<'a> MeshReduction<'a> {
             sets.union(b, c);
         }
         // Positions that are tied in the mesh belong to one component.
-        for (v, place) in self.engine.first_fan.iter().enumerate() {
-            sets.union(v as u32, *place);
+        let mut first_at = vec![NONE; engine.first_fan.len()];
+        for v in faces.iter().flat_map(|face| engine.surface.corners(*face)) {
+            let first = &mut first_at[engine.first_fan[engine.source_vertex[v as usize] as usize] as usize];
+            if *first == NONE {
+                *first = v;
+            }
+            sets.union(v, *first);
         }
         let mut bounds: BTreeMap<u32, Box3> = BTreeMap::new();
         for face in &faces {
@@ -380,23 +429,25 @@ impl<'a> MeshReduction<'a> {
         for (i, face) in self.faces().into_iter().enumerate() {
             number[face as usize] = i as u32;
         }
-        let rows = std::mem::take(&mut self.vertex_of_row);
+        let rows = Rc::clone(&self.vertex_of_row);
         let near = rows.iter().map(|v| match *v {
             NONE => NONE,
             v => {
                 // The vertices are the first samples. A face that was removed as a whole has no number.
                 let held = self.engine.monitor.as_ref().map(|monitor| monitor.samples.holder(v));
                 if let Some(face) = held {
-                    return number[face as usize];
+                    return if face == NONE { NONE } else { number[face as usize] };
+                }
+                let v = self.vertex_of_start[v as usize];
+                if v == NONE {
+                    return NONE;
                 }
                 let v = representative(&mut self.engine.merged_into, v);
                 let h = self.engine.surface.outgoing[v as usize];
                 if h == NONE { NONE } else { number[h as usize / 3] }
             }
         });
-        let near = near.collect();
-        self.vertex_of_row = rows;
-        near
+        near.collect()
     }
 
     /// The current mesh.
@@ -422,7 +473,8 @@ impl<'a> MeshReduction<'a> {
                     normals.flatten().collect()
                 }
                 (ReducedValues::Faces, _) => {
-                    origin.iter().flat_map(|face| attribute.row(*face as usize)).copied().collect()
+                    let source = origin.iter().map(|face| self.source_face[*face as usize] as usize);
+                    source.flat_map(|face| attribute.row(face)).copied().collect()
                 }
                 (ReducedValues::Wedges(from), Domain::Vertex) => {
                     self.wedge_values(rows.wedge.iter().copied(), from, attribute.width)
@@ -460,7 +512,7 @@ impl<'a> MeshReduction<'a> {
     /// The normal of a face as it is now, for flat shading.
     fn normal(&self, attribute: &Attribute, face: u32) -> [f64; 3] {
         let corners = self.engine.surface.corners(face).map(|v| self.engine.at[v as usize]);
-        updated_normal(corners, self.mesh, attribute, face)
+        updated_normal(corners, self.mesh, attribute, self.source_face[face as usize])
     }
 
     fn wedge_values(&self, wedges: impl Iterator<Item = u32>, from: usize, width: usize) -> Vec<f64> {
@@ -544,7 +596,7 @@ impl<'a> ReducedRows<'a> {
             positions: Vec::new(),
             id: Vec::new(),
             wedge: Vec::new(),
-            first: vec![NONE; reduction.engine.at.len()],
+            first: vec![NONE; reduction.engine.first_fan.len()],
             next: Vec::new(),
             by_wedge,
             flat,

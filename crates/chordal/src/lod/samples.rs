@@ -1,6 +1,6 @@
 //! `SamplesByFace`: points of the original surface, each held by one face of the simplified surface.
 use super::local_tolerance::LocalTolerance;
-use super::surface::NONE;
+use super::surface::{Compaction, NONE};
 use crate::explicit::distance_sq_to_triangle;
 
 /// A sample that is within an eighth of the allowed distance of the face that held it stays with it; squared. Chosen.
@@ -17,7 +17,7 @@ pub(super) struct SamplesByFace {
     next: Vec<u32>,
     /// By face: its first sample.
     first: Vec<u32>,
-    /// By sample: the face that holds it.
+    /// By sample: the face that holds it; [`NONE`] where that was removed.
     holder: Vec<u32>,
     /// By sample: the round of its last query, and the face that would hold it then.
     last_query: Vec<(u32, u32)>,
@@ -56,6 +56,15 @@ impl SamplesByFace {
             self.next[sample] = std::mem::replace(&mut self.first[*face as usize], sample as u32);
         }
         self.holder = holders;
+    }
+
+    /// Renumbers the faces; those that are gone hold nothing.
+    pub fn compact(&mut self, kept: &Compaction) {
+        self.first = kept.faces(&self.first).collect();
+        self.holder
+            .iter_mut()
+            .filter(|face| **face != NONE)
+            .for_each(|face| *face = kept.new_face[*face as usize]);
     }
 
     /// The samples of a face.

@@ -311,6 +311,7 @@ impl<'a> ProgressiveSimplifier<'a> {
                 found.shape.attributes = attributes;
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
                 found.bound.pixels = by_place.then_some(places.pixels);
+                reduction.compact();
                 (self.proved, self.is_proved) = (reduction, true);
                 return Ok(Some(found));
             }
@@ -334,7 +335,10 @@ impl<'a> ProgressiveSimplifier<'a> {
             let mut reduction = self.proved.clone();
             let found = reduction.run_slight((SLIGHT, &held), room, job)?;
             match found {
-                Ok(()) => return Ok(Some(reduction)),
+                Ok(()) => {
+                    reduction.compact();
+                    return Ok(Some(reduction));
+                }
                 Err(far) => held.extend(far),
             }
         }

@@ -194,6 +194,24 @@ impl HalfEdgeSurface {
         self.n_faces -= 1;
     }
 
+    /// Leaves out removed faces and vertices; the others stay in their order.
+    pub fn compact(&mut self) -> Compaction {
+        let faces: Vec<u32> = (0..(self.start.len() / 3) as u32)
+            .filter(|face| self.start[3 * *face as usize] != NONE)
+            .collect();
+        let vertices: Vec<u32> =
+            (0..self.outgoing.len() as u32).filter(|v| self.outgoing[*v as usize] != NONE).collect();
+        let mut new_face = vec![NONE; self.start.len() / 3];
+        faces.iter().zip(0..).for_each(|(old, new)| new_face[*old as usize] = new);
+        let mut new_vertex = vec![NONE; self.outgoing.len()];
+        vertices.iter().zip(0..).for_each(|(old, new)| new_vertex[*old as usize] = new);
+        let kept = Compaction { faces, vertices, new_face, new_vertex };
+        self.start = kept.half_edges(&self.start).map(|v| kept.new_vertex[v as usize]).collect();
+        self.twin = kept.half_edges(&self.twin).map(|h| kept.half_edge(h)).collect();
+        self.outgoing = kept.vertices(&self.outgoing).map(|h| kept.half_edge(h)).collect();
+        kept
+    }
+
     /// Removes the face of `side`, whose ends are one vertex now, and joins the twins of its other two edges.
     fn collapse_face(&mut self, side: u32) {
         let (next, previous) = (next_in_face(side), previous_in_face(side));
@@ -217,6 +235,38 @@ impl HalfEdgeSurface {
             self.twin[h as usize] = NONE;
         }
         self.n_faces -= 1;
+    }
+}
+
+/// What is left of a surface, and its new numbers.
+pub(super) struct Compaction {
+    /// By new number: the old one.
+    faces: Vec<u32>,
+    vertices: Vec<u32>,
+    /// By old number: the new one, or [`NONE`].
+    pub new_face: Vec<u32>,
+    pub new_vertex: Vec<u32>,
+}
+
+impl Compaction {
+    /// Of values by face those that are left.
+    pub fn faces<T: Copy>(&self, values: &[T]) -> impl Iterator<Item = T> {
+        self.faces.iter().map(|face| values[*face as usize])
+    }
+
+    /// Of values by vertex those that are left.
+    pub fn vertices<T: Copy>(&self, values: &[T]) -> impl Iterator<Item = T> {
+        self.vertices.iter().map(|v| values[*v as usize])
+    }
+
+    /// Of values by half-edge those that are left.
+    pub fn half_edges<T: Copy>(&self, values: &[T]) -> impl Iterator<Item = T> {
+        self.faces.iter().flat_map(|face| [0, 1, 2].map(|k| values[3 * *face as usize + k]))
+    }
+
+    /// The new number of a half-edge that is left; [`NONE`] for none.
+    fn half_edge(&self, h: u32) -> u32 {
+        if h == NONE { NONE } else { 3 * self.new_face[h as usize / 3] + h % 3 }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `Wedges`: the attribute values at the corners of triangles, shared where no feature line separates them.
 use super::flat_normals::is_flat;
-use super::surface::{HalfEdgeSurface, NONE};
+use super::surface::{Compaction, HalfEdgeSurface, NONE};
 use crate::budget::AttributeLimits;
 use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
 use crate::math::elementary::cos;
@@ -104,6 +104,11 @@ impl Wedges {
         }
         wedges.join(joined);
         (Some(wedges), is_line)
+    }
+
+    /// Leaves out the corners of removed faces.
+    pub fn compact(&mut self, kept: &Compaction) {
+        self.corner_row = kept.half_edges(&self.corner_row).collect();
     }
 
     /// A row for every vertex, or for every corner where some attribute belongs to corners.
