@@ -117,7 +117,8 @@ impl Job {
 pub(crate) fn has_threads() -> bool {
     use std::{error::Error, sync::OnceLock};
     static HOST: OnceLock<bool> = OnceLock::new();
-    // Of its errors, only that of the machine has a source; the other one is that the host has started the pool.
+    // No result depends on it: `par_map` keeps the order. Of the errors of a start, only that of the machine has a source;
+    // the other one is that the host has started the pool.
     rayon::current_thread_index().is_some()
         || *HOST.get_or_init(|| match rayon::ThreadPoolBuilder::new().build_global() {
             Ok(()) => true,
