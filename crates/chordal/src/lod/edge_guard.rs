@@ -60,12 +60,14 @@ impl OriginalEdges {
         &self.neighbours[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
     }
 
-    /// Looks at the edges whose vertices the faces around a collapse would hold, as `samples` has just found.
+    /// Looks at the edges whose vertices the faces around a collapse would hold, as `samples` has just found. Those that
+    /// do not stay close are added to `far`, which is empty.
     pub fn verdict(
         &self,
         samples: &SamplesByFace,
         change: &CollapseChange<'_>,
         room: &LocalTolerance,
+        far: &mut Vec<[u32; 2]>,
     ) -> EdgeVerdict {
         let n = self.first.len() as u32 - 1;
         let place = |face: u32| change.after.iter().position(|(f, _)| *f == face);
@@ -91,19 +93,20 @@ impl OriginalEdges {
                         let to = change.opposite.iter().position(across);
                         let side = |k: usize| [change.after[k].1[1], change.after[k].1[2]];
                         if to.is_some_and(|k| !is_close(edge, side(k), room)) {
-                            return EdgeVerdict::Far;
+                            far.push([v, u]);
+                            continue;
                         }
                         to
                     }
                 };
                 match to {
-                    Some(to) if !turns_close(edge, [from, to], change, room) => return EdgeVerdict::Far,
+                    Some(to) if !turns_close(edge, [from, to], change, room) => far.push([v, u]),
                     Some(_) => {}
                     None => verdict = EdgeVerdict::Unknown,
                 }
             }
         }
-        verdict
+        if far.is_empty() { verdict } else { EdgeVerdict::Far }
     }
 }
 

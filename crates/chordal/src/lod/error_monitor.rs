@@ -28,11 +28,14 @@ pub(super) struct ErrorMonitor {
     edges: Rc<OriginalEdges>,
     /// By sample beside the vertices: a half-edge of the original on which it lies.
     beside: Rc<[u32]>,
-    /// By sample: how thoroughly changes of the faces that hold it are checked.
+    /// By sample: how thoroughly changes of the faces that hold it are checked; empty where all are sampled.
     pub check_levels: Vec<CheckLevel>,
     /// By face of the original: the last round in which it was visited.
     visited: Vec<u32>,
     round: u32,
+    /// Edges of the original that do not stay close along the map, and faces of it to be checked.
+    far: Vec<[u32; 2]>,
+    suspects: Vec<u32>,
 }
 
 /// How thoroughly changes around a sample are checked. The level is raised each time that the final proof
@@ -149,7 +152,6 @@ impl ErrorMonitor {
         let mesh = Mesh::by_construction(at.to_vec(), faces);
         let judge = Rc::new(ProximityChecker::new(Cow::Owned(mesh), job)?);
         let seen = vec![0; n_faces];
-        let care = vec![CheckLevel::Sampled; samples.at.len()];
         let (around, first, corners) = (around.into(), first.into(), corners.into());
         Ok(Self {
             samples,
@@ -159,9 +161,11 @@ impl ErrorMonitor {
             corners,
             edges: Rc::new(OriginalEdges::new(surface, at.len())),
             beside: more.iter().map(|(_, h)| *h).collect(),
-            check_levels: care,
+            check_levels: Vec::new(),
             visited: seen,
             round: 0,
+            far: Vec::new(),
+            suspects: Vec::new(),
         })
     }
 
@@ -253,7 +257,7 @@ impl ErrorMonitor {
         let middle = |[p, x, _]: [[f64; 3]; 3]| std::array::from_fn(|k| 0.5 * (p[k] + x[k]));
         let quick = self.is_near_original(change.to, change.before, room)
             && self.samples.try_reassign(change.before, change.after, room)
-            && match self.edges.verdict(&self.samples, &change, room) {
+            && match self.edges_verdict(&change, room) {
                 EdgeVerdict::Near => true,
                 EdgeVerdict::Unknown => {
                     change.after.iter().all(|(_, t)| self.is_near_original(middle(*t), change.before, room))
@@ -261,7 +265,7 @@ impl ErrorMonitor {
                 // A map goes over edges, and what is too far along them may still be near another part.
                 EdgeVerdict::Far => {
                     self.is_near_original(middle(change.after[0].1), change.before, room)
-                        && self.proves(change, room)
+                        && self.proves_along_edges(change, room)
                 }
             };
         let is_close = match care {
@@ -270,6 +274,15 @@ impl ErrorMonitor {
             CheckLevel::Proved | CheckLevel::Frozen => true,
         };
         quick && (!is_close || self.proves(change, room))
+    }
+
+    /// How edges of the original stay close to the faces around a change; those that do not are in `far` then.
+    fn edges_verdict(&mut self, change: &CollapseChange<'_>, room: &LocalTolerance) -> EdgeVerdict {
+        self.far.clear();
+        let mut far = std::mem::take(&mut self.far);
+        let verdict = self.edges.verdict(&self.samples, change, room, &mut far);
+        self.far = far;
+        verdict
     }
 
     /// Whether a point is close enough to the original. The faces around the vertex that is nearest to it, as far as a
@@ -317,14 +330,52 @@ impl ErrorMonitor {
         room.holds(q, self.original.distance_sq(q))
     }
 
+    /// The levels of all samples.
+    pub fn all_check_levels(&self) -> Vec<CheckLevel> {
+        let mut levels = self.check_levels.clone();
+        levels.resize(self.samples.at.len(), CheckLevel::Sampled);
+        levels
+    }
+
     /// The strictest level of the samples of some faces.
     pub fn check_level(&self, faces: &[u32]) -> CheckLevel {
+        if self.check_levels.is_empty() {
+            return CheckLevel::Sampled;
+        }
         let samples = faces.iter().flat_map(|face| self.samples.of_face(*face));
         samples.map(|s| self.check_levels[s as usize]).fold(CheckLevel::Sampled, CheckLevel::stricter)
     }
 
     /// The thorough check.
     fn proves(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
+        self.new_faces_are_near(change, room) && {
+            self.round += 1;
+            self.suspects.clear();
+            for (v, _) in self.samples.reassignments() {
+                let v = *v as usize;
+                if v + 1 < self.first.len() {
+                    let there = self.first[v] as usize..self.first[v + 1] as usize;
+                    self.suspects.extend(&self.faces_at_vertices[there]);
+                }
+            }
+            self.suspects_are_near(change, room)
+        }
+    }
+
+    /// The same for the faces of the original at edges that do not stay close along the map.
+    fn proves_along_edges(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
+        self.round += 1;
+        self.suspects.clear();
+        for [v, u] in &self.far {
+            let there = self.first[*v as usize] as usize..self.first[*v as usize + 1] as usize;
+            let faces = self.faces_at_vertices[there].iter();
+            self.suspects.extend(faces.filter(|face| self.corners[**face as usize].contains(u)));
+        }
+        self.suspects_are_near(change, room) && self.new_faces_are_near(change, room)
+    }
+
+    /// Whether all points of the new faces are near the original.
+    fn new_faces_are_near(&self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
         // 1. Points that are often too far off, which are cheaper than a proof.
         let near = |q: [f64; 3]| self.is_near_original(q, change.before, room);
         let more = [[0.25, 0.75, 0.0], [0.75, 0.25, 0.0], [0.375, 0.375, 0.25], [0.0, 0.5, 0.5]];
@@ -334,36 +385,30 @@ impl ErrorMonitor {
         if !change.after.iter().all(|(_, t)| more.iter().all(|w| near(point(t, *w)))) {
             return false;
         }
-        // 2. All points of the new faces.
-        if !change.after.iter().all(|(_, triangle)| self.original.is_within(*triangle, room)) {
-            return false;
-        }
-        // 3. All points of the original's faces there.
-        self.round += 1;
+        // 2. All of them.
+        change.after.iter().all(|(_, triangle)| self.original.is_within(*triangle, room))
+    }
+
+    /// Whether all points of some faces of the original are near the faces around a change.
+    fn suspects_are_near(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
         let mut local: Option<ProximityChecker<'static>> = None;
-        for i in 0..self.samples.reassignments().len() {
-            let v = self.samples.reassignments()[i].0 as usize;
-            if v + 1 >= self.first.len() {
+        for face in &self.suspects {
+            let face = *face as usize;
+            if std::mem::replace(&mut self.visited[face], self.round) == self.round {
                 continue;
             }
-            for k in self.first[v]..self.first[v + 1] {
-                let face = self.faces_at_vertices[k as usize] as usize;
-                if std::mem::replace(&mut self.visited[face], self.round) == self.round {
-                    continue;
-                }
-                let corners = self.corners[face];
-                // A face whose corners are near one face is near it as a whole.
-                let held = corners.map(|v| self.samples.holder_after(v));
-                if held[0] == held[1] && held[1] == held[2] {
-                    continue;
-                }
-                let triangle = corners.map(|v| self.samples.at[v as usize]);
-                if local.is_none() {
-                    local = neighbourhood(change);
-                }
-                if !local.as_ref().is_some_and(|local| local.is_within(triangle, room)) {
-                    return false;
-                }
+            let corners = self.corners[face];
+            // A face whose corners are near one face is near it as a whole.
+            let held = corners.map(|v| self.samples.holder_after(v));
+            if held[0] == held[1] && held[1] == held[2] {
+                continue;
+            }
+            let triangle = corners.map(|v| self.samples.at[v as usize]);
+            if local.is_none() {
+                local = neighbourhood(change);
+            }
+            if !local.as_ref().is_some_and(|local| local.is_within(triangle, room)) {
+                return false;
             }
         }
         true

@@ -3,8 +3,8 @@ use super::local_tolerance::LocalTolerance;
 use super::surface::{Compaction, NONE};
 use crate::explicit::distance_sq_to_triangle;
 
-/// A sample that is within an eighth of the allowed distance of the face that held it stays with it; squared. Chosen.
-const NEAR: f64 = 64.0;
+/// A sample that is within half of the allowed distance of the face that held it stays with it; squared. Chosen.
+const NEAR: f64 = 4.0;
 
 /// Points that must stay within the tolerance of the surface, in lists by face.
 ///
@@ -84,6 +84,7 @@ impl SamplesByFace {
         for &face in old {
             let own = new.iter().find(|(f, _)| *f == face);
             let mut sample = self.first[face as usize];
+            let mut before = NONE;
             while sample != NONE {
                 let p = self.at[sample as usize];
                 let mut best = (f64::INFINITY, NONE);
@@ -99,10 +100,17 @@ impl SamplesByFace {
                     new.iter().filter(|(f, _)| *f != face).for_each(|new| offer(&mut best, new));
                 }
                 if !room.holds_sample(sample, best.0) {
+                    // Other collapses there will fail at the same one.
+                    if before != NONE {
+                        self.next[before as usize] = self.next[sample as usize];
+                        self.next[sample as usize] =
+                            std::mem::replace(&mut self.first[face as usize], sample);
+                    }
                     return false;
                 }
                 self.reassignments.push((sample, best.1));
                 self.last_query[sample as usize] = (self.round, best.1);
+                before = sample;
                 sample = self.next[sample as usize];
             }
         }

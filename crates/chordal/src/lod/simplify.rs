@@ -68,9 +68,9 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 /// carried along.
 ///
 /// *Cost.* A count: 1.4 µs a triangle on one core, a half of it for the bound; more where less than half of the
-/// triangles go, and up to 200 µs where flat faces lost nothing but roundings. A length: 12 to 60 µs a triangle on smooth shapes, up to 500 µs where faces bend at
-/// edges that are no feature lines or the length is close to the size of the triangles. 300 bytes a triangle,
-/// 900 with a length.
+/// triangles go, and up to 200 µs where flat faces lost nothing but roundings. A length: 5 to 15 µs a triangle on smooth
+/// shapes, 50 µs on scans, up to 500 µs where faces bend at edges that are no feature lines or the length is close to
+/// the size of the triangles. 300 bytes a triangle, 650 with a length.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best result when a count cannot be reached; [`RefusalCode::Budget`] without a
