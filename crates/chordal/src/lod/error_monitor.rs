@@ -278,11 +278,9 @@ impl ErrorMonitor {
 
     /// How edges of the original stay close to the faces around a change; those that do not are in `far` then.
     fn edges_verdict(&mut self, change: &CollapseChange<'_>, room: &LocalTolerance) -> EdgeVerdict {
-        self.far.clear();
-        let mut far = std::mem::take(&mut self.far);
-        let verdict = self.edges.verdict(&self.samples, change, room, &mut far);
-        self.far = far;
-        verdict
+        let Self { edges, samples, far, .. } = self;
+        far.clear();
+        edges.verdict(samples, change, room, far)
     }
 
     /// Whether a point is close enough to the original. The faces around the vertex that is nearest to it, as far as a

@@ -2,7 +2,7 @@
 use super::sampler::farthest;
 use super::{data, shapes};
 use chordal::budget::Evidence;
-use chordal::explicit::Topology;
+use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{LodSource, LodSteps, chain};
 use chordal::{Job, Mesh, Tolerance};
 use chordal_testkit::{Random, some};
@@ -46,6 +46,46 @@ fn levels_hold(meshes: Vec<(&str, Mesh)>) {
             ratios.push(format!("{:.3}", if seen <= rounded { 0.0 } else { seen / level.error() }));
         }
         println!("{name}: {} triangles, found of the bounds: {}", mesh.faces().len(), ratios.join(" "));
+    }
+}
+
+/// What is removed between levels is left out, and what stays gets other numbers there.
+#[test]
+fn attributes_follow_through_all_levels() {
+    let plain = shapes::torus([120, 60], 0.05);
+    let middle = |mesh: &Mesh, f: usize| mesh.corners(f).iter().map(|p| p[0]).sum::<f64>() / 3.0;
+    let half = |x: f64| f64::from(u8::from(x > 0.0));
+    let halves = Attribute {
+        semantic: Semantic::Group("half".into()),
+        domain: Domain::Face,
+        width: 1,
+        values: (0..plain.faces().len()).map(|f| half(middle(&plain, f))).collect(),
+    };
+    let corners = plain.faces().as_flattened().iter().map(|row| plain.positions()[*row as usize]);
+    let texcoords = Attribute {
+        semantic: Semantic::TexCoord(0),
+        domain: Domain::Corner,
+        width: 2,
+        values: corners.flat_map(|p| [p[0], p[1]]).collect(),
+    };
+    let mesh =
+        plain.with_attribute(halves).and_then(|mesh| mesh.with_attribute(texcoords)).expect("they fit");
+    let steps = LodSteps::from_finest(Tolerance::new(5e-4 * mesh.bounds().diagonal()).expect("a length"));
+    let source = LodSource::Triangles(&mesh, Topology::Positions);
+    let levels = chain(source, &steps, &Job::default()).expect("levels");
+    assert!(levels.len() > 4, "{}", levels.len());
+    for level in &levels {
+        let near = 4.0 * level.error();
+        let [halves, texcoords] = level.mesh.attributes() else { panic!("two attributes") };
+        for f in 0..level.mesh.faces().len() {
+            let x = middle(&level.mesh, f);
+            assert!(x.abs() <= near || halves.row(f)[0] == half(x), "{x} within {near}");
+            for (k, p) in level.mesh.corners(f).iter().enumerate() {
+                let t = texcoords.row(3 * f + k);
+                let off = (t[0] - p[0]).abs().max((t[1] - p[1]).abs());
+                assert!(off <= near, "{off} of {near}");
+            }
+        }
     }
 }
 
