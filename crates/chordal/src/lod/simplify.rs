@@ -39,9 +39,9 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
 /// rounding included, on the triangles that are returned: by a map between both surfaces, and where that does not
-/// reach as by [`check::deviation`](crate::check::deviation). Its ends are within a tenth of each other, and for a
-/// length not closer than a hundredth of it. Not covered: the angles of normals, and attribute
-/// values between the points of a feature line.
+/// reach as by [`check::deviation`](crate::check::deviation). Its ends are within a tenth of each other; for a
+/// length not closer than a hundredth of it, for a count not closer than 1,024 roundings of the diagonal. Not covered:
+/// the angles of normals, and attribute values between the points of a feature line.
 ///
 /// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a
 /// camera each place has its own length: far away, behind the eye and off the axis, a pixel is a longer one.
@@ -67,10 +67,9 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 /// *Inputs.* n × 3 positions, m × 3 indices; `topology` says which rows are one position. Attributes are
 /// carried along.
 ///
-/// *Cost.* A count: 1.4 µs a triangle on one core, a half of it for the bound; more where less than half of the
-/// triangles go, and up to 200 µs where flat faces lost nothing but roundings. A length: 5 to 15 µs a triangle on smooth
-/// shapes, 50 µs on scans, up to 500 µs where faces bend at edges that are no feature lines or the length is close to
-/// the size of the triangles. 300 bytes a triangle, 650 with a length.
+/// *Cost.* A count: 1.4 µs a triangle on one core, a half of it for the bound, up to 10 µs where faces are needles;
+/// more where less than half of the triangles go. A length: 5 to 15 µs a triangle on smooth shapes, 50 µs on scans, up
+/// to 80 µs where faces are needles, as in parts that CAD programs triangulated. 300 bytes a triangle, 650 with a length.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best result when a count cannot be reached; [`RefusalCode::Budget`] without a
@@ -177,7 +176,9 @@ fn simplify_to_count(
     // Free the memory, since the proof needs as much again.
     drop(reduction);
     let near = NearFaces { by_row: &near, topology };
-    let found = MappedPair::new(mesh, &made, near, job)?.deviation(&Goal::default(), job)?;
+    let goal =
+        Goal { absolute: Tolerance::new(ROUNDINGS * mesh.bounds().diagonal()).ok(), ..Goal::default() };
+    let found = MappedPair::new(mesh, &made, near, job)?.deviation(&goal, job)?;
     Ok(bounded(made, &found, f64::INFINITY, kept))
 }
 
@@ -201,6 +202,9 @@ const SHARE: f64 = 0.99;
 const ATTEMPTS: u32 = 14;
 /// The fraction of a length, or of the diagonal if that is less, by which both ends of a bound may differ. Chosen.
 const CLOSE: f64 = 0.01;
+/// The fraction of the diagonal below which a distance is roundings, as of positions that were computed in flat parts,
+/// and is not told from less. Chosen.
+const ROUNDINGS: f64 = 1024.0 * f64::EPSILON;
 /// The fraction of a length that collapses without a monitor may cost, and how often it is tried, each time without places
 /// that were too far off before. Chosen.
 const SLIGHT: f64 = 0.25;

@@ -14,12 +14,16 @@
 //! Matched ones are joined by chords, which therefore do not cross.
 //! - If nothing is left, every piece between chords has all its corners in one face of `M`, a convex set, and is cut
 //!   into a fan. `ρ` maps the fans onto the convex face of `S`.
-//! - If what is left (cyclically) are spokes of one vertex `w` of `M`, a cone `k` with `ψ(k) = w` and any `ρ(k)` in the
-//!   face does: between two spokes that follow each other the border runs in a face that has both, so `w` is a corner
-//!   of it, and `k` with that part of the border is cut into cells in that face.
-//! - Otherwise the face has no cells, and is left to the search.
+//! - Otherwise some half-edges that follow each other are spokes of one vertex `w` of `M`, whose faces close around it.
+//!   A cone `k` is added with `ψ(k) = w` and any `ρ(k)` in the face: between two spokes that follow each other the border
+//!   runs in a face that has both, so `w` is a corner of it, and `k` with that part of the border is cut into cells in
+//!   that face. What is left of the face of `S`, as an abstract disk, has in place of that part a border that goes around
+//!   `w` the other way, through the other spokes; all its points have `ρ = ρ(k)` and `ψ = w`. Its word is cut into cells
+//!   in the same way, until none is left. A turn is chosen where that makes the word shorter.
+//! - Where no turn does, the face has no cells, and is left to the search.
 //!
-//! So all of a face of `S` with cells is near `M`: within the largest displacement at its corners, crossings and cone.
+//! `ρ` maps the disk to the convex face, and once around its border, so it is onto it, wherever the cones are. So all of
+//! a face of `S` with cells is near `M`: within the largest displacement at its corners, crossings and cones.
 //!
 //! *The way back.* Let `C = ψ(K)` as a chain modulo 2: how often cells cover each point. Its border is in the images
 //! of those edges of `S` that an odd number of faces with cells have. Call the faces of `M` through which walks of such
@@ -27,10 +31,10 @@
 //! it is equal in two such faces that share an edge, since no point of the edge is in the image of a walk that touches
 //! neither. It is counted at a vertex `w` all of whose faces are not touched and close around it. To count there, move
 //! images of vertices a little into their labels and crossings a little into their edges: that changes the chain in
-//! touched faces alone. Then cells meet `w` only where it is that of a cone, whose word runs around `w`; as it is
-//! reduced it runs one way, and covers the faces around as many times as its length is a multiple of their number. If
-//! the sum of these over all cones at `w` is odd, each of those faces is covered, and all of it is near `S`: within the
-//! largest displacement at corners of cells that lie in it.
+//! touched faces alone. Then cells meet `w` only where it is that of a cone, around which the spokes of the border and
+//! those of the other way run once in all: each face around is covered once, the one way around or the other. If the
+//! number of cones at `w` is odd, each of those faces is covered, and all of it is near `S`: within the largest
+//! displacement at corners of cells that lie in it.
 //!
 //! No predicate and no rounded number decides about the topology: labels, walks and words are indices. Displacements
 //! are rounded up (`crossing.rs`, `distance.rs`), for points that are exact as given by their weights and parameters.
@@ -43,8 +47,8 @@ use super::images::VertexImage;
 use super::paths::EdgePaths;
 use super::surface::{FanSurface, NONE};
 use crate::budget::{Job, par_map};
-use crate::explicit::DisjointSets;
-use crate::math::greater;
+use crate::explicit::{DisjointSets, next_in_face, previous_in_face};
+use crate::math::{greater, lesser};
 
 /// What the cells say of each face.
 pub(super) struct SurfaceMapping {
@@ -71,9 +75,22 @@ struct CellPart {
 #[derive(Clone, Copy)]
 struct Cone {
     v: u32,
-    turns: u32,
     up: f64,
 }
+
+/// Half-edges of a word that follow each other around one vertex of the result.
+#[derive(Clone, Copy)]
+struct Turn {
+    v: u32,
+    /// The first of them, and how many there are.
+    from: usize,
+    n: usize,
+    /// Whether they start at the vertex; else they end there.
+    is_at_start: bool,
+}
+
+/// The most cones in one face. Chosen: what needs more is searched for.
+const MOST_CONES: usize = 32;
 
 /// Cuts every face of the source into cells.
 pub(super) fn surface_mapping(
@@ -183,23 +200,72 @@ impl CellCutter<'_> {
         if most == f64::INFINITY {
             return None;
         }
-        let mut word = &self.word[..];
-        while let [first, middle @ .., last] = word
-            && self.result.twin(*first) == *last
-        {
-            word = middle;
+        let n_before = cones.len();
+        let most = self.fill(face, most, cones);
+        if most.is_none() {
+            // Cones count in cells alone.
+            cones.truncate(n_before);
         }
-        let Some(first) = word.first() else { return Some(most) };
-        let is_spoke = |h: &u32, w: u32| self.result.start(*h) == w || self.result.end(*h) == w;
-        let ends = [self.result.start(*first), self.result.end(*first)];
-        let w = ends.into_iter().find(|w| word.iter().all(|h| is_spoke(h, *w)))?;
-        let (around, n) = (self.degree[w as usize], word.len() as u32);
-        if around == 0 || !n.is_multiple_of(around) {
-            return None;
+        most
+    }
+
+    /// Fills the word with cones; returns the largest displacement at them and at what is known already.
+    fn fill(&mut self, face: u32, mut most: f64, cones: &mut Vec<Cone>) -> Option<f64> {
+        for _ in 0..MOST_CONES {
+            let mut word = &self.word[..];
+            while let [first, middle @ .., last] = word
+                && self.result.twin(*first) == *last
+            {
+                word = middle;
+            }
+            if word.is_empty() {
+                return Some(most);
+            }
+            let turn = self.longest_turn(word)?;
+            let rest = (turn.from + turn.n..turn.from + word.len()).map(|i| word[i % word.len()]).collect();
+            let first = word[turn.from];
+            self.word = rest;
+            // The other way around, from the same face to the same face.
+            let mut h = first;
+            for _ in turn.n..self.degree[turn.v as usize] as usize {
+                let leaves = if turn.is_at_start { previous_in_face(h) } else { next_in_face(h) };
+                self.push(leaves);
+                h = self.result.twin(leaves);
+            }
+            let up = distance_up(self.result.at(turn.v), &self.source.corners(face));
+            cones.push(Cone { v: turn.v, up });
+            most = greater(most, up);
         }
-        let up = distance_up(self.result.at(w), &self.source.corners(face));
-        cones.push(Cone { v: w, turns: n / around, up });
-        Some(greater(most, up))
+        None
+    }
+
+    /// The turn that makes a word shorter by the most when it goes the other way around its vertex.
+    fn longest_turn(&self, word: &[u32]) -> Option<Turn> {
+        let n = word.len();
+        // Whether the half-edge and the next one start at the same vertex, not end at it.
+        let at_start = |i: usize| word[(i + 1) % n] == next_in_face(self.result.twin(word[i % n]));
+        // From where the vertex changes; where it never does, from anywhere.
+        let first = (0..n).find(|i| at_start(*i) != at_start(i + n - 1)).unwrap_or(0);
+        let (mut best, mut i) = (None, 0);
+        while i < n {
+            let is_at_start = at_start(first + i);
+            let mut steps = 1;
+            while i + steps < n && at_start(first + i + steps) == is_at_start {
+                steps += 1;
+            }
+            let from = (first + i) % n;
+            let h = word[from];
+            let v = if is_at_start { self.result.start(h) } else { self.result.end(h) };
+            let around = self.degree[v as usize] as usize;
+            // So many steps from one to the next are one half-edge more, unless they are all that there are.
+            let spokes = lesser(lesser(steps + 1, n), around);
+            let shorter = (2 * spokes).saturating_sub(around);
+            if around > 0 && shorter > 0 && best.is_none_or(|(most, _)| shorter > most) {
+                best = Some((shorter, Turn { v, from, n: spokes, is_at_start }));
+            }
+            i += steps;
+        }
+        best.map(|(_, turn)| turn)
     }
 
     fn push(&mut self, h: u32) {
@@ -251,7 +317,7 @@ fn covered_faces(
     }
     // 3. How often, at the vertices inside.
     let mut turns = vec![0_u32; result.n_vertices()];
-    chain.cones.iter().for_each(|cone| turns[cone.v as usize] += cone.turns);
+    chain.cones.iter().for_each(|cone| turns[cone.v as usize] += 1);
     let mut known: Vec<Option<bool>> = vec![None; result.n_faces()];
     for v in 0..result.n_vertices() as u32 {
         if result.is_open(v) || result.ring(v).any(|h| touched[h as usize / 3]) {

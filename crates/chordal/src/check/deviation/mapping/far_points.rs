@@ -17,8 +17,8 @@ struct FarPoint {
     off: f64,
 }
 
-/// The most of them. Chosen: the first is nearly always the farthest.
-const MOST: usize = 8;
+/// The most of them. Chosen: the first is nearly always the farthest, except where many images slide along the surface.
+const MOST: usize = 64;
 
 impl FarPoints {
     /// Adds a point with an upper bound on its distance if it is one of the farthest. `at` says where it is, and how

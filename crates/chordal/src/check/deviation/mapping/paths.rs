@@ -6,6 +6,7 @@ use super::surface::{FanSurface, MOST_AROUND, NONE};
 use crate::budget::{Job, par_map};
 use crate::explicit::{distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{cross, difference, dot, greater, lesser, unit};
+use std::cell::Cell;
 
 /// The walks of all edges, in one list.
 pub(super) struct EdgePaths {
@@ -58,15 +59,12 @@ pub(super) fn edge_paths(
     images: &[VertexImage],
     (enough, job): (f64, &Job),
 ) -> EdgePaths {
-    let normal = |face: u32| {
-        let [a, b, c] = result.corners(face);
-        unit(cross(difference(b, a), difference(c, a))).unwrap_or([0.0; 3])
-    };
-    let normals: Vec<[f64; 3]> = (0..result.n_faces() as u32).map(normal).collect();
+    let normals: Vec<_> = (0..result.n_faces() as u32).map(|face| normal(result.corners(face))).collect();
     let n = 3 * source.n_faces();
     let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
     let parts = par_map(job, &starts, |_, start| {
-        let mut walker = PathFinder { source, result, images, normals: &normals, enough };
+        let mut walker =
+            PathFinder { source, result, images, normals: &normals, enough, steps: Cell::new(MOST_STEPS) };
         let end = lesser(start + CHUNK, n);
         let mut part = PathPart::default();
         for h in *start as u32..end as u32 {
@@ -103,6 +101,8 @@ struct PathFinder<'a> {
     images: &'a [VertexImage],
     normals: &'a [[f64; 3]],
     enough: f64,
+    /// The steps that long walks of this task may still take together.
+    steps: Cell<usize>,
 }
 
 /// A point of an edge of the source and its image.
@@ -118,8 +118,12 @@ struct BestPath {
     up: f64,
 }
 
-/// Faces that one walk crosses at most. Chosen: what needs more is searched for.
+/// Faces that one walk crosses at most once the steps of its task are used up. Chosen: what needs more is searched for.
 const MOST_CROSSED: usize = 200;
+/// So many before that: fans of needles are long. Chosen.
+const MOST_CROSSED_WHILE_FEW: usize = 1 << 14;
+/// The steps that walks of more than [`MOST_CROSSED`] faces take together in one task. Chosen: 256 for each edge.
+const MOST_STEPS: usize = 1 << 20;
 /// How often an edge is halved at most to find a walk. Chosen.
 const MOST_HALVINGS: u32 = 6;
 /// How far toward the other end a point is asked for the face in which it lies. Chosen: small, so that it is
@@ -148,6 +152,9 @@ impl PathFinder<'_> {
             best = BestPath { crossed: vec![g], up: crossing.up };
         }
         self.improve(&a, &b, 0, &mut best);
+        if best.up > self.enough {
+            self.along_source(h, &a, &b, &mut best);
+        }
         if best.up == f64::INFINITY {
             return false;
         }
@@ -228,8 +235,31 @@ impl PathFinder<'_> {
     /// A walk over the faces that the plane through both images and along the mean normal cuts.
     fn straight(&self, a: &PathEnd, b: &PathEnd) -> Option<Vec<u32>> {
         let (f, g) = self.facing(a, b);
+        let [m, n] = [f, g].map(|face| self.normals[face as usize]);
+        let along = difference(b.image.at, a.image.at);
+        let plane = cross(along, std::array::from_fn(|k| m[k] + n[k]));
+        self.cut([a, b], [f, g], &Cut { plane, toward: along })
+    }
+
+    /// Offers walks over the faces that the plane through the edge of the source and along its normal cuts, either way:
+    /// where images of both ends are in flat faces that look away from each other, the normals there say nothing.
+    fn along_source(&self, h: u32, a: &PathEnd, b: &PathEnd, best: &mut BestPath) {
+        let t = self.source.twin(h);
+        let [m, n] = [h, if t == NONE { h } else { t }].map(|h| normal(self.source.corners(h / 3)));
+        let plane = cross(difference(b.at, a.at), std::array::from_fn(|k| m[k] + n[k]));
+        let (f, g) = self.facing(a, b);
+        let toward = cross(plane, self.normals[f as usize]);
+        for toward in [toward, toward.map(|x| -x)] {
+            if let Some(crossed) = self.cut([a, b], [f, g], &Cut { plane, toward }) {
+                self.offer([a, b], crossed, best);
+            }
+        }
+    }
+
+    /// A walk over the faces that a plane cuts, from the image of one end to that of the other.
+    fn cut(&self, [a, b]: [&PathEnd; 2], [f, g]: [u32; 2], cut: &Cut) -> Option<Vec<u32>> {
         let mut crossed = self.turn(a, a.image.face, f)?;
-        self.walk([f, g], [a.image.at, b.image.at], &mut crossed)?;
+        self.walk([f, g], a.image.at, cut, &mut crossed)?;
         crossed.extend(self.turn(b, g, b.image.face)?);
         Some(crossed)
     }
@@ -276,8 +306,12 @@ impl PathFinder<'_> {
                 t => nearer((off(from.face), from.face), t / 3).1,
             },
             Carrier::Corner(h) => {
-                let ring = self.result.ring(self.result.start(h)).take(MOST_AROUND);
-                ring.map(|g| g / 3).fold((off(from.face), from.face), nearer).1
+                let mut n = 0;
+                let ring = self.result.ring(self.result.start(h)).take(self.most_crossed(MOST_AROUND));
+                let face =
+                    ring.inspect(|_| n += 1).map(|g| g / 3).fold((off(from.face), from.face), nearer).1;
+                self.count_steps(n);
+                face
             }
         }
     }
@@ -302,8 +336,9 @@ impl PathFinder<'_> {
     fn around(&self, v: u32, [from, to]: [u32; 2], way: Way) -> Option<Vec<u32>> {
         let mut h = (3 * from..3 * from + 3).find(|h| self.result.start(*h) == v)?;
         let mut crossed = Vec::new();
-        for _ in 0..MOST_AROUND {
+        for _ in 0..self.most_crossed(MOST_AROUND) {
             if h / 3 == to {
+                self.count_steps(crossed.len());
                 return Some(crossed);
             }
             let leaves = match way {
@@ -320,10 +355,22 @@ impl PathFinder<'_> {
                 Way::Right => next_in_face(t),
             };
         }
+        self.count_steps(crossed.len());
         None
     }
 
-    fn walk(&self, [f, g]: [u32; 2], [a, b]: [[f64; 3]; 2], crossed: &mut Vec<u32>) -> Option<()> {
+    /// How many faces a walk may cross: `few`, or more as long as there are steps left.
+    fn most_crossed(&self, few: usize) -> usize {
+        if self.steps.get() > 0 { MOST_CROSSED_WHILE_FEW } else { few }
+    }
+
+    fn count_steps(&self, n: usize) {
+        if n > MOST_CROSSED {
+            self.steps.set(self.steps.get().saturating_sub(n));
+        }
+    }
+
+    fn walk(&self, [f, g]: [u32; 2], from: [f64; 3], cut: &Cut, crossed: &mut Vec<u32>) -> Option<()> {
         if f == g {
             return Some(());
         }
@@ -331,10 +378,7 @@ impl PathFinder<'_> {
             crossed.push(h);
             return Some(());
         }
-        let along = difference(b, a);
-        let [m, n] = [f, g].map(|face| self.normals[face as usize]);
-        let plane = cross(along, std::array::from_fn(|k| m[k] + n[k]));
-        let side = |v: u32| dot(plane, difference(self.result.at(v), a));
+        let side = |v: u32| dot(cut.plane, difference(self.result.at(v), from));
         // The edge of the first face that the plane cuts farther on.
         let mut out = (f64::NEG_INFINITY, NONE);
         for h in 3 * f..3 * f + 3 {
@@ -345,8 +389,8 @@ impl PathFinder<'_> {
             }
             let share = s / (s - t);
             let [p, q] = [self.result.at(u), self.result.at(v)];
-            let cut: [f64; 3] = std::array::from_fn(|k| p[k] + share * (q[k] - p[k]) - a[k]);
-            let far = dot(along, cut);
+            let at: [f64; 3] = std::array::from_fn(|k| p[k] + share * (q[k] - p[k]) - from[k]);
+            let far = dot(cut.toward, at);
             if far > out.0 {
                 out = (far, h);
             }
@@ -355,21 +399,37 @@ impl PathFinder<'_> {
         if h == NONE {
             return None;
         }
-        for _ in 0..MOST_CROSSED {
+        for n in 0..self.most_crossed(MOST_CROSSED) {
             let t = self.result.twin(h);
             if t == NONE {
+                self.count_steps(n);
                 return None;
             }
             crossed.push(h);
             if t / 3 == g {
+                self.count_steps(n);
                 return Some(());
             }
             let apex = side(self.result.start(previous_in_face(t))) >= 0.0;
             let start = side(self.result.start(t)) >= 0.0;
             h = if apex == start { next_in_face(t) } else { previous_in_face(t) };
         }
+        self.count_steps(crossed.len());
         None
     }
+}
+
+/// A plane through the point from which a walk starts.
+struct Cut {
+    /// Along its normal.
+    plane: [f64; 3],
+    /// Into which half of it the walk goes.
+    toward: [f64; 3],
+}
+
+/// The normal of a triangle; zero where it has none.
+fn normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    unit(cross(difference(b, a), difference(c, a))).unwrap_or([0.0; 3])
 }
 
 #[derive(Clone, Copy)]

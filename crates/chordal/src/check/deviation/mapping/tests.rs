@@ -6,7 +6,7 @@ use super::surface::FanSurface;
 use super::{MappedPair, NearFaces};
 use crate::budget::Job;
 use crate::check::{Deviation, Goal, OneSidedDistance, deviation};
-use crate::explicit::{Mesh, Topology};
+use crate::explicit::{Mesh, Topology, distance_sq_to_triangle};
 use chordal_testkit::Random;
 
 /// A bumpy torus of `n` × `n` quads: closed, without symmetry.
@@ -62,6 +62,58 @@ fn most_faces_of_a_coarser_torus_need_no_search() {
         let (forward, backward) = (unknown(&pair.mapping.forward), unknown(&pair.mapping.backward));
         assert!(20 * forward <= a.faces().len(), "{forward} of {} faces", a.faces().len());
         assert!(5 * backward <= b.faces().len(), "{backward} of {} faces", b.faces().len());
+    }
+}
+
+/// A ring of `n` sides between two radii, as a plate with a hole; without a hole, caps are fans.
+fn washer(n: u32, hole: Option<f64>) -> Mesh {
+    let at = |r: f64, i: u32, z: f64| {
+        let angle = (f64::from(i) + 0.3) / f64::from(n) * std::f64::consts::TAU;
+        [r * libm::cos(angle), r * libm::sin(angle), z]
+    };
+    let circle = |r: f64, z: f64| (0..n).map(move |i| at(r, i, z));
+    let mut positions: Vec<_> = circle(1.0, 0.0).chain(circle(1.0, 0.3)).collect();
+    let strip = |from: u32, to: u32| {
+        (0..n).flat_map(move |i| {
+            let [a, b, c, d] = [from + i, from + (i + 1) % n, to + (i + 1) % n, to + i];
+            [[a, b, c], [a, c, d]]
+        })
+    };
+    let mut faces: Vec<[u32; 3]> = strip(0, n).collect();
+    match hole {
+        Some(r) => {
+            positions.extend(circle(r, 0.0).chain(circle(r, 0.3)));
+            faces.extend(strip(2 * n, 0).chain(strip(n, 3 * n)).chain(strip(3 * n, 2 * n)));
+        }
+        None => {
+            positions.extend([[0.0, 0.0, 0.0], [0.0, 0.0, 0.3]]);
+            faces.extend((0..n).flat_map(|i| {
+                let j = (i + 1) % n;
+                [[2 * n, j, i], [2 * n + 1, n + i, n + j]]
+            }));
+        }
+    }
+    Mesh::new(positions, faces).unwrap()
+}
+
+/// For each vertex of one mesh the nearest face of another.
+fn nearest_faces(a: &Mesh, b: &Mesh) -> Vec<u32> {
+    let off = |p: [f64; 3], face: usize| distance_sq_to_triangle(p, b.corners(face));
+    let nearest = |p: &[f64; 3]| (0..b.faces().len()).min_by(|f, g| off(*p, *f).total_cmp(&off(*p, *g)));
+    a.positions().iter().map(|p| nearest(p).unwrap() as u32).collect()
+}
+
+#[test]
+fn flat_faces_with_holes_and_fans_need_no_search() {
+    for (n, m, hole) in [(96, 24, Some(0.5)), (60, 18, Some(0.9)), (300, 90, None), (500, 11, None)] {
+        let (a, b) = (washer(n, hole), washer(m, hole));
+        let by_row = nearest_faces(&a, &b);
+        assert_holds(&a, &b, &by_row);
+        let (job, near) = (Job::default(), NearFaces { by_row: &by_row, topology: Topology::Indices });
+        let pair = MappedPair::new(&a, &b, near, &job).unwrap();
+        let all_known = |up: &[f64]| up.iter().all(|up| *up < f64::INFINITY);
+        assert!(all_known(&pair.mapping.forward), "{n} sides onto {m}");
+        assert!(all_known(&pair.mapping.backward), "{n} sides onto {m}, back");
     }
 }
 
