@@ -203,8 +203,10 @@ impl FaceComparison<'_> {
     }
 }
 
-/// The most faces of the other surface under one piece where a quick answer is preferred.
+/// The most faces of the other surface under one piece, and bisections of it, where a quick answer is preferred. Chosen:
+/// four times as many bisections settle a few faces in a thousand, and cost needles twice the time.
 const FEW_FACES: usize = 512;
+const FEW_CUTS: u32 = 16;
 
 /// Which violation is wanted.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -283,8 +285,11 @@ fn classify(
             Cover::None => {}
         }
         // As long as no point was found too far, the piece may well be within tolerance.
-        let most_cuts =
-            if find == ViolationSearch::Farthest && worst.0.is_none() { MOST_CUTS_UNSEEN } else { MOST_CUTS };
+        let most_cuts = match find {
+            ViolationSearch::Any => FEW_CUTS,
+            ViolationSearch::Farthest if worst.0.is_none() => MOST_CUTS_UNSEEN,
+            ViolationSearch::Farthest => MOST_CUTS,
+        };
         let halves = if cuts < most_cuts { piece.halves(|at| other.sample(at)) } else { None };
         match halves {
             Some(halves) => {
