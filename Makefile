@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint
+.PHONY: help demo studio test test-long bench bench-quick pictures install clean fmt-check lint
 .PHONY: test-rust test-web test-looks test-tiles test-studio test-python
 .PHONY: fuzz need-fuzz tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
@@ -205,6 +205,9 @@ fuzz: need-fuzz need-python ## every reader fed with random bytes for FUZZ_SECON
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
 	$(MAKE) -C bench
+
+bench-quick: need-rust need-python ## the lines of the targets beside their best peers, in ten minutes; STRICT=--strict fails where one is missed
+	$(MAKE) -C bench quick
 
 bench-studio: studio-page need-chromium ## how long a drag on the studio's page keeps the browser busy
 	cd studio && CHROMIUM=$(CHROMIUM) npm run --silent bench

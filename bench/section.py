@@ -12,15 +12,20 @@ loses.
 """
 
 
-def machine():
-    """What the times were measured on."""
+def cpu():
+    """The processor's name."""
     cpu = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
     if info.exists():
         models = [line.split(":")[1].strip() for line in info.read_text().split("\n") if line.startswith("model name")]
         cpu = models[0] if models else cpu
+    return cpu
+
+
+def machine():
+    """What the times were measured on."""
     load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
-    return f"{cpu}, {os.cpu_count()} cores, load {load} at the end of the run"
+    return f"{cpu()}, {os.cpu_count()} cores, load {load} at the end of the run"
 
 
 def put(title, text):

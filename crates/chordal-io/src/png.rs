@@ -33,7 +33,7 @@ pub fn write(picture: &Picture, text: &[(&str, &str)], out: &mut impl Write) -> 
     let opaque = picture.is_opaque();
     encoder.set_color(if opaque { ::png::ColorType::Rgb } else { ::png::ColorType::Rgba });
     encoder.set_depth(::png::BitDepth::Eight);
-    encoder.set_compression(::png::Compression::High);
+    encoder.set_compression(::png::Compression::Balanced);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
     for (keyword, text) in text {
         if !is_keyword(keyword) {

@@ -33,7 +33,7 @@ mod twins;
 pub use arc::Arc;
 pub use bezier::Bezier;
 pub(crate) use bezier::bernstein;
-pub(crate) use bvh::{Bvh, Enclosure, Hit, HitSides, PointLocation, Ray};
+pub(crate) use bvh::{Bvh, Enclosure, HitSides, PointLocation, Ray};
 pub(crate) use bvh::{
     WindingMoments, closest_on_triangle, distance_sq_to_triangle, distance_to_triangle_down,
 };

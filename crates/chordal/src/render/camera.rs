@@ -91,6 +91,9 @@ pub(super) struct RayGenerator {
     direction: DVec3,
     direction_by: [DVec3; 2],
     near: f64,
+    eye: DVec3,
+    forward: DVec3,
+    perspective: bool,
 }
 
 impl RayGenerator {
@@ -101,18 +104,21 @@ impl RayGenerator {
         let (width, height) = (f64::from(camera.screen.width_px), f64::from(camera.screen.height_px));
         let corner = |by: [DVec3; 2]| -(by[0] * (0.5 * width) + by[1] * (0.5 * height));
         let zero = [DVec3::ZERO; 2];
+        let near = camera.near;
         Some(match camera.projection {
             Projection::Perspective { fov_y_deg } => {
                 let pixel = 2.0 * libm::tan(fov_y_deg.to_radians() / 2.0) / height;
                 let by = [right * pixel, -up * pixel];
                 let direction = forward + corner(by);
-                Self { origin: eye, origin_by: zero, direction, direction_by: by, near: camera.near }
+                let (origin_by, perspective) = (zero, true);
+                Self { origin: eye, origin_by, direction, direction_by: by, near, eye, forward, perspective }
             }
             Projection::Orthographic { height: length } => {
                 let pixel = length / height;
                 let by = [right * pixel, -up * pixel];
                 let origin = eye + corner(by);
-                Self { origin, origin_by: by, direction: forward, direction_by: zero, near: camera.near }
+                let (direction, direction_by, perspective) = (forward, zero, false);
+                Self { origin, origin_by: by, direction, direction_by, near, eye, forward, perspective }
             }
         })
     }
@@ -122,6 +128,24 @@ impl RayGenerator {
         let origin = self.origin + self.origin_by[0] * x + self.origin_by[1] * y;
         let direction = self.direction + self.direction_by[0] * x + self.direction_by[1] * y;
         Ray { origin: origin.into(), direction: direction.into(), t_min: self.near, t_max: f64::INFINITY }
+    }
+
+    /// The place of a point in the picture, and its depth along the line of sight.
+    pub fn project(&self, p: [f64; 3]) -> [f64; 3] {
+        let from = DVec3::from(p) - self.eye;
+        let depth = from.dot(self.forward);
+        let (by, at) = if self.perspective {
+            (self.direction_by, from / depth - self.direction)
+        } else {
+            (self.origin_by, DVec3::from(p) - self.origin)
+        };
+        let [x, y] = by.map(|by| at.dot(by) / by.length_squared());
+        [x, y, depth]
+    }
+
+    /// The direction in which a point is seen, of any length.
+    pub fn look(&self, p: [f64; 3]) -> DVec3 {
+        if self.perspective { DVec3::from(p) - self.eye } else { self.forward }
     }
 
     /// The distances in the picture from where a ray meets a triangle to the triangle's edges. For the edge

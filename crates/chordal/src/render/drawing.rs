@@ -1,9 +1,10 @@
 //! Drawings of planar fields: tiles that are all on one side by intervals, and pixels only along the outline.
 use super::camera::RayGenerator;
 use super::color::srgb_to_linear;
-use super::field::{FieldPicture, FieldRenderError, ImageTile, assemble, each_tile, refusal};
+use super::field::{FieldPicture, FieldRenderError, refusal};
 use super::options::{Background, RenderOptions, RenderStyle, Viewpoint};
-use super::trace::{PremultipliedColor, backdrop, ray_generator};
+use super::picture_tiles::{ImageTile, assemble, each_tile};
+use super::trace::{Backdrop, PremultipliedColor, ray_generator};
 use crate::budget::{Camera, Job, Projection, Screen};
 use crate::implicit::query::{BeamCounts, contains, normals};
 use crate::implicit::{Field, LeafError, Tape};
@@ -42,10 +43,11 @@ pub(super) fn draw(
         let message = "a field in the plane is drawn from straight above: give an orthographic view along z";
         return Err(refusal(message.to_owned()));
     }
-    let sheet = DrawingRenderer { eye, options, screen: camera.screen };
+    let sheet = DrawingRenderer { eye, options, backdrop: Backdrop::new(camera.screen.height_px) };
     let tiles = ImageTile::all(camera.screen, FIRST);
     let tape = Tape::new(field.sign());
-    let (bytes, counts) = each_tile(&tiles, job, |tile| sheet.tile(&tape, tile))?;
+    let (bytes, counts) =
+        each_tile(&tiles, job, |tile| sheet.tile(&tape, tile).map_err(FieldRenderError::from))?;
     Ok(FieldPicture { picture: assemble(camera.screen, &tiles, &bytes), camera, counts })
 }
 
@@ -76,7 +78,7 @@ fn top_view_camera(place: &Box3, screen: Screen) -> Result<Camera, FieldRenderEr
 struct DrawingRenderer<'a> {
     eye: RayGenerator,
     options: &'a RenderOptions,
-    screen: Screen,
+    backdrop: Backdrop,
 }
 
 /// The coverage of a tile, before it is drawn.
@@ -194,7 +196,7 @@ impl DrawingRenderer<'_> {
             srgb_to_linear(INK)
         };
         let sample = if self.options.background == Background::Studio {
-            let paper = if normals { DVec3::ONE } else { backdrop(y, self.screen.height_px) };
+            let paper = if normals { DVec3::ONE } else { self.backdrop.at(y) };
             PremultipliedColor { color: paper.lerp(ink, cover), alpha: 1.0 }
         } else {
             PremultipliedColor { color: ink * cover, alpha: cover }

@@ -1,25 +1,21 @@
 //! Pictures straight from a field: rays meet the surface where the field changes its sign, without triangles.
 use super::Picture;
-use super::camera::{RayGenerator, frame_points};
+use super::camera::frame_points;
 use super::drawing::draw;
-use super::light::{Material, OcclusionTest, PixelRay, StudioLights};
+use super::light::{Material, OcclusionTest, StudioLights, StudioShape};
 use super::options::{CullMode, RenderOptions, RenderStyle, UpAxis, Viewpoint};
+use super::picture_tile::TileRenderer;
 use super::render_mesh::{ShadingPoint, facing_normal};
 use super::sample_pattern::SamplePattern;
-use super::trace::{CameraRay, PremultipliedColor, backdrop, ray_generator, shade_background};
-use super::zebra::zebra_color;
-use crate::budget::{Camera, Job, JobError, Progress, Projection, Refusal, RefusalCode, Screen, par_map};
+use super::trace::{Backdrop, ray_generator};
+use super::traced_surface::{TracedRay, TracedSurface};
+use crate::budget::{Camera, Job, JobError, Projection, Refusal, RefusalCode, Screen};
 use crate::explicit::Ray;
 use crate::implicit::query::{Beam, BeamCounts, BeamRecord, FieldOctree, FieldOctreeError, FieldTracer};
 use crate::implicit::{Field, LeafError, Tape};
 use glam::DVec3;
 use std::fmt;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Pixels along a tile's side, whose rays go together: enough for long batches, few enough for caches and
-/// threads; more for leaves that prefer larger batches.
-const TILE: u32 = 16;
-const LEAF_TILE: u32 = 64;
 /// The radius of shadow rays at their start as a fraction of the size, and its growth: far below the lamp's.
 const SHADOW_CONE: [f64; 2] = [2e-3, 1e-2]; // measured: a tenth of it takes five times as long, and looks the same
 /// By how much shadow rays start off the surface, as a fraction of the size: far above the rounding of hits
@@ -137,18 +133,26 @@ pub fn render_field(
         Viewpoint::Camera(camera) => camera,
     };
     let eye = ray_generator(&camera, options, job)?;
-    let studio = StudioLights::new(&cells.occupied(), &camera, options.up, Material::Clay);
-    let shot = FieldRenderer {
+    let pattern = SamplePattern::new(options.samples);
+    let shape = StudioShape { bounds: cells.occupied(), up: options.up, material: Material::Clay };
+    let surface = FieldSurface {
         tracer: FieldTracer::new(&cells),
         size: cells.size(),
-        studio,
         cone: pixel_cone(&camera),
+        cull: options.cull,
+    };
+    let renderer = TileRenderer {
+        surface,
+        studio: StudioLights::new(&shape, &camera, &pattern),
         eye,
-        pattern: SamplePattern::new(options.samples),
+        pattern,
         options,
         screen: camera.screen,
+        backdrop: Backdrop::new(camera.screen.height_px),
+        heat: None,
+        lines: None,
     };
-    let (picture, counts) = shot.picture(job)?;
+    let (picture, counts) = renderer.picture(job)?;
     Ok(FieldPicture { picture, camera, counts })
 }
 
@@ -167,81 +171,12 @@ fn pixel_cone(camera: &Camera) -> [f64; 2] {
     }
 }
 
-struct FieldRenderer<'a> {
+/// The surface of a field, for rays.
+struct FieldSurface<'a> {
     tracer: FieldTracer<'a>,
     size: f64,
-    studio: StudioLights,
     cone: [f64; 2],
-    eye: RayGenerator,
-    pattern: SamplePattern,
-    options: &'a RenderOptions,
-    screen: Screen,
-}
-
-/// A part of the picture: its first column and row, and its size.
-#[derive(Clone, Copy)]
-pub(super) struct ImageTile {
-    pub at: [u32; 2],
-    pub size: [u32; 2],
-}
-
-impl ImageTile {
-    /// All tiles of a picture, row by row.
-    pub fn all(screen: Screen, side: u32) -> Vec<Self> {
-        let Screen { width_px, height_px } = screen;
-        let rows = (0..height_px).step_by(side as usize);
-        let at = rows.flat_map(|y| (0..width_px).step_by(side as usize).map(move |x| [x, y]));
-        at.map(|[x, y]| Self { at: [x, y], size: [side.min(width_px - x), side.min(height_px - y)] })
-            .collect()
-    }
-
-    pub fn pixels(self) -> impl Iterator<Item = [u32; 2]> {
-        let ([x, y], [w, h]) = (self.at, self.size);
-        (y..y + h).flat_map(move |y| (x..x + w).map(move |x| [x, y]))
-    }
-}
-
-/// Copies the bytes of tiles into the picture.
-pub(super) fn assemble(screen: Screen, tiles: &[ImageTile], bytes: &[Vec<u8>]) -> Picture {
-    let Screen { width_px: width, height_px: height } = screen;
-    let mut rgba = vec![0; 4 * width as usize * height as usize];
-    for (tile, bytes) in tiles.iter().zip(bytes) {
-        let length = 4 * tile.size[0] as usize;
-        for (row, line) in bytes.chunks_exact(length).enumerate() {
-            let at = 4 * ((tile.at[1] as usize + row) * width as usize + tile.at[0] as usize);
-            rgba[at..at + length].copy_from_slice(line);
-        }
-    }
-    Picture { width, height, rgba }
-}
-
-/// Calls `work` for each tile, with progress reports; it returns the tile's bytes and counts.
-pub(super) fn each_tile(
-    tiles: &[ImageTile],
-    job: &Job,
-    work: impl Fn(ImageTile) -> Result<(Vec<u8>, BeamCounts), LeafError> + Sync,
-) -> Result<(Vec<Vec<u8>>, BeamCounts), FieldRenderError> {
-    let done = AtomicU64::new(0);
-    let found = par_map(job, tiles, |_, tile| {
-        if job.is_cancelled() {
-            return Ok((Vec::new(), BeamCounts::default()));
-        }
-        let found = work(*tile);
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        job.report(Progress { stage: "render", done, total: tiles.len() as u64 });
-        found
-    });
-    if job.is_cancelled() {
-        return Err(FieldRenderError::Stopped(JobError::Cancelled));
-    }
-    let mut counts = BeamCounts::default();
-    let mut bytes = Vec::with_capacity(tiles.len());
-    for found in found {
-        let (one, count) = found?;
-        bytes.push(one);
-        counts = counts.merge(count);
-    }
-    Ok((bytes, counts))
+    cull: CullMode,
 }
 
 /// Collects shadow rays.
@@ -253,7 +188,6 @@ struct ShadowRayCollector {
 /// Gives the results of shadow rays, in the order in which they were collected.
 struct ShadowRayResults {
     answers: std::vec::IntoIter<bool>,
-    size: f64,
 }
 
 impl OcclusionTest for ShadowRayCollector {
@@ -263,45 +197,18 @@ impl OcclusionTest for ShadowRayCollector {
         self.beams.push(Beam { origin, direction, from: 0.0, to: f64::INFINITY, cone });
         false
     }
-
-    fn ray_offset(&self) -> f64 {
-        LIFT * self.size
-    }
 }
 
 impl OcclusionTest for ShadowRayResults {
     fn is_occluded(&mut self, _: DVec3, _: DVec3) -> bool {
         self.answers.next().unwrap_or(false)
     }
-
-    fn ray_offset(&self) -> f64 {
-        LIFT * self.size
-    }
 }
 
-impl FieldRenderer<'_> {
-    fn picture(&self, job: &Job) -> Result<(Picture, BeamCounts), FieldRenderError> {
-        let side = if self.tracer.batch() > 1 << 12 { LEAF_TILE } else { TILE };
-        let tiles = ImageTile::all(self.screen, side);
-        let (bytes, counts) = each_tile(&tiles, job, |tile| self.tile(tile))?;
-        Ok((assemble(self.screen, &tiles, &bytes), counts))
-    }
+impl TracedSurface for FieldSurface<'_> {
+    type Error = FieldRenderError;
 
-    fn camera_rays(&self, tile: ImageTile) -> Vec<CameraRay<'_>> {
-        let one = |[x, y]: [u32; 2]| {
-            let pattern = self.pattern.for_pixel(x, y);
-            let backdrop = backdrop(y, self.screen.height_px);
-            self.pattern.pixel_offsets.iter().enumerate().map(move |(index, [dx, dy])| CameraRay {
-                ray: self.eye.ray([f64::from(x) + dx, f64::from(y) + dy]),
-                pixel_ray: PixelRay { pattern, ray: index },
-                backdrop,
-            })
-        };
-        tile.pixels().flat_map(one).collect()
-    }
-
-    fn tile(&self, tile: ImageTile) -> Result<(Vec<u8>, BeamCounts), LeafError> {
-        let looks = self.camera_rays(tile);
+    fn trace(&self, rays: &[Ray], counts: &mut BeamCounts) -> Result<Vec<TracedRay>, FieldRenderError> {
         let beam = |ray: &Ray| Beam {
             origin: ray.origin,
             direction: ray.direction,
@@ -309,32 +216,47 @@ impl FieldRenderer<'_> {
             to: ray.t_max,
             cone: self.cone,
         };
-        let beams: Vec<Beam> = looks.iter().map(|look| beam(&look.ray)).collect();
+        let beams: Vec<Beam> = rays.iter().map(beam).collect();
         let records = self.visible_hits(&beams)?;
-        let counts = records.iter().fold(BeamCounts::default(), BeamCounts::add_record);
+        *counts = records.iter().fold(*counts, BeamCounts::add_record);
         let spots = self.shading_points(&beams, &records)?;
-        let mut ask = ShadowRayCollector { beams: Vec::new(), size: self.size };
-        for (look, spot) in looks.iter().zip(&spots) {
-            self.sample(&mut ask, look, spot.as_ref());
-        }
-        let answers = self.tracer.occluded(&ask.beams)?.into_iter();
-        let mut told = ShadowRayResults { answers, size: self.size };
-        let n = self.pattern.pixel_offsets.len();
-        let mut bytes = Vec::with_capacity(4 * looks.len() / n);
-        for (looks, spots) in looks.chunks_exact(n).zip(spots.chunks_exact(n)) {
-            let mut sum = PremultipliedColor::NOTHING;
-            for (look, spot) in looks.iter().zip(spots) {
-                sum.add(self.sample(&mut told, look, spot.as_ref()));
-            }
-            bytes.extend(sum.bytes(n, self.options.show));
-        }
-        Ok((bytes, counts))
+        let both = spots.into_iter().zip(&records);
+        Ok(both
+            .map(|(spot, record)| TracedRay {
+                spot,
+                uncertain: record.hit.is_none() && (record.uncertain || record.capped),
+            })
+            .collect())
     }
 
+    fn with_occlusion<R>(&self, work: impl Fn(&mut dyn OcclusionTest) -> R) -> Result<R, FieldRenderError> {
+        let mut ask = ShadowRayCollector { beams: Vec::new(), size: self.size };
+        let made = work(&mut ask);
+        if ask.beams.is_empty() {
+            return Ok(made);
+        }
+        let answers = self.tracer.occluded(&ask.beams)?.into_iter();
+        Ok(work(&mut ShadowRayResults { answers }))
+    }
+
+    fn ray_offset(&self) -> f64 {
+        LIFT * self.size
+    }
+
+    fn nearest_line(&self, _: [i64; 2]) -> f64 {
+        f64::INFINITY
+    }
+
+    fn corners(&self, _: &ShadingPoint) -> Option<[[f64; 3]; 3]> {
+        None
+    }
+}
+
+impl FieldSurface<'_> {
     /// The first hits that are not culled.
     fn visible_hits(&self, beams: &[Beam]) -> Result<Vec<BeamRecord>, LeafError> {
         let mut records = self.tracer.intersect(beams)?;
-        let culled = match self.options.cull {
+        let culled = match self.cull {
             CullMode::None => return Ok(records),
             CullMode::Back => false,
             CullMode::Front => true,
@@ -378,26 +300,17 @@ impl FieldRenderer<'_> {
             let facing = outward.map_or(-direction.normalize(), |n| n * away);
             let normal = facing_normal(facing, -direction.normalize(), direction);
             let origin = DVec3::from(met.point) + normal * (LIFT * self.size);
-            Some(ShadingPoint { face: 0, origin, flat: normal, normal, front: met.entering })
+            let at = DVec3::from(met.point);
+            Some(ShadingPoint {
+                face: 0,
+                at,
+                depth: met.t,
+                origin,
+                flat: normal,
+                normal,
+                front: met.entering,
+            })
         };
         Ok(beams.iter().zip(records).map(spot).collect())
-    }
-
-    fn sample(
-        &self,
-        shadows: &mut impl OcclusionTest,
-        look: &CameraRay,
-        spot: Option<&ShadingPoint>,
-    ) -> PremultipliedColor {
-        let Some(spot) = spot else { return shade_background(&self.studio, self.options, shadows, look) };
-        let direction = DVec3::from(look.ray.direction);
-        let color = match self.options.show {
-            RenderStyle::Normals => spot.normal_as_color(),
-            RenderStyle::Zebra => {
-                zebra_color(spot.normal, direction, DVec3::from(self.options.up.direction()))
-            }
-            _ => self.studio.shade(shadows, spot, direction, look.pixel_ray),
-        };
-        PremultipliedColor { color, alpha: 1.0 }
     }
 }

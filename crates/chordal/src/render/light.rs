@@ -2,7 +2,7 @@
 use super::color::srgb_to_linear;
 use super::options::UpAxis;
 use super::render_mesh::ShadingPoint;
-use super::sample_pattern::{PixelPattern, tangents};
+use super::sample_pattern::{SamplePattern, tangents};
 use crate::budget::Camera;
 use crate::math::{Box3, greater, lesser};
 use glam::DVec3;
@@ -37,6 +37,14 @@ pub(super) enum Material {
     Paper,
 }
 
+/// What stands in the studio.
+#[derive(Clone, Copy)]
+pub(super) struct StudioShape {
+    pub bounds: Box3,
+    pub up: UpAxis,
+    pub material: Material,
+}
+
 /// A lamp over the viewer's left shoulder, a sky, and the ground.
 pub(super) struct StudioLights {
     up: DVec3,
@@ -50,6 +58,8 @@ pub(super) struct StudioLights {
     front: DVec3,
     back: DVec3,
     material: Material,
+    open_sky: CosineTable,
+    open_lamp: CosineTable,
 }
 
 /// A smooth step: 0 up to `low`, 1 from `high` on.
@@ -61,7 +71,8 @@ fn smoothstep([low, high]: [f64; 2], t: f64) -> f64 {
 
 impl StudioLights {
     /// The lights, placed relative to the camera's right, up and forward axes.
-    pub fn new(bounds: &Box3, camera: &Camera, up: UpAxis, material: Material) -> Self {
+    pub fn new(shape: &StudioShape, camera: &Camera, pattern: &SamplePattern) -> Self {
+        let StudioShape { bounds, up, material } = *shape;
         let top = DVec3::from(up.direction());
         let [right, above, forward] =
             camera.axes().unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
@@ -91,67 +102,75 @@ impl StudioLights {
             front: srgb_to_linear(front),
             back: srgb_to_linear(back),
             material,
+            open_sky: open_sky(pattern),
+            open_lamp: open_lamp(pattern),
         }
     }
 
     /// The light of the sky in a direction.
     fn sky_radiance(&self, direction: DVec3) -> f64 {
-        let height = direction.dot(self.up);
-        let [zenith, horizon, ground] = SKY_LIGHT;
-        if height < 0.0 {
-            horizon + (horizon - ground) * height
-        } else {
-            horizon + (zenith - horizon) * height
+        sky_radiance(direction.dot(self.up))
+    }
+
+    /// The shares of the light that reach a point, by the given directions of the sky and points of the lamp.
+    pub fn shares(
+        &self,
+        shadows: &mut dyn OcclusionTest,
+        point: &LitPoint,
+        sky: impl ExactSizeIterator<Item = DVec3>,
+        lamp: impl Iterator<Item = [f64; 2]>,
+    ) -> LightShares {
+        let n = sky.len() as f64;
+        let (mut open, mut seen, mut hidden) = (0.0, 0.0, 0.0);
+        for direction in sky {
+            let light = self.sky_radiance(direction);
+            open += light;
+            // There is no sky below the triangle's own plane.
+            if direction.dot(point.flat) <= 0.0 || shadows.is_occluded(point.origin, direction) {
+                hidden += 1.0;
+            } else {
+                seen += light;
+            }
+        }
+        LightShares {
+            sky: seen / open,
+            hidden: hidden / n,
+            lamp: self.lamp_sum(shadows, point, lamp).share(),
         }
     }
 
-    /// The light on a surface, given the normal to shade by and the triangle's own.
-    fn irradiance(
+    /// The light of some points of the lamp.
+    pub fn lamp_sum(
         &self,
-        shadows: &mut impl OcclusionTest,
-        origin: DVec3,
-        normals: [DVec3; 2],
-        rays: PixelRay,
-    ) -> Irradiance {
-        let [normal, flat] = normals;
-        let mut found = Irradiance { sky: 0.0, lamp: 0.0, open_sky: 0.0, open_lamp: 0.0 };
-        let directions = rays.pattern.sky(rays.ray, normal);
-        let share = 1.0 / directions.len() as f64;
-        for direction in directions {
-            let light = self.sky_radiance(direction) * share;
-            found.open_sky += light;
-            // There is no sky below the triangle's own plane.
-            let hidden = direction.dot(flat) <= 0.0 || shadows.is_occluded(origin, direction);
-            found.sky += if hidden { HIDDEN_LIGHT * share } else { light };
-        }
-        let points = rays.pattern.lamp(rays.ray);
-        let share = LAMP_LIGHT / points.len() as f64;
-        for [x, y] in points {
+        shadows: &mut dyn OcclusionTest,
+        point: &LitPoint,
+        lamp: impl Iterator<Item = [f64; 2]>,
+    ) -> LampSum {
+        let mut sum = LampSum::default();
+        for [x, y] in lamp {
             let direction = self.lamp + (self.lamp_axes[0] * x + self.lamp_axes[1] * y) * LAMP_RADIUS;
-            let light = normal.dot(direction.normalize()) * share;
+            let light = point.normal.dot(direction);
             if light > 0.0 {
-                found.open_lamp += light;
-                if direction.dot(flat) > 0.0 && !shadows.is_occluded(origin, direction) {
-                    found.lamp += light;
+                sum.open += light;
+                if direction.dot(point.flat) > 0.0 && !shadows.is_occluded(point.origin, direction) {
+                    sum.seen += light;
                 }
             }
         }
-        found
+        sum
     }
 
-    /// The light that a point sends along a ray.
-    pub fn shade(
-        &self,
-        shadows: &mut impl OcclusionTest,
-        spot: &ShadingPoint,
-        direction: DVec3,
-        rays: PixelRay,
-    ) -> DVec3 {
-        let albedo = if spot.front { self.front } else { self.back };
-        let found = self.irradiance(shadows, spot.origin, [spot.normal, spot.flat], rays);
-        let diffuse = albedo * (found.sky + found.lamp);
+    /// Sky and lamp as they arrive at a surface of that normal, and what would arrive without any occlusion.
+    fn irradiance(&self, normal: DVec3, shares: LightShares) -> [f64; 2] {
+        let sky = self.open_sky.at(normal.dot(self.up));
+        let lamp = self.open_lamp.at(normal.dot(self.lamp));
+        [sky * shares.sky + HIDDEN_LIGHT * shares.hidden + lamp * shares.lamp, sky + lamp]
+    }
+
+    /// The direction in which a glazed surface mirrors what is around it; `None` for one that does not.
+    pub fn mirrored(&self, spot: &ShadingPoint, direction: DVec3) -> Option<DVec3> {
         if self.material == Material::Paper {
-            return diffuse;
+            return None;
         }
         let toward = direction.normalize();
         let cos = -toward.dot(spot.normal);
@@ -159,7 +178,20 @@ impl StudioLights {
         // Near silhouettes a smooth normal mirrors into the triangle; the curved surface that it stands for
         // does not.
         let into = mirrored.dot(spot.flat);
-        let mirrored = if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored };
+        Some(if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored })
+    }
+
+    /// The light that a point sends along a ray.
+    pub fn shade(
+        &self,
+        shadows: &mut dyn OcclusionTest,
+        spot: &ShadingPoint,
+        direction: DVec3,
+        shares: LightShares,
+    ) -> DVec3 {
+        let albedo = if spot.front { self.front } else { self.back };
+        let diffuse = albedo * self.irradiance(spot.normal, shares)[0];
+        let Some(mirrored) = self.mirrored(spot, direction) else { return diffuse };
         let seen = if shadows.is_occluded(spot.origin, mirrored) {
             // The shape itself, in about the same light; without light it would look like a slit.
             diffuse
@@ -169,7 +201,7 @@ impl StudioLights {
             )
         };
         // Source: C. Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994.
-        let off = 1.0 - greater(cos, 0.0);
+        let off = 1.0 - greater(-direction.normalize().dot(spot.normal), 0.0);
         let share = GLAZE + (GLAZE_GRAZING - GLAZE) * (off * off) * (off * off) * off;
         diffuse * (1.0 - share) + seen * share
     }
@@ -179,26 +211,127 @@ impl StudioLights {
         lit / if spot.front { self.front } else { self.back } * color
     }
 
-    /// Where a ray meets the ground from above: the fraction of light that the mesh leaves there.
-    pub fn ground(
-        &self,
-        shadows: &mut impl OcclusionTest,
-        origin: DVec3,
-        direction: DVec3,
-        rays: PixelRay,
-    ) -> Option<f64> {
+    /// Where a ray meets the ground from above, unless the shadow has faded out there.
+    pub fn ground(&self, origin: DVec3, direction: DVec3) -> Option<GroundPoint> {
         let (height, slope) = (origin.dot(self.up) - self.ground, direction.dot(self.up));
         if height <= 0.0 || slope >= 0.0 {
             return None;
         }
         let at = origin + direction * (-height / slope);
         let fade = smoothstep([0.5 * self.reach, self.reach], (at - self.middle).length());
-        if fade >= 1.0 {
-            return None;
-        }
-        let found = self.irradiance(shadows, at + self.up * shadows.ray_offset(), [self.up, self.up], rays);
-        let share = (found.sky + found.lamp) / (found.open_sky + found.open_lamp);
-        Some(share + (1.0 - share) * fade)
+        (fade < 1.0).then_some(GroundPoint { at, fade })
+    }
+
+    /// A point of the ground, to be lit.
+    pub fn lit_ground(&self, ground: &GroundPoint, ray_offset: f64) -> LitPoint {
+        LitPoint { origin: ground.at + self.up * ray_offset, normal: self.up, flat: self.up }
+    }
+
+    /// The fraction of light that the mesh leaves on the ground.
+    pub fn ground_share(&self, ground: &GroundPoint, shares: LightShares) -> f64 {
+        let [found, open] = self.irradiance(self.up, shares);
+        let share = found / open;
+        share + (1.0 - share) * ground.fade
+    }
+}
+
+/// The light of the sky in a direction of that height.
+fn sky_radiance(height: f64) -> f64 {
+    let [zenith, horizon, ground] = SKY_LIGHT;
+    if height < 0.0 { horizon + (horizon - ground) * height } else { horizon + (zenith - horizon) * height }
+}
+
+/// A function of the cosine of an angle, tabulated.
+struct CosineTable(Vec<f64>);
+
+impl CosineTable {
+    /// Steps from −1 to 1: a chord over one is off by less than a byte of a picture shows.
+    const STEPS: usize = 256;
+
+    /// Calls `mean` with unit vectors at angles of those cosines to the z axis.
+    fn new(mean: impl Fn(DVec3) -> f64) -> Self {
+        let vector = |i: usize| {
+            let cos = 2.0 * i as f64 / Self::STEPS as f64 - 1.0;
+            DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
+        };
+        Self((0..=Self::STEPS).map(|i| mean(vector(i))).collect())
+    }
+
+    fn at(&self, cos: f64) -> f64 {
+        let place = (0.5 * cos + 0.5) * Self::STEPS as f64;
+        let place = if place > 0.0 { lesser(place, Self::STEPS as f64) } else { 0.0 };
+        let step = (place as usize).min(Self::STEPS - 1);
+        let part = place - step as f64;
+        self.0[step] * (1.0 - part) + self.0[step + 1] * part
+    }
+}
+
+/// The light of the whole sky on a surface, by the cosine of its normal with the upward direction.
+fn open_sky(pattern: &SamplePattern) -> CosineTable {
+    let directions = &pattern.light[0].sky;
+    CosineTable::new(|normal| {
+        let [right, up] = tangents(normal);
+        let height = |[x, y, z]: &[f64; 3]| (right * *x + up * *y + normal * *z).z;
+        directions.iter().map(|d| sky_radiance(height(d))).sum::<f64>() / directions.len() as f64
+    })
+}
+
+/// The light of the whole lamp, by the cosine of its direction with the normal.
+fn open_lamp(pattern: &SamplePattern) -> CosineTable {
+    let points = &pattern.light[0].lamp;
+    CosineTable::new(|normal| {
+        let light =
+            |[x, y]: &[f64; 2]| normal.dot(DVec3::new(LAMP_RADIUS * x, LAMP_RADIUS * y, 1.0).normalize());
+        LAMP_LIGHT * points.iter().map(|p| greater(light(p), 0.0)).sum::<f64>() / points.len() as f64
+    })
+}
+
+/// A point whose light is asked for.
+#[derive(Clone, Copy)]
+pub(super) struct LitPoint {
+    /// The origin of shadow rays.
+    pub origin: DVec3,
+    /// The normal to shade by, and the triangle's own.
+    pub normal: DVec3,
+    pub flat: DVec3,
+}
+
+/// A point of the ground under the mesh.
+#[derive(Clone, Copy)]
+pub(super) struct GroundPoint {
+    pub at: DVec3,
+    /// By how much the shadow has faded out there: 0 to 1.
+    pub fade: f64,
+}
+
+/// The shares of light that reach a point: of the sky's and of the lamp's light, and of the directions in which the
+/// sky is hidden. Unlike the light itself they hardly depend on the normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LightShares {
+    pub sky: f64,
+    pub hidden: f64,
+    pub lamp: f64,
+}
+
+impl LightShares {
+    /// Weighted by `weights`, whose sum is 1.
+    pub fn mean<const N: usize>(shares: [Self; N], weights: [f64; N]) -> Self {
+        let sum = |f: fn(&Self) -> f64| shares.iter().zip(weights).map(|(s, w)| f(s) * w).sum();
+        Self { sky: sum(|s| s.sky), hidden: sum(|s| s.hidden), lamp: sum(|s| s.lamp) }
+    }
+}
+
+/// The light of points of the lamp, with and without occlusion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LampSum {
+    pub seen: f64,
+    pub open: f64,
+}
+
+impl LampSum {
+    /// The share that is seen; all of nothing.
+    pub fn share(self) -> f64 {
+        if self.open > 0.0 { self.seen / self.open } else { 1.0 }
     }
 }
 
@@ -208,21 +341,4 @@ impl StudioLights {
 pub(super) trait OcclusionTest {
     /// Whether something lies between a point and the light in a direction.
     fn is_occluded(&mut self, origin: DVec3, direction: DVec3) -> bool;
-    /// By how much rays start off the ground.
-    fn ray_offset(&self) -> f64;
-}
-
-/// One of a pixel's rays.
-#[derive(Clone, Copy)]
-pub(super) struct PixelRay<'a> {
-    pub pattern: PixelPattern<'a>,
-    pub ray: usize,
-}
-
-/// Light from the sky and from the lamp, and the same without occlusion.
-struct Irradiance {
-    sky: f64,
-    lamp: f64,
-    open_sky: f64,
-    open_lamp: f64,
 }

@@ -6,13 +6,18 @@ mod drawing;
 mod field;
 mod heat_map;
 mod light;
+mod light_grid;
+mod line_depths;
 mod normals;
 mod options;
 mod overshade;
 mod picture;
+mod picture_tile;
+mod picture_tiles;
 mod render_mesh;
 mod sample_pattern;
 mod trace;
+mod traced_surface;
 mod zebra;
 
 pub use camera::frame;

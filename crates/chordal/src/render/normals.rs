@@ -1,9 +1,11 @@
 //! `ShadingNormals`: the normals by which a mesh is shaded.
+use crate::budget::{Job, par_map};
 use crate::explicit::{Attribute, Domain, Mesh, Semantic, face_normal};
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// Edges sharper than this (its cosine) are creases in a mesh without normals of its own: cos 30°.
-const CREASE_COS: f64 = 0.866_025_403_784_438_6;
+pub(super) const CREASE_COS: f64 = 0.866_025_403_784_438_6;
 
 /// The source of the normals at a face's corners.
 pub(super) enum ShadingNormals<'a> {
@@ -17,10 +19,10 @@ pub(super) enum ShadingNormals<'a> {
 
 impl<'a> ShadingNormals<'a> {
     /// The mesh's own normals, or smooth ones.
-    pub fn from_mesh(mesh: &'a Mesh) -> Self {
+    pub fn from_mesh(mesh: &'a Mesh, job: &Job) -> Self {
         match mesh.attribute(&Semantic::Normal) {
             Some(own) if own.width == 3 => Self::Given(own),
-            _ => Self::Smooth(smooth(mesh)),
+            _ => Self::Smooth(smooth(mesh, job)),
         }
     }
 
@@ -43,11 +45,10 @@ impl<'a> ShadingNormals<'a> {
 
 /// For each corner, the angle-weighted sum of the normals of those faces around its position that are within
 /// the crease angle of its own.
-fn smooth(mesh: &Mesh) -> Vec<[f32; 3]> {
+fn smooth(mesh: &Mesh, job: &Job) -> Vec<[f32; 3]> {
     let n_faces = mesh.faces().len();
-    let normals: Vec<DVec3> =
-        (0..n_faces).map(|f| face_normal(mesh.corners(f)).map_or(DVec3::ZERO, DVec3::from)).collect();
-    let angles: Vec<[f64; 3]> = (0..n_faces).map(|f| corner_angles(mesh.corners(f))).collect();
+    let normals = for_faces(n_faces, job, |f| face_normal(mesh.corners(f)).map_or(DVec3::ZERO, DVec3::from));
+    let angles = for_faces(n_faces, job, |f| corner_angles(mesh.corners(f)));
     // The corners around each position, one run after the other.
     let mut starts = vec![0_u32; mesh.positions().len() + 1];
     let position = |corner: usize| mesh.position_of(mesh.faces()[corner / 3][corner % 3]) as usize;
@@ -62,6 +63,7 @@ fn smooth(mesh: &Mesh) -> Vec<[f32; 3]> {
         around[*at as usize] = corner as u32;
         *at += 1;
     }
+    let run = |place: usize| &around[starts[place] as usize..starts[place + 1] as usize];
     let sum_of = |corners: &[u32], own: Option<DVec3>| {
         corners.iter().fold(DVec3::ZERO, |sum, corner| {
             let (face, k) = (*corner as usize / 3, *corner as usize % 3);
@@ -69,23 +71,32 @@ fn smooth(mesh: &Mesh) -> Vec<[f32; 3]> {
             if smooth { sum + normals[face] * angles[face][k] } else { sum }
         })
     };
-    let mut rows = vec![[0.0_f32; 3]; 3 * n_faces];
-    for run in starts.windows(2).map(|ends| &around[ends[0] as usize..ends[1] as usize]) {
-        let all = if run.len() > MOST_COMPARED { sum_of(run, None).normalize_or_zero() } else { DVec3::ZERO };
-        for corner in run {
-            let own = normals[*corner as usize / 3];
-            let sum = if run.len() <= MOST_COMPARED {
-                sum_of(run, Some(own))
-            } else if all.dot(own) >= CREASE_COS {
-                all
-            } else {
-                own
+    let fans: BTreeMap<usize, DVec3> = (0..mesh.positions().len())
+        .filter(|place| run(*place).len() > MOST_COMPARED)
+        .map(|place| (place, sum_of(run(place), None).normalize_or_zero()))
+        .collect();
+    let rows = for_faces(n_faces, job, |face| {
+        let own = normals[face];
+        [0, 1, 2].map(|k| {
+            let place = position(3 * face + k);
+            let sum = match fans.get(&place) {
+                None => sum_of(run(place), Some(own)),
+                Some(all) if all.dot(own) >= CREASE_COS => *all,
+                Some(_) => own,
             };
             let normal = sum.normalize_or(own);
-            rows[*corner as usize] = [normal.x as f32, normal.y as f32, normal.z as f32];
-        }
-    }
-    rows
+            [normal.x as f32, normal.y as f32, normal.z as f32]
+        })
+    });
+    rows.into_flattened()
+}
+
+/// Faces of one task.
+const TASK: usize = 1 << 14;
+
+fn for_faces<T: Send + Clone>(n: usize, job: &Job, one: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let chunks: Vec<usize> = (0..n).step_by(TASK).collect();
+    par_map(job, &chunks, |_, from| (*from..n.min(from + TASK)).map(&one).collect::<Vec<T>>()).concat()
 }
 
 /// Up to this many faces around a position, each is compared with each, which costs their square. In larger

@@ -4,7 +4,7 @@ use super::color_ramp::ColorRamp;
 use super::frame;
 use super::options::{Background, CullMode, RenderOptions, Viewpoint};
 use super::picture::Picture;
-use super::trace::backdrop;
+use super::trace::Backdrop;
 use crate::budget::{Camera, Job, JobError};
 use crate::check::{Overshade, overshade};
 use crate::explicit::{HitSides, Mesh};
@@ -61,11 +61,12 @@ fn picture(found: &Overshade, camera: &Camera, background: Background) -> Pictur
             [r, g, b, 255]
         })
         .collect();
+    let backdrop = Backdrop::new(height);
     let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
     for y in 0..height {
         let empty = match background {
             Background::Studio => {
-                let [r, g, b] = backdrop(y, height).to_array().map(linear_to_srgb);
+                let [r, g, b] = backdrop.at(y).to_array().map(linear_to_srgb);
                 [r, g, b, 255]
             }
             Background::Shadow | Background::Transparent => [0; 4],

@@ -1,9 +1,13 @@
 //! `RenderMesh`: a mesh prepared for rays.
+use super::camera::RayGenerator;
 use super::light::OcclusionTest;
+use super::line_depths::LineDepths;
 use super::normals::ShadingNormals;
 use super::options::{CullMode, RenderOptions, RenderStyle};
-use crate::budget::{Job, JobError};
-use crate::explicit::{Bvh, Hit, HitSides, Mesh, Ray, face_normal};
+use super::traced_surface::{TracedRay, TracedSurface};
+use crate::budget::{Job, JobError, Screen};
+use crate::explicit::{Bvh, HitSides, Mesh, Ray, face_normal};
+use crate::implicit::query::BeamCounts;
 use glam::DVec3;
 
 /// A mesh, its tree, and its shading normals.
@@ -12,6 +16,7 @@ pub(super) struct RenderMesh<'a> {
     bvh: Bvh,
     normals: ShadingNormals<'a>,
     sides: HitSides,
+    lines: LineDepths,
     /// By how much secondary rays start off the surface: a millionth of its extent, far above the rounding of
     /// hits (10⁻¹⁵ of it) and far below a pixel.
     ray_offset: f64,
@@ -20,6 +25,9 @@ pub(super) struct RenderMesh<'a> {
 /// A point on the surface as a ray sees it.
 pub(super) struct ShadingPoint {
     pub face: usize,
+    /// The point, and its depth along the line of sight.
+    pub at: DVec3,
+    pub depth: f64,
     /// The origin of shadow rays.
     pub origin: DVec3,
     /// The unit normal of the triangle, towards the viewer.
@@ -38,12 +46,17 @@ impl ShadingPoint {
 }
 
 impl<'a> RenderMesh<'a> {
-    pub fn new(mesh: &'a Mesh, options: &RenderOptions, job: &Job) -> Result<Self, JobError> {
+    pub fn new(
+        mesh: &'a Mesh,
+        options: &RenderOptions,
+        (eye, screen): (&RayGenerator, Screen),
+        job: &Job,
+    ) -> Result<Self, JobError> {
         let bvh = Bvh::build(mesh, job)?;
         let normals = match options.show {
             RenderStyle::Flat | RenderStyle::Wire | RenderStyle::Overshade => ShadingNormals::Flat,
             RenderStyle::Shaded | RenderStyle::Normals | RenderStyle::Zebra => {
-                ShadingNormals::from_mesh(mesh)
+                ShadingNormals::from_mesh(mesh, job)
             }
         };
         // Rays start this far off a surface: above the rounding of hits, below what a picture of 10^5 pixels
@@ -54,19 +67,16 @@ impl<'a> RenderMesh<'a> {
             CullMode::Back => HitSides::Front,
             CullMode::Front => HitSides::Back,
         };
-        Ok(Self { mesh, bvh, normals, sides, ray_offset: lift })
+        let lines = LineDepths::new(mesh, eye, screen, job);
+        Ok(Self { mesh, bvh, normals, sides, lines, ray_offset: lift })
     }
 
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
     }
 
-    pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
-        self.mesh.corners(face)
-    }
-
     /// The first triangle that the ray meets and that is not culled.
-    pub fn intersect(&self, ray: &Ray) -> Option<(Hit, ShadingPoint)> {
+    fn intersect(&self, ray: &Ray) -> Option<ShadingPoint> {
         let hit = self.bvh.first_hit_on(ray, self.sides)?;
         let face = hit.face as usize;
         let corners = self.mesh.corners(face).map(DVec3::from);
@@ -74,8 +84,15 @@ impl<'a> RenderMesh<'a> {
         let at = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
         let front = face_normal(self.mesh.corners(face)).map_or(DVec3::ZERO, DVec3::from);
         let flat = if hit.front { front } else { -front };
-        let mut spot =
-            ShadingPoint { face, origin: at + flat * self.ray_offset, flat, normal: flat, front: hit.front };
+        let mut spot = ShadingPoint {
+            face,
+            at,
+            depth: hit.t,
+            origin: at + flat * self.ray_offset,
+            flat,
+            normal: flat,
+            front: hit.front,
+        };
         if let Some(normals) = self.normals.corners(self.mesh, face) {
             let sum = normals[0] * w[0] + normals[1] * w[1] + normals[2] * w[2];
             let side = if sum.dot(flat) < 0.0 { -1.0 } else { 1.0 };
@@ -87,7 +104,7 @@ impl<'a> RenderMesh<'a> {
                     self.smooth_origin(at, corners, normals.map(|n| n * side), w) + flat * self.ray_offset;
             }
         }
-        Some((hit, spot))
+        Some(spot)
     }
 
     /// The point moved outward onto the smooth surface that the normals describe, so that its facets cast no
@@ -111,9 +128,29 @@ impl OcclusionTest for &RenderMesh<'_> {
     fn is_occluded(&mut self, origin: DVec3, direction: DVec3) -> bool {
         self.bvh.any_hit(&Ray::new(origin.into(), direction.into()))
     }
+}
+
+impl TracedSurface for RenderMesh<'_> {
+    type Error = JobError;
+
+    fn trace(&self, rays: &[Ray], _: &mut BeamCounts) -> Result<Vec<TracedRay>, JobError> {
+        Ok(rays.iter().map(|ray| TracedRay { spot: self.intersect(ray), uncertain: false }).collect())
+    }
+
+    fn with_occlusion<R>(&self, work: impl Fn(&mut dyn OcclusionTest) -> R) -> Result<R, JobError> {
+        Ok(work(&mut &*self))
+    }
 
     fn ray_offset(&self) -> f64 {
         self.ray_offset
+    }
+
+    fn nearest_line(&self, pixel: [i64; 2]) -> f64 {
+        self.lines.at(pixel)
+    }
+
+    fn corners(&self, spot: &ShadingPoint) -> Option<[[f64; 3]; 3]> {
+        Some(self.mesh.corners(spot.face))
     }
 }
 

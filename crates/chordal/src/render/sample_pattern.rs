@@ -13,6 +13,10 @@ const TURNS: usize = 64;
 /// 16, shadows show a weave.
 const SKY: usize = 32;
 const LAMP: usize = 32;
+/// The points on each for a place whose light is that of many pixels, and of one.
+const LIGHT: [usize; 2] = [64, 32];
+/// The points along the lamp's rim, which see the same as all of it unless they see both.
+const RIM: usize = 8;
 
 /// Sample points for `n` rays per pixel.
 #[derive(Clone, Debug)]
@@ -20,9 +24,20 @@ pub(super) struct SamplePattern {
     /// Offsets from the corner of the pixel. Their density is a tent two pixels wide, so the plain mean of
     /// the rays is a filtered picture.
     pub pixel_offsets: Vec<[f64; 2]>,
+    /// For the rays of a pixel together; each takes its part.
     sky: Vec<[f64; 3]>,
     lamp: Vec<[f64; 2]>,
+    /// For one point alone: for many pixels, and for one.
+    pub light: [LightPattern; 2],
     turns: Vec<[f64; 2]>,
+}
+
+/// Sample points on the sky and on the lamp, and along the lamp's rim.
+#[derive(Clone, Debug)]
+pub(super) struct LightPattern {
+    pub sky: Vec<[f64; 3]>,
+    pub lamp: Vec<[f64; 2]>,
+    pub rim: Vec<[f64; 2]>,
 }
 
 fn fraction(x: f64) -> f64 {
@@ -50,18 +65,29 @@ impl SamplePattern {
             let [x, y] = disc(n, i);
             [x, y, (1.0 - even(n, i)).sqrt()]
         };
+        let light = |n: usize| LightPattern {
+            sky: (0..n).map(|i| hemisphere(n, i)).collect(),
+            lamp: (0..n).map(|i| disc(n, i)).collect(),
+            rim: (0..RIM).map(|i| circle(even(RIM, i))).chain([[0.0; 2]]).collect(),
+        };
         let place = |i| [even(n, i), fraction(0.5 + i as f64 * GOLDEN)].map(|u| 0.5 + tent(u));
         Self {
             pixel_offsets: (0..n).map(place).collect(),
             sky: (0..sky).map(|i| hemisphere(sky, i)).collect(),
             lamp: (0..lamp).map(|i| disc(lamp, i)).collect(),
+            light: LIGHT.map(light),
             turns: (0..TURNS).map(|i| circle(even(TURNS, i))).collect(),
         }
     }
 
+    /// The pattern as it is, for points between which light is interpolated: without noise.
+    pub fn unturned(&self) -> PixelPattern<'_> {
+        PixelPattern { pattern: self, turn: [1.0, 0.0] }
+    }
+
     /// The pattern for the rays of one pixel.
-    pub fn for_pixel(&self, x: u32, y: u32) -> PixelPattern<'_> {
-        let turn = fraction(f64::from(x) * PLASTIC[0] + f64::from(y) * PLASTIC[1]);
+    pub fn for_pixel(&self, [x, y]: [i64; 2]) -> PixelPattern<'_> {
+        let turn = fraction(x as f64 * PLASTIC[0] + y as f64 * PLASTIC[1]);
         PixelPattern { pattern: self, turn: self.turns[(turn * TURNS as f64) as usize % TURNS] }
     }
 }
@@ -79,14 +105,23 @@ impl PixelPattern<'_> {
         [cos * x - sin * y, sin * x + cos * y]
     }
 
-    /// Directions around `normal`, as dense as their cosine with it, for one of the pixel's rays. All rays
-    /// together have the whole set.
-    pub fn sky(&self, ray: usize, normal: DVec3) -> impl ExactSizeIterator<Item = DVec3> {
+    fn sky_around<'s>(
+        &self,
+        points: impl ExactSizeIterator<Item = &'s [f64; 3]>,
+        normal: DVec3,
+    ) -> impl ExactSizeIterator<Item = DVec3> {
         let [right, up] = tangents(normal);
-        self.pattern.sky[ray..].iter().step_by(self.pattern.pixel_offsets.len()).map(move |[x, y, z]| {
+        points.map(move |[x, y, z]| {
             let [x, y] = self.rotate(*x, *y);
             right * x + up * y + normal * *z
         })
+    }
+
+    /// Directions around `normal`, as dense as their cosine with it, for one of the pixel's rays. All rays
+    /// together have the whole set.
+    pub fn sky(&self, ray: usize, normal: DVec3) -> impl ExactSizeIterator<Item = DVec3> {
+        let own = self.pattern.sky[ray..].iter().step_by(self.pattern.pixel_offsets.len());
+        self.sky_around(own, normal)
     }
 
     /// Points of the unit disc for one of the pixel's rays.
@@ -94,6 +129,30 @@ impl PixelPattern<'_> {
         let own = self.pattern.lamp[ray..].iter().step_by(self.pattern.pixel_offsets.len());
         own.map(|[x, y]| self.rotate(*x, *y))
     }
+
+    /// Directions around `normal`, for one point.
+    pub fn whole_sky(&self, detail: LightDetail, normal: DVec3) -> impl ExactSizeIterator<Item = DVec3> {
+        self.sky_around(self.pattern.light[detail as usize].sky.iter(), normal)
+    }
+
+    /// Points of the unit disc, for one point.
+    pub fn whole_lamp(&self, detail: LightDetail) -> impl ExactSizeIterator<Item = [f64; 2]> {
+        self.pattern.light[detail as usize].lamp.iter().map(|[x, y]| self.rotate(*x, *y))
+    }
+
+    /// Points on the rim of the unit disc, and its middle.
+    pub fn rim(&self) -> impl ExactSizeIterator<Item = [f64; 2]> {
+        self.pattern.light[0].rim.iter().map(|[x, y]| self.rotate(*x, *y))
+    }
+}
+
+/// For how much of the picture the light of a point counts.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum LightDetail {
+    /// For many pixels.
+    Area = 0,
+    /// For one pixel.
+    Pixel = 1,
 }
 
 /// Two unit vectors perpendicular to `n` and each other.

@@ -1,24 +1,19 @@
-//! The renderer of meshes: rows in parallel, each pixel by its own fixed rays.
+//! The renderer of meshes.
 use super::camera::RayGenerator;
 use super::color::{linear_to_srgb, srgb_to_linear, to_byte};
 use super::heat_map::{HeatMap, ReferenceSurface};
-use super::light::{Material, OcclusionTest, PixelRay, StudioLights};
-use super::options::{Background, RenderOptions, RenderStyle, Viewpoint};
+use super::light::{Material, StudioLights, StudioShape};
+use super::options::{RenderOptions, RenderStyle, Viewpoint};
+use super::picture_tile::TileRenderer;
 use super::render_mesh::RenderMesh;
 use super::sample_pattern::SamplePattern;
-use super::zebra::zebra_color;
 use super::{Picture, frame, render_overshade};
-use crate::budget::{Camera, Job, JobError, Progress, Refusal, RefusalCode, Screen, View, par_map};
-use crate::explicit::{Mesh, Ray};
-use crate::math::lesser;
+use crate::budget::{Camera, Job, JobError, Refusal, RefusalCode, Screen, View};
+use crate::explicit::Mesh;
 use glam::DVec3;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The width of lines in pixels, and their colour in sRGB.
-const LINE_PX: f64 = 1.3;
+/// The colour of lines in sRGB.
 const LINE: [u8; 3] = [38, 48, 62];
-/// The width over which a line's side fades out: less than a pixel, so that lines are as smooth as outlines.
-const LINE_SOFT_PX: f64 = 0.5;
 /// Colours of the backdrop at the top and the bottom of the picture, in sRGB.
 const BACKDROP: [[u8; 3]; 2] = [[247, 249, 251], [219, 225, 232]];
 /// The most samples along a pixel's side.
@@ -26,14 +21,16 @@ const MOST_SAMPLES: u32 = 16;
 
 /// Renders a mesh.
 ///
-/// Each pixel is the mean over `samples²` rays at fixed positions under a tent filter two pixels wide, in
-/// linear light and not in sRGB values. Shaded surfaces are lit by a lamp over the viewer's left shoulder
-/// with soft shadows, a sky with ambient occlusion, and the ground; fronts and backs differ in colour. All
-/// sample points are fixed, so the picture is the same, byte for byte, on any number of threads and every
-/// target.
+/// Pixels along outlines, creases and lines, and where colours change, are the mean over `samples²` rays at
+/// fixed positions under a tent filter two pixels wide, in linear light and not in sRGB values. The others have
+/// one ray, through their middle. Outlines and creases are found in the mesh, so that no part is too thin.
+/// Shaded surfaces are lit by a lamp over the viewer's left shoulder with soft shadows, a sky with ambient
+/// occlusion, and the ground; fronts and backs differ in colour. Light is traced at every eighth pixel, closer
+/// where it changes or the surface ends, and interpolated between. All sample points are fixed, so the picture
+/// is the same, byte for byte, on any number of threads and every target.
 ///
-/// Cost: the tree over the mesh; then, for a pixel that shows the mesh or its shadow, `2·samples²` rays and
-/// 64 to 96 more.
+/// Cost: the tree over the mesh and its neighbours; then one ray for each pixel, two for one that shows the
+/// mesh, `2·samples²` along edges, and some hundred for each point where light is traced.
 ///
 /// # Errors
 /// [`JobError::Refused`] for an invalid camera, 0 or more than 16 samples, or a picture or tree beyond the
@@ -94,36 +91,23 @@ fn render_mesh(
         Viewpoint::Camera(camera) => camera,
     };
     let eye = ray_generator(&camera, options, job)?;
-    let Screen { width_px: width, height_px: height } = camera.screen;
-    let surface = RenderMesh::new(mesh, options, job)?;
+    let surface = RenderMesh::new(mesh, options, (&eye, camera.screen), job)?;
     let drawn_on = options.show == RenderStyle::Wire || heat.is_some();
     let material = if drawn_on { Material::Paper } else { Material::Clay };
-    let studio = StudioLights::new(&surface.bvh().bounds(), &camera, options.up, material);
-    let tracer = MeshRenderer {
+    let pattern = SamplePattern::new(options.samples);
+    let shape = StudioShape { bounds: surface.bvh().bounds(), up: options.up, material };
+    let renderer = TileRenderer {
         surface,
-        studio,
+        studio: StudioLights::new(&shape, &camera, &pattern),
         eye,
-        pattern: SamplePattern::new(options.samples),
-        options: *options,
+        pattern,
+        options,
+        screen: camera.screen,
+        backdrop: Backdrop::new(camera.screen.height_px),
         heat,
-        line_light: srgb_to_linear(LINE),
+        lines: (options.show == RenderStyle::Wire).then(|| srgb_to_linear(LINE)),
     };
-    let done = AtomicU64::new(0);
-    let rows: Vec<u32> = (0..height).collect();
-    let rows = par_map(job, &rows, |_, y| {
-        if job.is_cancelled() {
-            return Vec::new();
-        }
-        let backdrop = backdrop(*y, height);
-        let row: Vec<u8> = (0..width).flat_map(|x| tracer.pixel(x, *y, backdrop)).collect();
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        job.report(Progress { stage: "render", done, total: u64::from(height) });
-        row
-    });
-    if job.is_cancelled() {
-        return Err(JobError::Cancelled);
-    }
-    Ok(Picture { width, height, rgba: rows.concat() })
+    Ok(renderer.picture(job)?.0)
 }
 
 /// The ray generator, if camera and options are valid.
@@ -141,8 +125,8 @@ pub(super) fn ray_generator(
         return Err(refused(RefusalCode::Unsupported, message));
     }
     let Screen { width_px: width, height_px: height } = camera.screen;
-    // Each row is stored once by itself and once in the picture.
-    let bytes = (8 * u64::from(width)).saturating_mul(u64::from(height));
+    // Each tile is stored once by itself and once in the picture; a mesh has a depth of lines in each pixel.
+    let bytes = (12 * u64::from(width)).saturating_mul(u64::from(height));
     if bytes > job.memory_limit {
         let message =
             format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);
@@ -151,20 +135,21 @@ pub(super) fn ray_generator(
     Ok(eye)
 }
 
-/// The backdrop in row `y`, counted from the top of the picture.
-pub(super) fn backdrop(y: u32, height: u32) -> DVec3 {
-    let [top, bottom] = BACKDROP.map(srgb_to_linear);
-    top.lerp(bottom, (f64::from(y) + 0.5) / f64::from(height))
+/// The backdrop: its light at the top and at the bottom.
+pub(super) struct Backdrop {
+    ends: [DVec3; 2],
+    height: u32,
 }
 
-struct MeshRenderer<'a> {
-    surface: RenderMesh<'a>,
-    studio: StudioLights,
-    eye: RayGenerator,
-    pattern: SamplePattern,
-    options: RenderOptions,
-    heat: Option<HeatMap>,
-    line_light: DVec3,
+impl Backdrop {
+    pub fn new(height: u32) -> Self {
+        Self { ends: BACKDROP.map(srgb_to_linear), height }
+    }
+
+    /// The backdrop in row `y`, counted from the top of the picture.
+    pub fn at(&self, y: u32) -> DVec3 {
+        self.ends[0].lerp(self.ends[1], (f64::from(y) + 0.5) / f64::from(self.height))
+    }
 }
 
 /// Premultiplied: colour times alpha, and alpha.
@@ -191,88 +176,5 @@ impl PremultipliedColor {
         let [r, g, b] = (self.color / self.alpha).to_array();
         let encode = if show == RenderStyle::Normals { to_byte } else { linear_to_srgb };
         [encode(r), encode(g), encode(b), to_byte(self.alpha / n as f64)]
-    }
-}
-
-/// A ray of the picture, its index in its pixel, and the backdrop there.
-#[derive(Clone, Copy)]
-pub(super) struct CameraRay<'a> {
-    pub ray: Ray,
-    pub pixel_ray: PixelRay<'a>,
-    pub backdrop: DVec3,
-}
-
-/// The colour of a ray that meets nothing.
-pub(super) fn shade_background(
-    studio: &StudioLights,
-    options: &RenderOptions,
-    shadows: &mut impl OcclusionTest,
-    look: &CameraRay,
-) -> PremultipliedColor {
-    if options.background == Background::Transparent {
-        return PremultipliedColor::NOTHING;
-    }
-    let has_ground = matches!(options.show, RenderStyle::Shaded | RenderStyle::Flat);
-    let mut ground = || {
-        let (origin, direction) = (DVec3::from(look.ray.origin), DVec3::from(look.ray.direction));
-        studio.ground(shadows, origin, direction, look.pixel_ray)
-    };
-    let share = if has_ground { ground().unwrap_or(1.0) } else { 1.0 };
-    if options.background == Background::Shadow {
-        return PremultipliedColor { alpha: 1.0 - share, ..PremultipliedColor::NOTHING };
-    }
-    let color = if options.show == RenderStyle::Normals { DVec3::ONE } else { look.backdrop * share };
-    PremultipliedColor { color, alpha: 1.0 }
-}
-
-impl MeshRenderer<'_> {
-    fn pixel(&self, x: u32, y: u32, backdrop: DVec3) -> [u8; 4] {
-        let pattern = self.pattern.for_pixel(x, y);
-        let mut sum = PremultipliedColor::NOTHING;
-        for (index, [dx, dy]) in self.pattern.pixel_offsets.iter().enumerate() {
-            let ray = self.eye.ray([f64::from(x) + dx, f64::from(y) + dy]);
-            sum.add(self.sample(&CameraRay { ray, pixel_ray: PixelRay { pattern, ray: index }, backdrop }));
-        }
-        sum.bytes(self.pattern.pixel_offsets.len(), self.options.show)
-    }
-
-    fn sample(&self, look: &CameraRay) -> PremultipliedColor {
-        let (ray, rays) = (&look.ray, look.pixel_ray);
-        let Some((hit, spot)) = self.surface.intersect(ray) else {
-            return shade_background(&self.studio, &self.options, &mut &self.surface, look);
-        };
-        let direction = DVec3::from(ray.direction);
-        let color = match self.options.show {
-            RenderStyle::Normals => spot.normal_as_color(),
-            RenderStyle::Zebra => {
-                zebra_color(spot.normal, direction, DVec3::from(self.options.up.direction()))
-            }
-            RenderStyle::Shaded | RenderStyle::Flat | RenderStyle::Overshade => {
-                let lit = self.studio.shade(&mut &self.surface, &spot, direction, rays);
-                match &self.heat {
-                    Some(heat) => self.studio.recolor(lit, &spot, heat.at(ray.at(hit.t))),
-                    None => lit,
-                }
-            }
-            RenderStyle::Wire => {
-                let paper = self.studio.shade(&mut &self.surface, &spot, direction, rays);
-                paper.lerp(self.line_light, self.line_strength(ray, self.surface.corners(spot.face)))
-            }
-        };
-        PremultipliedColor { color, alpha: 1.0 }
-    }
-
-    /// The strength of the lines where a ray meets a triangle.
-    fn line_strength(&self, ray: &Ray, corners: [[f64; 3]; 3]) -> f64 {
-        let edges = self.eye.edge_distances(ray, corners);
-        let nearest = edges.iter().fold(f64::INFINITY, |least, e| lesser(e[0], least));
-        let side = (0.5 * (LINE_PX + LINE_SOFT_PX) - nearest) / LINE_SOFT_PX;
-        let side = if side > 0.0 { lesser(side, 1.0) } else { 0.0 };
-        // The radius of the inscribed circle is the inverse sum of the inverse heights. Triangles that are
-        // narrower than their lines would be all line: these fade, so that fine meshes turn grey and not
-        // black.
-        let radius = 1.0 / edges.iter().map(|e| 1.0 / e[1]).sum::<f64>();
-        let room = radius / LINE_PX;
-        side * if room < 1.0 { 0.3 + 0.7 * room } else { 1.0 }
     }
 }

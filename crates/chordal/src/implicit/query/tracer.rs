@@ -5,6 +5,9 @@ use super::octree::FieldOctree;
 use super::point_queries::normals;
 use super::ray_march::{BeamMarcher, HitQuery};
 
+/// The most beams that advance together: their marchers, of half a kilobyte each, stay in the second cache.
+const AT_ONCE: usize = 2048;
+
 /// Intersects beams with the surface of a field.
 ///
 /// All active beams are evaluated together, so that a leaf gets as many points per call as there are beams. A
@@ -81,6 +84,14 @@ impl<'a> FieldTracer<'a> {
     }
 
     fn run(&self, beams: &[Beam], asked: HitQuery) -> Result<Vec<BeamRecord>, LeafError> {
+        let mut records = Vec::with_capacity(beams.len());
+        for part in beams.chunks(AT_ONCE.max(self.cells.batch)) {
+            records.append(&mut self.run_part(part, asked)?);
+        }
+        Ok(records)
+    }
+
+    fn run_part(&self, beams: &[Beam], asked: HitQuery) -> Result<Vec<BeamRecord>, LeafError> {
         let mut records = vec![BeamRecord::default(); beams.len()];
         let mut walkers: Vec<BeamMarcher> = Vec::new();
         for (k, (beam, record)) in beams.iter().zip(&mut records).enumerate() {
