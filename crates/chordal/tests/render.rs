@@ -243,7 +243,7 @@ fn bytes_are_the_same_on_any_number_of_threads_and_every_machine() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-const SHADED: u64 = 0x631d_a546_2e13_b0a6;
+const SHADED: u64 = 0x5240_bf8a_3660_35fd;
 const FLAT: u64 = 0xdc2d_67c3_4dec_736e;
 const WIRE: u64 = 0x2cfc_c498_fdd4_2534;
 const NORMALS: u64 = 0x4b4f_408a_9a4c_3bd5;
