@@ -178,7 +178,7 @@ fn simplify_to_count(
     let near = NearFaces { by_row: &near, topology };
     let goal =
         Goal { absolute: Tolerance::new(ROUNDINGS * mesh.bounds().diagonal()).ok(), ..Goal::default() };
-    let found = MappedPair::new(mesh, &made, near, job)?.deviation(&goal, job)?;
+    let found = MappedPair::new(mesh, &made, near, job)?.deviation(f64::INFINITY, &goal, job)?;
     Ok(bounded(made, &found, f64::INFINITY, kept))
 }
 
@@ -308,7 +308,7 @@ impl<'a> ProgressiveSimplifier<'a> {
                 let absolute = allowed.constant().and_then(close);
                 let goal = Goal { absolute, ..Goal::default() };
                 let found = match mapped {
-                    Some(mapped) => mapped.deviation(&goal, job)?,
+                    Some(mapped) => mapped.deviation(places.at_most, &goal, job)?,
                     None => deviation(mesh, &made, &goal, job)?,
                 };
                 let mut found = bounded(made, &found, places.at_most, reduction.stats);

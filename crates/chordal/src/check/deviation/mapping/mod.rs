@@ -4,13 +4,14 @@ mod crossing;
 mod far_points;
 mod images;
 mod nearby;
+mod part;
 mod paths;
 mod surface;
 #[cfg(test)]
 mod tests;
 
 use super::hausdorff::{FarthestSample, OneSidedSearch};
-use super::violations::{ViolationReport, find_violations};
+use super::violations::ViolationReport;
 use super::{CommonFrame, Deviation, Goal, SurfacePair, two_sided};
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh, Topology, distance_sq_to_triangle};
@@ -19,6 +20,7 @@ use cells::{SurfaceMapping, surface_mapping};
 use far_points::distance_down_to_all;
 use images::{VertexImage, largest_distance_sq, vertex_images};
 use nearby::{NearbySearch, Side};
+use part::NearbyPair;
 use paths::edge_paths;
 use std::borrow::Cow;
 use surface::{FanSurface, NONE};
@@ -108,11 +110,11 @@ impl<'a> MappedPair<'a> {
         })
     }
 
-    /// The distance of both, as by [`super::deviation`].
+    /// The distance of both, as by [`super::deviation`]; `known` is an upper bound on it, which may be infinite.
     ///
     /// # Errors
     /// As for [`super::deviation`].
-    pub fn deviation(&self, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
+    pub fn deviation(&self, known: f64, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
         job.run(|| {
             // The lower end: the vertices that are the farthest from their images.
             let tree = Bvh::build(&self.local[1], job)?;
@@ -129,6 +131,15 @@ impl<'a> MappedPair<'a> {
             let from = FarthestSample { at: to, at_least: 0.0 };
             let back = if enough(far.at_least) { from } else { from_result.farthest(from, enough, down) };
             let enough = wanted.sufficient_distance(greater(far.at_least, back.at_least));
+            // Exact, but for what underflows, which is rounded up.
+            let known = self.shared.frame.local_length(known);
+            if known <= enough {
+                let near = self.nearest(back.at);
+                let forward = self.shared.one_sided(far, (known, self.shared.moved), to);
+                let backward = self.shared.one_sided(back, (known, self.shared.moved), near);
+                let bound = two_sided(&forward, &backward);
+                return Ok(Deviation { bound, forward, backward, reached: true });
+            }
             let [forward, backward] = self.settle(enough, job);
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
@@ -197,9 +208,8 @@ impl<'a> MappedPair<'a> {
             let most = self.shared.frame.length_up(most);
             let mut found = ViolationReport { violations: Default::default(), at_most: 0.0, pixels: 0.0 };
             if settled.iter().any(|settled| !settled.open.is_empty()) {
-                let pair = SurfacePair::from_meshes(self.meshes, job)?;
-                let vertices = pair.vertices_of(settled.map(|settled| settled.open), job);
-                found = find_violations(&pair, &vertices, &enough, job);
+                let open = settled.each_ref().map(|settled| settled.open.as_slice());
+                found = NearbyPair::new(self, open, (enough, job))?.violations(enough, job);
                 if job.is_cancelled() {
                     return Err(JobError::Cancelled);
                 }
