@@ -1,6 +1,7 @@
 //! `EdgeCollapser`: collapses edges, the cheapest first, as long as the surface stays manifold and no face
 //! flips.
 mod link_condition;
+mod replay;
 
 use super::attribute_guard::{AttributeGuard, WedgesAfter};
 use super::bucket_queue::BucketQueue;
@@ -12,6 +13,7 @@ use super::wedges::{WedgeChange, WedgeTransfer, Wedges};
 use crate::budget::Job;
 use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{Box3, cross, difference, dot, greater, lesser, prefetch, unit_and_length};
+use replay::PastCollapse;
 use std::rc::Rc;
 
 /// How a vertex may move.
@@ -49,6 +51,8 @@ pub(super) struct EdgeCollapser {
     pub source_vertex: Vec<u32>,
     /// By original number: the first fan at the same position of the mesh.
     pub first_fan: Rc<[u32]>,
+    /// Whether several vertices are at one position.
+    pub has_fans: bool,
     /// By half-edge: whether its edge is on a feature line. A border always is one.
     pub is_line: Vec<bool>,
     pub monitor: Option<ErrorMonitor>,
@@ -61,6 +65,8 @@ pub(super) struct EdgeCollapser {
     feature_deviation: Vec<f64>,
     /// By vertex: the one into which it was collapsed, or itself.
     pub merged_into: Vec<u32>,
+    /// What was carried out, if it is to be known.
+    pub log: Option<Vec<PastCollapse>>,
     /// By face: the cost of the collapse that last changed it.
     pub face_cost: Vec<f32>,
     /// By vertex: whether it stays where collapses have no monitor.
@@ -133,6 +139,7 @@ impl EdgeCollapser {
             kind,
             source_vertex: (0..n_vertices as u32).collect(),
             first_fan: (0..n_vertices as u32).collect(),
+            has_fans: false,
             is_line,
             monitor: None,
             wedges: None,
@@ -140,6 +147,7 @@ impl EdgeCollapser {
             is_original: vec![true; n_vertices],
             feature_deviation: vec![0.0; n_vertices],
             merged_into: (0..n_vertices as u32).collect(),
+            log: None,
             face_cost: vec![0.0; n / 3],
             is_held: vec![false; n_vertices],
             is_queued: vec![false; n],
@@ -264,6 +272,11 @@ impl EdgeCollapser {
     /// job was cancelled.
     pub fn run(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         self.enqueue_all();
+        self.empty_queue(until, job)
+    }
+
+    /// The same for what is in the queue, and what comes into it.
+    pub fn empty_queue(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         let mut steps = 0_u32;
         while self.surface.n_faces > until.faces {
             let Some(h) = self.queue.pop() else { break };
@@ -289,8 +302,8 @@ impl EdgeCollapser {
             if steps.is_multiple_of(1024) && job.is_cancelled() {
                 return false;
             }
-            if self.satisfies_link_condition(h)
-                && until.share.is_none_or(|share| self.is_slight(&shrink, share, until.tolerance))
+            if until.share.is_none_or(|share| self.is_slight(&shrink, share, until.tolerance))
+                && self.satisfies_link_condition(h)
                 && self.flips_no_face(&shrink)
                 && self.stays_within_tolerance(&shrink, until)
                 && self.keeps_attributes(&shrink, until)
@@ -495,6 +508,7 @@ impl EdgeCollapser {
     fn apply(&mut self, shrink: &EdgeCollapse) {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
+        self.log.iter_mut().for_each(|log| log.push(PastCollapse { shrink: *shrink, ends: [a, b] }));
         if let Some(change) = self.wedge_change(shrink)
             && let Some(wedges) = &mut self.wedges
         {
