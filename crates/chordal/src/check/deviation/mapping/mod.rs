@@ -83,6 +83,8 @@ pub(crate) struct MappedPair<'a> {
 
 /// How far walks may be beyond the farthest vertex before others are tried. Chosen: as [`Goal::relative`].
 const PATH_SLACK: f64 = 1.1;
+/// So few faces without a bound are looked at alone before everything is searched. Chosen.
+const FEW: usize = 256;
 /// Beyond this share of faces without a bound all of them are searched at once. Chosen.
 const MOST_ALONE: usize = 4;
 
@@ -131,27 +133,37 @@ impl<'a> MappedPair<'a> {
             let from = FarthestSample { at: to, at_least: 0.0 };
             let back = if enough(far.at_least) { from } else { from_result.farthest(from, enough, down) };
             let enough = wanted.sufficient_distance(greater(far.at_least, back.at_least));
+            let near = || self.nearest(back.at);
+            let done = |up: [f64; 2]| {
+                let forward = self.shared.one_sided(far, (up[0], self.shared.moved), to);
+                let backward = self.shared.one_sided(back, (up[1], self.shared.moved), near());
+                let bound = two_sided(&forward, &backward);
+                Deviation { bound, forward, backward, reached: true }
+            };
             // Exact, but for what underflows, which is rounded up.
             let known = self.shared.frame.local_length(known);
             if known <= enough {
-                let near = self.nearest(back.at);
-                let forward = self.shared.one_sided(far, (known, self.shared.moved), to);
-                let backward = self.shared.one_sided(back, (known, self.shared.moved), near);
-                let bound = two_sided(&forward, &backward);
-                return Ok(Deviation { bound, forward, backward, reached: true });
+                return Ok(done([known; 2]));
             }
-            let [forward, backward] = self.settle(enough, job);
+            let settled = self.settle(enough, job);
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
             }
-            if forward.open.is_empty() && backward.open.is_empty() {
-                let near = self.nearest(back.at);
-                let forward = self.shared.one_sided(far, (forward.up, self.shared.moved), to);
-                let backward = self.shared.one_sided(back, (backward.up, self.shared.moved), near);
-                let bound = two_sided(&forward, &backward);
-                return Ok(Deviation { bound, forward, backward, reached: true });
+            if settled.iter().all(|settled| settled.open.is_empty()) {
+                return Ok(done(settled.map(|settled| settled.up)));
             }
-            self.search([forward, backward], [far, back], (goal, job))
+            if settled.iter().all(|settled| settled.open.len() <= FEW) {
+                let open = settled.each_ref().map(|settled| settled.open.as_slice());
+                let found = NearbyPair::new(self, open, (enough, job))?.violations(enough, job);
+                if job.is_cancelled() {
+                    return Err(JobError::Cancelled);
+                }
+                if found.is_empty() {
+                    let up = self.shared.frame.local_length(found.at_most);
+                    return Ok(done(settled.map(|settled| greater(settled.up, up))));
+                }
+            }
+            self.search(settled, [far, back], (goal, job))
         })
     }
 

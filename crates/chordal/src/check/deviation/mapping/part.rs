@@ -35,6 +35,10 @@ impl<'a> NearbyPair<'a> {
         source_faces.extend((0..whole.source.n_faces() as u32).filter(near));
         source_faces.sort_unstable();
         source_faces.dedup();
+        if source_faces.is_empty() {
+            // How far away something is takes something to measure to.
+            source_faces.extend(0..whole.source.n_faces() as u32);
+        }
         let rows = used_rows(whole.meshes[0], &source_faces);
         let part = some_faces(whole.meshes[0], &source_faces, &rows);
         let common = SharedPositionIds::from_meshes([&part, whole.meshes[1]]);

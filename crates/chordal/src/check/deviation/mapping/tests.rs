@@ -304,3 +304,20 @@ fn who_is_too_far_is_the_same_by_a_map_and_by_a_search() {
     }
     assert!(n_found > 1000, "{n_found}");
 }
+
+#[test]
+fn a_result_with_a_part_far_from_everything_is_too_far_there() {
+    let (a, b) = (torus(24, 0.05), torus(12, 0.05));
+    let mut positions = b.positions().to_vec();
+    let n = positions.len() as u32;
+    positions.extend([[50.0, 0.0, 0.0], [51.0, 0.0, 0.0], [50.0, 1.0, 0.0]]);
+    let faces = b.faces().iter().copied().chain([[n, n + 1, n + 2]]).collect();
+    let b = Mesh::new(positions, faces).unwrap();
+    let (job, by_row) = (Job::default(), near(24, 2));
+    let pair =
+        MappedPair::new(&a, &b, NearFaces { by_row: &by_row, topology: Topology::Indices }, &job).unwrap();
+    let found = pair.violations(0.3, &job).unwrap();
+    let faces = found.violations[1].iter().map(|far| far.face).collect::<Vec<_>>();
+    assert_eq!(faces, [b.faces().len() as u32 - 1]);
+    assert!(found.violations[0].is_empty() && found.violations[1][0].distance > 48.0);
+}
