@@ -36,6 +36,8 @@ pub use components::{Component, Facing, components, inside_out, outward};
 pub(crate) use connectivity::MeshConnectivity;
 pub use defect::Defect;
 pub use degenerate::{has_zero_area, is_collinear};
+#[cfg(test)]
+pub(crate) use deviation::ToleranceViolation;
 pub(crate) use deviation::distance::distance_up;
 pub use deviation::{Deviation, Goal, OneSidedDistance, deviation, vertex_deviation};
 pub(crate) use deviation::{

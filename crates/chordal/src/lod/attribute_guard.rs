@@ -126,7 +126,7 @@ impl AttributeGuard {
                 if cuts >= SHARES.len() {
                     return false;
                 }
-                let p = samples.at[sample as usize];
+                let p = samples.at(sample);
                 let mut rows = self.original.rows(sample);
                 rows.all(|row| {
                     let is_near = |(_, face): &&(u32, FaceAfter<'_>)| {

@@ -1,17 +1,20 @@
 //! `EdgeCollapser`: collapses edges, the cheapest first, as long as the surface stays manifold and no face
 //! flips.
+mod carried_values;
 mod link_condition;
+mod replay;
 
-use super::attribute_guard::{AttributeGuard, WedgesAfter};
+use super::attribute_guard::AttributeGuard;
 use super::bucket_queue::BucketQueue;
 use super::error_monitor::{CollapseChange, ErrorMonitor};
 use super::local_tolerance::LocalTolerance;
 use super::quadric::Quadric;
 use super::surface::{Compaction, HalfEdgeSurface, NONE};
-use super::wedges::{WedgeChange, WedgeTransfer, Wedges};
+use super::wedges::Wedges;
 use crate::budget::Job;
-use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face, previous_in_face};
+use crate::explicit::{distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{Box3, cross, difference, dot, greater, lesser, prefetch, unit_and_length};
+use replay::PastCollapse;
 use std::rc::Rc;
 
 /// How a vertex may move.
@@ -49,6 +52,8 @@ pub(super) struct EdgeCollapser {
     pub source_vertex: Vec<u32>,
     /// By original number: the first fan at the same position of the mesh.
     pub first_fan: Rc<[u32]>,
+    /// Whether several vertices are at one position.
+    pub has_fans: bool,
     /// By half-edge: whether its edge is on a feature line. A border always is one.
     pub is_line: Vec<bool>,
     pub monitor: Option<ErrorMonitor>,
@@ -61,6 +66,8 @@ pub(super) struct EdgeCollapser {
     feature_deviation: Vec<f64>,
     /// By vertex: the one into which it was collapsed, or itself.
     pub merged_into: Vec<u32>,
+    /// What was carried out, if it is to be known.
+    pub log: Option<Vec<PastCollapse>>,
     /// By face: the cost of the collapse that last changed it.
     pub face_cost: Vec<f32>,
     /// By vertex: whether it stays where collapses have no monitor.
@@ -133,6 +140,7 @@ impl EdgeCollapser {
             kind,
             source_vertex: (0..n_vertices as u32).collect(),
             first_fan: (0..n_vertices as u32).collect(),
+            has_fans: false,
             is_line,
             monitor: None,
             wedges: None,
@@ -140,6 +148,7 @@ impl EdgeCollapser {
             is_original: vec![true; n_vertices],
             feature_deviation: vec![0.0; n_vertices],
             merged_into: (0..n_vertices as u32).collect(),
+            log: None,
             face_cost: vec![0.0; n / 3],
             is_held: vec![false; n_vertices],
             is_queued: vec![false; n],
@@ -264,6 +273,11 @@ impl EdgeCollapser {
     /// job was cancelled.
     pub fn run(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         self.enqueue_all();
+        self.empty_queue(until, job)
+    }
+
+    /// The same for what is in the queue, and what comes into it.
+    pub fn empty_queue(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         let mut steps = 0_u32;
         while self.surface.n_faces > until.faces {
             let Some(h) = self.queue.pop() else { break };
@@ -289,8 +303,8 @@ impl EdgeCollapser {
             if steps.is_multiple_of(1024) && job.is_cancelled() {
                 return false;
             }
-            if self.satisfies_link_condition(h)
-                && until.share.is_none_or(|share| self.is_slight(&shrink, share, until.tolerance))
+            if until.share.is_none_or(|share| self.is_slight(&shrink, share, until.tolerance))
+                && self.satisfies_link_condition(h)
                 && self.flips_no_face(&shrink)
                 && self.stays_within_tolerance(&shrink, until)
                 && self.keeps_attributes(&shrink, until)
@@ -449,52 +463,10 @@ impl EdgeCollapser {
         )
     }
 
-    /// What a collapse does to the values of the corners around its edge.
-    fn wedge_change(&self, shrink: &EdgeCollapse) -> Option<WedgeChange> {
-        let wedges = self.wedges.as_ref()?;
-        let (h, across) = (shrink.h, self.surface.twin[shrink.h as usize]);
-        // Left and right of the edge, at its start and at its end.
-        let mut at_start = [wedges.corner_row[h as usize], NONE];
-        let mut at_end = [wedges.corner_row[next_in_face(h) as usize], NONE];
-        if across != NONE {
-            at_start[1] = wedges.corner_row[next_in_face(across) as usize];
-            at_end[1] = wedges.corner_row[across as usize];
-        }
-        let goes_from_start = shrink.anchor != CollapseAnchor::Start;
-        let rows = if shrink.anchor != CollapseAnchor::None {
-            Vec::new()
-        } else if self.kind[self.surface.start[h as usize] as usize] == CollapseVertexKind::Smooth {
-            vec![(at_end[0], blend_nearest(wedges, &self.surface, &self.at, shrink, &self.before))]
-        } else {
-            let [p, r] = [self.surface.start[h as usize], self.surface.end(h)].map(|v| self.at[v as usize]);
-            let along = difference(r, p);
-            let t = dot(difference(shrink.to, p), along) / dot(along, along);
-            let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
-            (0..2)
-                .filter(|side| at_end[*side] != NONE)
-                .map(|side| (at_end[side], wedges.blend(&[(at_start[side], 1.0 - t), (at_end[side], t)])))
-                .collect()
-        };
-        let [left, right] = if goes_from_start { at_end } else { at_start };
-        Some(WedgeChange { rows, transfer: WedgeTransfer { h, at_start: goes_from_start, left, right } })
-    }
-
-    /// Whether attributes stay within their limits, as far as vertices of the original tell.
-    fn keeps_attributes(&self, shrink: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
-        let (Some(guard), Some(wedges), Some(watch)) = (&self.attribute_guard, &self.wedges, &self.monitor)
-        else {
-            return true;
-        };
-        let Some(change) = self.wedge_change(shrink) else { return true };
-        let ends = [self.surface.start[shrink.h as usize], self.surface.end(shrink.h)];
-        let change = WedgesAfter::new(wedges, &change, &self.surface, &self.is_line);
-        let faces: Vec<_> = self.after.iter().map(|after| change.face(*after, ends, &self.surface)).collect();
-        guard.allows(&watch.samples, &faces, until.tolerance)
-    }
-
     fn apply(&mut self, shrink: &EdgeCollapse) {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
+        self.log.iter_mut().for_each(|log| log.push(PastCollapse { shrink: *shrink, ends: [a, b] }));
         if let Some(change) = self.wedge_change(shrink)
             && let Some(wedges) = &mut self.wedges
         {
@@ -562,25 +534,6 @@ pub(super) fn representative(merged_into: &mut [u32], mut v: u32) -> u32 {
         merged_into[v as usize] = merged_into[up as usize];
         v = up;
     }
-}
-
-/// The values at the point of the faces before the collapse that is closest to the new point.
-fn blend_nearest(
-    wedges: &Wedges,
-    surface: &HalfEdgeSurface,
-    at: &[[f64; 3]],
-    shrink: &EdgeCollapse,
-    before: &[u32],
-) -> Vec<f64> {
-    let corners = |face: u32| surface.corners(face).map(|v| at[v as usize]);
-    let nearest = before.iter().fold((f64::INFINITY, before[0]), |best, &face| {
-        let d = distance_sq_to_triangle(shrink.to, corners(face));
-        if d < best.0 { (d, face) } else { best }
-    });
-    let weights = closest_on_triangle(shrink.to, corners(nearest.1));
-    let parts: [(u32, f64); 3] =
-        std::array::from_fn(|k| (wedges.corner_row[3 * nearest.1 as usize + k], weights[k]));
-    wedges.blend(&parts)
 }
 
 /// The weight of planes along feature lines, times the square of an edge's length. Chosen: above the weight

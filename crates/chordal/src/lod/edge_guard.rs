@@ -29,6 +29,36 @@ pub(super) enum EdgeVerdict {
     Far,
 }
 
+/// Edges of the original that do not stay close, and the faces around a collapse to which they lead.
+#[derive(Clone, Default)]
+pub(super) struct FarEdges {
+    /// By their vertices.
+    pub edges: Vec<[u32; 2]>,
+    /// By place around the new point.
+    pub faces: Vec<bool>,
+}
+
+impl FarEdges {
+    fn clear(&mut self, n_faces: usize) {
+        self.edges.clear();
+        self.faces.clear();
+        self.faces.resize(n_faces, false);
+    }
+
+    /// An edge that leads from one face to another, on the shorter way around the new point.
+    fn add(&mut self, edge: [u32; 2], [from, to]: [usize; 2], is_closed: bool) {
+        self.edges.push(edge);
+        let n = self.faces.len();
+        let (low, high) = if from < to { (from, to) } else { (to, from) };
+        if is_closed && high - low > n - (high - low) {
+            self.faces[high..].fill(true);
+            self.faces[..=low].fill(true);
+        } else {
+            self.faces[low..=high].fill(true);
+        }
+    }
+}
+
 impl OriginalEdges {
     pub fn new(surface: &HalfEdgeSurface, n_vertices: usize) -> Self {
         let mut first = vec![0_u32; n_vertices + 1];
@@ -61,14 +91,15 @@ impl OriginalEdges {
     }
 
     /// Looks at the edges whose vertices the faces around a collapse would hold, as `samples` has just found. Those that
-    /// do not stay close are added to `far`, which is empty.
+    /// do not stay close are added to `far`.
     pub fn verdict(
         &self,
         samples: &SamplesByFace,
         change: &CollapseChange<'_>,
         room: &LocalTolerance,
-        far: &mut Vec<[u32; 2]>,
+        far: &mut FarEdges,
     ) -> EdgeVerdict {
+        far.clear(change.after.len());
         let n = self.first.len() as u32 - 1;
         let place = |face: u32| change.after.iter().position(|(f, _)| *f == face);
         let mut verdict = EdgeVerdict::Near;
@@ -78,7 +109,7 @@ impl OriginalEdges {
             }
             let Some(from) = place(face) else { continue };
             for &u in self.neighbours(v) {
-                let edge = [v, u].map(|v| samples.at[v as usize]);
+                let edge = [v, u].map(|v| samples.at(v));
                 let to = match samples.pending_holder(u) {
                     // Seen from one end is enough.
                     Some(_) if u < v => continue,
@@ -92,21 +123,25 @@ impl OriginalEdges {
                         };
                         let to = change.opposite.iter().position(across);
                         let side = |k: usize| [change.after[k].1[1], change.after[k].1[2]];
-                        if to.is_some_and(|k| !is_close(edge, side(k), room)) {
-                            far.push([v, u]);
+                        if let Some(k) = to
+                            && !is_close(edge, side(k), room)
+                        {
+                            far.add([v, u], [from, k], change.is_closed);
                             continue;
                         }
                         to
                     }
                 };
                 match to {
-                    Some(to) if !turns_close(edge, [from, to], change, room) => far.push([v, u]),
+                    Some(to) if !turns_close(edge, [from, to], change, room) => {
+                        far.add([v, u], [from, to], change.is_closed);
+                    }
                     Some(_) => {}
                     None => verdict = EdgeVerdict::Unknown,
                 }
             }
         }
-        if far.is_empty() { verdict } else { EdgeVerdict::Far }
+        if far.edges.is_empty() { verdict } else { EdgeVerdict::Far }
     }
 }
 

@@ -1,5 +1,5 @@
 //! `ErrorMonitor`: checks during simplification how far the surface is from the original.
-use super::edge_guard::{EdgeVerdict, OriginalEdges};
+use super::edge_guard::{EdgeVerdict, FarEdges, OriginalEdges};
 use super::local_tolerance::LocalTolerance;
 use super::samples::SamplesByFace;
 use super::surface::{HalfEdgeSurface, NONE};
@@ -34,7 +34,7 @@ pub(super) struct ErrorMonitor {
     visited: Vec<u32>,
     round: u32,
     /// Edges of the original that do not stay close along the map, and faces of it to be checked.
-    far: Vec<[u32; 2]>,
+    far: FarEdges,
     suspects: Vec<u32>,
 }
 
@@ -164,7 +164,7 @@ impl ErrorMonitor {
             check_levels: Vec::new(),
             visited: seen,
             round: 0,
-            far: Vec::new(),
+            far: FarEdges::default(),
             suspects: Vec::new(),
         })
     }
@@ -172,6 +172,14 @@ impl ErrorMonitor {
     /// The vertices of a face of the original.
     pub fn original_corners(&self, face: u32) -> [u32; 3] {
         self.corners[face as usize]
+    }
+
+    /// The vertex of the original at which a sample is, or from which the edge leads on which it is.
+    pub fn vertex_beside(&self, sample: u32) -> u32 {
+        match self.beside.get((sample as usize).wrapping_sub(self.first.len() - 1)) {
+            None => sample,
+            Some(h) => self.corners[*h as usize / 3][*h as usize % 3],
+        }
     }
 
     /// Gives every sample the face of the current surface that is nearest to it, as far as a descent tells: from the one
@@ -198,7 +206,7 @@ impl ErrorMonitor {
             .collect();
         let rows = |c: [u32; 3]| if c[0] == NONE { [0; 3] } else { c };
         let original = self.corners.iter().map(|c| rows(*c)).collect();
-        let original = Mesh::by_construction(self.samples.at[..n].to_vec(), original);
+        let original = Mesh::by_construction(self.samples.points().take(n).collect(), original);
         let faces = there.iter().map(|face| surface.corners(*face)).collect();
         let current = Mesh::by_construction(at.to_vec(), faces);
         let near = NearFaces { by_row: &by_row, topology: Topology::Indices };
@@ -208,10 +216,10 @@ impl ErrorMonitor {
             let k = self.corners[face as usize].iter().position(|c| *c == v);
             3 * face + k.unwrap_or(0) as u32
         };
-        let mut holders = Vec::with_capacity(self.samples.at.len());
+        let mut holders = Vec::with_capacity(self.samples.len());
         let mut far = Vec::new();
         let mut last = None;
-        for (sample, at) in (0_u32..).zip(&self.samples.at) {
+        for (sample, at) in (0_u32..).zip(self.samples.points()) {
             let beside = self.beside.get((sample as usize).wrapping_sub(n));
             let found = match beside {
                 None => nearest.of_corner(corner_of(sample)),
@@ -219,7 +227,7 @@ impl ErrorMonitor {
                     // From either end, and from the sample before.
                     let ends = [*h, next_in_face(*h)].map(|h| nearest.of_corner(h));
                     let from = ends.into_iter().chain([last]).flatten();
-                    let found = from.map(|(face, _)| nearest.descend_from(*at, face));
+                    let found = from.map(|(face, _)| nearest.descend_from(at, face));
                     found.min_by(|(_, a), (_, b)| a.total_cmp(b))
                 }
             };
@@ -232,7 +240,7 @@ impl ErrorMonitor {
         if !far.is_empty() {
             return Err(far);
         }
-        self.samples.assign(holders);
+        self.samples.assign(&holders);
         Ok(())
     }
 
@@ -264,7 +272,7 @@ impl ErrorMonitor {
                 }
                 // A map goes over edges, and what is too far along them may still be near another part.
                 EdgeVerdict::Far => {
-                    self.is_near_original(middle(change.after[0].1), change.before, room)
+                    change.after.iter().all(|(_, t)| self.is_near_original(middle(*t), change.before, room))
                         && self.proves_along_edges(change, room)
                 }
             };
@@ -279,7 +287,6 @@ impl ErrorMonitor {
     /// How edges of the original stay close to the faces around a change; those that do not are in `far` then.
     fn edges_verdict(&mut self, change: &CollapseChange<'_>, room: &LocalTolerance) -> EdgeVerdict {
         let Self { edges, samples, far, .. } = self;
-        far.clear();
         edges.verdict(samples, change, room, far)
     }
 
@@ -288,7 +295,7 @@ impl ErrorMonitor {
     fn is_near_original(&self, q: [f64; 3], held_by: &[u32], room: &LocalTolerance) -> bool {
         let n = self.first.len() as u32 - 1;
         let off = |v: u32| {
-            let off = difference(self.samples.at[v as usize], q);
+            let off = difference(self.samples.at(v), q);
             dot(off, off)
         };
         let mut best = (f64::INFINITY, NONE);
@@ -319,7 +326,7 @@ impl ErrorMonitor {
             }
             for k in self.first[v as usize]..self.first[v as usize + 1] {
                 let face = self.corners[self.faces_at_vertices[k as usize] as usize];
-                let d = distance_sq_to_triangle(q, face.map(|v| self.samples.at[v as usize]));
+                let d = distance_sq_to_triangle(q, face.map(|v| self.samples.at(v)));
                 if room.holds(q, d) {
                     return true;
                 }
@@ -331,7 +338,7 @@ impl ErrorMonitor {
     /// The levels of all samples.
     pub fn all_check_levels(&self) -> Vec<CheckLevel> {
         let mut levels = self.check_levels.clone();
-        levels.resize(self.samples.at.len(), CheckLevel::Sampled);
+        levels.resize(self.samples.len(), CheckLevel::Sampled);
         levels
     }
 
@@ -346,7 +353,8 @@ impl ErrorMonitor {
 
     /// The thorough check.
     fn proves(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
-        self.new_faces_are_near(change, room) && {
+        let faces = change.after.iter().map(|(_, triangle)| *triangle);
+        self.new_faces_are_near(faces, change.before, room) && {
             self.round += 1;
             self.suspects.clear();
             for (v, _) in self.samples.reassignments() {
@@ -364,27 +372,36 @@ impl ErrorMonitor {
     fn proves_along_edges(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
         self.round += 1;
         self.suspects.clear();
-        for [v, u] in &self.far {
+        for [v, u] in &self.far.edges {
             let there = self.first[*v as usize] as usize..self.first[*v as usize + 1] as usize;
             let faces = self.faces_at_vertices[there].iter();
             self.suspects.extend(faces.filter(|face| self.corners[**face as usize].contains(u)));
         }
-        self.suspects_are_near(change, room) && self.new_faces_are_near(change, room)
+        self.suspects_are_near(change, room) && {
+            // The map proves the others.
+            let far = change.after.iter().zip(&self.far.faces).filter(|(_, is_far)| **is_far);
+            self.new_faces_are_near(far.map(|((_, triangle), _)| *triangle), change.before, room)
+        }
     }
 
-    /// Whether all points of the new faces are near the original.
-    fn new_faces_are_near(&self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
+    /// Whether all points of new faces are near the original.
+    fn new_faces_are_near(
+        &self,
+        faces: impl Iterator<Item = [[f64; 3]; 3]> + Clone,
+        before: &[u32],
+        room: &LocalTolerance,
+    ) -> bool {
         // 1. Points that are often too far off, which are cheaper than a proof.
-        let near = |q: [f64; 3]| self.is_near_original(q, change.before, room);
+        let near = |q: [f64; 3]| self.is_near_original(q, before, room);
         let more = [[0.25, 0.75, 0.0], [0.75, 0.25, 0.0], [0.375, 0.375, 0.25], [0.0, 0.5, 0.5]];
-        let point = |t: &[[f64; 3]; 3], w: [f64; 3]| -> [f64; 3] {
+        let point = |t: [[f64; 3]; 3], w: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k])
         };
-        if !change.after.iter().all(|(_, t)| more.iter().all(|w| near(point(t, *w)))) {
+        if !faces.clone().all(|t| more.iter().all(|w| near(point(t, *w)))) {
             return false;
         }
         // 2. All of them.
-        change.after.iter().all(|(_, triangle)| self.original.is_within(*triangle, room))
+        faces.into_iter().all(|triangle| self.original.is_within(triangle, room))
     }
 
     /// Whether all points of some faces of the original are near the faces around a change.
@@ -401,7 +418,7 @@ impl ErrorMonitor {
             if held[0] == held[1] && held[1] == held[2] {
                 continue;
             }
-            let triangle = corners.map(|v| self.samples.at[v as usize]);
+            let triangle = corners.map(|v| self.samples.at(v));
             if local.is_none() {
                 local = neighbourhood(change);
             }

@@ -1,5 +1,6 @@
 //! `MeshReduction`: a mesh during simplification, from its preparation to each extracted mesh.
 mod reduced_mesh;
+mod retry;
 
 use super::attribute_guard::AttributeGuard;
 use super::edge_collapse::{CollapseVertexKind, EdgeCollapser, StopCriterion, representative};
@@ -117,6 +118,7 @@ impl<'a> MeshReduction<'a> {
         let kind = vertex_kinds(&surface, &is_line, &is_tied);
         let mut engine = EdgeCollapser::new(surface, at, kind, is_line);
         engine.wedges = wedges;
+        engine.has_fans = place.iter().zip(0..).any(|(first, v)| *first != v);
         engine.first_fan = place.into();
         let kept = ReductionStats {
             locked_vertices: tied_vertices,
@@ -286,7 +288,10 @@ impl<'a> MeshReduction<'a> {
     pub fn local_tolerance(&self, allowed: &ErrorLimit, share: f64) -> LocalTolerance {
         match (allowed.constant(), &self.engine.monitor) {
             (Some(length), _) => LocalTolerance::uniform(self.frame.local_length(share * length)),
-            (None, Some(watch)) => LocalTolerance::varying(allowed, (self.frame, share), &watch.samples.at),
+            (None, Some(watch)) => {
+                let points: Vec<[f64; 3]> = watch.samples.points().collect();
+                LocalTolerance::varying(allowed, (self.frame, share), &points)
+            }
             (None, None) => LocalTolerance::varying(allowed, (self.frame, share), &self.engine.at),
         }
     }
@@ -314,6 +319,8 @@ impl<'a> MeshReduction<'a> {
     /// Collapses edges until `faces` are left, or nothing more fits into the tolerance.
     pub fn run(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
         let until = StopCriterion { faces, tolerance: room, share: None };
+        // Another attempt may do most of it again.
+        self.engine.log = self.engine.monitor.is_some().then(Vec::new);
         if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
@@ -401,7 +408,7 @@ impl<'a> MeshReduction<'a> {
             let samples = engine
                 .monitor
                 .iter()
-                .flat_map(|watch| watch.samples.of_face(*face).map(|s| watch.samples.at[s as usize]));
+                .flat_map(|watch| watch.samples.of_face(*face).map(|s| watch.samples.at(s)));
             let mut points = samples.chain(corners.map(|v| engine.at[v as usize]));
             // Where an earlier attempt deviated too much, nothing is removed.
             let closely = engine

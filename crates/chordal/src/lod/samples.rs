@@ -2,6 +2,7 @@
 use super::local_tolerance::LocalTolerance;
 use super::surface::{Compaction, NONE};
 use crate::explicit::distance_sq_to_triangle;
+use crate::math::{cross, difference, dot, greater};
 
 /// A sample that is within half of the allowed distance of the face that held it stays with it; squared. Chosen.
 const NEAR: f64 = 4.0;
@@ -12,66 +13,126 @@ const NEAR: f64 = 4.0;
 /// the end.
 #[derive(Clone)]
 pub(super) struct SamplesByFace {
-    pub at: Vec<[f64; 3]>,
-    /// By sample: the next one of its face.
-    next: Vec<u32>,
+    samples: Vec<Sample>,
     /// By face: its first sample.
     first: Vec<u32>,
-    /// By sample: the face that holds it; [`NONE`] where that was removed.
-    holder: Vec<u32>,
-    /// By sample: the round of its last query, and the face that would hold it then.
-    last_query: Vec<(u32, u32)>,
     round: u32,
     /// The pending reassignments of a collapse, until it is carried out: samples with their new faces.
     reassignments: Vec<(u32, u32)>,
+    /// Over the triangles of the last query.
+    prisms: Vec<Prism>,
 }
+
+/// All of a sample in one place, since memory decides how fast many are asked.
+#[derive(Clone, Copy)]
+struct Sample {
+    at: [f64; 3],
+    /// The next one of its face.
+    next: u32,
+    /// The face that holds it; [`NONE`] where that was removed.
+    holder: u32,
+    /// The round of its last query, and the face that would hold it then.
+    round: u32,
+    pending: u32,
+}
+
+/// What is straight over a triangle, and under it.
+#[derive(Clone, Copy)]
+struct Prism {
+    /// Planes, inside ≥ 0: the sides.
+    sides: [([f64; 3], f64); 3],
+    /// That of the triangle, as a unit normal; NaN for needles and triangles without area.
+    plane: ([f64; 3], f64),
+}
+
+impl Prism {
+    fn over([a, b, c]: [[f64; 3]; 3]) -> Self {
+        let (ab, ac, bc) = (difference(b, a), difference(c, a), difference(c, b));
+        let normal = cross(ab, ac);
+        let square = dot(normal, normal);
+        let longest = greater(greater(dot(ab, ab), dot(ac, ac)), dot(bc, bc));
+        let by = if square > NEEDLE * longest * longest { 1.0 / square.sqrt() } else { f64::NAN };
+        let normal = normal.map(|x| x * by);
+        let side = |from: [f64; 3], along: [f64; 3]| {
+            let inward = cross(normal, along);
+            (inward, -dot(inward, from))
+        };
+        let sides = [side(a, ab), side(b, bc), side(c, ac.map(|x| -x))];
+        Self { sides, plane: (normal, -dot(normal, a)) }
+    }
+
+    /// The squared distance from the triangle, rounded, of what is over or under it; infinite for other points.
+    #[inline]
+    fn height_sq(&self, p: [f64; 3]) -> f64 {
+        let over = |(normal, offset): &([f64; 3], f64)| dot(*normal, p) + offset;
+        let [u, v, w] = self.sides.each_ref().map(over);
+        let height = over(&self.plane);
+        if u >= 0.0 && v >= 0.0 && w >= 0.0 { height * height } else { f64::INFINITY }
+    }
+}
+
+/// The squared doubled area of a needle, as a fraction of its longest edge to the fourth. Chosen: for others the height has
+/// lost few digits.
+const NEEDLE: f64 = 1.0 / 65536.0;
 
 impl SamplesByFace {
     /// Without samples.
     pub fn new(n_faces: usize) -> Self {
         Self {
-            at: Vec::new(),
-            next: Vec::new(),
+            samples: Vec::new(),
             first: vec![NONE; n_faces],
-            holder: Vec::new(),
-            last_query: Vec::new(),
             round: 0,
             reassignments: Vec::new(),
+            prisms: Vec::new(),
         }
+    }
+
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Where a sample is.
+    #[inline]
+    pub fn at(&self, sample: u32) -> [f64; 3] {
+        self.samples[sample as usize].at
+    }
+
+    /// Where all samples are.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.samples.iter().map(|sample| sample.at)
     }
 
     pub fn add(&mut self, at: [f64; 3], face: u32) {
-        let sample = self.at.len() as u32;
-        self.at.push(at);
-        self.holder.push(face);
-        self.last_query.push((0, NONE));
-        self.next.push(self.first[face as usize]);
-        self.first[face as usize] = sample;
+        let sample = self.samples.len() as u32;
+        let next = std::mem::replace(&mut self.first[face as usize], sample);
+        self.samples.push(Sample { at, next, holder: face, round: 0, pending: NONE });
     }
 
-    /// Gives every sample to a face.
-    pub fn assign(&mut self, holders: Vec<u32>) {
+    /// Gives every sample to a face, or to [`NONE`].
+    pub fn assign(&mut self, holders: &[u32]) {
         self.first.fill(NONE);
-        for (sample, face) in holders.iter().enumerate() {
-            self.next[sample] = std::mem::replace(&mut self.first[*face as usize], sample as u32);
+        for (i, (sample, face)) in self.samples.iter_mut().zip(holders).enumerate() {
+            sample.holder = *face;
+            if *face != NONE {
+                sample.next = std::mem::replace(&mut self.first[*face as usize], i as u32);
+            }
         }
-        self.holder = holders;
     }
 
     /// Renumbers the faces; those that are gone hold nothing.
     pub fn compact(&mut self, kept: &Compaction) {
         self.first = kept.faces(&self.first).collect();
-        self.holder
-            .iter_mut()
-            .filter(|face| **face != NONE)
-            .for_each(|face| *face = kept.new_face[*face as usize]);
+        for sample in self.samples.iter_mut().filter(|sample| sample.holder != NONE) {
+            sample.holder = kept.new_face[sample.holder as usize];
+        }
     }
 
     /// The samples of a face.
     pub fn of_face(&self, face: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.first[face as usize];
         std::iter::successors((first != NONE).then_some(first), |s| {
-            let next = self.next[*s as usize];
+            let next = self.samples[*s as usize].next;
             (next != NONE).then_some(next)
         })
     }
@@ -79,39 +140,54 @@ impl SamplesByFace {
     /// Whether all samples of `old` faces are close enough to the `new` triangles; remembers the nearest
     /// triangle of each.
     pub fn try_reassign(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], room: &LocalTolerance) -> bool {
-        self.reassignments.clear();
-        self.round += 1;
+        let Self { samples, first, round, reassignments, prisms } = self;
+        reassignments.clear();
+        *round += 1;
+        prisms.clear();
+        prisms.extend(new.iter().map(|(_, triangle)| Prism::over(*triangle)));
         for &face in old {
-            let own = new.iter().find(|(f, _)| *f == face);
-            let mut sample = self.first[face as usize];
+            let own = new.iter().position(|(f, _)| *f == face);
+            let mut sample = first[face as usize];
             let mut before = NONE;
             while sample != NONE {
-                let p = self.at[sample as usize];
+                let p = samples[sample as usize].at;
                 let mut best = (f64::INFINITY, NONE);
-                let offer = |best: &mut (f64, u32), (face, corners): &(u32, [[f64; 3]; 3])| {
-                    let d = distance_sq_to_triangle(p, *corners);
+                // Mostly it is straight over the face that held it, or else over another one.
+                let offer = |best: &mut (f64, u32), k: usize| {
+                    let d = prisms[k].height_sq(p);
                     if d < best.0 {
-                        *best = (d, *face);
+                        *best = (d, new[k].0);
                     }
                 };
-                // Mostly the face that held it still does.
-                own.into_iter().for_each(|own| offer(&mut best, own));
+                match own {
+                    Some(own) => offer(&mut best, own),
+                    None => (0..new.len()).for_each(|k| offer(&mut best, k)),
+                }
                 if !room.holds_sample(sample, best.0 * NEAR) {
-                    new.iter().filter(|(f, _)| *f != face).for_each(|new| offer(&mut best, new));
+                    let offer = |best: &mut (f64, u32), (face, corners): &(u32, [[f64; 3]; 3])| {
+                        let d = distance_sq_to_triangle(p, *corners);
+                        if d < best.0 {
+                            *best = (d, *face);
+                        }
+                    };
+                    own.into_iter().for_each(|own| offer(&mut best, &new[own]));
+                    if !room.holds_sample(sample, best.0 * NEAR) {
+                        new.iter().filter(|(f, _)| *f != face).for_each(|new| offer(&mut best, new));
+                    }
                 }
                 if !room.holds_sample(sample, best.0) {
                     // Other collapses there will fail at the same one.
                     if before != NONE {
-                        self.next[before as usize] = self.next[sample as usize];
-                        self.next[sample as usize] =
-                            std::mem::replace(&mut self.first[face as usize], sample);
+                        samples[before as usize].next = samples[sample as usize].next;
+                        samples[sample as usize].next = std::mem::replace(&mut first[face as usize], sample);
                     }
                     return false;
                 }
-                self.reassignments.push((sample, best.1));
-                self.last_query[sample as usize] = (self.round, best.1);
+                reassignments.push((sample, best.1));
+                let known = &mut samples[sample as usize];
+                (known.round, known.pending) = (*round, best.1);
                 before = sample;
-                sample = self.next[sample as usize];
+                sample = known.next;
             }
         }
         true
@@ -123,9 +199,9 @@ impl SamplesByFace {
             self.first[*face as usize] = NONE;
         }
         for &(sample, face) in &self.reassignments {
-            self.next[sample as usize] = self.first[face as usize];
-            self.first[face as usize] = sample;
-            self.holder[sample as usize] = face;
+            let moved = &mut self.samples[sample as usize];
+            moved.next = std::mem::replace(&mut self.first[face as usize], sample);
+            moved.holder = face;
         }
     }
 
@@ -136,18 +212,44 @@ impl SamplesByFace {
 
     /// The face that holds a sample.
     pub fn holder(&self, sample: u32) -> u32 {
-        self.holder[sample as usize]
+        self.samples[sample as usize].holder
     }
 
     /// The face that would hold a sample after the pending collapse, where that is another one or around it.
     #[inline]
     pub fn pending_holder(&self, sample: u32) -> Option<u32> {
-        let (round, face) = self.last_query[sample as usize];
-        (round == self.round).then_some(face)
+        let Sample { round, pending, .. } = self.samples[sample as usize];
+        (round == self.round).then_some(pending)
     }
 
     /// The face that would hold a sample after the pending collapse.
     pub fn holder_after(&self, sample: u32) -> u32 {
-        self.pending_holder(sample).unwrap_or(self.holder[sample as usize])
+        self.pending_holder(sample).unwrap_or_else(|| self.holder(sample))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_testkit::Random;
+
+    #[test]
+    fn a_height_is_the_distance_or_there_is_none() {
+        let mut random = Random::new(5);
+        let mut over = 0;
+        for _ in 0..2000 {
+            let triangle = [random.point(), random.point(), random.point()];
+            let p = random.point();
+            let (height, distance) =
+                (Prism::over(triangle).height_sq(p), distance_sq_to_triangle(p, triangle));
+            if height < f64::INFINITY {
+                over += 1;
+                assert!((height - distance).abs() <= 1e-12 * (1.0 + distance), "{height} and {distance}");
+            }
+        }
+        assert!(over > 100, "{over}");
+        let needle = [[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0]];
+        assert_eq!(Prism::over(needle).height_sq([0.5, 0.0, 1.0]), f64::INFINITY);
+        assert_eq!(Prism::over([[1.0; 3]; 3]).height_sq([1.0; 3]), f64::INFINITY);
     }
 }

@@ -178,7 +178,7 @@ fn simplify_to_count(
     let near = NearFaces { by_row: &near, topology };
     let goal =
         Goal { absolute: Tolerance::new(ROUNDINGS * mesh.bounds().diagonal()).ok(), ..Goal::default() };
-    let found = MappedPair::new(mesh, &made, near, job)?.deviation(&goal, job)?;
+    let found = MappedPair::new(mesh, &made, near, job)?.deviation(f64::INFINITY, &goal, job)?;
     Ok(bounded(made, &found, f64::INFINITY, kept))
 }
 
@@ -264,10 +264,16 @@ impl<'a> ProgressiveSimplifier<'a> {
         let mesh = self.mesh;
         let room = self.proved.local_tolerance(allowed, SHARE);
         let mut tried: Option<(MeshReduction<'_>, ViolationReport, [Vec<u32>; 2])> = None;
-        let slight = self.slight_collapses(&room, job)?;
+        // After a level, few collapses are slight for the next one.
+        let slight = if self.is_proved { None } else { self.slight_collapses(&room, job)? };
         for attempt in 1..=ATTEMPTS {
             let from = slight.as_ref().filter(|_| attempt < FROM_START).unwrap_or(&self.proved);
-            let mut reduction = from.clone();
+            // From the same state again, most is known.
+            let is_again = attempt < LAST_LOOK && (attempt != FROM_START || slight.is_none());
+            let again = tried.as_mut().filter(|_| is_again && !from.guards_attributes());
+            let again = again.and_then(|(tried, places, _)| from.retry(tried, places, (&room, attempt - 2)));
+            let is_again = again.is_some();
+            let mut reduction = again.unwrap_or_else(|| from.clone());
             match &tried {
                 None => {
                     reduction.reset_check_levels();
@@ -280,7 +286,11 @@ impl<'a> ProgressiveSimplifier<'a> {
                     reduction.tighten_attributes(tried, beyond);
                 }
             }
-            reduction.run(0, &room, job)?;
+            if is_again {
+                reduction.run_open(&room, job)?;
+            } else {
+                reduction.run(0, &room, job)?;
+            }
             reduction.drop_small_components(&room, job)?;
             // Where nothing was left out either, the mesh is what it was.
             let is_known =
@@ -308,7 +318,7 @@ impl<'a> ProgressiveSimplifier<'a> {
                 let absolute = allowed.constant().and_then(close);
                 let goal = Goal { absolute, ..Goal::default() };
                 let found = match mapped {
-                    Some(mapped) => mapped.deviation(&goal, job)?,
+                    Some(mapped) => mapped.deviation(places.at_most, &goal, job)?,
                     None => deviation(mesh, &made, &goal, job)?,
                 };
                 let mut found = bounded(made, &found, places.at_most, reduction.stats);

@@ -1,8 +1,12 @@
 //! `HalfEdgeSurface`: a half-edge mesh for edge collapses, with one triangle fan per vertex.
-use crate::explicit::{DisjointSets, Mesh, Twin, Twins, next_in_face, previous_in_face};
+use crate::explicit::{
+    DisjointSets, Mesh, Twin, Twins, distance_sq_to_triangle, next_in_face, previous_in_face,
+};
 
 /// No half-edge, no vertex.
 pub(super) const NONE: u32 = u32::MAX;
+/// The steps of a descent at most: mostly it takes fewer than three. Chosen.
+const MOST_STEPS: u32 = 64;
 
 /// A surface in which the faces around every vertex are one fan, open or closed.
 ///
@@ -139,6 +143,25 @@ impl HalfEdgeSurface {
                 up_to_end(self.twin[previous_in_face(*g) as usize])
             })
         })
+    }
+
+    /// The face nearest to a point, as far as a descent from one of them tells, and the squared distance.
+    pub fn descend(&self, from: u32, p: [f64; 3], at: &[[f64; 3]]) -> (u32, f64) {
+        let distance_sq = |face: u32| distance_sq_to_triangle(p, self.corners(face).map(|v| at[v as usize]));
+        let mut best = (from, distance_sq(from));
+        for _ in 0..MOST_STEPS {
+            let here = best.0;
+            for face in self.corners(here).into_iter().flat_map(|v| self.one_ring(v)).map(|h| h / 3) {
+                let d = distance_sq(face);
+                if d < best.1 {
+                    best = (face, d);
+                }
+            }
+            if best.0 == here {
+                break;
+            }
+        }
+        best
     }
 
     /// The vertices of a face.

@@ -20,6 +20,8 @@ use hausdorff::{FarthestSample, HausdorffGoal, HausdorffQuery, LimitInterval, On
 pub(crate) use mapping::{MappedPair, NearFaces, NearestFaces};
 use shared::{SharedPositionIds, VertexDistances};
 use std::borrow::Cow;
+#[cfg(test)]
+pub(crate) use violations::ToleranceViolation;
 pub(crate) use violations::{
     ProximityChecker, RegionTolerance, ToleranceField, ViolationReport, tolerance_violations,
 };

@@ -7,7 +7,7 @@ impl EdgeCollapser {
     /// The position of the mesh that a vertex represents: one for all fans that are tied there.
     #[inline]
     fn position_of(&self, v: u32) -> u32 {
-        self.first_fan[self.source_vertex[v as usize] as usize]
+        if self.has_fans { self.first_fan[self.source_vertex[v as usize] as usize] } else { v }
     }
 
     /// The link condition: the ends of the edge have no common neighbour but the apexes of its faces, and no

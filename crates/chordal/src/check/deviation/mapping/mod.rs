@@ -4,13 +4,14 @@ mod crossing;
 mod far_points;
 mod images;
 mod nearby;
+mod part;
 mod paths;
 mod surface;
 #[cfg(test)]
 mod tests;
 
 use super::hausdorff::{FarthestSample, OneSidedSearch};
-use super::violations::{ViolationReport, find_violations};
+use super::violations::ViolationReport;
 use super::{CommonFrame, Deviation, Goal, SurfacePair, two_sided};
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh, Topology, distance_sq_to_triangle};
@@ -19,6 +20,7 @@ use cells::{SurfaceMapping, surface_mapping};
 use far_points::distance_down_to_all;
 use images::{VertexImage, largest_distance_sq, vertex_images};
 use nearby::{NearbySearch, Side};
+use part::NearbyPair;
 use paths::edge_paths;
 use std::borrow::Cow;
 use surface::{FanSurface, NONE};
@@ -81,6 +83,8 @@ pub(crate) struct MappedPair<'a> {
 
 /// How far walks may be beyond the farthest vertex before others are tried. Chosen: as [`Goal::relative`].
 const PATH_SLACK: f64 = 1.1;
+/// So few faces without a bound are looked at alone before everything is searched. Chosen.
+const FEW: usize = 256;
 /// Beyond this share of faces without a bound all of them are searched at once. Chosen.
 const MOST_ALONE: usize = 4;
 
@@ -108,11 +112,11 @@ impl<'a> MappedPair<'a> {
         })
     }
 
-    /// The distance of both, as by [`super::deviation`].
+    /// The distance of both, as by [`super::deviation`]; `known` is an upper bound on it, which may be infinite.
     ///
     /// # Errors
     /// As for [`super::deviation`].
-    pub fn deviation(&self, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
+    pub fn deviation(&self, known: f64, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
         job.run(|| {
             // The lower end: the vertices that are the farthest from their images.
             let tree = Bvh::build(&self.local[1], job)?;
@@ -129,18 +133,37 @@ impl<'a> MappedPair<'a> {
             let from = FarthestSample { at: to, at_least: 0.0 };
             let back = if enough(far.at_least) { from } else { from_result.farthest(from, enough, down) };
             let enough = wanted.sufficient_distance(greater(far.at_least, back.at_least));
-            let [forward, backward] = self.settle(enough, job);
+            let near = || self.nearest(back.at);
+            let done = |up: [f64; 2]| {
+                let forward = self.shared.one_sided(far, (up[0], self.shared.moved), to);
+                let backward = self.shared.one_sided(back, (up[1], self.shared.moved), near());
+                let bound = two_sided(&forward, &backward);
+                Deviation { bound, forward, backward, reached: true }
+            };
+            // Exact, but for what underflows, which is rounded up.
+            let known = self.shared.frame.local_length(known);
+            if known <= enough {
+                return Ok(done([known; 2]));
+            }
+            let settled = self.settle(enough, job);
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
             }
-            if forward.open.is_empty() && backward.open.is_empty() {
-                let near = self.nearest(back.at);
-                let forward = self.shared.one_sided(far, (forward.up, self.shared.moved), to);
-                let backward = self.shared.one_sided(back, (backward.up, self.shared.moved), near);
-                let bound = two_sided(&forward, &backward);
-                return Ok(Deviation { bound, forward, backward, reached: true });
+            if settled.iter().all(|settled| settled.open.is_empty()) {
+                return Ok(done(settled.map(|settled| settled.up)));
             }
-            self.search([forward, backward], [far, back], (goal, job))
+            if settled.iter().all(|settled| settled.open.len() <= FEW) {
+                let open = settled.each_ref().map(|settled| settled.open.as_slice());
+                let found = NearbyPair::new(self, open, (enough, job))?.violations(enough, job);
+                if job.is_cancelled() {
+                    return Err(JobError::Cancelled);
+                }
+                if found.is_empty() {
+                    let up = self.shared.frame.local_length(found.at_most);
+                    return Ok(done(settled.map(|settled| greater(settled.up, up))));
+                }
+            }
+            self.search(settled, [far, back], (goal, job))
         })
     }
 
@@ -197,9 +220,8 @@ impl<'a> MappedPair<'a> {
             let most = self.shared.frame.length_up(most);
             let mut found = ViolationReport { violations: Default::default(), at_most: 0.0, pixels: 0.0 };
             if settled.iter().any(|settled| !settled.open.is_empty()) {
-                let pair = SurfacePair::from_meshes(self.meshes, job)?;
-                let vertices = pair.vertices_of(settled.map(|settled| settled.open), job);
-                found = find_violations(&pair, &vertices, &enough, job);
+                let open = settled.each_ref().map(|settled| settled.open.as_slice());
+                found = NearbyPair::new(self, open, (enough, job))?.violations(enough, job);
                 if job.is_cancelled() {
                     return Err(JobError::Cancelled);
                 }

@@ -1,10 +1,11 @@
 //! Maps that are right, and maps that lie: the bound holds with both.
+use super::super::violations::{ViolationReport, tolerance_violations};
 use super::cells::surface_mapping;
 use super::images::{VertexImage, vertex_images};
 use super::paths::edge_paths;
 use super::surface::FanSurface;
 use super::{MappedPair, NearFaces};
-use crate::budget::Job;
+use crate::budget::{ErrorLimit, Job};
 use crate::check::{Deviation, Goal, OneSidedDistance, deviation};
 use crate::explicit::{Mesh, Topology, distance_sq_to_triangle};
 use chordal_testkit::Random;
@@ -35,7 +36,7 @@ fn near(n: u32, k: u32) -> Vec<u32> {
 
 fn mapped(a: &Mesh, b: &Mesh, by_row: &[u32]) -> Deviation {
     let (job, near) = (Job::default(), NearFaces { by_row, topology: Topology::Indices });
-    MappedPair::new(a, b, near, &job).unwrap().deviation(&Goal::default(), &job).unwrap()
+    MappedPair::new(a, b, near, &job).unwrap().deviation(f64::INFINITY, &Goal::default(), &job).unwrap()
 }
 
 /// Holds a bound against that of the search, which shares nothing with it but the last step.
@@ -224,7 +225,7 @@ fn violations_are_those_beyond_the_length() {
     let (job, near) = (Job::default(), near(24, 2));
     let pair =
         MappedPair::new(&a, &b, NearFaces { by_row: &near, topology: Topology::Indices }, &job).unwrap();
-    let found = pair.deviation(&Goal::default(), &job).unwrap();
+    let found = pair.deviation(f64::INFINITY, &Goal::default(), &job).unwrap();
     let (least, most) = (found.bound.at_least(), found.bound.at_most().unwrap());
     let none = pair.violations(1.001 * most, &job).unwrap();
     assert!(none.is_empty() && none.at_most >= least && none.at_most <= 1.001 * most);
@@ -266,9 +267,57 @@ fn a_surface_is_within_less_of_itself_than_the_frame_rounds() {
             MappedPair::new(&a, &a, NearFaces { by_row: &near, topology: Topology::Indices }, &job).unwrap();
         // The surface moves by less than a unit of the last place of the largest coordinate.
         let moved = 2.0 * f64::EPSILON * 1e6 * scale;
-        let found = pair.deviation(&Goal::default(), &job).unwrap();
+        let found = pair.deviation(f64::INFINITY, &Goal::default(), &job).unwrap();
         assert!(found.bound.at_most().unwrap() <= moved, "{:?}", found.bound);
         let none = pair.violations(1e-20 * scale, &job).unwrap();
         assert!(none.is_empty() && none.at_most <= 1e-20 * scale, "{:e}", none.at_most);
     }
+}
+
+#[test]
+fn who_is_too_far_is_the_same_by_a_map_and_by_a_search() {
+    let job = Job::default();
+    let (mut n_found, mut random) = (0, Random::new(3));
+    for (n, k, bump) in [(24, 2, 0.05), (48, 4, 0.03), (60, 5, 0.08)] {
+        let (a, b) = (torus(n, bump), torus(n / k, bump));
+        let whole = deviation(&a, &b, &Goal::default(), &job).unwrap().bound.at_most().unwrap();
+        let lies = (0..n * n).map(|_| random.below(b.faces().len()) as u32).collect();
+        for by_row in [near(n, k), lies] {
+            let near = NearFaces { by_row: &by_row, topology: Topology::Indices };
+            let pair = MappedPair::new(&a, &b, near, &job).unwrap();
+            for share in [0.02, 0.3, 0.7, 0.9, 0.97, 1.01] {
+                let length = share * whole;
+                let faces = |found: &ViolationReport| {
+                    found.violations.each_ref().map(|far| far.iter().map(|far| far.face).collect::<Vec<_>>())
+                };
+                let limit = ErrorLimit::uniform(length);
+                let searched = faces(&tolerance_violations(&a, &b, &limit, &job).unwrap());
+                assert_eq!(
+                    faces(&pair.violations(length, &job).unwrap()),
+                    searched,
+                    "{n} onto {} at {share}",
+                    n / k
+                );
+                n_found += searched.concat().len();
+            }
+        }
+    }
+    assert!(n_found > 1000, "{n_found}");
+}
+
+#[test]
+fn a_result_with_a_part_far_from_everything_is_too_far_there() {
+    let (a, b) = (torus(24, 0.05), torus(12, 0.05));
+    let mut positions = b.positions().to_vec();
+    let n = positions.len() as u32;
+    positions.extend([[50.0, 0.0, 0.0], [51.0, 0.0, 0.0], [50.0, 1.0, 0.0]]);
+    let faces = b.faces().iter().copied().chain([[n, n + 1, n + 2]]).collect();
+    let b = Mesh::new(positions, faces).unwrap();
+    let (job, by_row) = (Job::default(), near(24, 2));
+    let pair =
+        MappedPair::new(&a, &b, NearFaces { by_row: &by_row, topology: Topology::Indices }, &job).unwrap();
+    let found = pair.violations(0.3, &job).unwrap();
+    let faces = found.violations[1].iter().map(|far| far.face).collect::<Vec<_>>();
+    assert_eq!(faces, [b.faces().len() as u32 - 1]);
+    assert!(found.violations[0].is_empty() && found.violations[1][0].distance > 48.0);
 }

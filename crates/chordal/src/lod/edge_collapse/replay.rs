@@ -1,0 +1,48 @@
+//! Collapses that were carried out once, to do most of them again.
+use super::super::bucket_queue::BucketQueue;
+use super::super::surface::NONE;
+use super::{EdgeCollapse, EdgeCollapser};
+use crate::explicit::previous_in_face;
+
+/// A collapse that was carried out.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::lod) struct PastCollapse {
+    pub(super) shrink: EdgeCollapse,
+    /// The vertices at the start and at the end of its edge.
+    pub(super) ends: [u32; 2],
+}
+
+impl EdgeCollapser {
+    /// From the state in which `past` began, carries out the same collapses, but for those of vertices that are open
+    /// and those that cannot be without these; their vertices become open. No monitor looks at that. Then the queue holds
+    /// the edges of what is open.
+    pub fn replay(&mut self, past: &[PastCollapse], is_open: &mut [bool]) {
+        let monitor = self.monitor.take();
+        for PastCollapse { shrink, ends } in past {
+            let h = shrink.h;
+            let is_same = self.surface.start[h as usize] == ends[0] && self.surface.end(h) == ends[1];
+            let is_closed = !ends.iter().any(|v| is_open[*v as usize]);
+            if is_same && is_closed && self.satisfies_link_condition(h) && self.flips_no_face(shrink) {
+                self.apply(shrink);
+            } else {
+                ends.iter().for_each(|v| is_open[*v as usize] = true);
+            }
+        }
+        self.monitor = monitor;
+        self.queue = BucketQueue::new();
+        self.is_queued.fill(false);
+        for v in (0..self.at.len() as u32).filter(|v| is_open[*v as usize]) {
+            let mut g = self.surface.outgoing[v as usize];
+            let first = g;
+            while g != NONE {
+                self.enqueue(g);
+                let arrives = previous_in_face(g);
+                g = self.surface.twin[arrives as usize];
+                if g == NONE {
+                    self.enqueue(arrives);
+                }
+                g = if g == first { NONE } else { g };
+            }
+        }
+    }
+}
