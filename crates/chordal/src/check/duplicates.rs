@@ -15,7 +15,8 @@ struct DuplicateFace {
 /// The faces that repeat the positions of an earlier one: all of them, and those with the opposite winding.
 pub(super) fn find_duplicates(surface: &MeshConnectivity) -> (Finding, Finding) {
     let mut repeats = Vec::new();
-    for face in 0..surface.n_faces() {
+    // Faces with the same positions share all sides, two of them at least with each other alone or with more faces.
+    for face in (0..surface.n_faces()).filter(|face| surface.twins.may_share_two_sides(*face)) {
         for h in surface.half_edges(face).into_iter().flatten() {
             let (t, opposite) = match surface.twins.get(h) {
                 Twin::Pair(t) => (t, true),

@@ -81,7 +81,7 @@ impl Finding {
     }
 
     /// Appends the finding of a later part of the mesh.
-    pub(super) fn append(&mut self, mut later: Self) {
+    pub(crate) fn append(&mut self, mut later: Self) {
         self.count += later.count;
         later.witnesses.truncate(MAX_WITNESSES - self.witnesses.len());
         self.witnesses.append(&mut later.witnesses);

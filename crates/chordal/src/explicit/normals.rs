@@ -1,5 +1,6 @@
 //! Normals of triangles, and of vertices from the triangles around them.
 mod angle;
+mod lanes;
 mod shading;
 mod smooth;
 

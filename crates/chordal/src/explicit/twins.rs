@@ -114,6 +114,16 @@ impl Twins {
         }
     }
 
+    /// Whether two sides of a face may have the same neighbour: false is certain, and true of few faces.
+    #[inline]
+    pub(crate) fn may_share_two_sides(&self, face: u32) -> bool {
+        let at = 3 * face as usize;
+        let [a, b, c] = [self.raw[at], self.raw[at + 1], self.raw[at + 2]];
+        let no_single_twin = (a >= COLLAPSED) | (b >= COLLAPSED) | (c >= COLLAPSED);
+        let [a, b, c] = [a, b, c].map(|raw| (raw & !SAME_WAY) / 3);
+        no_single_twin | (a == b) | (b == c) | (c == a)
+    }
+
     /// The number of half-edges, three per face.
     #[must_use]
     pub fn len(&self) -> usize {

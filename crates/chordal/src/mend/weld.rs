@@ -2,7 +2,7 @@
 use super::limits::{check_limits, refusal};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
-use crate::budget::{Job, JobError, RefusalCode, Tolerance};
+use crate::budget::{Job, JobError, RefusalCode, Tolerance, par_map_owned};
 use crate::check::{Finding, PointTree, Witness};
 use crate::explicit::{Attribute, Domain, position_id_by_bits};
 use crate::math::Box3;
@@ -50,7 +50,59 @@ pub enum Weld {
 /// ```
 pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
     check_limits(mesh, job)?;
-    let exact = position_id_by_bits(mesh.positions());
+    let exact = job.run(|| position_id_by_bits(mesh.positions()));
+    if how == Weld::Exact && mesh.attributes().is_empty() && mesh.position_id().is_none() {
+        return job.run(|| weld_positions(mesh, exact));
+    }
+    weld_rows(mesh, exact, how, job)
+}
+
+/// [`Weld::Exact`] for a mesh that is positions and faces alone: there a row stays where it is the first one at its
+/// position, and nothing is left of the others. The same as [`weld_rows`] in a third of its passes.
+fn weld_positions(mesh: &Mesh, mut ids: Vec<u32>) -> Result<MendedMesh, JobError> {
+    // 1. Numbers for the rows that stay, in place: the first row of a position has its own before it is asked for.
+    let mut positions = Vec::new();
+    let mut welded = Finding::default();
+    for row in 0..ids.len() {
+        let first = ids[row] as usize;
+        ids[row] = if first < row {
+            welded.add(|| Witness::vertex(mesh, row as u32));
+            ids[first]
+        } else {
+            positions.push(mesh.positions()[row]);
+            positions.len() as u32 - 1
+        };
+    }
+    if welded.is_none() {
+        return Ok(MendedMesh::unchanged(mesh));
+    }
+    // 2. The faces, and which of them collapse: equal numbers are equal positions.
+    let mut faces = vec![[0; 3]; mesh.faces().len()];
+    let chunks = faces.chunks_mut(FACES).enumerate().collect();
+    let parts = par_map_owned(&Job::default(), chunks, |(number, chunk): (usize, &mut [[u32; 3]])| {
+        let mut found = Finding::default();
+        for (face, named) in (number * FACES..).zip(chunk) {
+            let rows = mesh.faces()[face];
+            *named = rows.map(|row| ids[row as usize]);
+            if !is_proper(*named) && is_proper(rows) {
+                found.add(|| Witness::face(mesh, face as u32));
+            }
+        }
+        found
+    });
+    let mut collapsed = Finding::default();
+    parts.into_iter().for_each(|found| collapsed.append(found));
+    let made = Mesh::by_construction(positions, faces);
+    let merged = welded.clone();
+    let changes = [("welded_vertices", welded), ("merged_rows", merged), ("collapsed_faces", collapsed)];
+    MendedMesh::moved(made, changes, 0.0)
+}
+
+/// Faces that are renamed at a time: their number is free.
+const FACES: usize = 1 << 14;
+
+/// Both ways of welding, for all meshes, given the rows that are equal bit for bit.
+fn weld_rows(mesh: &Mesh, exact: Vec<u32>, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
     let (ids, moved) = match how {
         Weld::Exact => (exact, LongestMove { most: 0.0, at: None }),
         Weld::Within(tolerance) => nearest_centres(mesh.positions(), exact, tolerance, job)?,
@@ -145,9 +197,13 @@ pub(super) fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
     Box3::from_points([&a, &b]).diagonal()
 }
 
+/// Whether all corners differ.
+fn is_proper([a, b, c]: [u32; 3]) -> bool {
+    a != b && b != c && c != a
+}
+
 /// Faces with two corners at one position that had three positions before.
 fn collapsed_faces(mesh: &Mesh, ids: &[u32]) -> Finding {
-    let is_proper = |[a, b, c]: [u32; 3]| a != b && b != c && c != a;
     let mut found = Finding::default();
     for (face, rows) in (0..).zip(mesh.faces()) {
         if !is_proper(rows.map(|row| ids[row as usize])) && is_proper(rows.map(|row| mesh.position_of(row))) {
@@ -226,4 +282,27 @@ fn same_rows(ids: &[u32], streams: &[&Attribute]) -> Vec<u32> {
         group.iter().for_each(|&row| same[row as usize] = group[0]);
     }
     same
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_testkit::Random;
+
+    #[test]
+    fn positions_alone_are_welded_as_rows_are() {
+        let mut random = Random::new(21);
+        for round in 0..300 {
+            let n_rows = 1 + random.below([3, 12, 40_000][round % 3]);
+            let side = [1, 2, 30][random.below(3)];
+            let mut coordinate = || [0.0, -0.0, 1.0, 2.5][random.below(4)] * (1 + random.below(side)) as f64;
+            let positions = (0..n_rows).map(|_| [coordinate(), coordinate(), coordinate()]).collect();
+            let n_faces = random.below(if round % 50 == 2 { 40_000 } else { 30 });
+            let faces = (0..n_faces).map(|_| std::array::from_fn(|_| random.below(n_rows) as u32)).collect();
+            let mesh = Mesh::new(positions, faces).expect("finite");
+            let exact = position_id_by_bits(mesh.positions());
+            let plain = weld_rows(&mesh, exact.clone(), Weld::Exact, &Job::default()).expect("small");
+            assert_eq!(weld_positions(&mesh, exact).expect("small"), plain, "round {round}");
+        }
+    }
 }

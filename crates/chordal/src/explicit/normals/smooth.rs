@@ -1,7 +1,9 @@
 //! Smooth normals: weighted means over the faces around a position.
 use super::angle::{angle_of, angles_of};
 use super::face_normal;
+use super::lanes::AngleSumKernel;
 use crate::explicit::Mesh;
+use crate::math::simd;
 use crate::math::{dot, greater};
 use std::f64::consts::PI;
 
@@ -23,7 +25,7 @@ pub enum NormalWeight {
 /// Angles are right to 3.4e-10, without a call of a library's atan2. Coordinates may have any size. As
 /// weights, areas below 1e-100 of the square of the mesh's extent count as zero.
 ///
-/// 1,000,000 triangles in about 40 ms on one core.
+/// 1,000,000 triangles in about 15 ms on one core, weighted by angles.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -40,22 +42,27 @@ pub enum NormalWeight {
 pub fn smooth_normals(mesh: &Mesh, weight: NormalWeight) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; mesh.positions().len()];
     let scale = scale_of(mesh);
-    let ids = mesh.position_id();
-    for (number, face) in mesh.faces().iter().enumerate() {
-        let Some(terms) = corner_terms(mesh.corners(number), scale, weight) else { continue };
-        let positions = match ids {
-            None => *face,
-            Some(ids) => face.map(|row| ids[row as usize]),
-        };
-        for (position, term) in positions.into_iter().zip(terms) {
-            let sum = &mut sums[position as usize];
-            *sum = [sum[0] + term[0], sum[1] + term[1], sum[2] + term[2]];
-        }
+    if weight == NormalWeight::Angle {
+        let faces = 0..mesh.faces().len();
+        simd::dispatch(simd::isa(), AngleSumKernel { mesh, faces, scale, sums: &mut sums });
+    } else {
+        add_one_by_one(mesh, scale, weight, &mut sums);
     }
     sums.iter_mut().for_each(|sum| *sum = unit_or_zero(*sum));
-    match ids {
+    match mesh.position_id() {
         None => sums,
         Some(ids) => ids.iter().map(|&id| sums[id as usize]).collect(),
+    }
+}
+
+/// Adds the weighted normals of all faces to the sums of their positions.
+fn add_one_by_one(mesh: &Mesh, scale: f64, weight: NormalWeight, sums: &mut [[f64; 3]]) {
+    for (number, face) in mesh.faces().iter().enumerate() {
+        let Some(terms) = corner_terms(mesh.corners(number), scale, weight) else { continue };
+        for (row, term) in face.iter().zip(terms) {
+            let sum = &mut sums[mesh.position_of(*row) as usize];
+            *sum = [sum[0] + term[0], sum[1] + term[1], sum[2] + term[2]];
+        }
     }
 }
 
@@ -155,4 +162,42 @@ fn corner_terms_rescaled(corners: [[f64; 3]; 3], scale: f64, weight: NormalWeigh
         NormalWeight::Area => [normal.map(|x| x * area); 3],
         NormalWeight::Uniform => [normal; 3],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::simd::Isa;
+    use chordal_testkit::Random;
+
+    #[test]
+    fn many_faces_at_once_have_the_sums_of_one_after_the_other() {
+        let mut random = Random::new(11);
+        for round in 0..60 {
+            // Needles, faces without area, and sizes near the ends of the range of f64.
+            let scale = [1.0, 1e-160, 1e160, 1e-60, 1e90, 3e-9][round % 6];
+            let mut coordinate = |below: usize| random.below(below) as f64 * scale;
+            let positions: Vec<[f64; 3]> = (0..200)
+                .map(|_| {
+                    [coordinate(1 << 20), coordinate(1 << [20, 2][round % 2]), coordinate(1 << 20) * 1e-3]
+                })
+                .collect();
+            let n_faces = [1, 64, 65, 500][round % 4];
+            let faces = (0..n_faces).map(|_| std::array::from_fn(|_| random.below(200) as u32)).collect();
+            let mesh = Mesh::new(positions, faces).expect("finite");
+            let scale = scale_of(&mesh);
+            let mut expected = vec![[0.0; 3]; 200];
+            add_one_by_one(&mesh, scale, NormalWeight::Angle, &mut expected);
+            for isa in Isa::ALL {
+                let mut sums = vec![[0.0; 3]; 200];
+                simd::dispatch(
+                    isa,
+                    AngleSumKernel { mesh: &mesh, faces: 0..n_faces, scale, sums: &mut sums },
+                );
+                let bits =
+                    |sums: &[[f64; 3]]| sums.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                assert_eq!(bits(&sums), bits(&expected), "round {round} on {isa}");
+            }
+        }
+    }
 }

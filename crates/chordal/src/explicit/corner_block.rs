@@ -1,0 +1,36 @@
+//! `CornerBlock`: the corners of a few faces by coordinate, so that a kernel computes with all of them at once.
+use super::Mesh;
+
+/// Faces in a block: enough to fill the widest registers, few enough to stay in the first-level cache.
+pub(crate) const BLOCK: usize = 64;
+
+/// One number for each face of a block.
+pub(crate) type Lanes = [f64; BLOCK];
+
+/// The corners of up to [`BLOCK`] faces: by corner and axis one number for each face.
+pub(crate) struct CornerBlock {
+    pub corners: [[Lanes; 3]; 3],
+}
+
+impl CornerBlock {
+    pub fn new() -> Self {
+        Self { corners: [[[0.0; BLOCK]; 3]; 3] }
+    }
+
+    /// Takes the corners of the faces from `first` on, and returns how many there are. The lanes of a block that is
+    /// not full keep what they had.
+    #[inline(always)]
+    pub fn load(&mut self, mesh: &Mesh, first: usize) -> usize {
+        let faces = &mesh.faces()[first..];
+        let n = if faces.len() < BLOCK { faces.len() } else { BLOCK };
+        for (lane, face) in faces[..n].iter().enumerate() {
+            for (corner, row) in self.corners.iter_mut().zip(face) {
+                let [x, y, z] = mesh.positions()[*row as usize];
+                corner[0][lane] = x;
+                corner[1][lane] = y;
+                corner[2][lane] = z;
+            }
+        }
+        n
+    }
+}
