@@ -1,7 +1,7 @@
 //! `ErrorMonitor`: checks during simplification how far the surface is from the original.
 use super::edge_guard::{EdgeVerdict, FarEdges, OriginalEdges};
 use super::local_tolerance::LocalTolerance;
-use super::samples::SamplesByFace;
+use super::samples::{NEAR, SamplesByFace};
 use super::surface::{HalfEdgeSurface, NONE};
 use crate::budget::{Job, JobError};
 use crate::check::{NearFaces, NearestFaces, ProximityChecker};
@@ -224,11 +224,15 @@ impl ErrorMonitor {
             let found = match beside {
                 None => nearest.of_corner(corner_of(sample)),
                 Some(h) => {
-                    // From either end, and from the sample before.
+                    // Where the sample before is, or an end; from all of these, where none is close.
                     let ends = [*h, next_in_face(*h)].map(|h| nearest.of_corner(h));
-                    let from = ends.into_iter().chain([last]).flatten();
-                    let found = from.map(|(face, _)| nearest.descend_from(at, face));
-                    found.min_by(|(_, a), (_, b)| a.total_cmp(b))
+                    let from = || last.into_iter().chain(ends.into_iter().flatten());
+                    let here = from().map(|(face, _)| (face, nearest.distance_sq(at, face)));
+                    let is_close = |found: &(u32, f64)| room.holds_sample(sample, found.1 * NEAR);
+                    here.into_iter().find(is_close).or_else(|| {
+                        let found = from().map(|(face, _)| nearest.descend_from(at, face));
+                        found.min_by(|(_, a), (_, b)| a.total_cmp(b))
+                    })
                 }
             };
             last = found;

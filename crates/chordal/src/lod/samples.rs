@@ -5,7 +5,7 @@ use crate::explicit::distance_sq_to_triangle;
 use crate::math::{cross, difference, dot, greater};
 
 /// A sample that is within half of the allowed distance of the face that held it stays with it; squared. Chosen.
-const NEAR: f64 = 4.0;
+pub(super) const NEAR: f64 = 4.0;
 
 /// Points that must stay within the tolerance of the surface, in lists by face.
 ///

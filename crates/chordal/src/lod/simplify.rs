@@ -178,7 +178,7 @@ fn simplify_to_count(
     let near = NearFaces { by_row: &near, topology };
     let goal =
         Goal { absolute: Tolerance::new(ROUNDINGS * mesh.bounds().diagonal()).ok(), ..Goal::default() };
-    let found = MappedPair::new(mesh, &made, near, job)?.deviation(f64::INFINITY, &goal, job)?;
+    let found = MappedPair::new(mesh, &made, (near, 0.0), job)?.deviation(f64::INFINITY, &goal, job)?;
     Ok(bounded(made, &found, f64::INFINITY, kept))
 }
 
@@ -302,7 +302,10 @@ impl<'a> ProgressiveSimplifier<'a> {
             // One length is asked of a map between both surfaces; lengths by place are searched.
             let near = reduction.near_faces();
             let near = NearFaces { by_row: &near, topology: self.topology };
-            let mapped = allowed.constant().map(|_| MappedPair::new(mesh, &made, near, job)).transpose()?;
+            let mapped = allowed
+                .constant()
+                .map(|length| MappedPair::new(mesh, &made, (near, length), job))
+                .transpose()?;
             let places = match (&mapped, allowed.constant()) {
                 (Some(mapped), Some(length)) => mapped.violations(length, job)?,
                 _ => tolerance_violations(mesh, &made, allowed, job)?,

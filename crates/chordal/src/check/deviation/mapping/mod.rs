@@ -58,6 +58,11 @@ impl NearestFaces {
             .map(|image| (image.face, image.distance_sq))
     }
 
+    /// The squared distance of a point from a face, rounded.
+    pub fn distance_sq(&self, p: [f64; 3], face: u32) -> f64 {
+        distance_sq_to_triangle(p, self.result.corners(face))
+    }
+
     /// The same for a point, by a descent from a face.
     pub fn descend_from(&self, p: [f64; 3], face: u32) -> (u32, f64) {
         let image = VertexImage::on_face(p, face, &self.result).descend(p, &self.result);
@@ -83,17 +88,25 @@ pub(crate) struct MappedPair<'a> {
 
 /// How far walks may be beyond the farthest vertex before others are tried. Chosen: as [`Goal::relative`].
 const PATH_SLACK: f64 = 1.1;
+/// The share of the length that is asked for within which walks are close enough. Chosen: with what a frame rounds off,
+/// they are still within the length.
+const NEARLY: f64 = 0.95;
 /// So few faces without a bound are looked at alone before everything is searched. Chosen.
 const FEW: usize = 256;
 /// Beyond this share of faces without a bound all of them are searched at once. Chosen.
 const MOST_ALONE: usize = 4;
 
 impl<'a> MappedPair<'a> {
-    /// Maps `a` onto `b`.
+    /// Maps `a` onto `b`. Walks that stay within `asked`, a length that may be 0, are not improved.
     ///
     /// # Errors
     /// As for [`super::deviation`].
-    pub fn new(a: &'a Mesh, b: &'a Mesh, near: NearFaces<'_>, job: &Job) -> Result<Self, JobError> {
+    pub fn new(
+        a: &'a Mesh,
+        b: &'a Mesh,
+        (near, asked): (NearFaces<'_>, f64),
+        job: &Job,
+    ) -> Result<Self, JobError> {
         job.run(|| {
             let meshes = [a, b];
             let (shared, local) = CommonFrame::around(meshes)?;
@@ -103,6 +116,7 @@ impl<'a> MappedPair<'a> {
             let rows = a.faces().as_flattened();
             let images = vertex_images(&source, &result, (rows, near.by_row), job);
             let enough = greater(PATH_SLACK * largest_distance_sq(&images).sqrt(), shared.floor());
+            let enough = greater(enough, NEARLY * shared.frame.local_length(asked));
             let paths = edge_paths(&source, &result, &images, (enough, job));
             let mapping = surface_mapping(&source, &result, &images, (&paths, job));
             if job.is_cancelled() {

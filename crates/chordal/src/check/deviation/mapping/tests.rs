@@ -36,7 +36,10 @@ fn near(n: u32, k: u32) -> Vec<u32> {
 
 fn mapped(a: &Mesh, b: &Mesh, by_row: &[u32]) -> Deviation {
     let (job, near) = (Job::default(), NearFaces { by_row, topology: Topology::Indices });
-    MappedPair::new(a, b, near, &job).unwrap().deviation(f64::INFINITY, &Goal::default(), &job).unwrap()
+    MappedPair::new(a, b, (near, 0.0), &job)
+        .unwrap()
+        .deviation(f64::INFINITY, &Goal::default(), &job)
+        .unwrap()
 }
 
 /// Holds a bound against that of the search, which shares nothing with it but the last step.
@@ -58,7 +61,8 @@ fn most_faces_of_a_coarser_torus_need_no_search() {
         let job = Job::default();
         let near = near(n, k);
         let pair =
-            MappedPair::new(&a, &b, NearFaces { by_row: &near, topology: Topology::Indices }, &job).unwrap();
+            MappedPair::new(&a, &b, (NearFaces { by_row: &near, topology: Topology::Indices }, 0.0), &job)
+                .unwrap();
         let unknown = |up: &[f64]| up.iter().filter(|up| **up == f64::INFINITY).count();
         let (forward, backward) = (unknown(&pair.mapping.forward), unknown(&pair.mapping.backward));
         assert!(20 * forward <= a.faces().len(), "{forward} of {} faces", a.faces().len());
@@ -111,7 +115,7 @@ fn flat_faces_with_holes_and_fans_need_no_search() {
         let by_row = nearest_faces(&a, &b);
         assert_holds(&a, &b, &by_row);
         let (job, near) = (Job::default(), NearFaces { by_row: &by_row, topology: Topology::Indices });
-        let pair = MappedPair::new(&a, &b, near, &job).unwrap();
+        let pair = MappedPair::new(&a, &b, (near, 0.0), &job).unwrap();
         let all_known = |up: &[f64]| up.iter().all(|up| *up < f64::INFINITY);
         assert!(all_known(&pair.mapping.forward), "{n} sides onto {m}");
         assert!(all_known(&pair.mapping.backward), "{n} sides onto {m}, back");
@@ -223,8 +227,8 @@ fn surfaces_that_are_wound_against_each_other_or_torn_are_bounded() {
 fn violations_are_those_beyond_the_length() {
     let (a, b) = (torus(24, 0.05), torus(12, 0.05));
     let (job, near) = (Job::default(), near(24, 2));
-    let pair =
-        MappedPair::new(&a, &b, NearFaces { by_row: &near, topology: Topology::Indices }, &job).unwrap();
+    let pair = MappedPair::new(&a, &b, (NearFaces { by_row: &near, topology: Topology::Indices }, 0.0), &job)
+        .unwrap();
     let found = pair.deviation(f64::INFINITY, &Goal::default(), &job).unwrap();
     let (least, most) = (found.bound.at_least(), found.bound.at_most().unwrap());
     let none = pair.violations(1.001 * most, &job).unwrap();
@@ -264,7 +268,8 @@ fn a_surface_is_within_less_of_itself_than_the_frame_rounds() {
         let a = Mesh::new(positions, torus.faces().to_vec()).unwrap();
         let (job, near) = (Job::default(), near(16, 1));
         let pair =
-            MappedPair::new(&a, &a, NearFaces { by_row: &near, topology: Topology::Indices }, &job).unwrap();
+            MappedPair::new(&a, &a, (NearFaces { by_row: &near, topology: Topology::Indices }, 0.0), &job)
+                .unwrap();
         // The surface moves by less than a unit of the last place of the largest coordinate.
         let moved = 2.0 * f64::EPSILON * 1e6 * scale;
         let found = pair.deviation(f64::INFINITY, &Goal::default(), &job).unwrap();
@@ -284,7 +289,7 @@ fn who_is_too_far_is_the_same_by_a_map_and_by_a_search() {
         let lies = (0..n * n).map(|_| random.below(b.faces().len()) as u32).collect();
         for by_row in [near(n, k), lies] {
             let near = NearFaces { by_row: &by_row, topology: Topology::Indices };
-            let pair = MappedPair::new(&a, &b, near, &job).unwrap();
+            let pair = MappedPair::new(&a, &b, (near, 0.0), &job).unwrap();
             for share in [0.02, 0.3, 0.7, 0.9, 0.97, 1.01] {
                 let length = share * whole;
                 let faces = |found: &ViolationReport| {
@@ -315,7 +320,8 @@ fn a_result_with_a_part_far_from_everything_is_too_far_there() {
     let b = Mesh::new(positions, faces).unwrap();
     let (job, by_row) = (Job::default(), near(24, 2));
     let pair =
-        MappedPair::new(&a, &b, NearFaces { by_row: &by_row, topology: Topology::Indices }, &job).unwrap();
+        MappedPair::new(&a, &b, (NearFaces { by_row: &by_row, topology: Topology::Indices }, 0.0), &job)
+            .unwrap();
     let found = pair.violations(0.3, &job).unwrap();
     let faces = found.violations[1].iter().map(|far| far.face).collect::<Vec<_>>();
     assert_eq!(faces, [b.faces().len() as u32 - 1]);
