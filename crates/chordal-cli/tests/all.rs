@@ -23,3 +23,4 @@ mod script;
 mod signals;
 mod studio;
 mod volume;
+mod volume_budget;

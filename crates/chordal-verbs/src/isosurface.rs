@@ -2,6 +2,7 @@
 //! budget.
 use crate::label_looks::LabelLooks;
 use crate::request::MeshRequest;
+use crate::simplified_isosurface::simplified_isosurface;
 use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
 use crate::{MeshFailure, SurfaceSpec};
 use chordal::budget::advice::{Message, Setting};
@@ -12,6 +13,15 @@ use chordal::math::lesser;
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Format, Node, Scene};
 
+/// What a surface within a budget is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SurfaceForm {
+    /// The triangles of the cells: for what only looks at them, or simplifies them itself.
+    Cells,
+    /// As few triangles as the budget allows.
+    Simplified,
+}
+
 /// The isosurface of a volume at the precision of the format, with its bound against the trilinear
 /// interpolant.
 ///
@@ -20,7 +30,7 @@ use chordal_io::{Format, Node, Scene};
 /// [`convert::grid_to_mesh`].
 pub(crate) fn mesh_volume(
     sampled: &VolumeShape,
-    request: &MeshRequest,
+    (request, form): (&MeshRequest, SurfaceForm),
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
@@ -43,7 +53,7 @@ pub(crate) fn mesh_volume(
     }
     let rule = polygonize_rule(sampled, &range, notes)?;
     note_border(grid, &rule, notes);
-    let made = SurfaceMesher { sampled, request, job }.make(grid, &rule)?;
+    let made = SurfaceMesher { sampled, request, job }.make(grid, (&rule, form), notes)?;
     let mut scene = Scene::from_mesh("surface", made.shape, sampled.volume.frame);
     set_names(&mut scene, &sampled.volume.name);
     Ok((scene, made.bound))
@@ -61,7 +71,7 @@ pub(crate) fn surface_of(
 ) -> Result<(Scene, Bound), MeshFailure> {
     // PLY rounds nothing.
     let request = MeshRequest::new(budget, Format::Ply, sampled.bounds()).widened();
-    mesh_volume(sampled, &request, notes, job)
+    mesh_volume(sampled, (&request, SurfaceForm::Cells), notes, job)
 }
 
 /// A part that has a name in the file has it in the mesh.
@@ -81,12 +91,26 @@ struct SurfaceMesher<'a> {
 
 impl SurfaceMesher<'_> {
     /// One mesh at the precision of the format.
-    fn make(&self, grid: &Grid, rule: &Polygonize) -> Result<Bounded<Mesh>, MeshFailure> {
+    fn make(
+        &self,
+        grid: &Grid,
+        (rule, form): (&Polygonize, SurfaceForm),
+        notes: &mut Vec<Message>,
+    ) -> Result<Bounded<Mesh>, MeshFailure> {
         let Self { sampled, request, job } = self;
         let rule = Polygonize { margin: margin(&sampled.volume.grid, request.rounding()), ..*rule };
         // Without a budget the surface has the lattice's own resolution.
-        let has_budget = request.budget != Budget::default();
-        request.run(job, |budget| convert::grid_to_mesh(grid, &rule, has_budget.then_some(budget), job))
+        if request.budget == Budget::default() {
+            return request.run(job, |_| convert::grid_to_mesh(grid, &rule, None, job));
+        }
+        request.run(job, |budget| match form {
+            SurfaceForm::Cells => convert::grid_to_mesh(grid, &rule, Some(budget), job),
+            SurfaceForm::Simplified => {
+                let (made, note) = simplified_isosurface(grid, &rule, (budget, &request.bounds), job)?;
+                notes.extend(note);
+                Ok(made)
+            }
+        })
     }
 }
 

@@ -60,6 +60,7 @@ mod request;
 mod rounded_mesh;
 mod script;
 mod shape;
+mod simplified_isosurface;
 mod simplify;
 mod spec;
 mod spell;

@@ -2,6 +2,7 @@
 //! a format.
 use crate::drop_attributes::drop_normals;
 use crate::finish::finish_triangles;
+use crate::isosurface::SurfaceForm;
 use crate::pass_through::pass_through;
 use crate::report::{BudgetFacts, Certificate};
 use crate::request::MeshRequest;
@@ -83,7 +84,8 @@ pub fn mesh(
             cage::limit_surface(&polygons, &request, job)?
         }
         Shape::Volume(sampled) => {
-            isosurface::mesh_volume(&sampled, &request.widened(), &mut certificate.notes, job)?
+            let request = (&request.widened(), SurfaceForm::Simplified);
+            isosurface::mesh_volume(&sampled, request, &mut certificate.notes, job)?
         }
         Shape::Field(implicit) => {
             field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?

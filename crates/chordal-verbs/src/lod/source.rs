@@ -5,6 +5,7 @@ use super::{LodParts, LodSpec};
 use crate::drop_attributes::{drop_attributes, drop_normals};
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::{self, RoundingTarget};
+use crate::isosurface::SurfaceForm;
 use crate::merge::{MergedMesh, merge};
 use crate::merged_parts;
 use crate::notes::{deformation_note, reduction_notes};
@@ -360,7 +361,9 @@ fn tessellate(
             return convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort);
         }
         Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),
-        Shape::Volume(sampled) => isosurface::mesh_volume(sampled, &request.widened(), notes, job),
+        Shape::Volume(sampled) => {
+            isosurface::mesh_volume(sampled, (&request.widened(), SurfaceForm::Cells), notes, job)
+        }
         Shape::Field(field) => field::mesh_field(field, &request.widened(), notes, job),
         _ => Err(MeshFailure::refused(RefusalCode::Unsupported, "this shape has no levels")),
     };

@@ -1,0 +1,70 @@
+//! Volumes within a budget: cells are cut where it takes that, triangles are simplified within the rest, and the report
+//! says what each step did.
+use crate::common;
+use common::{Folder, run};
+use serde_json::Value;
+
+/// A ball of 8-bit samples, a mask.
+fn ball_mask(n: usize) -> Vec<u8> {
+    let header = format!(
+        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: {n} {n} {n}\nencoding: raw\nspace: RAS\n\
+         space directions: (1,0,0) (0,1,0) (0,0,1)\nspace units: \"mm\" \"mm\" \"mm\"\n\n"
+    );
+    let middle = (n as f64 - 1.0) / 2.0;
+    let inside = |at: usize| {
+        let from = |i: usize| (i as f64 - middle) * (i as f64 - middle);
+        u8::from(from(at % n) + from(at / n % n) + from(at / (n * n)) < 0.15 * (n * n) as f64)
+    };
+    header.into_bytes().into_iter().chain((0..n * n * n).map(inside)).collect()
+}
+
+#[track_caller]
+fn meshed(input: &str, output: &str, more: &[&str]) -> Value {
+    let made = run(&[&["mesh", input, "-o", output, "--force", "--json"], more].concat());
+    assert_eq!(made.code, 0, "{made:?}");
+    made.report()
+}
+
+fn number(report: &Value, pointer: &str) -> f64 {
+    report.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer} in {report:#}"))
+}
+
+#[test]
+fn a_length_leaves_few_triangles_with_both_proofs_added() {
+    let folder = Folder::new("volume-budget");
+    let input = folder.file("ball.nrrd", ball_mask(24));
+    let output = folder.text("ball.ply");
+    let native = meshed(&input, &output, &[]);
+    for length in ["1.5", "0.7", "0.4"] {
+        let report = meshed(&input, &output, &["--tol", &format!("{length}mm")]);
+        assert!(number(&report, "/certificate/bound/at_most") <= length.parse().unwrap());
+        assert_eq!(report["certificate"]["bound"]["evidence"], "proved");
+        assert_eq!(report["certificate"]["bound"]["reference"], "trilinear interpolant");
+        let valid = &report["certificate"]["valid"];
+        assert!(
+            valid["closed"] == true && valid["manifold"] == true && valid["oriented"] == true,
+            "{valid:#}"
+        );
+        let notes = report["certificate"]["notes"].to_string();
+        assert!(notes.contains("of the interpolant were simplified to"), "{notes}");
+        let triangles = |report: &Value| number(report, "/certificate/output/triangles");
+        assert!(length == "0.4" || triangles(&report) < 0.5 * triangles(&native), "{length}");
+    }
+    run(&["deviation", &output, &input, "--max", "0.4mm", "-q"]).succeeds();
+}
+
+#[test]
+fn a_count_is_reached_with_the_bound_that_it_costs() {
+    let folder = Folder::new("volume-count");
+    let input = folder.file("ball.nrrd", ball_mask(20));
+    let output = folder.text("ball.ply");
+    for count in [400, 100, 20] {
+        let report = meshed(&input, &output, &["--triangles", &count.to_string()]);
+        assert!(number(&report, "/certificate/output/triangles") <= f64::from(count));
+        assert_eq!(report["certificate"]["valid"]["closed"], true);
+        assert!(number(&report, "/certificate/bound/at_most") < 10.0);
+    }
+    // A length that so few triangles do not keep.
+    run(&["mesh", &input, "-o", &output, "--force", "--tol", "0.3mm", "--triangles", "20"])
+        .fails_with(1, &["budget"]);
+}
