@@ -212,7 +212,14 @@ def meshlib_(job, threads, meshes):
 
     made = [mrmeshnumpy.meshFromFacesVerts(faces, points) for points, faces in meshes]
     if job == "self":
-        return timed(lambda: mrmeshpy.findSelfCollidingTriangles(made[0]).size())
+        # The tree is part of the work, as it is on the other sides; a mesh keeps it until its caches are invalid.
+        def collide(mesh):
+            return mrmeshpy.findSelfCollidingTriangles(mesh).size()
+
+        def prepare():
+            made[0].invalidateCaches()
+            return made[0]
+        return timed(collide, prepare=prepare)
     if job == "deviation":
         return timed(lambda: mrmeshpy.findMaxDistanceSq(mrmeshpy.MeshPart(made[0]), mrmeshpy.MeshPart(made[1])) ** 0.5)
     if job == "closest":

@@ -1,10 +1,10 @@
 //! Self-intersections: pairs of faces that intersect outside their common corners and edges.
-use super::degenerate::has_zero_area;
 use super::finding::{Finding, MAX_WITNESSES, MeshLocation, Witness, centre};
 use super::parallel::over_chunks;
-use super::triangle_intersection::{common_point, triangles_intersect};
+use super::thin::has_no_area;
+use super::triangle_intersection::{common_point, intersect_by_corner};
 use crate::budget::{Job, JobError};
-use crate::explicit::{Bvh, Mesh, position_id_by_bits};
+use crate::explicit::{Mesh, PackedBoxes, position_id_by_bits};
 
 /// Finds the pairs of faces that share a point which is not on a common corner or edge. These are faces that
 /// cross, faces that overlap in one plane, neighbours folded onto each other, and faces that only touch: a
@@ -15,9 +15,8 @@ use crate::explicit::{Bvh, Mesh, position_id_by_bits};
 /// Exact for all finite coordinates, and the same on any number of threads. The witnesses are the first pairs
 /// in the order of the faces, each with a rounded common point.
 ///
-/// About 1 µs a triangle on one core for valid surfaces, including the bounding volume hierarchy, whose
-/// documentation gives its memory; beyond it 28 bytes a position and 36 a face. In the worst case, where all
-/// boxes overlap, quadratic in the number of faces.
+/// About 0.5 µs a triangle on one core for valid surfaces; 88 bytes a triangle and 32 a position. In the worst case, where
+/// all boxes overlap, quadratic in the number of faces.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check::self_intersections};
@@ -32,8 +31,8 @@ use crate::explicit::{Bvh, Mesh, position_id_by_bits};
 /// ```
 ///
 /// # Errors
-/// [`JobError::Refused`] where the hierarchy would be too large for the job ([`Bvh::build`]), and
-/// [`JobError::Cancelled`] when the job was.
+/// [`JobError::Refused`] where the boxes of the triangles would be too large for the job, and [`JobError::Cancelled`] when
+/// the job was.
 pub fn self_intersections(mesh: &Mesh, job: &Job) -> Result<Finding, JobError> {
     search(mesh, job, |soup, slots| soup.intersect(slots))
 }
@@ -69,11 +68,11 @@ pub fn intersections_between(
 fn search(
     mesh: &Mesh,
     job: &Job,
-    counts: impl Fn(&LeafTriangles, [u32; 2]) -> bool + Sync,
+    counts: impl Fn(&PackedTriangles, [u32; 2]) -> bool + Sync,
 ) -> Result<Finding, JobError> {
-    let tree = Bvh::build(mesh, job)?;
-    let soup = job.run(|| LeafTriangles::new(mesh, &tree));
-    let parts = tree.pairs(job, |found: &mut IntersectingPairs, slots| {
+    let boxes = PackedBoxes::new(mesh, job)?;
+    let soup = job.run(|| PackedTriangles::new(mesh, &boxes));
+    let parts = boxes.pairs(job, |found: &mut IntersectingPairs, slots| {
         if counts(&soup, slots) {
             found.add(slots.map(|slot| soup.slots[slot as usize].face));
         }
@@ -86,47 +85,53 @@ fn search(
     Ok(Finding { count: found.count, witnesses })
 }
 
-/// The triangles in the order of the hierarchy's leaves, with their exact coordinates.
-struct LeafTriangles<'a> {
+/// The triangles in the order of their boxes, with their exact coordinates.
+struct PackedTriangles<'a> {
     mesh: &'a Mesh,
-    slots: Vec<LeafTriangle>,
+    slots: Vec<PackedTriangle>,
+    /// The points that corners are at, in the order in which slots first use them.
     points: Vec<[f64; 3]>,
 }
 
-struct LeafTriangle {
+struct PackedTriangle {
     /// Rows of `points`, equal for equal coordinates.
     rows: [u32; 3],
     face: u32,
     has_area: bool,
 }
 
-impl<'a> LeafTriangles<'a> {
-    fn new(mesh: &'a Mesh, tree: &Bvh) -> Self {
-        let mut points = vec![[0.0; 3]; tree.n_corners()];
-        for (rows, face) in tree.leaf_triangles() {
-            for (row, corner) in rows.iter().zip(mesh.corners(face as usize)) {
-                points[*row as usize] = corner;
-            }
-        }
-        let ids = position_id_by_bits(&points);
-        let triangles: Vec<([u32; 3], u32)> = tree.leaf_triangles().collect();
-        let slots = over_chunks(&triangles, 4096, |_, triangles| {
-            let slot = |(rows, face): &([u32; 3], u32)| LeafTriangle {
-                rows: rows.map(|row| ids[row as usize]),
-                face: *face,
-                has_area: !has_zero_area(mesh.corners(*face as usize)),
+impl<'a> PackedTriangles<'a> {
+    fn new(mesh: &'a Mesh, boxes: &PackedBoxes) -> Self {
+        let ids = position_id_by_bits(mesh.positions());
+        let mut slots = over_chunks(boxes.faces(), 4096, |_, faces| {
+            let slot = |&face: &u32| PackedTriangle {
+                rows: mesh.faces()[face as usize].map(|row| ids[row as usize]),
+                face,
+                has_area: !has_no_area(mesh.corners(face as usize)),
             };
-            triangles.iter().map(slot).collect::<Vec<_>>()
-        });
-        Self { mesh, slots: slots.into_iter().flatten().collect(), points }
+            faces.iter().map(slot).collect::<Vec<_>>()
+        })
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>();
+        let mut row_of = vec![u32::MAX; ids.len()];
+        let mut points = Vec::with_capacity(ids.len());
+        for row in slots.iter_mut().flat_map(|slot| &mut slot.rows) {
+            let place = &mut row_of[*row as usize];
+            if *place == u32::MAX {
+                *place = points.len() as u32;
+                points.push(mesh.positions()[*row as usize]);
+            }
+            *row = *place;
+        }
+        Self { mesh, slots, points }
     }
 
     #[inline]
     fn intersect(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (&self.slots[a as usize], &self.slots[b as usize]);
-        let corners =
-            |[p, q, r]: [u32; 3]| [self.points[p as usize], self.points[q as usize], self.points[r as usize]];
-        a.has_area && b.has_area && triangles_intersect([a.rows, b.rows], [corners(a.rows), corners(b.rows)])
+        let at = |triangle: usize, corner: usize| self.points[[a, b][triangle].rows[corner] as usize];
+        a.has_area && b.has_area && intersect_by_corner([a.rows, b.rows], at)
     }
 
     /// Whether both have area and the same three corners.

@@ -28,6 +28,11 @@ pub fn is_sliver(corners: [[f64; 3]; 3]) -> bool {
     is_thin(corners) && !has_zero_area(corners)
 }
 
+/// The same as [`has_zero_area`], faster where the triangle is far from that.
+pub(super) fn has_no_area(corners: [[f64; 3]; 3]) -> bool {
+    is_thin(corners) && has_zero_area(corners)
+}
+
 /// Squared longest sides of which the fourth power of a side is a normal number, and underflow of smaller terms does not
 /// matter.
 const SAFE: Range<f64> = 1e-70..1e70;

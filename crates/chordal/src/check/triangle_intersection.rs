@@ -45,23 +45,32 @@ impl ExactPoint for exact_point::LatticePoint {
 /// With two, the triangles lie in one plane, both on the same side of the common edge. With three they are
 /// the same, which is a separate finding.
 #[inline]
-pub(crate) fn triangles_intersect(ids: [[u32; 3]; 2], [a, b]: [TriangleCorners; 2]) -> bool {
-    let (mut n, mut of_a, mut of_b) = (0, [0; 3], [0; 3]);
+pub(crate) fn triangles_intersect(ids: [[u32; 3]; 2], corners: [TriangleCorners; 2]) -> bool {
+    intersect_by_corner(ids, |triangle, corner| corners[triangle][corner])
+}
+
+/// The same, given the coordinates of each corner of the two when they are asked for: once, in the order of the case.
+#[inline]
+pub(super) fn intersect_by_corner(ids: [[u32; 3]; 2], at: impl Fn(usize, usize) -> [f64; 3]) -> bool {
+    // Bit 3i + j where corner i of the first is corner j of the second: one branch decides among the cases.
+    let mut same = 0_u32;
     for i in 0..3 {
         for j in 0..3 {
-            if ids[0][i] == ids[1][j] {
-                (of_a[n], of_b[n]) = (i, j);
-                n += 1;
-            }
+            same |= u32::from(ids[0][i] == ids[1][j]) << (3 * i + j);
         }
     }
-    let from = |corners: &TriangleCorners, k: usize| [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
-    match n {
-        0 => disjoint_intersect(&a, &b),
-        1 => vertex_sharing_intersect(&from(&a, of_a[0]), &from(&b, of_b[0])),
+    let lowest = |bits: u32| (bits.trailing_zeros() as usize / 3 % 3, bits.trailing_zeros() as usize % 3);
+    const FROM: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+    let from = |triangle: usize, [p, q, r]: [usize; 3]| [at(triangle, p), at(triangle, q), at(triangle, r)];
+    match same.count_ones() {
+        0 => disjoint_intersect(&from(0, FROM[0]), &from(1, FROM[0])),
+        1 => {
+            let (i, j) = lowest(same);
+            vertex_sharing_intersect(&from(0, FROM[i]), &from(1, FROM[j]))
+        }
         2 => {
-            let (apex_a, apex_b) = (3 - of_a[0] - of_a[1], 3 - of_b[0] - of_b[1]);
-            edge_sharing_intersect([a[of_a[0]], a[of_a[1]], a[apex_a]], b[apex_b])
+            let ((i, j), (k, l)) = (lowest(same), lowest(same & (same - 1)));
+            edge_sharing_intersect(from(0, [i, k, 3 - i - k]), at(1, 3 - j - l))
         }
         _ => false,
     }

@@ -98,24 +98,37 @@ impl Validity {
 /// ```
 #[must_use]
 pub fn validity(mesh: &Mesh, topology: Topology) -> Validity {
-    validity_of(&MeshConnectivity::new(mesh, topology))
+    let n = mesh.faces().len();
+    let (surface, shapes) = both(n, || MeshConnectivity::new(mesh, topology), || FaceShapes::new(mesh));
+    validity_with(&surface, shapes)
 }
 
 pub(super) fn validity_of(surface: &MeshConnectivity) -> Validity {
+    validity_with(surface, FaceShapes::new(surface.mesh))
+}
+
+/// What the faces of a mesh are each by itself.
+struct FaceShapes {
+    zero_area: Finding,
+    slivers: Finding,
+    measure: Measure,
+}
+
+impl FaceShapes {
+    fn new(mesh: &Mesh) -> Self {
+        let (zero_area, slivers) = thin_faces(mesh);
+        Self { zero_area, slivers, measure: measure(mesh) }
+    }
+}
+
+fn validity_with(surface: &MeshConnectivity, shapes: FaceShapes) -> Validity {
     let (mesh, topology) = (surface.mesh, surface.topology);
-    let n = mesh.faces().len();
-    let (around, (pieces, apart)) = both(
-        n,
+    let (around, (pieces, (duplicate_faces, opposite_faces))) = both(
+        mesh.faces().len(),
         || VertexTopology::count(surface),
-        || {
-            both(
-                n,
-                || EdgeTopology::count(surface),
-                || (find_duplicates(surface), thin_faces(mesh), measure(mesh)),
-            )
-        },
+        || (EdgeTopology::count(surface), find_duplicates(surface)),
     );
-    let ((duplicate_faces, opposite_faces), (zero_area_faces, slivers), measure) = apart;
+    let FaceShapes { zero_area: zero_area_faces, slivers, measure } = shapes;
     let euler = around.positions as i64 - pieces.edges as i64 + pieces.faces as i64;
     let edge_manifold = pieces.non_manifold_edges.is_none();
     let vertex_manifold = around.non_manifold.is_none();

@@ -36,7 +36,7 @@ pub use bezier::Bezier;
 pub(crate) use bezier::bernstein;
 pub(crate) use bvh::{Bvh, Enclosure, HitSides, PointLocation, Ray};
 pub(crate) use bvh::{
-    WindingMoments, closest_on_triangle, distance_sq_to_triangle, distance_to_triangle_down,
+    PackedBoxes, WindingMoments, closest_on_triangle, distance_sq_to_triangle, distance_to_triangle_down,
 };
 pub(crate) use cage::limit::{LimitSheet, LimitSurface};
 pub use cage::{Cage, InvalidCage};

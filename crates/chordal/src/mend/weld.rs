@@ -61,7 +61,8 @@ pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
 /// position, and nothing is left of the others. The same as [`weld_rows`] in a third of its passes.
 fn weld_positions(mesh: &Mesh, mut ids: Vec<u32>) -> Result<MendedMesh, JobError> {
     // 1. Numbers for the rows that stay, in place: the first row of a position has its own before it is asked for.
-    let mut positions = Vec::new();
+    let n_positions = ids.iter().enumerate().filter(|(row, first)| *row == **first as usize).count();
+    let mut positions = Vec::with_capacity(n_positions);
     let mut welded = Finding::default();
     for row in 0..ids.len() {
         let first = ids[row] as usize;

@@ -44,7 +44,7 @@ pub(super) fn build(mesh: &Mesh, job: &Job) -> Option<Bvh> {
     Some(Bvh { frame, bounds, local: Box3 { min, max }, nodes, triangles, corners })
 }
 
-fn used_bounds(mesh: &Mesh) -> Box3 {
+pub(super) fn used_bounds(mesh: &Mesh) -> Box3 {
     let mut bounds = Box3::EMPTY;
     for face in mesh.faces() {
         for i in face {

@@ -43,6 +43,9 @@ impl BvhFrame {
     }
 }
 
+/// A box in local f32 coordinates: low, high.
+pub(super) type LocalBox = [[f32; 3]; 2];
+
 /// The largest f32 that is at most `x`.
 #[inline]
 pub(super) fn down(x: f64) -> f32 {

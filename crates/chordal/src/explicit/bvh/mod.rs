@@ -6,7 +6,7 @@ mod column;
 mod frame;
 mod inside;
 mod neighbours;
-mod pairs;
+mod packed_boxes;
 mod ray;
 mod sah_split;
 mod triangle;
@@ -20,6 +20,7 @@ use frame::BvhFrame;
 pub use closest::MeshClosestPoint;
 pub(crate) use inside::WindingMoments;
 pub use inside::{Containment, Enclosure, PointLocation};
+pub(crate) use packed_boxes::PackedBoxes;
 pub use ray::{Hit, HitSides, Ray};
 pub use winding::WindingNumber;
 
