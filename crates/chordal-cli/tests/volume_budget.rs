@@ -58,9 +58,13 @@ fn a_count_is_reached_with_the_bound_that_it_costs() {
     let folder = Folder::new("volume-count");
     let input = folder.file("ball.nrrd", ball_mask(20));
     let output = folder.text("ball.ply");
-    for count in [400, 100, 20] {
+    for count in [400_u32, 100, 20] {
         let report = meshed(&input, &output, &["--triangles", &count.to_string()]);
-        assert!(number(&report, "/certificate/output/triangles") <= f64::from(count));
+        let triangles = number(&report, "/certificate/output/triangles");
+        assert!(
+            triangles <= f64::from(count) && triangles >= f64::from(count) - 4.0,
+            "{triangles} of {count}"
+        );
         assert_eq!(report["certificate"]["valid"]["closed"], true);
         assert!(number(&report, "/certificate/bound/at_most") < 10.0);
     }

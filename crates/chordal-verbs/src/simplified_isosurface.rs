@@ -32,11 +32,14 @@ pub(crate) fn simplified_isosurface(
         Err(_) => *budget,
     };
     let fine = convert::grid_to_mesh(grid, rule, Some(&cells), job).or_else(Failure::best_effort)?;
-    let left = Tolerance::new(sub_down(length, fine.bound.at_most().unwrap_or(f64::INFINITY)));
-    let rest = match left {
-        Ok(left) => within(left),
-        Err(_) if length == f64::INFINITY => *budget,
-        Err(_) => return Ok((fine, None)),
+    // Of no limit an unlimited one is left, and not the largest number.
+    let rest = if length == f64::INFINITY {
+        *budget
+    } else {
+        match Tolerance::new(sub_down(length, fine.bound.at_most().unwrap_or(f64::INFINITY))) {
+            Ok(left) => within(left),
+            Err(_) => return Ok((fine, None)),
+        }
     };
     let n_faces = fine.shape.faces().len() as u64;
     if rest.length.is_none() && rest.triangles.is_none_or(|most| most >= n_faces) {
