@@ -217,6 +217,22 @@ impl Mesh {
         [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
+    /// The rows that some faces use, ascending.
+    pub(crate) fn rows_of(&self, faces: &[u32]) -> Vec<u32> {
+        let mut rows: Vec<u32> = faces.iter().flat_map(|face| self.faces[*face as usize]).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        rows
+    }
+
+    /// Some faces and the rows that they use, both ascending, without what else the mesh knows of them.
+    pub(crate) fn some_faces(&self, faces: &[u32], rows: &[u32]) -> Self {
+        let here = |row: u32| rows.partition_point(|known| *known < row) as u32;
+        let positions = rows.iter().map(|row| self.positions[*row as usize]).collect();
+        let faces = faces.iter().map(|face| self.faces[*face as usize].map(here)).collect();
+        Self::by_construction(positions, faces)
+    }
+
     /// The bounding box of the positions.
     #[must_use]
     pub fn bounds(&self) -> Box3 {

@@ -536,6 +536,17 @@ pub(super) fn representative(merged_into: &mut [u32], mut v: u32) -> u32 {
     }
 }
 
+/// A face at the vertex that stands for one, from the one into which each was collapsed; [`NONE`] for none.
+pub(super) fn face_standing_for(surface: &HalfEdgeSurface, merged_into: &mut [u32], v: u32) -> u32 {
+    if v == NONE {
+        return NONE;
+    }
+    match surface.outgoing[representative(merged_into, v) as usize] {
+        NONE => NONE,
+        h => h / 3,
+    }
+}
+
 /// The weight of planes along feature lines, times the square of an edge's length. Chosen: above the weight
 /// of a face with that edge.
 const LINE_WEIGHT: f64 = 2.0;

@@ -3,7 +3,9 @@ mod reduced_mesh;
 mod retry;
 
 use super::attribute_guard::AttributeGuard;
-use super::edge_collapse::{CollapseVertexKind, EdgeCollapser, StopCriterion, representative};
+use super::edge_collapse::{
+    CollapseVertexKind, EdgeCollapser, StopCriterion, face_standing_for, representative,
+};
 use super::error_monitor::{CheckLevel, ErrorMonitor};
 use super::local_tolerance::LocalTolerance;
 use super::surface::{HalfEdgeSurface, ManifoldSplit, NONE};
@@ -151,8 +153,9 @@ impl<'a> MeshReduction<'a> {
         self.n_faces() == 0
     }
 
-    /// Leaves out removed faces and vertices where most are.
+    /// Leaves out removed faces and vertices where most are, and forgets what was carried out.
     pub fn compact(&mut self) {
+        self.engine.log = None;
         if self.n_faces() > self.source_face.len() / 2 {
             return;
         }
@@ -343,13 +346,7 @@ impl<'a> MeshReduction<'a> {
             return Err(JobError::Cancelled);
         }
         let EdgeCollapser { surface, at, merged_into, .. } = &mut self.engine;
-        let near = |v: u32| match self.vertex_of_start[v as usize] {
-            NONE => NONE,
-            v => match surface.outgoing[representative(merged_into, v) as usize] {
-                NONE => NONE,
-                h => h / 3,
-            },
-        };
+        let near = |v: u32| face_standing_for(surface, merged_into, self.vertex_of_start[v as usize]);
         let found = monitor.assign_nearest(surface, at, near, (room, job));
         let found = found.map_err(|far| monitor.around(far));
         self.engine.monitor = Some(monitor);
@@ -449,13 +446,11 @@ impl<'a> MeshReduction<'a> {
                 if let Some(face) = held {
                     return if face == NONE { NONE } else { number[face as usize] };
                 }
-                let v = self.vertex_of_start[v as usize];
-                if v == NONE {
-                    return NONE;
+                let EdgeCollapser { surface, merged_into, .. } = &mut self.engine;
+                match face_standing_for(surface, merged_into, self.vertex_of_start[v as usize]) {
+                    NONE => NONE,
+                    face => number[face as usize],
                 }
-                let v = representative(&mut self.engine.merged_into, v);
-                let h = self.engine.surface.outgoing[v as usize];
-                if h == NONE { NONE } else { number[h as usize / 3] }
             }
         });
         near.collect()

@@ -86,9 +86,7 @@ impl<'a> RegionTree<'a> {
         let range = &self.regions[region].range;
         let mut faces = self.order[range.clone()].to_vec();
         faces.sort_unstable();
-        let mut rows: Vec<u32> = faces.iter().flat_map(|face| self.mesh.faces()[*face as usize]).collect();
-        rows.sort_unstable();
-        rows.dedup();
+        let rows = self.mesh.rows_of(&faces);
         let elsewhere = |row: &u32| {
             let [first, last] = self.face_span[self.id(*row) as usize];
             (first as usize) < range.start || last as usize >= range.end
@@ -115,12 +113,9 @@ fn longest(bounds: &Box3) -> usize {
     (1..3).fold(0, |best, k| if side(k) > side(best) { k } else { best })
 }
 
-/// A mesh of some faces and the rows that they use, both ascending.
+/// A mesh of some faces and the rows that they use, both ascending, with ids and attributes.
 fn submesh(mesh: &Mesh, faces: &[u32], rows: &[u32]) -> Mesh {
-    let new = |row: u32| rows.binary_search(&row).unwrap_or(0) as u32;
-    let positions = rows.iter().map(|row| mesh.positions()[*row as usize]).collect();
-    let corners = faces.iter().map(|face| mesh.faces()[*face as usize].map(new)).collect();
-    let mut part = Mesh::by_construction(positions, corners);
+    let mut part = mesh.some_faces(faces, rows);
     if let Some(ids) = mesh.position_id() {
         // A position is identified by the first of its rows.
         let mut named: Vec<[u32; 2]> = (0..).zip(rows).map(|(at, row)| [ids[*row as usize], at]).collect();

@@ -68,8 +68,8 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 /// carried along.
 ///
 /// *Cost.* A count: 1.4 µs a triangle on one core, a half of it for the bound, up to 10 µs where faces are needles;
-/// more where less than half of the triangles go. A length: 5 to 15 µs a triangle on smooth shapes, 35 µs on scans and
-/// where faces are needles, as in parts that CAD programs triangulated. 300 bytes a triangle, 650 with a length.
+/// more where less than half of the triangles go. A length: 5 to 15 µs a triangle on smooth shapes, 35 to 50 µs on scans
+/// and where faces are needles, as in parts that CAD programs triangulated. 300 bytes a triangle, 650 with a length.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best result when a count cannot be reached; [`RefusalCode::Budget`] without a

@@ -124,6 +124,7 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
 }
 
 /// The frame of two meshes.
+#[derive(Clone, Copy)]
 struct CommonFrame {
     frame: DeviationFrame,
     /// The diagonal of the box around both, in the frame.

@@ -1,5 +1,5 @@
 //! Another attempt after one that was too far off in some places: what it did elsewhere is done again without a look.
-use super::super::edge_collapse::{StopCriterion, representative};
+use super::super::edge_collapse::{EdgeCollapser, StopCriterion, face_standing_for, representative};
 use super::super::local_tolerance::LocalTolerance;
 use super::super::surface::NONE;
 use super::MeshReduction;
@@ -99,14 +99,13 @@ impl<'a> MeshReduction<'a> {
                 continue;
             }
             let v = self.vertex_of_start[monitor.vertex_beside(sample) as usize];
-            let v = if v == NONE { NONE } else { representative(&mut self.engine.merged_into, v) };
-            let h = if v == NONE { NONE } else { self.engine.surface.outgoing[v as usize] };
-            if h == NONE {
+            let EdgeCollapser { surface, merged_into, at, .. } = &mut self.engine;
+            let near = face_standing_for(surface, merged_into, v);
+            if near == NONE {
                 holders.push(NONE);
                 continue;
             }
-            let at = monitor.samples.at(sample);
-            let (face, distance_sq) = self.engine.surface.descend(h / 3, at, &self.engine.at);
+            let (face, distance_sq) = surface.descend(near, monitor.samples.at(sample), at);
             if !room.holds_sample(sample, distance_sq) {
                 far.push(face);
             }

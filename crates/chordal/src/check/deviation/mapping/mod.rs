@@ -147,10 +147,9 @@ impl<'a> MappedPair<'a> {
             let from = FarthestSample { at: to, at_least: 0.0 };
             let back = if enough(far.at_least) { from } else { from_result.farthest(from, enough, down) };
             let enough = wanted.sufficient_distance(greater(far.at_least, back.at_least));
-            let near = || self.nearest(back.at);
             let done = |up: [f64; 2]| {
                 let forward = self.shared.one_sided(far, (up[0], self.shared.moved), to);
-                let backward = self.shared.one_sided(back, (up[1], self.shared.moved), near());
+                let backward = self.shared.one_sided(back, (up[1], self.shared.moved), self.nearest(back.at));
                 let bound = two_sided(&forward, &backward);
                 Deviation { bound, forward, backward, reached: true }
             };

@@ -1,11 +1,10 @@
 //! `NearbyPair`: the parts of two surfaces that decide about a few faces.
+use super::super::SurfacePair;
 use super::super::distance_surface::DistanceSurface;
 use super::super::shared::SharedPositionIds;
 use super::super::violations::{ViolationReport, find_violations};
-use super::super::{CommonFrame, SurfacePair};
 use super::MappedPair;
 use crate::budget::{Job, JobError};
-use crate::explicit::Mesh;
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
 use std::borrow::Cow;
 
@@ -39,16 +38,15 @@ impl<'a> NearbyPair<'a> {
             // How far away something is takes something to measure to.
             source_faces.extend(0..whole.source.n_faces() as u32);
         }
-        let rows = used_rows(whole.meshes[0], &source_faces);
-        let part = some_faces(whole.meshes[0], &source_faces, &rows);
+        let rows = whole.meshes[0].rows_of(&source_faces);
+        let part = whole.meshes[0].some_faces(&source_faces, &rows);
         let common = SharedPositionIds::from_meshes([&part, whole.meshes[1]]);
-        let local = some_faces(&whole.local[0], &source_faces, &rows);
+        let local = whole.local[0].some_faces(&source_faces, &rows);
         let sides = [
             DistanceSurface::new(Cow::Owned(local), job)?,
             DistanceSurface::new(Cow::Owned(whole.local[1].clone().into_owned()), job)?,
         ];
-        let CommonFrame { frame, diagonal, moved, reach } = whole.shared;
-        let pair = SurfacePair { shared: CommonFrame { frame, diagonal, moved, reach }, common, sides };
+        let pair = SurfacePair { shared: whole.shared, common, sides };
         let here = |face: &u32| source_faces.partition_point(|known| known < face) as u32;
         let asked = [of_source.iter().map(here).collect(), of_result.to_vec()];
         Ok(Self { pair, source_faces, asked })
@@ -61,24 +59,6 @@ impl<'a> NearbyPair<'a> {
         found.violations[0].iter_mut().for_each(|far| far.face = self.source_faces[far.face as usize]);
         found
     }
-}
-
-/// The rows that faces use, ascending.
-fn used_rows(mesh: &Mesh, faces: &[u32]) -> Vec<u32> {
-    let mut rows: Vec<u32> = faces.iter().flat_map(|face| mesh.faces()[*face as usize]).collect();
-    rows.sort_unstable();
-    rows.dedup();
-    rows
-}
-
-/// Some faces of a mesh, without attributes.
-fn some_faces(mesh: &Mesh, faces: &[u32], rows: &[u32]) -> Mesh {
-    let here = |row: u32| rows.partition_point(|known| *known < row) as u32;
-    let positions = rows.iter().map(|row| mesh.positions()[*row as usize]).collect();
-    Mesh::by_construction(
-        positions,
-        faces.iter().map(|face| mesh.faces()[*face as usize].map(here)).collect(),
-    )
 }
 
 /// Cells along each side of a region. Chosen: 32,768 bits.
