@@ -14,7 +14,7 @@ use super::wedges::Wedges;
 use crate::budget::Job;
 use crate::explicit::{distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{Box3, cross, difference, dot, greater, lesser, prefetch, unit_and_length};
-use replay::PastCollapse;
+pub(super) use replay::PastCollapse;
 use std::rc::Rc;
 
 /// How a vertex may move.
@@ -72,6 +72,9 @@ pub(super) struct EdgeCollapser {
     pub face_cost: Vec<f32>,
     /// By vertex: whether it stays where collapses have no monitor.
     pub is_held: Vec<bool>,
+    /// By half-edge, for one of the two of an edge: a distance within which its collapse is refused as long as the
+    /// faces around it stay; 0 where none is known.
+    refused_within: Vec<f32>,
     /// By half-edge: whether it is in the queue, for one of the two of an edge.
     is_queued: Vec<bool>,
     queue: BucketQueue,
@@ -151,6 +154,7 @@ impl EdgeCollapser {
             log: None,
             face_cost: vec![0.0; n / 3],
             is_held: vec![false; n_vertices],
+            refused_within: vec![0.0; n],
             is_queued: vec![false; n],
             queue: BucketQueue::new(),
             visited: vec![0; n_vertices],
@@ -254,13 +258,14 @@ impl EdgeCollapser {
         }
     }
 
-    /// Puts every edge into the queue by its cost.
-    fn enqueue_all(&mut self) {
+    /// Puts every edge into the queue by its cost, but for those that are known to be refused.
+    fn enqueue_all(&mut self, room: &LocalTolerance) {
         self.queue = BucketQueue::new();
         self.is_queued.fill(false);
         for h in 0..self.surface.start.len() as u32 {
             if self.surface.start[h as usize] != NONE
                 && h < self.surface.twin[h as usize]
+                && !room.is_less_than(self.refused_within[h as usize])
                 && let Some(EdgeCollapse { cost, .. }) = self.collapse_of(h)
             {
                 self.is_queued[h as usize] = true;
@@ -272,7 +277,7 @@ impl EdgeCollapser {
     /// Collapses edges until there are few enough faces or no collapse is allowed. Returns `false` where the
     /// job was cancelled.
     pub fn run(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
-        self.enqueue_all();
+        self.enqueue_all(until.tolerance);
         self.empty_queue(until, job)
     }
 
@@ -303,6 +308,7 @@ impl EdgeCollapser {
             if steps.is_multiple_of(1024) && job.is_cancelled() {
                 return false;
             }
+            self.monitor.iter_mut().for_each(|monitor| monitor.samples.failed_at_sq = 0.0);
             if until.share.is_none_or(|share| self.is_slight(&shrink, share, until.tolerance))
                 && self.satisfies_link_condition(h)
                 && self.flips_no_face(&shrink)
@@ -310,6 +316,9 @@ impl EdgeCollapser {
                 && self.keeps_attributes(&shrink, until)
             {
                 self.apply(&shrink);
+            } else {
+                let distance_sq = self.monitor.as_ref().map_or(0.0, |monitor| monitor.samples.failed_at_sq);
+                self.refused_within[h as usize] = distance_sq.sqrt() as f32;
             }
         }
         true
@@ -329,6 +338,7 @@ impl EdgeCollapser {
         self.is_held = vec![false; n_vertices];
         self.is_line = kept.half_edges(&self.is_line).collect();
         self.is_queued = vec![false; n];
+        self.refused_within = kept.half_edges(&self.refused_within).collect();
         self.queue = BucketQueue::new();
         self.face_cost = kept.faces(&self.face_cost).collect();
         self.monitor.iter_mut().for_each(|monitor| monitor.samples.compact(&kept));
@@ -510,14 +520,27 @@ impl EdgeCollapser {
         let mut g = first;
         loop {
             self.enqueue(g);
+            self.forget_refusals(self.surface.end(g));
             let arrives = previous_in_face(g);
             g = self.surface.twin[arrives as usize];
             if g == NONE {
                 self.enqueue(arrives);
+                self.forget_refusals(self.surface.start[arrives as usize]);
                 break;
             }
             if g == first {
                 break;
+            }
+        }
+    }
+
+    /// Faces around a vertex have changed.
+    #[inline]
+    fn forget_refusals(&mut self, v: u32) {
+        if self.monitor.is_some() {
+            for h in self.surface.one_ring(v) {
+                self.refused_within[h as usize] = 0.0;
+                self.refused_within[previous_in_face(h) as usize] = 0.0;
             }
         }
     }

@@ -193,8 +193,7 @@ impl ErrorMonitor {
         (room, job): (&LocalTolerance, &Job),
     ) -> Result<(), Vec<u32>> {
         let n = self.first.len() - 1;
-        let there: Vec<u32> =
-            (0..(surface.start.len() / 3) as u32).filter(|f| surface.corners(*f)[0] != NONE).collect();
+        let there = surface.faces();
         let mut number = vec![NONE; surface.start.len() / 3];
         there.iter().enumerate().for_each(|(i, face)| number[*face as usize] = i as u32);
         let known = |face: u32| if face == NONE { NONE } else { number[face as usize] };
@@ -246,6 +245,18 @@ impl ErrorMonitor {
         }
         self.samples.assign(&holders);
         Ok(())
+    }
+
+    /// The samples that a face of the current surface holds or, where it holds none, those of the faces around it.
+    pub fn samples_near(&self, surface: &HalfEdgeSurface, face: u32) -> Vec<u32> {
+        let here: Vec<u32> = self.samples.of_face(face).collect();
+        if here.is_empty() { self.samples_around(surface, face) } else { here }
+    }
+
+    /// The samples that a face of the current surface and those around it hold.
+    pub fn samples_around(&self, surface: &HalfEdgeSurface, face: u32) -> Vec<u32> {
+        let around = surface.corners(face).into_iter().flat_map(|v| surface.one_ring(v));
+        around.flat_map(|h| self.samples.of_face(h / 3)).collect()
     }
 
     /// The vertices of the original that a few edges lead to from some, with these.

@@ -84,6 +84,12 @@ impl LocalTolerance {
         by_place.is_some_and(|by_place| by_place.limit.at(&by_place.frame.world_box(place)).is_none())
     }
 
+    /// Whether it is less than a length everywhere, and uniform.
+    #[inline]
+    pub fn is_less_than(&self, length: f32) -> bool {
+        self.is_constant() && self.least < f64::from(length)
+    }
+
     /// Whether some distance is too large anywhere.
     pub fn is_finite(&self) -> bool {
         self.least < f64::INFINITY

@@ -13,6 +13,7 @@ mod region_tree;
 mod samples;
 mod select;
 mod simplify;
+mod simplify_to_count;
 mod surface;
 mod tree;
 mod wedges;
@@ -20,6 +21,11 @@ mod wedges;
 pub use chain::{LodLevel, LodSource, LodSteps, chain};
 pub use reduction::ReductionStats;
 pub use simplify::{SimplifiedMesh, simplify};
+
+/// As few triangles as a count says, with more or less work.
+pub mod count {
+    pub use super::simplify_to_count::{Effort, simplify_to_count};
+}
 
 /// Which level is shown from where.
 pub mod selection {

@@ -1,6 +1,9 @@
 //! `MeshReduction`: a mesh during simplification, from its preparation to each extracted mesh.
+mod failed_attempt;
 mod reduced_mesh;
 mod retry;
+
+pub(super) use failed_attempt::{AttemptStart, FailedAttempt, SlightCollapses};
 
 use super::attribute_guard::AttributeGuard;
 use super::edge_collapse::{
@@ -8,7 +11,7 @@ use super::edge_collapse::{
 };
 use super::error_monitor::{CheckLevel, ErrorMonitor};
 use super::local_tolerance::LocalTolerance;
-use super::surface::{HalfEdgeSurface, ManifoldSplit, NONE};
+use super::surface::{Compaction, HalfEdgeSurface, ManifoldSplit, NONE};
 use super::wedges::Wedges;
 use crate::budget::{AttributeLimits, ErrorLimit, Job, JobError};
 use crate::check::{ProximityChecker, ViolationReport};
@@ -154,10 +157,10 @@ impl<'a> MeshReduction<'a> {
     }
 
     /// Leaves out removed faces and vertices where most are, and forgets what was carried out.
-    pub fn compact(&mut self) {
+    pub fn compact(&mut self) -> Option<Compaction> {
         self.engine.log = None;
         if self.n_faces() > self.source_face.len() / 2 {
-            return;
+            return None;
         }
         let Self { engine, vertex_of_start, source_face, .. } = self;
         for v in vertex_of_start.iter_mut().filter(|v| **v != NONE) {
@@ -168,6 +171,7 @@ impl<'a> MeshReduction<'a> {
             *v = kept.new_vertex[*v as usize];
         }
         *source_face = kept.faces(source_face).collect();
+        Some(kept)
     }
 
     /// Starts to monitor the distance, before anything is collapsed.
@@ -214,35 +218,18 @@ impl<'a> MeshReduction<'a> {
 
     /// Lowers the shares of the limits of attributes where the mesh of `tried`, an earlier attempt, was beyond
     /// them: around faces of the original, and around faces of that mesh.
-    pub fn tighten_attributes(&mut self, tried: &Self, beyond: &[Vec<u32>; 2]) {
+    pub fn tighten_attributes(&mut self, tried: &FailedAttempt, beyond: &[Vec<u32>; 2]) {
         let (Some(guard), Some(before), Some(then)) =
-            (&mut self.engine.attribute_guard, &tried.engine.attribute_guard, &tried.engine.monitor)
+            (&mut self.engine.attribute_guard, &tried.attribute_guard, &tried.monitor)
         else {
             return;
         };
         let original = beyond[0].iter().flat_map(|face| then.original_corners(*face)).filter(|v| *v != NONE);
         let mut places: Vec<u32> = original.collect();
-        let faces = tried.faces();
         for face in &beyond[1] {
-            places.extend(tried.samples_around(then, faces[*face as usize]));
+            places.extend(then.samples_around(&tried.surface, tried.faces[*face as usize]));
         }
         guard.tighten(before, places);
-    }
-
-    /// The samples that a face holds or, where it holds none, those of the faces around it.
-    fn samples_near(&self, monitor: &ErrorMonitor, face: u32) -> Vec<u32> {
-        let here: Vec<u32> = monitor.samples.of_face(face).collect();
-        if !here.is_empty() {
-            return here;
-        }
-        self.samples_around(monitor, face)
-    }
-
-    /// The samples that a face and those around it hold.
-    fn samples_around(&self, monitor: &ErrorMonitor, face: u32) -> Vec<u32> {
-        let surface = &self.engine.surface;
-        let around = surface.corners(face).into_iter().flat_map(|v| surface.one_ring(v));
-        around.flat_map(|h| monitor.samples.of_face(h / 3)).collect()
     }
 
     /// Resets all check levels, for a larger length.
@@ -256,18 +243,18 @@ impl<'a> MeshReduction<'a> {
     /// `more` gives the next level after a change of a given cost.
     pub fn raise_check_levels(
         &mut self,
-        tried: &Self,
+        tried: &FailedAttempt,
         places: &ViolationReport,
         more: impl Fn(CheckLevel, f32) -> CheckLevel,
     ) {
-        let (Some(watch), Some(then)) = (&mut self.engine.monitor, &tried.engine.monitor) else { return };
+        let (Some(watch), Some(then)) = (&mut self.engine.monitor, &tried.monitor) else { return };
         let had = then.all_check_levels();
         let mut care = had.clone();
         let mut mark = |sample: u32, cost: f32| {
             let known = &mut care[sample as usize];
             *known = known.stricter(more(had[sample as usize], cost));
         };
-        let made_at = |face: u32| tried.engine.face_cost[face as usize];
+        let made_at = |face: u32| tried.face_cost[face as usize];
         for far in &places.violations[0] {
             // Those of the original, of which earlier levels may have removed the face.
             let corners = then.original_corners(far.face);
@@ -279,10 +266,10 @@ impl<'a> MeshReduction<'a> {
                 corners.into_iter().for_each(|v| mark(v, cost));
             }
         }
-        let faces = tried.faces();
         for far in &places.violations[1] {
-            let face = faces[far.face as usize];
-            tried.samples_near(then, face).into_iter().for_each(|sample| mark(sample, made_at(face)));
+            let face = tried.faces[far.face as usize];
+            let near = then.samples_near(&tried.surface, face);
+            near.into_iter().for_each(|sample| mark(sample, made_at(face)));
         }
         watch.check_levels = care;
     }
@@ -310,7 +297,7 @@ impl<'a> MeshReduction<'a> {
         for face in self.faces() {
             let corners = surface.corners(face).map(|v| at[v as usize]);
             if room.is_too_close(&Box3::from_points(&corners)) {
-                for sample in self.samples_near(&monitor, face) {
+                for sample in monitor.samples_near(surface, face) {
                     levels[sample as usize] = CheckLevel::Frozen;
                 }
             }
@@ -327,12 +314,38 @@ impl<'a> MeshReduction<'a> {
         if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
+    /// Goes on from what was carried out, with a larger tolerance.
+    pub fn run_on(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+        let until = StopCriterion { faces, tolerance: room, share: None };
+        if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
+    }
+
+    /// The largest mean distance of a vertex from the planes of the original that it stands for, in world coordinates,
+    /// rounded: less than [`MEAN_DISTANCE_ROUNDING`] of the extent is nothing.
+    pub fn largest_mean_distance(&self) -> f64 {
+        let EdgeCollapser { surface, quadric, at, .. } = &self.engine;
+        let vertices = (0..at.len()).filter(|v| surface.outgoing[*v] != NONE && quadric[*v].weight() > 0.0);
+        let square = |v: usize| quadric[v].at(at[v]) / quadric[v].weight();
+        vertices.map(square).fold(0.0, |most, x| greater(x, most)).sqrt() / self.frame.scale
+    }
+
+    /// The diagonal of the box around all vertices, in world coordinates, rounded.
+    pub fn diagonal(&self) -> f64 {
+        Box3::from_points(&self.engine.at).diagonal() / self.frame.scale
+    }
+
+    /// A uniform tolerance of a world length.
+    pub fn uniform_tolerance(&self, length: f64) -> LocalTolerance {
+        LocalTolerance::uniform(self.frame.local_length(length))
+    }
+
     /// Collapses edges that cost little enough that most of them need no monitor: their mean distance from planes of the
     /// original is below a fraction `share` of what is allowed. Vertices in `held` stay. Fails with vertices of the original
     /// that are too far from the surface then, with those around them.
     pub fn run_slight(
         &mut self,
         (share, held): (f64, &[u32]),
+        faces: usize,
         room: &LocalTolerance,
         job: &Job,
     ) -> Result<Result<(), Vec<u32>>, JobError> {
@@ -341,7 +354,8 @@ impl<'a> MeshReduction<'a> {
         is_held.fill(false);
         let known = held.iter().map(|v| self.vertex_of_start[*v as usize]).filter(|v| *v != NONE);
         known.for_each(|v| is_held[representative(merged_into, v) as usize] = true);
-        let until = StopCriterion { faces: 0, tolerance: room, share: Some(share) };
+        let until = StopCriterion { faces, tolerance: room, share: Some(share) };
+        self.engine.log = Some(Vec::new());
         if !self.engine.run(&until, job) {
             return Err(JobError::Cancelled);
         }
@@ -426,8 +440,7 @@ impl<'a> MeshReduction<'a> {
 
     /// The remaining faces, in their order in the extracted mesh.
     fn faces(&self) -> Vec<u32> {
-        let surface = &self.engine.surface;
-        (0..(surface.start.len() / 3) as u32).filter(|f| surface.corners(*f)[0] != NONE).collect()
+        self.engine.surface.faces()
     }
 
     /// For each row of the original mesh a face of the current one that is near it, by its number in
@@ -457,6 +470,8 @@ impl<'a> MeshReduction<'a> {
     }
 }
 
+/// What sums of squares round off, of numbers up to 1; as a length. Chosen, with a factor of 64.
+pub(super) const MEAN_DISTANCE_ROUNDING: f64 = 1e-6;
 /// The largest size of a removed component, as a multiple of the tolerance. Chosen: a ball of that size that
 /// touches the rest is twice as high as allowed.
 const SMALL: f64 = 4.0;

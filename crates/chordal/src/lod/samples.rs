@@ -19,6 +19,8 @@ pub(super) struct SamplesByFace {
     round: u32,
     /// The pending reassignments of a collapse, until it is carried out: samples with their new faces.
     reassignments: Vec<(u32, u32)>,
+    /// The squared distance at which the last query failed; 0 where it did not.
+    pub failed_at_sq: f64,
     /// Over the triangles of the last query.
     prisms: Vec<Prism>,
 }
@@ -83,6 +85,7 @@ impl SamplesByFace {
             first: vec![NONE; n_faces],
             round: 0,
             reassignments: Vec::new(),
+            failed_at_sq: 0.0,
             prisms: Vec::new(),
         }
     }
@@ -128,6 +131,12 @@ impl SamplesByFace {
         }
     }
 
+    /// Undoes [`Self::compact`].
+    pub fn expand(&mut self, kept: &Compaction) {
+        self.first = kept.by_old_face(&self.first, NONE);
+        self.samples.iter_mut().for_each(|sample| sample.holder = kept.old_face(sample.holder));
+    }
+
     /// The samples of a face.
     pub fn of_face(&self, face: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.first[face as usize];
@@ -140,8 +149,9 @@ impl SamplesByFace {
     /// Whether all samples of `old` faces are close enough to the `new` triangles; remembers the nearest
     /// triangle of each.
     pub fn try_reassign(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], room: &LocalTolerance) -> bool {
-        let Self { samples, first, round, reassignments, prisms } = self;
+        let Self { samples, first, round, reassignments, failed_at_sq, prisms } = self;
         reassignments.clear();
+        *failed_at_sq = 0.0;
         *round += 1;
         prisms.clear();
         prisms.extend(new.iter().map(|(_, triangle)| Prism::over(*triangle)));
@@ -181,6 +191,7 @@ impl SamplesByFace {
                         samples[before as usize].next = samples[sample as usize].next;
                         samples[sample as usize].next = std::mem::replace(&mut first[face as usize], sample);
                     }
+                    *failed_at_sq = best.0;
                     return false;
                 }
                 reassignments.push((sample, best.1));

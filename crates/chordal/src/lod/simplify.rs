@@ -1,7 +1,8 @@
 //! `simplify`: a mesh with fewer triangles, within a budget.
 use super::error_monitor::CheckLevel;
 use super::local_tolerance::LocalTolerance;
-use super::reduction::{MeshReduction, ReductionStats};
+use super::reduction::{AttemptStart, FailedAttempt, MeshReduction, ReductionStats, SlightCollapses};
+use super::simplify_to_count::{Effort, simplify_to_count};
 use super::wedges::is_carried;
 use crate::budget::{
     AttributeLimits, Bound, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, Reference,
@@ -29,18 +30,18 @@ pub struct SimplifiedMesh {
     pub attributes: Vec<AttributeDeviation>,
 }
 
-type SimplifyFailure = Failure<SimplifiedMesh>;
+pub(super) type SimplifyFailure = Failure<SimplifiedMesh>;
 
 /// The same surface with as few triangles as a budget allows.
 ///
 /// With a length or pixels, the result is within that of `mesh`, in both directions, and has few triangles
-/// for it. With a triangle count alone, it has at most that many, each step being the one of least cost. With
-/// both, it is within the length, and [`Failure::Unmet`] where it has more triangles than the count.
+/// for it. With a triangle count alone, it has at most that many, and about the error of a length that leaves so many:
+/// [`simplify_to_count`] with [`Effort::Best`]. With both, it is within the length, and [`Failure::Unmet`] where it has more triangles than the count.
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
 /// rounding included, on the triangles that are returned: by a map between both surfaces, and where that does not
 /// reach as by [`check::deviation`](crate::check::deviation). Its ends are within a tenth of each other; for a
-/// length not closer than a hundredth of it, for a count not closer than 1,024 roundings of the diagonal. Not covered:
+/// length not closer than a hundredth of it, for a count not closer than a billionth of the diagonal. Not covered:
 /// the angles of normals, and attribute values between the points of a feature line.
 ///
 /// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a
@@ -67,9 +68,8 @@ type SimplifyFailure = Failure<SimplifiedMesh>;
 /// *Inputs.* n × 3 positions, m × 3 indices; `topology` says which rows are one position. Attributes are
 /// carried along.
 ///
-/// *Cost.* A count: 1.4 µs a triangle on one core, a half of it for the bound, up to 10 µs where faces are needles;
-/// more where less than half of the triangles go. A length: 5 to 15 µs a triangle on smooth shapes, 35 to 50 µs on scans
-/// and where faces are needles, as in parts that CAD programs triangulated. 300 bytes a triangle, 650 with a length.
+/// *Cost.* 5 to 15 µs a triangle on one core on smooth shapes, 35 to 50 µs on scans and where faces are needles, as in parts
+/// that CAD programs triangulated; 650 bytes a triangle. [`Effort::Fast`] is for a count in less time.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best result when a count cannot be reached; [`RefusalCode::Budget`] without a
@@ -122,7 +122,7 @@ pub fn simplify(
                 let message = "limits on attributes need a length or pixels beside them";
                 return Err(Failure::refused(RefusalCode::Budget, message));
             }
-            Some(most) => simplify_to_count(mesh, most, topology, job)?,
+            Some(most) => return simplify_to_count(mesh, most, Effort::Best, topology, job),
             None => {
                 return Err(Failure::refused(
                     RefusalCode::Budget,
@@ -155,33 +155,6 @@ fn has_bounded_face(allowed: &ErrorLimit, mesh: &Mesh) -> bool {
     allowed.at(&mesh.bounds()).is_some() || (0..mesh.faces().len()).any(face)
 }
 
-/// Simplifies to a triangle count, each step being the one of least cost.
-fn simplify_to_count(
-    mesh: &Mesh,
-    most: u64,
-    topology: Topology,
-    job: &Job,
-) -> Result<Bounded<SimplifiedMesh>, SimplifyFailure> {
-    let mut reduction = MeshReduction::new(mesh, topology);
-    if reduction.is_empty() {
-        return Ok(unchanged(mesh, ReductionStats::default()));
-    }
-    reduction.run(
-        usize::try_from(most).unwrap_or(usize::MAX),
-        &LocalTolerance::uniform(f64::INFINITY),
-        job,
-    )?;
-    let (made, kept) = (reduction.mesh(), reduction.stats);
-    let near = reduction.near_faces();
-    // Free the memory, since the proof needs as much again.
-    drop(reduction);
-    let near = NearFaces { by_row: &near, topology };
-    let goal =
-        Goal { absolute: Tolerance::new(ROUNDINGS * mesh.bounds().diagonal()).ok(), ..Goal::default() };
-    let found = MappedPair::new(mesh, &made, (near, 0.0), job)?.deviation(f64::INFINITY, &goal, job)?;
-    Ok(bounded(made, &found, f64::INFINITY, kept))
-}
-
 /// A mesh, and the length within which it is to be simplified.
 pub(super) struct SimplifyInput<'a> {
     pub mesh: &'a Mesh,
@@ -196,21 +169,17 @@ pub(super) struct SimplifyInput<'a> {
 
 /// The fraction of the tolerance that collapses may use; the rest covers rounding and the slack of the final
 /// proof over the thorough checks. Chosen.
-const SHARE: f64 = 0.99;
+pub(super) const SHARE: f64 = 0.99;
 /// The largest number of attempts, each with stricter checks where the one before deviated too much.
 /// Measured: up to 6 are needed.
 const ATTEMPTS: u32 = 14;
 /// The fraction of a length, or of the diagonal if that is less, by which both ends of a bound may differ. Chosen.
-const CLOSE: f64 = 0.01;
+pub(super) const CLOSE: f64 = 0.01;
 /// The fraction of the diagonal below which a distance is roundings, as of positions that were computed in flat parts,
 /// and is not told from less. Chosen.
-const ROUNDINGS: f64 = 1024.0 * f64::EPSILON;
-/// The fraction of a length that collapses without a monitor may cost, and how often it is tried, each time without places
-/// that were too far off before. Chosen.
+pub(super) const ROUNDINGS: f64 = 1024.0 * f64::EPSILON;
+/// The fraction of a length that collapses without a monitor may cost. Chosen.
 const SLIGHT: f64 = 0.25;
-const ROUNDS: u32 = 4;
-/// From this attempt on, no collapse goes without a check. Chosen.
-const FROM_START: u32 = 6;
 /// From this attempt on, nothing changes any more where the one before deviated too much. Chosen.
 const LAST_LOOK: u32 = 8;
 
@@ -263,15 +232,21 @@ impl<'a> ProgressiveSimplifier<'a> {
         }
         let mesh = self.mesh;
         let room = self.proved.local_tolerance(allowed, SHARE);
-        let mut tried: Option<(MeshReduction<'_>, ViolationReport, [Vec<u32>; 2])> = None;
+        let mut tried: Option<(FailedAttempt, ViolationReport, [Vec<u32>; 2])> = None;
         // After a level, few collapses are slight for the next one.
         let slight = if self.is_proved { None } else { self.slight_collapses(&room, job)? };
+        let mut start = AttemptStart::new(slight);
         for attempt in 1..=ATTEMPTS {
-            let from = slight.as_ref().filter(|_| attempt < FROM_START).unwrap_or(&self.proved);
+            if let Some((tried, places, _)) = &mut tried {
+                start.follow(tried, places);
+                if attempt == LAST_LOOK {
+                    start.leave_slight(tried);
+                }
+            }
+            let from = start.from(&self.proved);
             // From the same state again, most is known.
-            let is_again = attempt < LAST_LOOK && (attempt != FROM_START || slight.is_none());
-            let again = tried.as_mut().filter(|_| is_again && !from.guards_attributes());
-            let again = again.and_then(|(tried, places, _)| from.retry(tried, places, (&room, attempt - 2)));
+            let again = tried.as_mut().filter(|_| !from.guards_attributes());
+            let again = again.map(|(tried, places, _)| from.retry(tried, places, (&room, attempt - 2)));
             let is_again = again.is_some();
             let mut reduction = again.unwrap_or_else(|| from.clone());
             match &tried {
@@ -287,7 +262,7 @@ impl<'a> ProgressiveSimplifier<'a> {
                 }
             }
             if is_again {
-                reduction.run_open(&room, job)?;
+                reduction.run_open(0, &room, job)?;
             } else {
                 reduction.run(0, &room, job)?;
             }
@@ -313,7 +288,7 @@ impl<'a> ProgressiveSimplifier<'a> {
             if places.is_empty() {
                 let (attributes, beyond) = self.attribute_deviation(&made, places.at_most, job)?;
                 if beyond.iter().any(|faces| !faces.is_empty()) {
-                    tried = Some((reduction, places, beyond));
+                    tried = Some((FailedAttempt::new(reduction), places, beyond));
                     continue;
                 }
                 // What is far below the length need not be known to a tenth of itself.
@@ -328,11 +303,11 @@ impl<'a> ProgressiveSimplifier<'a> {
                 found.shape.attributes = attributes;
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
                 found.bound.pixels = by_place.then_some(places.pixels);
-                reduction.compact();
+                let _ = reduction.compact();
                 (self.proved, self.is_proved) = (reduction, true);
                 return Ok(Some(found));
             }
-            tried = Some((reduction, places, Default::default()));
+            tried = Some((FailedAttempt::new(reduction), places, Default::default()));
         }
         Ok(None)
     }
@@ -343,23 +318,11 @@ impl<'a> ProgressiveSimplifier<'a> {
         &self,
         room: &LocalTolerance,
         job: &Job,
-    ) -> Result<Option<MeshReduction<'a>>, JobError> {
+    ) -> Result<Option<(MeshReduction<'a>, SlightCollapses)>, JobError> {
         if self.proved.guards_attributes() || !room.is_constant() {
             return Ok(None);
         }
-        let mut held: Vec<u32> = Vec::new();
-        for _ in 0..ROUNDS {
-            let mut reduction = self.proved.clone();
-            let found = reduction.run_slight((SLIGHT, &held), room, job)?;
-            match found {
-                Ok(()) => {
-                    reduction.compact();
-                    return Ok(Some(reduction));
-                }
-                Err(far) => held.extend(far),
-            }
-        }
-        Ok(None)
+        self.proved.after_slight((SLIGHT, 0), room, job)
     }
 
     /// How far attributes are from those of the original, where they have limits, and the faces of either mesh that
@@ -384,7 +347,7 @@ impl<'a> ProgressiveSimplifier<'a> {
     }
 }
 
-fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
+pub(super) fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
     let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
     Bounded {
         shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats: kept, attributes: Vec::new() },
@@ -394,7 +357,12 @@ fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
 
 /// The bound by [`deviation`]. Another proof of the same distance, `at_most`, may lower its upper end. Two
 /// proofs that contradict each other prove nothing, so an upper end below the proved lower end is not taken.
-fn bounded(mesh: Mesh, found: &Deviation, at_most: f64, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
+pub(super) fn bounded(
+    mesh: Mesh,
+    found: &Deviation,
+    at_most: f64,
+    kept: ReductionStats,
+) -> Bounded<SimplifiedMesh> {
     let worst = (found.bound.at_least() > 0.0).then(|| *found.worst());
     let least = found.bound.at_least();
     let most = found.bound.at_most().unwrap_or(f64::INFINITY);

@@ -164,6 +164,11 @@ impl HalfEdgeSurface {
         best
     }
 
+    /// The remaining faces.
+    pub fn faces(&self) -> Vec<u32> {
+        (0..(self.start.len() / 3) as u32).filter(|face| self.corners(*face)[0] != NONE).collect()
+    }
+
     /// The vertices of a face.
     #[inline]
     pub fn corners(&self, face: u32) -> [u32; 3] {
@@ -219,9 +224,7 @@ impl HalfEdgeSurface {
 
     /// Leaves out removed faces and vertices; the others stay in their order.
     pub fn compact(&mut self) -> Compaction {
-        let faces: Vec<u32> = (0..(self.start.len() / 3) as u32)
-            .filter(|face| self.start[3 * *face as usize] != NONE)
-            .collect();
+        let faces = self.faces();
         let vertices: Vec<u32> =
             (0..self.outgoing.len() as u32).filter(|v| self.outgoing[*v as usize] != NONE).collect();
         let mut new_face = vec![NONE; self.start.len() / 3];
@@ -233,6 +236,21 @@ impl HalfEdgeSurface {
         self.twin = kept.half_edges(&self.twin).map(|h| kept.half_edge(h)).collect();
         self.outgoing = kept.vertices(&self.outgoing).map(|h| kept.half_edge(h)).collect();
         kept
+    }
+
+    /// The same surface in the numbers that it had before [`Self::compact`].
+    pub fn before(&self, kept: &Compaction) -> Self {
+        let by_half_edge = |values: &[u32], old: &dyn Fn(u32) -> u32| {
+            let rows: Vec<[u32; 3]> = values.as_chunks::<3>().0.iter().map(|row| row.map(old)).collect();
+            kept.by_old_face(&rows, [NONE; 3]).into_flattened()
+        };
+        let outgoing: Vec<u32> = self.outgoing.iter().map(|h| kept.old_half_edge(*h)).collect();
+        Self {
+            start: by_half_edge(&self.start, &|v| kept.old_vertex(v)),
+            twin: by_half_edge(&self.twin, &|h| kept.old_half_edge(h)),
+            outgoing: kept.by_old_vertex(&outgoing, NONE),
+            n_faces: self.n_faces,
+        }
     }
 
     /// Removes the face of `side`, whose ends are one vertex now, and joins the twins of its other two edges.
@@ -287,10 +305,41 @@ impl Compaction {
         self.faces.iter().flat_map(|face| [0, 1, 2].map(|k| values[3 * *face as usize + k]))
     }
 
+    /// Values by the old number of a face, of values by the new one.
+    pub fn by_old_face<T: Copy>(&self, values: &[T], missing: T) -> Vec<T> {
+        by_old_number(&self.faces, self.new_face.len(), values, missing)
+    }
+
+    /// Values by the old number of a vertex, of values by the new one.
+    pub fn by_old_vertex<T: Copy>(&self, values: &[T], missing: T) -> Vec<T> {
+        by_old_number(&self.vertices, self.new_vertex.len(), values, missing)
+    }
+
+    /// The old number of a face; [`NONE`] for none.
+    pub fn old_face(&self, face: u32) -> u32 {
+        if face == NONE { NONE } else { self.faces[face as usize] }
+    }
+
+    /// The old number of a vertex; [`NONE`] for none.
+    pub fn old_vertex(&self, v: u32) -> u32 {
+        if v == NONE { NONE } else { self.vertices[v as usize] }
+    }
+
+    /// The old number of a half-edge; [`NONE`] for none.
+    pub fn old_half_edge(&self, h: u32) -> u32 {
+        if h == NONE { NONE } else { 3 * self.faces[h as usize / 3] + h % 3 }
+    }
+
     /// The new number of a half-edge that is left; [`NONE`] for none.
     fn half_edge(&self, h: u32) -> u32 {
         if h == NONE { NONE } else { 3 * self.new_face[h as usize / 3] + h % 3 }
     }
+}
+
+fn by_old_number<T: Copy>(old: &[u32], n: usize, values: &[T], missing: T) -> Vec<T> {
+    let mut all = vec![missing; n];
+    old.iter().zip(values).for_each(|(i, value)| all[*i as usize] = *value);
+    all
 }
 
 /// See [`HalfEdgeSurface::one_ring`].

@@ -16,7 +16,7 @@ const SLACK: f64 = 1e-12;
 const CLOSE: f64 = 0.01;
 
 /// The same of the diagonal, where there is no length.
-const ROUNDINGS: f64 = 1024.0 * f64::EPSILON;
+const TINY: f64 = 1e-9;
 
 /// Holds what came out for a budget against the mesh.
 pub fn holds(name: &str, mesh: &Mesh, budget: &Budget, made: &Bounded<SimplifiedMesh>, random: &mut Random) {
@@ -28,8 +28,9 @@ pub fn holds(name: &str, mesh: &Mesh, budget: &Budget, made: &Bounded<Simplified
     let seen = apart(mesh, out, random);
     assert!(seen <= most + slack, "{name}: a point is {seen:e} away, proved was {most:e}");
     let diagonal = mesh.bounds().diagonal();
-    let width = budget.length.map_or(0.0, |length| CLOSE * length.get().min(diagonal));
-    assert!(most <= 1.1 * least + ROUNDINGS * diagonal + width, "{name}: [{least:e}, {most:e}] is wide");
+    let width = budget.length.map_or(TINY * diagonal, |length| CLOSE * length.get().min(diagonal));
+    let width = width + 1024.0 * f64::EPSILON * diagonal;
+    assert!(most <= (1.1 + CLOSE) * least + width, "{name}: [{least:e}, {most:e}] is wide");
     if let Some(worst) = &made.shape.worst {
         let trees = [triangles(mesh), triangles(out)];
         let off = trees.map(|tree| tree.distance(worst.from));

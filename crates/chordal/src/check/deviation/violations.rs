@@ -52,6 +52,11 @@ impl ViolationReport {
     pub fn is_empty(&self) -> bool {
         self.violations.iter().all(Vec::is_empty)
     }
+
+    /// How many faces of both surfaces are too far.
+    pub fn count(&self) -> usize {
+        self.violations.iter().map(Vec::len).sum()
+    }
 }
 
 /// A tolerance that depends on the position.

@@ -1,6 +1,6 @@
 //! Collapses that were carried out once, to do most of them again.
 use super::super::bucket_queue::BucketQueue;
-use super::super::surface::NONE;
+use super::super::surface::{Compaction, NONE};
 use super::{EdgeCollapse, EdgeCollapser};
 use crate::explicit::previous_in_face;
 
@@ -10,6 +10,14 @@ pub(in crate::lod) struct PastCollapse {
     pub(super) shrink: EdgeCollapse,
     /// The vertices at the start and at the end of its edge.
     pub(super) ends: [u32; 2],
+}
+
+impl PastCollapse {
+    /// The same collapse in the numbers before a surface was compacted.
+    pub fn before(&self, kept: &Compaction) -> Self {
+        let h = kept.old_half_edge(self.shrink.h);
+        Self { shrink: EdgeCollapse { h, ..self.shrink }, ends: self.ends.map(|v| kept.old_vertex(v)) }
+    }
 }
 
 impl EdgeCollapser {

@@ -2,7 +2,7 @@
 use super::super::edge_collapse::{EdgeCollapser, StopCriterion, face_standing_for, representative};
 use super::super::local_tolerance::LocalTolerance;
 use super::super::surface::NONE;
-use super::MeshReduction;
+use super::{FailedAttempt, MeshReduction};
 use crate::budget::{Job, JobError};
 use crate::check::ViolationReport;
 
@@ -10,84 +10,51 @@ use crate::check::ViolationReport;
 const ROUNDS: u32 = 4;
 
 impl<'a> MeshReduction<'a> {
-    /// From the state in which `tried` began, what `tried` did, but for what led to faces that are too far from the other
-    /// surface; `rings` of edges around these are left out as well. [`Self::run_open`] goes on from there. `None` where
-    /// too little fits together.
+    /// From the state in which `tried` began, what it did, but for what led to faces that are too far from the other surface; `rings` of
+    /// edges around these are left out as well. [`Self::run_open`] goes on from there.
     pub fn retry(
         &self,
-        tried: &mut Self,
+        tried: &mut FailedAttempt,
         places: &ViolationReport,
         (room, rings): (&LocalTolerance, u32),
-    ) -> Option<Self> {
-        let past = tried.engine.log.take()?;
+    ) -> Self {
         let mut is_far = tried.vertices_at(places, rings);
-        for _ in 0..ROUNDS {
+        for round in 1.. {
             let mut again = self.clone();
-            again.engine.log = Some(Vec::with_capacity(past.len()));
-            let merged_into = &mut tried.engine.merged_into;
+            again.engine.log = Some(Vec::with_capacity(tried.log.len()));
             let mut is_open: Vec<bool> = (0..self.engine.at.len() as u32)
-                .map(|v| is_far[representative(merged_into, v) as usize])
+                .map(|v| is_far[representative(&mut tried.merged_into, v) as usize])
                 .collect();
-            again.engine.replay(&past, &mut is_open);
+            again.engine.replay(&tried.log, &mut is_open);
             let far = again.assign_as(tried, room);
-            if far.is_empty() {
-                return Some(again);
+            if far.is_empty() || round == ROUNDS {
+                return again;
             }
             for v in far.into_iter().flat_map(|face| again.engine.surface.corners(face)) {
-                is_far[representative(&mut tried.engine.merged_into, v) as usize] = true;
+                is_far[representative(&mut tried.merged_into, v) as usize] = true;
             }
         }
-        None
+        self.clone()
     }
 
     /// Goes on with what [`Self::retry`] left open.
-    pub fn run_open(&mut self, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
-        let until = StopCriterion { faces: 0, tolerance: room, share: None };
+    pub fn run_open(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+        let until = StopCriterion { faces, tolerance: room, share: None };
         if self.engine.empty_queue(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
-    }
-
-    /// By vertex: whether it belongs to a face that is too far from the original, or that stands for one of the original
-    /// that is.
-    fn vertices_at(&self, places: &ViolationReport, rings: u32) -> Vec<bool> {
-        let surface = &self.engine.surface;
-        let mut is_far = vec![false; self.engine.at.len()];
-        let faces = self.faces();
-        let mut found: Vec<u32> = places.violations[1].iter().map(|far| faces[far.face as usize]).collect();
-        if let Some(monitor) = &self.engine.monitor {
-            for far in &places.violations[0] {
-                let corners = monitor.original_corners(far.face).into_iter().filter(|v| *v != NONE);
-                found.extend(corners.map(|v| monitor.samples.holder(v)));
-            }
-        }
-        let is_there = |face: &u32| *face != NONE && surface.corners(*face)[0] != NONE;
-        let mut vertices: Vec<u32> =
-            found.into_iter().filter(is_there).flat_map(|face| surface.corners(face)).collect();
-        for ring in 0..=rings {
-            vertices.sort_unstable();
-            vertices.dedup();
-            vertices.iter().for_each(|v| is_far[*v as usize] = true);
-            if ring < rings {
-                vertices =
-                    vertices.iter().flat_map(|v| surface.one_ring(*v)).map(|h| surface.end(h)).collect();
-            }
-        }
-        is_far
     }
 
     /// Gives every sample the face that held it in `tried` where that is the same, and the nearest one, as far as a
     /// descent tells, elsewhere. Returns faces from which samples are too far.
-    fn assign_as(&mut self, tried: &Self, room: &LocalTolerance) -> Vec<u32> {
-        let (Some(mut monitor), Some(then)) = (self.engine.monitor.take(), &tried.engine.monitor) else {
+    fn assign_as(&mut self, tried: &FailedAttempt, room: &LocalTolerance) -> Vec<u32> {
+        let (Some(mut monitor), Some(then)) = (self.engine.monitor.take(), &tried.monitor) else {
             return Vec::new();
         };
-        let (now, before) = (&self.engine, &tried.engine);
+        let now = &self.engine;
         let is_same: Vec<bool> = (0..(now.surface.start.len() / 3) as u32)
             .map(|face| {
                 let corners = now.surface.corners(face);
-                let is_at = |v: u32| now.at[v as usize] == before.at[v as usize];
-                corners[0] != NONE
-                    && corners == before.surface.corners(face)
-                    && corners.into_iter().all(is_at)
+                let is_at = |v: u32| now.at[v as usize] == tried.at[v as usize];
+                corners[0] != NONE && corners == tried.surface.corners(face) && corners.into_iter().all(is_at)
             })
             .collect();
         let mut far = Vec::new();
@@ -159,11 +126,36 @@ mod tests {
         let room = LocalTolerance::uniform(0.01);
         let mut tried = attempt(&from, &room);
         assert!(tried.n_faces() < 300);
-        let mut again = from.retry(&mut tried, &places(&[], &[]), (&room, 0)).unwrap();
+        let mut failed = FailedAttempt::new(tried.clone());
+        let mut again = from.retry(&mut failed, &places(&[], &[]), (&room, 0));
         assert_eq!(again.n_faces(), tried.n_faces());
-        again.run_open(&room, &Job::default()).unwrap();
+        again.run_open(0, &room, &Job::default()).unwrap();
         assert_eq!(again.mesh(), tried.mesh());
         assert_eq!(again.near_faces(), tried.near_faces());
+    }
+
+    #[test]
+    fn collapses_without_a_monitor_are_done_again_as_well() {
+        let mesh = hills(24);
+        let mut from = MeshReduction::new(&mesh, Topology::Indices);
+        from.start_monitor(&Job::default()).unwrap();
+        let room = LocalTolerance::uniform(0.01);
+        for share in [0.02, 0.25] {
+            let mut tried = from.clone();
+            tried.run_slight((share, &[]), 0, &room, &Job::default()).unwrap().unwrap();
+            let n_slight = tried.n_faces();
+            let slight = tried.compact_slight();
+            tried.run(0, &room, &Job::default()).unwrap();
+            assert!(tried.n_faces() < n_slight && n_slight < mesh.faces().len());
+            let mut failed = FailedAttempt::new(tried.clone());
+            failed.prepend(&slight);
+            let mut again = from.retry(&mut failed, &places(&[], &[]), (&room, 0));
+            assert_eq!(again.mesh(), tried.mesh());
+            assert_eq!(again.near_faces(), tried.near_faces());
+            // A place far from others is opened down to what the collapses without a monitor did there.
+            let open = from.retry(&mut failed, &places(&[], &[0]), (&room, 0));
+            assert!(tried.n_faces() < open.n_faces() && open.n_faces() < n_slight.max(300));
+        }
     }
 
     #[test]
@@ -174,18 +166,18 @@ mod tests {
         let room = LocalTolerance::uniform(0.01);
         let mut random = Random::new(2);
         for _ in 0..20 {
-            let mut tried = attempt(&from, &room);
+            let tried = attempt(&from, &room);
             let (n_before, n) = (tried.n_faces(), mesh.faces().len());
             let of_result = [random.below(n_before) as u32];
             let of_original = [random.below(n) as u32];
-            let again = from.retry(&mut tried, &places(&of_original, &of_result), (&room, 1));
-            let mut again = again.unwrap();
+            let mut failed = FailedAttempt::new(tried);
+            let mut again = from.retry(&mut failed, &places(&of_original, &of_result), (&room, 1));
             assert!(n_before < again.n_faces() && again.n_faces() < n, "{}", again.n_faces());
             let made = again.mesh();
             for (p, face) in mesh.positions().iter().zip(again.near_faces()) {
                 assert!(distance_sq_to_triangle(*p, made.corners(face as usize)) <= 0.0101 * 0.0101);
             }
-            again.run_open(&room, &Job::default()).unwrap();
+            again.run_open(0, &room, &Job::default()).unwrap();
             assert!(again.n_faces() < n_before + n_before / 4, "{} of {n_before}", again.n_faces());
         }
     }
