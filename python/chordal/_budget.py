@@ -26,6 +26,7 @@ class BudgetArguments(TypedDict):
     triangles: int | None
     segments: int | None
     spacing: str
+    effort: str
     require: str | None
 
 
@@ -41,6 +42,7 @@ def budget_arguments(
     triangles: SupportsIndex | None = None,
     segments: SupportsIndex | None = None,
     spacing: str = "fewest",
+    effort: str = "best",
     require: str | None = None,
     counted: str,
 ) -> BudgetArguments:
@@ -56,6 +58,7 @@ def budget_arguments(
         "triangles": None if triangles is None else positive("triangles", triangles),
         "segments": None if segments is None else positive("segments", segments),
         "spacing": text("spacing", spacing) or "",
+        "effort": text("effort", effort) or "",
         "require": None if require is None else text("require", require),
     }
     if not (found["length"] or found["pixels"] or found["triangles"] or found["segments"]):

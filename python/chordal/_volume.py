@@ -103,6 +103,7 @@ _NO_BUDGET: BudgetArguments = {
     "triangles": None,
     "segments": None,
     "spacing": "fewest",
+    "effort": "best",
     "require": None,
 }
 

@@ -18,7 +18,7 @@ use chordal::budget::advice::Spell;
 use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
-use chordal_verbs::{BudgetSpec, MeshFailure, Normals, Shape, Spacing, mesh, needs_budget, refine};
+use chordal_verbs::{BudgetSpec, Effort, MeshFailure, Normals, Shape, Spacing, mesh, needs_budget, refine};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::io::Write;
 
@@ -115,6 +115,11 @@ pub struct ResultArgs {
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: SpacingArg,
 
+    /// For a count of triangles of a mesh or a volume: the least error (best), or the least time (fast), with one and a half
+    /// to three times the error
+    #[arg(long, value_name = "HOW", default_value = "best")]
+    pub effort: EffortArg,
+
     /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none and is from
     /// no .glb or .gltf (auto); keep, none are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups,
     /// by the smoothing groups of an .obj
@@ -134,6 +139,15 @@ pub enum SpacingArg {
     Fewest,
     /// Equal steps of the parameter
     Even,
+}
+
+/// How much work a count of triangles is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EffortArg {
+    /// About the error of a length that leaves as many
+    Best,
+    /// The cheapest steps first, and only the result is looked at
+    Fast,
 }
 
 /// Reads, meshes, writes, reports.
@@ -239,6 +253,10 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         SpacingArg::Fewest => Spacing::Fewest,
         SpacingArg::Even => Spacing::Even,
     };
+    let effort = match args.result.effort {
+        EffortArg::Best => Effort::Best,
+        EffortArg::Fast => Effort::Fast,
+    };
     Ok(BudgetSpec {
         length: args.budget.tol,
         pixels,
@@ -247,6 +265,7 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         triangles: args.budget.triangles,
         segments: args.budget.segments,
         spacing,
+        effort,
         normals: args.result.normals,
         require: args.budget.require,
     })

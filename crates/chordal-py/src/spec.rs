@@ -2,7 +2,7 @@
 use crate::failure;
 use chordal::budget::attributes::{AttributeLimits, InvalidAttributeLimit};
 use chordal::budget::{InvalidLength, Length, PixelBudget, Pixels, View};
-use chordal_verbs::{BudgetSpec, Normals, Spacing};
+use chordal_verbs::{BudgetSpec, Effort, Normals, Spacing};
 use pyo3::prelude::*;
 use std::str::FromStr;
 
@@ -27,6 +27,8 @@ pub(crate) struct BudgetArguments {
     segments: Option<u64>,
     /// Where the ends of segments are placed: "fewest" or "even".
     spacing: String,
+    /// What a count of triangles is worth: "best" or "fast".
+    effort: String,
     /// "proved" or "measured", if one is asked for.
     require: Option<String>,
 }
@@ -59,6 +61,7 @@ impl BudgetArguments {
             triangles: self.triangles,
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,
+            effort: parse_effort(&self.effort)?,
             normals: Normals::default(),
             require: parse_argument("require", self.require.as_deref())?,
         })
@@ -70,6 +73,14 @@ fn parse_spacing(name: &str) -> PyResult<Spacing> {
         "fewest" => Ok(Spacing::Fewest),
         "even" => Ok(Spacing::Even),
         _ => Err(failure::argument("spacing", format!("'fewest' or 'even', not '{name}'"))),
+    }
+}
+
+fn parse_effort(name: &str) -> PyResult<Effort> {
+    match name {
+        "best" => Ok(Effort::Best),
+        "fast" => Ok(Effort::Fast),
+        _ => Err(failure::argument("effort", format!("'best' or 'fast', not '{name}'"))),
     }
 }
 

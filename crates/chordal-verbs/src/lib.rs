@@ -71,6 +71,7 @@ mod volume;
 pub use bake::{BakeOutcome, BakeSpec, bake};
 pub use cage::{ControlMesh, RefineOutcome, refine, refined_cage};
 pub use chordal::convert::{Border, Inside, Spacing};
+pub use chordal::lod::count::Effort;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
 pub use convert::{ConvertOutcome, ConvertedShape, convert, needs_mesh, polygons_lose_no_more};

@@ -59,7 +59,9 @@ pub fn mesh(
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
     certificate.notes.extend(note);
-    let request = MeshRequest::new(budget, form, input.shape.bounds()?).with_spacing(spec.spacing);
+    let request = MeshRequest::new(budget, form, input.shape.bounds()?)
+        .with_spacing(spec.spacing)
+        .with_effort(spec.effort);
     let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
             return polylines::flatten_drawing(drawing, &request, certificate, job);

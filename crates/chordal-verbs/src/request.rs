@@ -4,6 +4,7 @@ use crate::rounded_mesh::snap_with_bound;
 use crate::{MeshFailure, OutputForm};
 use chordal::budget::{Bound, Bounded, Budget, Failure, PixelBudget, Pixels, RefusalCode, Tolerance};
 use chordal::convert::Spacing;
+use chordal::lod::count::Effort;
 use chordal::math::{Box3, greater, sub_down, sub_up};
 use chordal::{Job, Mesh};
 use chordal_io::Format;
@@ -23,6 +24,8 @@ pub(crate) struct MeshRequest {
     reach: Box3,
     /// How segment ends are spaced on curves.
     pub spacing: Spacing,
+    /// How much work a count of triangles is worth where triangles are simplified.
+    pub effort: Effort,
 }
 
 impl MeshRequest {
@@ -36,7 +39,16 @@ impl MeshRequest {
         } else {
             None
         };
-        Self { budget, to, packing, lattice, bounds, reach, spacing: Spacing::default() }
+        Self {
+            budget,
+            to,
+            packing,
+            lattice,
+            bounds,
+            reach,
+            spacing: Spacing::default(),
+            effort: Effort::default(),
+        }
     }
 
     /// The format, and how its numbers are packed.
@@ -69,6 +81,10 @@ impl MeshRequest {
 
     pub fn with_spacing(self, spacing: Spacing) -> Self {
         Self { spacing, ..self }
+    }
+
+    pub fn with_effort(self, effort: Effort) -> Self {
+        Self { effort, ..self }
     }
 
     pub fn with_budget(self, budget: Budget) -> Self {

@@ -13,6 +13,7 @@ use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
 use chordal::check::findings::{AttributeDeviation, attribute_deviation};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
+use chordal::lod::count::{Effort, simplify_to_count};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
 use chordal::math::{Box3, add_up, greater, lesser};
 use chordal::{Bounded, Job, Mesh, mend};
@@ -72,7 +73,7 @@ pub(crate) fn simplify_scene(
     let mut pixels = eye.map(|_| 0.0);
     let rounded = stretch.iter().zip(&targets);
     for ((part, (stretch, target)), share) in scene.parts.iter_mut().zip(rounded).zip(&shares) {
-        let Some(made) = simplify_part(part, &share.budget, job)? else { continue };
+        let Some(made) = simplify_part(part, (&share.budget, request.effort), job)? else { continue };
         all += made.shape.stats;
         let (rounded, step) = stored(part, &made, target, (&budget.attributes, job))?;
         let before = std::mem::replace(&mut part.mesh, rounded);
@@ -254,7 +255,7 @@ fn uniform_budgets(
         None => None,
     };
     let counts = match budget.triangles {
-        Some(most) if length.is_none() => Some(triangle_shares(scene, most, job)?),
+        Some(most) if length.is_none() => Some(triangle_shares(scene, (most, request.effort), job)?),
         _ => None,
     };
     let share = |(part, stretch): (usize, &f64)| {
@@ -354,7 +355,7 @@ fn length_for_all(budget: &Budget, bounds: &Box3) -> Result<Option<Tolerance>, M
 /// Simplifies one part; `None` where there is nothing to do.
 fn simplify_part(
     part: &Part,
-    budget: &Budget,
+    (budget, effort): (&Budget, Effort),
     job: &Job,
 ) -> Result<Option<Bounded<SimplifiedMesh>>, MeshFailure> {
     let n_faces = part.mesh.faces().len() as u64;
@@ -370,11 +371,16 @@ fn simplify_part(
         (n_faces > 0).then_some(Bounded { shape, bound })
     };
     let enough = budget.triangles.is_none_or(|count| count >= n_faces);
-    if n_faces == 0 || (budget.length.is_none() && budget.pixels.is_none() && enough) {
+    let is_count_alone = budget.length.is_none() && budget.pixels.is_none();
+    if n_faces == 0 || (is_count_alone && enough) {
         return Ok(unchanged());
     }
     let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
-    match simplify(&part.mesh, budget, topology, job) {
+    let made = match budget.triangles {
+        Some(most) if is_count_alone => simplify_to_count(&part.mesh, most, effort, topology, job),
+        _ => simplify(&part.mesh, budget, topology, job),
+    };
+    match made {
         // The eye is close to all of this part, and perhaps not to others.
         Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooClose => Ok(unchanged()),
         made => Ok(Some(made.or_else(Failure::best_effort)?)),
@@ -383,7 +389,7 @@ fn simplify_part(
 
 /// Distributes a triangle count over the parts, as if they were one mesh, so that triangles are kept where
 /// they matter most.
-fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, MeshFailure> {
+fn triangle_shares(scene: &Scene, (most, effort): (u64, Effort), job: &Job) -> Result<Vec<u64>, MeshFailure> {
     let n_parts = scene.parts.len();
     if placements::n_places(scene) == 1 {
         return Ok(vec![most; n_parts]);
@@ -401,7 +407,7 @@ fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, Mesh
         values: of_face,
     };
     let mesh = mesh.with_attribute(place_of.clone()).map_err(unsupported)?;
-    let made = simplify(&mesh, &Budget::triangles(most), Topology::Indices, job)
+    let made = simplify_to_count(&mesh, most, effort, Topology::Indices, job)
         .or_else(Failure::best_effort)?
         .shape
         .mesh;

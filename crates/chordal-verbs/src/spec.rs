@@ -4,6 +4,7 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
 use chordal::convert::Spacing;
+use chordal::lod::count::Effort;
 
 /// A budget whose length can be a percentage or have a unit.
 ///
@@ -29,6 +30,8 @@ pub struct BudgetSpec {
     pub segments: Option<u64>,
     /// How segment ends are spaced on curves.
     pub spacing: Spacing,
+    /// How much work a count of triangles is worth where triangles are simplified.
+    pub effort: Effort,
     /// The normals that triangles get.
     pub normals: Normals,
     /// The required evidence. The default is a proof; for a field with a part whose ranges are unknown, a
