@@ -1,12 +1,14 @@
 //! Simplifying meshes, timed: `simplify make DIR` writes the inputs. `simplify run SIDE THREADS MESH OUT AIM
 //! TIMES` makes one mesh coarser, so many times, and prints the median of the times; SIDE is `ours`,
-//! `meshopt` or `meshopt-update`, AIM `count=N` or `error=LENGTH`. `simplify chain SIDE THREADS MESH FROM`
+//! `meshopt` or `meshopt-update`, AIM `count=N`, `best=N` or `error=LENGTH`. Of a count `ours` does the least
+//! work, or its best; the others have one. `simplify chain SIDE THREADS MESH FROM`
 //! makes levels of half the triangles each, FROM the `source` or the `last` one; for `ours` also `errors`:
 //! levels by their errors. `simplify judge MESH OTHER [MAX]` proves how far two meshes are apart, and looks
 //! at the second.
 use chordal::budget::{Failure, Tolerance};
 use chordal::check::{Goal, deviation, validity};
 use chordal::explicit::Topology;
+use chordal::lod::count::{Effort, simplify_to_count};
 use chordal::lod::{self, LodSource, LodSteps};
 use chordal::{Budget, Job, Mesh};
 use chordal_bench::{read, shapes, write};
@@ -18,7 +20,7 @@ use std::time::Instant;
 /// What is asked for.
 #[derive(Clone, Copy)]
 enum Aim {
-    Count(usize),
+    Count(usize, Effort),
     Length(f64),
 }
 
@@ -31,12 +33,15 @@ struct Made {
 
 /// Chordal: the clock runs around the one call, its proof included.
 fn ours(mesh: &Mesh, aim: Aim, job: &Job) -> Made {
-    let budget = match aim {
-        Aim::Count(count) => Budget::triangles(count as u64),
-        Aim::Length(length) => Budget::length(Tolerance::new(length).expect("a length")),
-    };
     let start = Instant::now();
-    let made = match chordal::lod::simplify(mesh, &budget, Topology::Indices, job) {
+    let tried = match aim {
+        Aim::Count(count, effort) => simplify_to_count(mesh, count as u64, effort, Topology::Indices, job),
+        Aim::Length(length) => {
+            let budget = Budget::length(Tolerance::new(length).expect("a length"));
+            chordal::lod::simplify(mesh, &budget, Topology::Indices, job)
+        }
+    };
+    let made = match tried {
         Ok(made) => made,
         Err(Failure::Unmet(best)) => *best,
         Err(other) => panic!("{other:?}"),
@@ -48,7 +53,7 @@ fn ours(mesh: &Mesh, aim: Aim, job: &Job) -> Made {
 /// Chordal's own levels: from the error of half the triangles on, which is found before the clock starts,
 /// each twice as far off, until [`LEAST`].
 fn our_levels(mesh: &Mesh, job: &Job) -> (f64, Vec<Mesh>) {
-    let half = ours(mesh, Aim::Count(mesh.faces().len() / 2), job).declared.expect("proved");
+    let half = ours(mesh, Aim::Count(mesh.faces().len() / 2, Effort::Fast), job).declared.expect("proved");
     let steps = LodSteps { stop_at_triangles: LEAST, ..LodSteps::from_finest(Tolerance::new(half).expect("a length")) };
     let start = Instant::now();
     let levels = lod::chain(LodSource::Triangles(mesh, Topology::Indices), &steps, job).expect("proved");
@@ -103,7 +108,7 @@ fn compact(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Mesh {
 fn meshopt(mesh: &Mesh, aim: Aim, update: bool) -> Made {
     let mut positions: Vec<[f32; 3]> = mesh.positions().iter().map(|p| p.map(|x| x as f32)).collect();
     let (count, length) = match aim {
-        Aim::Count(count) => (3 * count, f32::MAX),
+        Aim::Count(count, _) => (3 * count, f32::MAX),
         Aim::Length(length) => (0, length as f32),
     };
     let (options, mut error) = (SimplifyOptions::ErrorAbsolute, 0.0);
@@ -146,9 +151,10 @@ fn made(side: &str, mesh: &Mesh, aim: Aim, job: &Job) -> Made {
 fn run([side, threads, from, to, aim, times]: [&str; 6]) -> Value {
     let job = Job::default().with_threads(threads.parse().expect("a number"));
     let aim = match aim.split_once('=') {
-        Some(("count", count)) => Aim::Count(count.parse().expect("a number")),
+        Some(("count", count)) => Aim::Count(count.parse().expect("a number"), Effort::Fast),
+        Some(("best", count)) => Aim::Count(count.parse().expect("a number"), Effort::Best),
         Some(("error", length)) => Aim::Length(length.parse().expect("a length")),
-        _ => panic!("AIM is count=N or error=LENGTH"),
+        _ => panic!("AIM is count=N, best=N or error=LENGTH"),
     };
     let mesh = open(from);
     let mut all = Vec::new();
@@ -178,7 +184,7 @@ fn levels(side: &str, mesh: &Mesh, last: bool, job: &Job) -> (f64, Vec<Mesh>) {
     while count > LEAST {
         count /= 2;
         let from = all.last().filter(|_| last).unwrap_or(mesh);
-        let level = made(side, from, Aim::Count(count), job);
+        let level = made(side, from, Aim::Count(count, Effort::Fast), job);
         seconds += level.seconds;
         all.push(level.mesh);
     }
