@@ -278,8 +278,9 @@ impl ErrorMonitor {
             return false;
         }
         let middle = |[p, x, _]: [[f64; 3]; 3]| std::array::from_fn(|k| 0.5 * (p[k] + x[k]));
-        let quick = self.is_near_original(change.to, change.before, room)
-            && self.samples.try_reassign(change.before, change.after, room)
+        // Most collapses that are refused take a sample too far.
+        let quick = self.samples.try_reassign(change.before, change.after, room)
+            && self.is_near_original(change.to, change.before, room)
             && match self.edges_verdict(&change, room) {
                 EdgeVerdict::Near => true,
                 EdgeVerdict::Unknown => {
