@@ -7,7 +7,7 @@ use crate::budget::{Job, JobError};
 use crate::check::ViolationReport;
 
 /// How often more is left open, where points of the original are too far from what was done again. Chosen.
-const ROUNDS: u32 = 4;
+const ROUNDS: u32 = 2;
 
 impl<'a> MeshReduction<'a> {
     /// From the state in which `tried` began, what it did, but for what led to faces that are too far from the other surface; `rings` of
