@@ -59,10 +59,11 @@ pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<M
     CageMesher::new(cage, job)?.mesh(budget, job)
 }
 
-/// Meshes one cage repeatedly, for a camera that moves.
+/// Meshes one cage repeatedly, within any budgets.
 ///
 /// It keeps what does not depend on the budget: the sheets of the limit surface and their subdivisions around
-/// extraordinary vertices so far. Every mesh is bit for bit that of [`cage_to_mesh()`].
+/// extraordinary vertices so far. Every mesh is bit for bit that of [`cage_to_mesh()`]. For a camera that moves, a
+/// [`ViewDependentMesher`](super::batch::ViewDependentMesher) also keeps triangles.
 ///
 /// *Cost.* The first mesh takes as long as with [`cage_to_mesh()`]; later ones spend no time on the limit
 /// surface where it is subdivided already. Some hundred bytes a regular face, and up to some hundred thousand
@@ -116,15 +117,27 @@ impl<'a> CageMesher<'a> {
     pub fn mesh(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, TessellationFailure> {
         check_budget(self.limit.cage(), budget)?;
         job.run(|| {
-            let texcoords = self.chart.as_ref().and_then(SheetTexcoords::from_chart);
-            if self.limit.cage().scheme() == Scheme::Loop {
+            if self.scheme() == Scheme::Loop {
+                let texcoords = self.texcoords();
                 let mut mesher = LoopMesher::new(&self.limit, &self.sheets, job);
                 mesher.texcoords = texcoords.as_ref();
                 return triangles::budget::mesh_within(&mesher, budget, job);
             }
-            let sheets = CageSheets { texcoords, ..CageSheets::new(&self.limit, &self.sheets) };
-            mesh_within(&sheets, budget, job)
+            mesh_within(&self.quad_sheets(), budget, job)
         })
+    }
+
+    pub(super) fn scheme(&self) -> Scheme {
+        self.limit.cage().scheme()
+    }
+
+    /// The surface, unless its sheets are triangles.
+    pub(super) fn quad_sheets(&self) -> CageSheets<'_> {
+        CageSheets { texcoords: self.texcoords(), ..CageSheets::new(&self.limit, &self.sheets) }
+    }
+
+    fn texcoords(&self) -> Option<SheetTexcoords<'_>> {
+        self.chart.as_ref().and_then(SheetTexcoords::from_chart)
     }
 }
 
@@ -155,7 +168,7 @@ fn check_cage(cage: &Cage) -> Result<(), TessellationFailure> {
 }
 
 /// The sheets of a limit surface as a [`PatchSurface`].
-struct CageSheets<'a> {
+pub(super) struct CageSheets<'a> {
     sheets: &'a [LimitSheet],
     /// The same sheets in texture space.
     texcoords: Option<SheetTexcoords<'a>>,
@@ -276,7 +289,7 @@ impl<'a> CageSheets<'a> {
 /// face is below any practical tolerance.
 const DEEPEST: u32 = 30;
 
-impl PatchSurface for CageSheets<'_> {
+impl<'a> PatchSurface<'a> for CageSheets<'a> {
     fn count(&self) -> usize {
         self.sheets.len()
     }
@@ -286,7 +299,7 @@ impl PatchSurface for CageSheets<'_> {
         sheet: usize,
         allowance: &Allowance,
         safety_factor: f64,
-    ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
+    ) -> Result<Vec<Subpatch<'a>>, InfeasibleTolerance> {
         let mut subpatches = Vec::new();
         let halved = self.is_halved(sheet);
         let Some(square) = self.sheets[sheet].square() else { return Ok(subpatches) };

@@ -25,6 +25,7 @@ mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
 mod triangles;
+mod view_dependent_mesher;
 
 pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
@@ -43,10 +44,11 @@ pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;
 
-/// Mesher and cutter that are kept for many budgets, and many curves at once.
+/// Meshers and a cutter that are kept for many budgets or views, and many curves at once.
 pub mod batch {
     pub use super::cage_to_mesh::CageMesher;
     pub use super::curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
+    pub use super::view_dependent_mesher::{TileReuse, ViewDependentMesher};
 }
 
 /// Buffers for graphics processors.

@@ -54,13 +54,12 @@ pub fn patches_to_mesh(
     budget: &Budget,
     job: &Job,
 ) -> Result<Bounded<Mesh>, TessellationFailure> {
-    check_input(patches, budget)?;
-    let patches: Vec<Patch> = patches.iter().map(positive_zeros).collect();
-    mesh_within(&BezierPatches(&patches), budget, job)
+    budget.check_for_surfaces().map_err(Failure::Refused)?;
+    mesh_within(&checked_patches(patches)?, budget, job)
 }
 
-fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), TessellationFailure> {
-    budget.check_for_surfaces().map_err(Failure::Refused)?;
+/// The patches as a surface, unless one of them is refused.
+pub(super) fn checked_patches(patches: &[Patch]) -> Result<BezierPatches, TessellationFailure> {
     if patches.is_empty() {
         return Err(Failure::refused(RefusalCode::Empty, "there are no patches"));
     }
@@ -80,7 +79,7 @@ fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), TessellationFai
         let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
         return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
     }
-    Ok(())
+    Ok(BezierPatches(patches.iter().map(positive_zeros).collect()))
 }
 
 /// Derivatives multiply coordinates by less than 1e3, and squares of those must stay below 1e308.

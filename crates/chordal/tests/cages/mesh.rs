@@ -301,3 +301,39 @@ fn a_mesher_that_is_kept_makes_the_meshes_that_a_new_one_makes() {
         }
     }
 }
+
+#[test]
+fn meshes_that_keep_tiles_are_closed_and_within_their_bound_at_every_view() {
+    let names = ["catmark_cube_creases1", "catmark_gregory_test3", "bilinear_nonquads1", "catmark_rook"];
+    for (name, cage) in cages().into_iter().filter(|(name, _)| names.contains(&name.as_str())) {
+        // Fine enough that the creases have ended.
+        let referee = Referee::new(&cage, if cage.n_faces() > 100 { 2 } else { 5 });
+        let mesher = convert::batch::CageMesher::new(&cage, &Job::default()).unwrap();
+        let mut kept = convert::batch::ViewDependentMesher::from_cage(&mesher);
+        let n = cage.positions().len() as f64;
+        let middle = [0, 1, 2].map(|k| cage.positions().iter().map(|p| p[k]).sum::<f64>() / n);
+        let (mut n_kept, mut n_made) = (0, 0);
+        for step in [0, 1, 2, 3, 4, 5, 6, 3, 0, -12] {
+            let to = [1.5 - 0.1 * f64::from(step), 1.0, 0.5 + 0.02 * f64::from(step)];
+            let eye: [f64; 3] = std::array::from_fn(|k| middle[k] + to[k] * diagonal(&cage));
+            let place = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
+            let text = format!("640x480 fov=45 eye={} target={}", place(eye), place(middle));
+            let budget = Budget::pixels(Pixels::new(0.5).unwrap(), text.parse().unwrap());
+            let own = kept.mesh(&budget, &Job::default()).unwrap();
+            let new = mesher.mesh(&budget, &Job::default()).unwrap();
+            assert!(own.bound.pixels.unwrap() <= 0.5, "{name}, {step}");
+            let is_closed = |mesh: &Mesh| {
+                let found = check::validity(mesh, Topology::Indices);
+                (found.closed, found.manifold())
+            };
+            assert_eq!(is_closed(&own.shape), is_closed(&new.shape), "{name}, {step}");
+            let bound = own.bound.at_most().unwrap();
+            let found = distance(&own.shape, &referee.fine);
+            assert!(found <= bound + referee.off, "{name}, {step}: {found} > {bound} + {}", referee.off);
+            // Half of the cells would do, and tiles of few cells have more triangles where they are stitched.
+            assert!(own.shape.faces().len() <= 3 * new.shape.faces().len(), "{name}, {step}");
+            (n_kept, n_made) = (n_kept + kept.reuse().kept, n_made + kept.reuse().made);
+        }
+        assert!(n_kept > n_made, "{name}: {n_kept} tiles kept, {n_made} made");
+    }
+}

@@ -11,6 +11,7 @@ mod eyes;
 mod frame;
 mod honesty;
 mod length;
+mod moving_eye;
 mod naive;
 mod pixels;
 mod shapes;

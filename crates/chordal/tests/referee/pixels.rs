@@ -11,7 +11,7 @@ use chordal_testkit::sampler::{
 };
 
 /// A point of one shape and the nearest one of the other, the furthest apart first.
-fn pairs(shape: &Shape, made: &Bounded<Mesh>) -> Vec<[Point; 2]> {
+pub fn pairs(shape: &Shape, made: &Bounded<Mesh>) -> Vec<[Point; 2]> {
     const GRID: usize = 40;
     let surface = Surface::new(vec![shape.control]);
     let mesh = Triangles::new(made.shape.positions(), made.shape.faces());
@@ -43,7 +43,7 @@ fn pairs(shape: &Shape, made: &Bounded<Mesh>) -> Vec<[Point; 2]> {
 }
 
 /// The furthest that any pair is apart on the picture of an eye.
-fn furthest(eye: &Eye, pairs: &[[Point; 2]]) -> f64 {
+pub fn furthest(eye: &Eye, pairs: &[[Point; 2]]) -> f64 {
     pairs.iter().map(|[s, m]| eye.apart(*s, *m)).fold(0.0, f64::max)
 }
 
@@ -54,7 +54,7 @@ fn mesh_to_pixels(shape: &Shape, pixels: f64, view: View) -> Result<Bounded<Mesh
 
 /// The sampler's own rounding on the picture, in pixels: that of the coordinates, of the frame and of the
 /// projection.
-fn rounding(shape: &Shape, eye: &Eye, pixels: f64) -> f64 {
+pub fn rounding(shape: &Shape, eye: &Eye, pixels: f64) -> f64 {
     let coordinates = super::length::rounding(&shape.control) / shape.size;
     let big = f64::from(eye.lens.screen.width_px.max(eye.lens.screen.height_px));
     // As a part of the picture: a shape that fills it, seen at up to 1/cos² of the corner, 20 at 120 degrees.
@@ -140,15 +140,19 @@ fn camera(shape: &Shape, r: &mut Random) -> (Camera, Eye) {
     }
     let mut eye = Eye::aimed(at, on, lens, r);
     eye.near = [0.0, 0.03, 0.2][r.below(3)] * shape.size;
-    let camera = Camera {
-        eye: at,
-        target: add(at, scale(eye.axes[2], shape.size)),
+    (camera_of(&eye, shape.size), eye)
+}
+
+/// The library's camera where an eye is.
+pub fn camera_of(eye: &Eye, size: f64) -> Camera {
+    Camera {
+        eye: eye.at,
+        target: add(eye.at, scale(eye.axes[2], size)),
         up: eye.axes[1],
         near: eye.near,
-        projection: lens.projection,
-        screen: lens.screen,
-    };
-    (camera, eye)
+        projection: eye.lens.projection,
+        screen: eye.lens.screen,
+    }
 }
 
 #[test]

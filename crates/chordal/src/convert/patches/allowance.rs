@@ -12,12 +12,14 @@ pub(crate) struct Allowance {
     pub(crate) pixels: Option<(Pixels, Lens)>,
     /// The largest distance between the unit normals of the triangles and those of the shape.
     pub(crate) normal_deviation: Option<f64>,
+    /// The part of the allowed length that is used, at most 1: what is left is for the views that follow.
+    pub(crate) share: f64,
 }
 
 impl Allowance {
     /// A length everywhere.
     pub(crate) fn from_length(length: f64) -> Self {
-        Self { length: Some(length), pixels: None, normal_deviation: None }
+        Self { length: Some(length), pixels: None, normal_deviation: None, share: 1.0 }
     }
 
     /// The length that is allowed in `place`; `None` where the eye is too close for any.
@@ -27,7 +29,8 @@ impl Allowance {
             None => f64::MAX,
         };
         let by_length = self.length.unwrap_or(f64::MAX);
-        Some(lesser(by_length, by_view))
+        // Below 1, a product rounds to no more than the factor.
+        Some(self.share * lesser(by_length, by_view))
     }
 }
 

@@ -5,7 +5,7 @@ use super::plan::PatchTile;
 use super::seams::TileSeams;
 use super::subpatch::Subpatch;
 use super::tile::PatchTileMesh;
-use super::tile_border;
+use super::tile_border::{self, BorderVertex};
 use crate::explicit::{Attribute, Mesh, PatchSide, face_normal};
 use glam::DVec3;
 
@@ -24,15 +24,12 @@ struct BorderNormal {
 
 /// Builds the mesh of all tiles. A vertex on shared curves is one vertex, except where the patches' normals
 /// differ: there each smooth group gets its own vertex, tied by `position_id`.
-pub(crate) fn assemble(
-    subpatches: &[Subpatch<'_>],
-    adjacency: &PatchAdjacency,
-    seams: &TileSeams,
-    tiles: &[(PatchTile, PatchTileMesh)],
-) -> Mesh {
+pub(crate) fn assemble(seams: &TileSeams, tiles: &[(PatchTile, PatchTileMesh)]) -> Mesh {
     let mut positions = seams.positions.clone();
     let mut normals = vec![[0.0; 3]; positions.len()];
-    let seen = border_normals(subpatches, adjacency, seams, tiles, &mut normals);
+    let borders: Vec<Vec<BorderVertex>> =
+        (0..tiles.len()).map(|index| tile_border::border(index, &tiles[index].0, seams)).collect();
+    let seen = border_normals(&borders, tiles, &mut normals);
     let mut splits = NormalSplits::default();
     let mut ids: Vec<u32> = Vec::new();
     splits.group_normals(seen, &mut positions, &mut normals, &mut ids);
@@ -41,8 +38,7 @@ pub(crate) fn assemble(
     positions.reserve(n_inner);
     normals.reserve(n_inner);
     let mut faces = Vec::with_capacity(tiles.iter().map(|t| t.1.triangles.len()).sum());
-    for (index, (place, tile)) in tiles.iter().enumerate() {
-        let border = tile_border::border(index, place, seams);
+    for ((place, tile), border) in tiles.iter().zip(borders) {
         let border: Vec<u32> = border.iter().map(|b| splits.vertex(b.id, place.sheet, b.side)).collect();
         let first = positions.len() as u32;
         let n = border.len() as u32;
@@ -59,52 +55,85 @@ pub(crate) fn assemble(
     drop_unreferenced(positions, faces, normals, split_ids)
 }
 
-/// The vertices on a sheet's border with the normals of that sheet. The normals of other vertices on borders
-/// of tiles are written to `normals`.
-fn border_normals(
-    subpatches: &[Subpatch<'_>],
+/// The normals at the vertices on the border of a tile, in their order; zero where the surface has none.
+pub(crate) fn normals_on_border(
+    subpatch: &Subpatch<'_>,
     adjacency: &PatchAdjacency,
     seams: &TileSeams,
+    (index, tile): (usize, &PatchTile),
+) -> Vec<[f64; 3]> {
+    let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
+    let is_point =
+        |side: PatchSide| matches!(adjacency.sides[tile.sheet as usize][side as usize], SideBoundary::Point);
+    let mut normals = Vec::new();
+    for at in PatchSide::ALL {
+        tile_border::walk_side(index, tile, at, seams, |u, v, vertex| {
+            let (u, v) = (within(u, tile.u), within(v, tile.v));
+            let Some(side) = vertex.side else {
+                normals.push(subpatch.normal(u, v).unwrap_or_default());
+                return;
+            };
+            let is_corner = (u == 0.0 || u == 1.0) && (v == 0.0 || v == 1.0);
+            let before = PatchSide::ALL[(side as usize + 3) % 4];
+            // At a pole all directions meet; the normal at the middle of the collapsed side is used for
+            // all.
+            let (u, v) = match (is_corner && is_point(side), is_corner && is_point(before)) {
+                (true, _) => side_parameters(side, 0.5),
+                (_, true) => side_parameters(before, 0.5),
+                _ if vertex.pole => {
+                    normals.push([0.0; 3]);
+                    return;
+                }
+                _ => (u, v),
+            };
+            normals.push(subpatch.normal(u, v).unwrap_or_default());
+        });
+    }
+    normals
+}
+
+/// The vertices on a sheet's border with the normals of that sheet, by vertex. The normals of other vertices on borders
+/// of tiles are written to `normals`.
+fn border_normals(
+    borders: &[Vec<BorderVertex>],
     tiles: &[(PatchTile, PatchTileMesh)],
     normals: &mut [[f64; 3]],
 ) -> Vec<BorderNormal> {
     let mut seen = Vec::new();
-    for (index, (tile, _)) in tiles.iter().enumerate() {
-        let subpatch = &subpatches[tile.subpatch as usize];
-        let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
-        for at in PatchSide::ALL {
-            tile_border::walk_side(index, tile, at, seams, |u, v, vertex| {
-                let (u, v) = (within(u, tile.u), within(v, tile.v));
-                let Some(side) = vertex.side else {
-                    let normal = &mut normals[vertex.id as usize];
-                    if *normal == [0.0; 3] {
-                        *normal = subpatch.normal(u, v).unwrap_or_default();
-                    }
-                    return;
-                };
-                let is_corner = (u == 0.0 || u == 1.0) && (v == 0.0 || v == 1.0);
-                let is_point = |side: PatchSide| {
-                    matches!(adjacency.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
-                };
-                let before = PatchSide::ALL[(side as usize + 3) % 4];
-                // At a pole all directions meet; the normal at the middle of the collapsed side is used for
-                // all.
-                let (u, v) = match (is_corner && is_point(side), is_corner && is_point(before)) {
-                    (true, _) => side_parameters(side, 0.5),
-                    (_, true) => side_parameters(before, 0.5),
-                    _ if vertex.pole => return,
-                    _ => (u, v),
-                };
-                let normal = subpatch.normal(u, v).unwrap_or_default();
-                seen.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal });
-            });
+    for ((tile, done), border) in tiles.iter().zip(borders) {
+        for (vertex, &normal) in border.iter().zip(&done.border_normals) {
+            match vertex.side {
+                // Only at corners has a pole a normal.
+                Some(_) if vertex.pole && normal == [0.0; 3] => {}
+                Some(side) => seen.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal }),
+                None if normals[vertex.id as usize] == [0.0; 3] => normals[vertex.id as usize] = normal,
+                None => {}
+            }
         }
     }
-    // The sort is stable, so the order of sheets is kept within a vertex.
-    seen.sort_by_key(|s| (s.vertex, s.sheet, s.side));
+    let mut seen = sort_by_vertex(&seen, normals.len(), |seen| seen.vertex);
+    // The sorts are stable, so the order of tiles is kept within a vertex.
+    seen.chunk_by_mut(|a, b| a.vertex == b.vertex).for_each(|run| run.sort_by_key(|s| (s.sheet, s.side)));
     // Where tiles meet on a border, both begin a side there.
     seen.dedup_by_key(|s| (s.vertex, s.sheet, s.side));
     seen
+}
+
+/// The items by vertex, those of one vertex in their order: counted, since there are as many vertices as items.
+pub(crate) fn sort_by_vertex<T: Copy>(items: &[T], n_vertices: usize, vertex: impl Fn(&T) -> u32) -> Vec<T> {
+    let Some(first) = items.first() else { return Vec::new() };
+    let mut begin = vec![0_u32; n_vertices + 1];
+    items.iter().for_each(|item| begin[vertex(item) as usize + 1] += 1);
+    for k in 0..n_vertices {
+        begin[k + 1] += begin[k];
+    }
+    let mut sorted = vec![*first; items.len()];
+    for item in items {
+        let next = &mut begin[vertex(item) as usize];
+        sorted[*next as usize] = *item;
+        *next += 1;
+    }
+    sorted
 }
 
 /// The parameters at `along` of a side, in its counter-clockwise direction.

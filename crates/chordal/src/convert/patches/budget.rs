@@ -1,36 +1,37 @@
 //! Meshes a surface within a budget: a length, pixels, or the best mesh with a given number of triangles.
 use super::allowance::{Allowance, TessellationFailure};
 use super::mesher::{CertifiedTiles, PatchMesher};
+use super::sheet_plan::BYTES_PER_TRIANGLE;
 use super::subpatch::PatchSurface;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
 use crate::convert::ladder::LengthLadder;
 use crate::explicit::Mesh;
-use crate::math::lesser;
 
 /// The mesh of a surface that meets a budget.
 pub(crate) fn mesh_within(
-    sheets: &dyn PatchSurface,
+    sheets: &dyn PatchSurface<'_>,
     budget: &Budget,
     job: &Job,
 ) -> Result<Bounded<Mesh>, TessellationFailure> {
     job.run(|| {
-        let mesher = PatchMesher::new(sheets, job);
+        let adjacency = sheets.adjacency();
+        let mesher = PatchMesher::new(sheets, &adjacency, job);
         let allowance = Allowance {
             length: budget.length.map(Tolerance::get),
             pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
             normal_deviation: budget.angle_deg.map(|angle| 2.0 * libm::sin(0.5 * angle.to_radians())),
+            share: 1.0,
         };
         if allowance.length.is_none() && allowance.pixels.is_none() {
             let best = within_count(&mesher, &allowance, budget.triangles.unwrap_or(u64::MAX), job)?;
             return if meets(&best, budget) { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) };
         }
-        check_limits(&mesher, &allowance, job)?;
-        let planned = mesher.plan(&allowance)?;
+        let planned = mesher.plan_within_limits(&allowance)?;
         let most = budget.triangles.unwrap_or(u64::MAX);
         if planned.count(&mesher) <= most {
-            let proved = mesher.prove(planned, &allowance)?;
+            let mut proved = mesher.prove(planned, &allowance)?;
             if proved.count() <= most {
-                return Ok(mesher.finish(&proved, &allowance));
+                return Ok(mesher.finish(&mut proved, &allowance));
             }
         }
         let best = within_count(&mesher, &allowance, most, job).or_else(|failure| match failure {
@@ -55,31 +56,6 @@ pub(crate) fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
         && budget.angle_deg.is_none_or(by_angle)
 }
 
-/// Peak memory in bytes per triangle, everything included; measured on the teapot at 1e6 triangles.
-const BYTES_PER_TRIANGLE: f64 = 200.0;
-
-/// Refuses, before the work starts, a budget that needs more than the job allows.
-fn check_limits(
-    mesher: &PatchMesher<'_>,
-    allowance: &Allowance,
-    job: &Job,
-) -> Result<(), TessellationFailure> {
-    let (triangles, memory) = (job.triangle_limit as f64, job.memory_limit as f64);
-    let limit = lesser(triangles, memory / BYTES_PER_TRIANGLE);
-    let needed = mesher.estimate(allowance, limit)?;
-    if needed > triangles {
-        let message = format!("the budget needs about {needed:.1e} triangles; the limit is {triangles:.1e}");
-        return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
-    }
-    if needed > limit {
-        let bytes = needed * BYTES_PER_TRIANGLE;
-        let message =
-            format!("the budget needs about {bytes:.1e} bytes of memory; the limit is {memory:.1e}");
-        return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
-    }
-    Ok(())
-}
-
 /// Lengths per octave in the geometric series of candidate lengths: neighbours differ by 2.2 %. With 16,
 /// tests found small meshes whose bound was more than 1.15 times what a length reaches with as many
 /// triangles.
@@ -94,7 +70,7 @@ const SMALL: u64 = 2000;
 
 /// The mesh with the smallest bound among those of the series with at most `most` triangles.
 fn within_count(
-    mesher: &PatchMesher<'_>,
+    mesher: &PatchMesher<'_, '_>,
     asked: &Allowance,
     most: u64,
     job: &Job,
@@ -120,12 +96,12 @@ fn within_count(
     }
     let mut best: Option<CertifiedTiles<'_>> = None;
     for k in (0..=k).rev() {
-        let proved = mesher.prove(mesher.plan(&rung(k))?, &rung(k))?;
+        let mut proved = mesher.prove(mesher.plan(&rung(k))?, &rung(k))?;
         let count = proved.count();
         if count <= most && best.as_ref().is_none_or(|best| proved.bound() < best.bound()) {
             best = Some(proved);
         } else if count > most && k == 0 && best.is_none() {
-            let best = mesher.finish(&proved, asked);
+            let best = mesher.finish(&mut proved, asked);
             return Err(Failure::Unmet(Box::new(best)));
         }
         let settled =
@@ -135,7 +111,7 @@ fn within_count(
         }
     }
     match best {
-        Some(best) => Ok(mesher.finish(&best, asked)),
+        Some(mut best) => Ok(mesher.finish(&mut best, asked)),
         None => Err(Failure::refused(RefusalCode::Budget, "no mesh of this surface has so few triangles")),
     }
 }

@@ -105,6 +105,9 @@ pub(crate) fn build(
         too_few: triangles.iter().any(has_twice),
         bound: (bound + extraordinary.rounding_error()).next_up(),
         normal_deviation: None,
+        border_normals: Vec::new(),
+        place: Box3::from_points(extraordinary.ring().hull()),
+        is_kept: false,
         triangles,
     }
 }

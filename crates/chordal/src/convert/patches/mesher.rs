@@ -1,12 +1,12 @@
 //! `PatchMesher`: plans tiles for an allowance, proves them, and adds cells until all meet it.
-use super::adjacency::{PatchAdjacency, PatchCorner, SideBoundary};
+use super::adjacency::{PatchAdjacency, SideBoundary};
 use super::allowance::{Allowance, InfeasibleTolerance, TessellationFailure, refuse_tolerance};
 use super::assemble;
-use super::cell_estimate::CellEstimator;
 use super::extraordinary_tile;
 use super::plan::{self, PatchTile};
 use super::refine::{normal_deviation_ratio, raised_safety_factors, refine_missed};
 use super::seams::{SeamLine, SeamSpan, TileSeams};
+use super::sheet_plan::PlanBefore;
 use super::subpatch::{PatchSurface, Subpatch, SubpatchKind, SubpatchShape};
 use super::texcoords;
 use super::tile::{self, PatchTileMesh};
@@ -18,10 +18,10 @@ use crate::explicit::{Mesh, PatchSide};
 use crate::math::{greater, lesser, sub_down};
 
 /// A surface with everything that is needed to mesh it within any allowance.
-pub(crate) struct PatchMesher<'a> {
-    sheets: &'a dyn PatchSurface,
-    adjacency: PatchAdjacency,
-    job: &'a Job,
+pub(crate) struct PatchMesher<'a, 's> {
+    pub(super) sheets: &'s (dyn PatchSurface<'a> + 's),
+    pub(super) adjacency: &'s PatchAdjacency,
+    pub(super) job: &'s Job,
 }
 
 /// Tiles with their seams, not yet proved.
@@ -37,9 +37,10 @@ pub(crate) struct TilePlan<'a> {
 
 /// Tiles that are proved to be within their tolerance.
 pub(crate) struct CertifiedTiles<'a> {
-    subpatches: Vec<Subpatch<'a>>,
-    tiles: Vec<(PatchTile, PatchTileMesh)>,
-    seams: TileSeams,
+    pub(super) subpatches: Vec<Subpatch<'a>>,
+    pub(super) tiles: Vec<(PatchTile, PatchTileMesh)>,
+    pub(super) seams: TileSeams,
+    pub(super) safety_factors: Vec<f64>,
 }
 
 /// The largest number of refinement rounds; three are usual, and every round adds cells where they are
@@ -53,9 +54,13 @@ const MOST_STRAIN: f64 = 1e6;
 /// Tiles at which the distance is measured from below, at two points each: 20 ns a triangle.
 const SAMPLED_TILES: usize = 12;
 
-impl<'a> PatchMesher<'a> {
-    pub(crate) fn new(sheets: &'a dyn PatchSurface, job: &'a Job) -> Self {
-        Self { sheets, adjacency: sheets.adjacency(), job }
+impl<'a, 's> PatchMesher<'a, 's> {
+    pub(crate) fn new(
+        sheets: &'s (dyn PatchSurface<'a> + 's),
+        adjacency: &'s PatchAdjacency,
+        job: &'s Job,
+    ) -> Self {
+        Self { sheets, adjacency, job }
     }
 
     /// The longest diagonal of a sheet's hull; 1 where all sheets are points.
@@ -65,119 +70,10 @@ impl<'a> PatchMesher<'a> {
     }
 
     /// Whether a side of a tile is on a side of its sheet that is one point.
-    fn has_pole(&self, tile: &PatchTile, side: PatchSide) -> bool {
+    pub(super) fn has_pole(&self, tile: &PatchTile, side: PatchSide) -> bool {
         let ends = [(tile.v[0], 0.0), (tile.u[1], 1.0), (tile.v[1], 1.0), (tile.u[0], 0.0)];
         let (at, end) = ends[side as usize];
         at == end && matches!(self.adjacency.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
-    }
-
-    /// About how many triangles an allowance needs; cheap where that is fewer than `enough`.
-    pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, TessellationFailure> {
-        let numbers: Vec<usize> = (0..self.sheets.count()).collect();
-        let over = |one: &(dyn Fn(&Subpatch<'_>) -> Result<f64, InfeasibleTolerance> + Sync)| {
-            total(par_map(self.job, &numbers, |_, &sheet| {
-                self.sheets
-                    .subpatches(sheet, allowance, 1.0)?
-                    .iter()
-                    .try_fold(0.0, |sum, subpatch| Ok(sum + one(subpatch)?))
-            }))
-        };
-        let extraordinary = over(&|subpatch| {
-            let SubpatchShape::Bezier(patch) = &subpatch.shape else { return Ok(2.0) };
-            let tolerance = plan::tolerance(patch.bounds(), allowance, subpatch.rounding_error())?;
-            Ok(2.0 * CellEstimator::new(patch).estimate(tolerance).cells)
-        })?;
-        if extraordinary < enough {
-            return Ok(extraordinary);
-        }
-        over(&|subpatch| plan::estimate(subpatch, allowance))
-    }
-
-    /// Tiles and rates for an allowance.
-    pub(crate) fn plan(&self, allowance: &Allowance) -> Result<TilePlan<'a>, TessellationFailure> {
-        self.plan_with_safety_factors(allowance, vec![1.0; self.sheets.count()], None)
-    }
-
-    /// Plans with these safety factors. Sheets whose factor has not changed are taken from the plan `before`.
-    fn plan_with_safety_factors(
-        &self,
-        allowance: &Allowance,
-        safety_factors: Vec<f64>,
-        before: Option<TilePlan<'a>>,
-    ) -> Result<TilePlan<'a>, TessellationFailure> {
-        type SheetTiles<'a> = (Vec<Subpatch<'a>>, Vec<PatchTile>);
-        let mut cut: Vec<SheetTiles<'a>> = (0..safety_factors.len()).map(|_| Default::default()).collect();
-        if let Some(before) = before {
-            let is_kept =
-                |sheet: u32| before.safety_factors[sheet as usize] == safety_factors[sheet as usize];
-            // The subpatches are listed sheet by sheet.
-            let mut begin = vec![0; safety_factors.len()];
-            for (index, subpatch) in before.subpatches.into_iter().enumerate() {
-                let own = &mut cut[subpatch.sheet as usize].0;
-                if own.is_empty() {
-                    begin[subpatch.sheet as usize] = index as u32;
-                }
-                if is_kept(subpatch.sheet) {
-                    own.push(subpatch);
-                }
-            }
-            for tile in before.tiles.into_iter().filter(|tile| is_kept(tile.sheet)) {
-                let subpatch = tile.subpatch - begin[tile.sheet as usize];
-                cut[tile.sheet as usize].1.push(PatchTile { subpatch, ..tile });
-            }
-        }
-        let open: Vec<usize> = (0..safety_factors.len()).filter(|sheet| cut[*sheet].0.is_empty()).collect();
-        let made = par_map(self.job, &open, |_, &sheet| {
-            if self.job.is_cancelled() {
-                return Ok((Vec::new(), Vec::new()));
-            }
-            let subpatches = self.sheets.subpatches(sheet, allowance, safety_factors[sheet])?;
-            let mut tiles = Vec::new();
-            for (index, subpatch) in subpatches.iter().enumerate() {
-                let begin = tiles.len();
-                tiles.extend(plan::split_into_tiles(subpatch, allowance)?);
-                tiles[begin..].iter_mut().for_each(|tile| tile.subpatch = index as u32);
-            }
-            Ok((subpatches, tiles))
-        });
-        if self.job.is_cancelled() {
-            return Err(Failure::Cancelled);
-        }
-        for (sheet, made) in open.into_iter().zip(made) {
-            cut[sheet] = made.map_err(refuse_tolerance)?;
-        }
-        let (mut subpatches, mut tiles) = (Vec::new(), Vec::new());
-        for (own, cut) in cut {
-            let begin = subpatches.len() as u32;
-            subpatches.extend(own);
-            tiles.extend(cut.into_iter().map(|tile| PatchTile { subpatch: begin + tile.subpatch, ..tile }));
-        }
-        Ok(self.lay_seams(subpatches, tiles, safety_factors))
-    }
-
-    /// Builds the seams between the tiles.
-    fn lay_seams(
-        &self,
-        subpatches: Vec<Subpatch<'a>>,
-        mut tiles: Vec<PatchTile>,
-        safety_factors: Vec<f64>,
-    ) -> TilePlan<'a> {
-        for tile in &mut tiles {
-            let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
-            let known = self.adjacency.corner_kinds[tile.sheet as usize];
-            let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-            let poles = PatchSide::ALL.map(|side| self.has_pole(tile, side));
-            tile.corners = std::array::from_fn(|k| match known[k] {
-                kind if kind != PatchCorner::Plain && ends[k] == places[k] => kind,
-                // All vertices of a pole are one, so edges from any of them coincide.
-                _ if poles[k] || poles[(k + 3) % 4] => PatchCorner::Whole,
-                _ => PatchCorner::Plain,
-            });
-        }
-        let mut seams = TileSeams::new(&self.adjacency, &tiles);
-        seams.set_rates(&tiles, &subpatches, &self.adjacency);
-        let least = vec![1; self.sheets.count()];
-        TilePlan { subpatches, tiles, seams, min_cells: least, safety_factors }
     }
 
     /// The tiles, with those halved whose normals still miss the limit although they have many cells: their
@@ -206,18 +102,29 @@ impl<'a> PatchMesher<'a> {
     /// vertices, which happens when cells are very few) get more cells too.
     pub(crate) fn prove(
         &self,
-        mut planned: TilePlan<'a>,
+        planned: TilePlan<'a>,
         allowance: &Allowance,
     ) -> Result<CertifiedTiles<'a>, TessellationFailure> {
-        let mut done: Vec<Option<PatchTileMesh>> = vec![None; planned.tiles.len()];
+        let done = vec![None; planned.tiles.len()];
+        self.prove_pending(planned, done, allowance)
+    }
+
+    /// [`Self::prove`] where some tiles are built and proved already.
+    pub(super) fn prove_pending(
+        &self,
+        mut planned: TilePlan<'a>,
+        mut done: Vec<Option<PatchTileMesh>>,
+        allowance: &Allowance,
+    ) -> Result<CertifiedTiles<'a>, TessellationFailure> {
         for round in 0..MOST_ROUNDS {
             self.check_cells(&planned.tiles)?;
             // Extraordinary subpatches first: while one of them has to be divided, the others would be built
             // in vain.
             self.build_pending(&planned, &mut done, allowance, SubpatchKind::Extraordinary)?;
             if let Some(safety_factors) = raised_safety_factors(&planned, &done, allowance) {
-                planned = self.plan_with_safety_factors(allowance, safety_factors, Some(planned))?;
-                done = vec![None; planned.tiles.len()];
+                let is_kept = planned.safety_factors.iter().zip(&safety_factors).map(|(old, new)| old == new);
+                let before = PlanBefore { is_kept: is_kept.collect(), done, plan: planned };
+                (planned, done) = self.plan_from(before, allowance, safety_factors)?;
                 continue;
             }
             self.build_pending(&planned, &mut done, allowance, SubpatchKind::Bezier)?;
@@ -251,9 +158,10 @@ impl<'a> PatchMesher<'a> {
                     .zip(done)
                     .filter_map(|(tile, done)| Some((tile, done?)))
                     .collect();
-                return Ok(CertifiedTiles { subpatches: planned.subpatches, tiles, seams: planned.seams });
+                let TilePlan { subpatches, seams, safety_factors, .. } = planned;
+                return Ok(CertifiedTiles { subpatches, tiles, seams, safety_factors });
             }
-            let changed = planned.seams.set_rates(&planned.tiles, &planned.subpatches, &self.adjacency);
+            let changed = planned.seams.set_rates(&planned.tiles, &planned.subpatches, self.adjacency);
             done.iter_mut().zip(changed).filter(|(_, changed)| *changed).for_each(|(done, _)| *done = None);
         }
         Err(Failure::refused(
@@ -354,11 +262,25 @@ impl<'a> PatchMesher<'a> {
         list
     }
 
+    /// Gives tiles the normals on their borders, where they have none yet.
+    fn add_normals(&self, proved: &mut CertifiedTiles<'_>) {
+        let CertifiedTiles { subpatches, tiles, seams, .. } = proved;
+        let open: Vec<usize> = (0..tiles.len()).filter(|i| tiles[*i].1.border_normals.is_empty()).collect();
+        let made = par_map(self.job, &open, |_, &i| {
+            let tile = &tiles[i].0;
+            let subpatch = &subpatches[tile.subpatch as usize];
+            assemble::normals_on_border(subpatch, self.adjacency, seams, (i, tile))
+        });
+        open.into_iter().zip(made).for_each(|(i, normals)| tiles[i].1.border_normals = normals);
+    }
+
     /// The mesh with its bound; pixels at the view of the allowance.
-    pub(crate) fn finish(&self, proved: &CertifiedTiles<'_>, allowance: &Allowance) -> Bounded<Mesh> {
-        let CertifiedTiles { subpatches, tiles, seams } = proved;
+    pub(crate) fn finish(&self, proved: &mut CertifiedTiles<'_>, allowance: &Allowance) -> Bounded<Mesh> {
+        self.add_normals(proved);
+        let CertifiedTiles { subpatches, tiles, seams, .. } = proved;
+        let (subpatches, tiles, seams) = (&*subpatches, &*tiles, &*seams);
         let most = tiles.iter().fold(0.0, |most, (_, done)| greater(done.bound, most));
-        let mesh = assemble::assemble(subpatches, &self.adjacency, seams, tiles);
+        let mesh = assemble::assemble(seams, tiles);
         let mesh = texcoords::with_texcoords(mesh, self.sheets, subpatches, seams, tiles, self.job);
         let (least, at) = measure_lower_bound(subpatches, tiles, &mesh);
         let least = lesser(least, most);
@@ -374,9 +296,8 @@ impl<'a> PatchMesher<'a> {
             2.0 * libm::asin(if most < 2.0 { 0.5 * most } else { 1.0 }).to_degrees()
         });
         bound.pixels = allowance.pixels.and_then(|(_, lens)| {
-            tiles.iter().try_fold(0.0, |worst, (tile, done)| {
-                let place = subpatches[tile.subpatch as usize].hull(tile);
-                let pixels = lens.scale_at(&place).pixels_of(done.bound)?;
+            tiles.iter().try_fold(0.0, |worst, (_, done)| {
+                let pixels = lens.scale_at(&done.place).pixels_of(done.bound)?;
                 Some(greater(pixels, worst))
             })
         });
@@ -386,7 +307,7 @@ impl<'a> PatchMesher<'a> {
 
 impl TilePlan<'_> {
     /// The number of triangles of the mesh, unless a proof needs more cells.
-    pub(crate) fn count(&self, mesher: &PatchMesher<'_>) -> u64 {
+    pub(crate) fn count(&self, mesher: &PatchMesher<'_, '_>) -> u64 {
         let per_tile = self.tiles.iter().enumerate().map(|(i, tile)| {
             let counts = PatchSide::ALL.map(|side| self.seams.count(i, side));
             let poles = PatchSide::ALL.map(|side| mesher.has_pole(tile, side));
@@ -456,17 +377,31 @@ fn is_coarse(tile: &PatchTile) -> bool {
 }
 
 /// The edges in coarse tiles that may coincide with others, sorted, with their patch, and the edges of other
-/// tiles with the same two vertices.
+/// tiles with the same two vertices. Only of tiles that are new or share two vertices with one: edges of others coincide
+/// with none, as was found for an earlier view.
 fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(u32, u32, u32)> {
+    let is_new = |index: usize| done[index].as_ref().is_none_or(|done| !done.is_kept);
+    let borders: Vec<Vec<u32>> = (0..planned.tiles.len())
+        .map(|index| {
+            let border = tile_border::border(index, &planned.tiles[index], &planned.seams);
+            border.iter().map(|vertex| vertex.id).collect()
+        })
+        .collect();
+    let mut touched = vec![false; planned.seams.positions.len()];
+    let new = (0..borders.len()).filter(|index| is_new(*index));
+    new.flat_map(|index| &borders[index]).for_each(|vertex| touched[*vertex as usize] = true);
+    let is_near = |index: &usize| {
+        is_new(*index) || borders[*index].iter().filter(|vertex| touched[**vertex as usize]).count() >= 2
+    };
+    let near: Vec<usize> = (0..borders.len()).filter(is_near).collect();
     let mut edges: Vec<(u32, u32, u32)> = Vec::new();
     let mut first_inner = planned.seams.positions.len() as u32;
-    for (index, (tile, done)) in planned.tiles.iter().zip(done).enumerate() {
-        let Some(done) = done.as_ref().filter(|_| is_coarse(tile)) else { continue };
-        let border: Vec<u32> =
-            tile_border::border(index, tile, &planned.seams).iter().map(|vertex| vertex.id).collect();
+    for &index in &near {
+        let tile = &planned.tiles[index];
+        let Some(done) = done[index].as_ref().filter(|_| is_coarse(tile)) else { continue };
         // Inner vertices belong to this tile alone: their edges coincide only where its border meets itself.
-        let inner = if has_duplicate(border.clone()) { done.inner.len() } else { 0 };
-        let ids: Vec<u32> = border.into_iter().chain((first_inner..).take(inner)).collect();
+        let inner = if has_duplicate(borders[index].clone()) { done.inner.len() } else { 0 };
+        let ids: Vec<u32> = borders[index].iter().copied().chain((first_inner..).take(inner)).collect();
         first_inner += inner as u32;
         for t in &done.triangles {
             for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
@@ -476,19 +411,26 @@ fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(
             }
         }
     }
-    edges.sort_unstable();
+    let n_vertices = first_inner as usize;
+    edges = sort_edges(&edges, n_vertices);
     // Other tiles have edges with both ends on their border only along it.
     let known = edges.len();
-    for (index, tile) in planned.tiles.iter().enumerate().filter(|(_, tile)| known > 0 && !is_coarse(tile)) {
+    for index in near.into_iter().filter(|index| known > 0 && !is_coarse(&planned.tiles[*index])) {
         let pieces = PatchSide::ALL.iter().flat_map(|side| planned.seams.chain(index, *side));
         for (a, b) in pieces.flat_map(|(piece, _)| segments(piece)) {
             if edges[..known].binary_search_by_key(&(a, b), |edge| (edge.0, edge.1)).is_ok() {
-                edges.push((a, b, tile.sheet));
+                edges.push((a, b, planned.tiles[index].sheet));
             }
         }
     }
-    edges.sort_unstable();
-    edges
+    if edges.len() > known { sort_edges(&edges, n_vertices) } else { edges }
+}
+
+/// Sorted edges: first by their first vertex, which is counted.
+fn sort_edges(edges: &[(u32, u32, u32)], n_vertices: usize) -> Vec<(u32, u32, u32)> {
+    let mut sorted = assemble::sort_by_vertex(edges, n_vertices, |edge| edge.0);
+    sorted.chunk_by_mut(|a, b| a.0 == b.0).for_each(<[_]>::sort_unstable);
+    sorted
 }
 
 fn has_duplicate(mut ids: Vec<u32>) -> bool {
@@ -500,8 +442,4 @@ fn has_duplicate(mut ids: Vec<u32>) -> bool {
 fn segments(piece: &SeamSpan) -> impl Iterator<Item = (u32, u32)> {
     let pair = |k: u32| (piece.vertex(k), piece.vertex(k + 1));
     (0..piece.n).map(pair).filter(|(a, b)| a != b).map(|(a, b)| (a.min(b), a.max(b)))
-}
-
-fn total(parts: Vec<Result<f64, InfeasibleTolerance>>) -> Result<f64, TessellationFailure> {
-    parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse_tolerance)?))
 }

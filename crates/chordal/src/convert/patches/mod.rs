@@ -2,11 +2,13 @@
 //! [`plan`] splits patches into tiles and chooses their rates by the bound of [`derivative_bound`], [`seams`]
 //! gives the sides of all tiles their shared points, [`tile`] triangulates and proves one tile, [`refine`]
 //! adds cells where a tile misses its tolerance, [`assemble`] numbers the vertices and computes normals.
+//! [`sheet_plan`] plans some sheets anew, and [`coherence`] says which, for one view after another.
 pub(super) mod adjacency;
 pub(super) mod allowance;
 pub(super) mod assemble;
 pub(super) mod budget;
 pub(super) mod cell_estimate;
+pub(super) mod coherence;
 pub(super) mod derivative_bound;
 pub(super) mod extraordinary;
 pub(super) mod extraordinary_tile;
@@ -14,6 +16,7 @@ pub(super) mod mesher;
 pub(super) mod plan;
 pub(super) mod refine;
 pub(super) mod seams;
+pub(super) mod sheet_plan;
 pub(super) mod subpatch;
 pub(super) mod texcoords;
 pub(super) mod tile;

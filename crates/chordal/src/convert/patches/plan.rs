@@ -30,6 +30,8 @@ pub(crate) struct PatchTile {
     pub(crate) corners: [PatchCorner; 4],
     /// The allowed length here, less rounding.
     pub(crate) tolerance: f64,
+    /// The one for which its cells were planned.
+    pub(crate) planned: f64,
     /// How much worse its proof was than its estimate; 1 at first.
     pub(crate) safety_factor: f64,
 }
@@ -49,6 +51,7 @@ impl PatchTile {
             rising,
             corners,
             tolerance,
+            planned: tolerance,
             safety_factor: 1.0,
         }
     }

@@ -205,6 +205,31 @@ impl TileSeams {
             .map(|(p, back)| (&self.pieces[*p as usize], *back))
     }
 
+    /// Whether the border of a tile has the same lines and spans as that of a tile of other seams, with the same vertices
+    /// in the same places bit for bit. Then vertices of the one coincide where those of the other do.
+    pub(crate) fn has_same_border(&self, tile: usize, other: &Self, other_tile: usize) -> bool {
+        let bits = |seams: &Self, piece: &SeamSpan, k: u32| {
+            seams.positions[piece.vertex(k) as usize].map(f64::to_bits)
+        };
+        let same = |side: PatchSide| {
+            let (mut own, mut others) = (self.chain(tile, side), other.chain(other_tile, side));
+            loop {
+                match (own.next(), others.next()) {
+                    (None, None) => return true,
+                    (Some((a, back)), Some((b, other_back))) => {
+                        let is_same = (a.line, a.span, a.n, back) == (b.line, b.span, b.n, other_back)
+                            && (0..=a.n).all(|k| bits(self, a, k) == bits(other, b, k));
+                        if !is_same {
+                            return false;
+                        }
+                    }
+                    _ => return false,
+                }
+            }
+        };
+        PatchSide::ALL.into_iter().all(same)
+    }
+
     /// The number of segments on a side of a tile.
     pub(crate) fn count(&self, tile: usize, side: PatchSide) -> u32 {
         self.chain(tile, side).map(|(piece, _)| piece.n).sum()

@@ -9,7 +9,7 @@ use crate::explicit::{LimitSheet, Patch};
 use crate::math::{Box3, greater};
 
 /// A surface made of sheets over unit squares that meet along their sides.
-pub(crate) trait PatchSurface: Sync {
+pub(crate) trait PatchSurface<'a>: Sync {
     /// The number of sheets.
     fn count(&self) -> usize;
 
@@ -20,7 +20,7 @@ pub(crate) trait PatchSurface: Sync {
         sheet: usize,
         allowance: &Allowance,
         safety_factor: f64,
-    ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance>;
+    ) -> Result<Vec<Subpatch<'a>>, InfeasibleTolerance>;
 
     /// Which sides are the same curve.
     fn adjacency(&self) -> PatchAdjacency;
@@ -119,9 +119,9 @@ impl Subpatch<'_> {
 }
 
 /// Bézier patches, one sheet each.
-pub(crate) struct BezierPatches<'a>(pub(crate) &'a [Patch]);
+pub(crate) struct BezierPatches(pub(crate) Vec<Patch>);
 
-impl PatchSurface for BezierPatches<'_> {
+impl<'a> PatchSurface<'a> for BezierPatches {
     fn count(&self) -> usize {
         self.0.len()
     }
@@ -131,7 +131,7 @@ impl PatchSurface for BezierPatches<'_> {
         sheet: usize,
         _allowance: &Allowance,
         _safety_factor: f64,
-    ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
+    ) -> Result<Vec<Subpatch<'a>>, InfeasibleTolerance> {
         let (u, v) = ([0.0, 1.0], [0.0, 1.0]);
         Ok(vec![Subpatch {
             sheet: sheet as u32,
@@ -143,7 +143,7 @@ impl PatchSurface for BezierPatches<'_> {
     }
 
     fn adjacency(&self) -> PatchAdjacency {
-        PatchAdjacency::new(self.0)
+        PatchAdjacency::new(&self.0)
     }
 
     fn longest_diagonal(&self) -> f64 {

@@ -42,7 +42,7 @@ pub(crate) fn at(sheet: Option<&LimitSheet>, [u, v]: [f64; 2]) -> [f64; 2] {
 /// The mesh of all tiles, in their order, with the texture coordinates of its sheets.
 pub(crate) fn with_texcoords(
     mesh: Mesh,
-    sheets: &dyn PatchSurface,
+    sheets: &dyn PatchSurface<'_>,
     subpatches: &[Subpatch<'_>],
     seams: &TileSeams,
     tiles: &[(PatchTile, PatchTileMesh)],

@@ -8,7 +8,7 @@ use super::subpatch::{Subpatch, SubpatchShape};
 use super::tile_border::{BorderVertex, walk_side};
 use super::tile_counts::cell_counts;
 use crate::explicit::{Patch, PatchSide, bernstein, face_normal};
-use crate::math::{greater, lesser};
+use crate::math::{Box3, greater, lesser};
 use glam::DVec3;
 
 /// A vertex of a tile: its parameters in the tile's unit square and its position.
@@ -37,6 +37,13 @@ pub(crate) struct PatchTileMesh {
     /// Whether there are too few cells: a triangle has the same vertex twice although no pole explains it, or
     /// one that a pole makes a segment is left out and no other has that segment.
     pub(crate) too_few: bool,
+    /// The surface's unit normals at the vertices of its border, in their order, as far as those have a normal there;
+    /// empty until the mesh is assembled.
+    pub(crate) border_normals: Vec<[f64; 3]>,
+    /// A box around its part of the surface.
+    pub(crate) place: Box3,
+    /// Whether it was made for an earlier view.
+    pub(crate) is_kept: bool,
 }
 
 struct TileTriangulator<'a> {
@@ -102,6 +109,9 @@ pub(crate) fn build(
         worst: work.worst,
         normal_deviation: None,
         too_few,
+        border_normals: Vec::new(),
+        place: part.bounds(),
+        is_kept: false,
     }
 }
 

@@ -25,6 +25,7 @@ pub(crate) fn mesh_within(
         length: budget.length.map(Tolerance::get),
         pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
         normal_deviation: None,
+        share: 1.0,
     };
     let asked = budget.triangles.unwrap_or(u64::MAX);
     if allowance.length.is_none() && allowance.pixels.is_none() {
