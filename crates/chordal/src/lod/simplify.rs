@@ -36,7 +36,8 @@ pub(super) type SimplifyFailure = Failure<SimplifiedMesh>;
 ///
 /// With a length or pixels, the result is within that of `mesh`, in both directions, and has few triangles
 /// for it. With a triangle count alone, it has at most that many, and about the error of a length that leaves so many:
-/// [`simplify_to_count`] with [`Effort::Best`]. With both, it is within the length, and [`Failure::Unmet`] where it has more triangles than the count.
+/// [`simplify_to_count`] with [`Effort::Best`]. With both, it is within the length, and [`Failure::Unmet`] where it has
+/// more triangles than the count.
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
 /// rounding included, on the triangles that are returned: by a map between both surfaces, and where that does not

@@ -10,8 +10,8 @@ use crate::check::ViolationReport;
 const ROUNDS: u32 = 2;
 
 impl<'a> MeshReduction<'a> {
-    /// From the state in which `tried` began, what it did, but for what led to faces that are too far from the other surface; `rings` of
-    /// edges around these are left out as well. [`Self::run_open`] goes on from there.
+    /// From the state in which `tried` began, what it did, but for what led to faces that are too far from the other
+    /// surface; `rings` of edges around these are left out as well. [`Self::run_open`] goes on from there.
     pub fn retry(
         &self,
         tried: &mut FailedAttempt,
