@@ -263,7 +263,10 @@ impl<'a> ProgressiveSimplifier<'a> {
                 }
             }
             if is_again {
-                reduction.run_open(0, &room, job)?;
+                // In the end what was left out stays as it was.
+                if attempt < LAST_LOOK {
+                    reduction.run_open(0, &room, job)?;
+                }
             } else {
                 reduction.run(0, &room, job)?;
             }
