@@ -42,6 +42,7 @@ class Meant(TypedDict):
     inside: str | None
     border: str
     labels: Sequence[int] | None
+    smooth: str | None
 
 @final
 class Array:

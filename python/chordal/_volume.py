@@ -43,6 +43,7 @@ class Volume(Shape):
         inside: Literal["high", "low"] | None = None,
         border: Literal["capped", "open"] = "capped",
         labels: Sequence[int] | Literal["all"] | None = None,
+        smooth: str | SupportsFloat | None = None,
         tol: Length | None = None,
         rel: Share | None = None,
         pixels: SupportsFloat | None = None,
@@ -58,7 +59,10 @@ class Volume(Shape):
 
         Without a level it is 0.5 for masks and occupancies and 0 for distances; anything else is `Refused`. `inside`
         says on which side of the level the shape is. A shape that reaches the border is closed there, unless `border`
-        is "open". With `labels`, a list or "all", every label has a surface of its own. A budget is one as for
+        is "open". With `labels`, a list or "all", every label has a surface of its own; within a budget two that
+        meet still have the same triangles there, and `triangles` is for all together. `smooth`, as in
+        "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the bound stays against the
+        unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost. A budget is one as for
         `Shape.mesh`; without any the bound is what the lattice allows.
 
         >>> import chordal, numpy
@@ -72,6 +76,7 @@ class Volume(Shape):
             "inside": text("inside", inside),
             "border": border,
             "labels": None if labels is None else [] if labels == "all" else _labels(labels),
+            "smooth": None if smooth is None else smooth if isinstance(smooth, str) else repr(float(smooth)),
         }
         source = self._source.surface(meant)
         nothing = all(limit is None for limit in (tol, rel, pixels, view, angle, uv_error, normal_error, triangles))

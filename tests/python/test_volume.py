@@ -39,6 +39,18 @@ def test_sides_borders_and_labels() -> None:
     assert len(both.mesh(labels=[2]).faces) < len(both.mesh(labels=[1]).faces)
 
 
+def test_labels_within_a_budget_and_smoothed_masks() -> None:
+    mask = (BALL < 0).astype(np.uint8)
+    both = chordal.volume(mask + (BALL < -2))
+    few = both.mesh(labels="all", tol=1.5)
+    assert few.bound.at_most <= 1.5 and len(few.faces) < len(both.mesh(labels="all").faces)
+    smooth = chordal.volume(mask).mesh(smooth="0.8vox")
+    assert smooth.report["certificate"]["smoothed"]["changed"] < mask.sum()
+    assert chordal.volume(mask).mesh(smooth=0.8).vertices.tobytes() == smooth.vertices.tobytes()
+    with pytest.raises(ValueError, match="smooth"):
+        chordal.volume(mask).mesh(smooth="much")
+
+
 def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match="three axes"):
         chordal.volume(np.zeros((3, 3)))

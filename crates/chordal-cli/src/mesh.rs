@@ -34,7 +34,8 @@ Examples:
   chordal mesh drawing.svg --tol 0.25 -o drawing.json
   chordal mesh drawing.svg --tol 0.25 -o drawing.glb
   chordal mesh brain.nii.gz --iso 60 -o brain.glb
-  chordal mesh organs.nii.gz --labels all -o organs.glb
+  chordal mesh liver_mask.nii.gz --smooth 0.8vox --tol 3mm -o liver.glb
+  chordal mesh organs.nii.gz --labels all --tol 2mm -o organs.glb
   chordal mesh cage.obj --level 2 -o refined.obj")]
 pub struct MeshArgs {
     #[command(flatten)]
@@ -214,6 +215,11 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     if is_field && best.bound.at_most().is_none() && args.budget.require.is_none() {
         hints.push("--require measured asks for no proof");
     }
+    let smoothed = best.certificate.smoothed.as_ref();
+    let fits = smoothed
+        .and_then(|facts| facts.fits.as_ref())
+        .map(|fits| format!("--smooth {fits} alone is within it"));
+    hints.extend(fits.as_deref());
     hints.iter().map(|hint| format!("; {hint}")).collect()
 }
 

@@ -1,8 +1,8 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{RoundingDirection, grouped, short, size};
 use chordal_verbs::report::{
-    AttributeFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts, TriangleFacts,
-    ValidityFacts,
+    AttributeFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts, SmoothingFacts,
+    TriangleFacts, ValidityFacts,
 };
 use std::fmt::Write;
 
@@ -77,11 +77,25 @@ pub fn mesh(report: &Report) -> String {
             format!("{} degrees between normals, measured", short(angle, RoundingDirection::Up))
         }),
     );
+    lines.add_if("smoothed", certificate.smoothed.as_ref().map(smoothed));
     certificate.attributes.iter().for_each(|facts| lines.add("attribute", attribute(facts)));
     if let Some(valid) = &certificate.valid {
         soundness(&mut lines, valid);
     }
     lines.finish_run(run)
+}
+
+/// What smoothing cost.
+fn smoothed(facts: &SmoothingFacts) -> String {
+    let most =
+        facts.at_most.map_or_else(|| "any length".to_owned(), |most| short(most, RoundingDirection::Up));
+    let least = short(facts.at_least, RoundingDirection::Down);
+    format!(
+        "{} samples changed sides, where {} were inside; the surface is between {least} and {most} off ({})",
+        grouped(facts.changed),
+        grouped(facts.inside),
+        facts.evidence
+    )
 }
 
 /// What a picture shows.

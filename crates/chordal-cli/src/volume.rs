@@ -1,6 +1,6 @@
 //! What verbs take for volumes: which surface of the samples is meant.
 use crate::fault::Fault;
-use chordal_verbs::{Border, Inside, LabelSelection, Shape, SurfaceSpec};
+use chordal_verbs::{Border, Inside, LabelSelection, Shape, SmoothingWidth, SurfaceSpec};
 use clap::{Args, ValueEnum};
 
 /// Arguments for volumes.
@@ -18,6 +18,11 @@ pub struct VolumeArgs {
     /// Samples are labels: one part for each of "all" but 0, or of a list as in 1,2,10
     #[arg(long, value_name = "LABELS", value_parser = labels, allow_hyphen_values = true)]
     pub labels: Option<LabelSelection>,
+
+    /// Smooth a mask by a Gaussian of this standard deviation, a length or in samples as in 0.8vox; the bound is against
+    /// the unsmoothed mask
+    #[arg(long, value_name = "SIGMA", conflicts_with_all = ["labels", "iso"])]
+    pub smooth: Option<SmoothingWidth>,
 
     /// Close a shape that reaches the border of the volume there; it is so unless --open says otherwise
     #[arg(long, conflicts_with = "open")]
@@ -70,6 +75,7 @@ impl VolumeArgs {
             (self.iso.is_some(), "--iso"),
             (self.inside.is_some(), "--inside"),
             (self.labels.is_some(), "--labels"),
+            (self.smooth.is_some(), "--smooth"),
             (self.cap, "--cap"),
             (self.open, "--open"),
         ];
@@ -87,6 +93,7 @@ impl VolumeArgs {
             }),
             border: if self.open { Border::Open } else { Border::Capped },
             labels: self.labels.clone(),
+            smooth: self.smooth,
         };
         true
     }

@@ -207,6 +207,47 @@ fn labels_become_parts_of_their_own() {
 }
 
 #[test]
+fn labels_within_a_budget_share_their_triangles_and_masks_are_smoothed() {
+    let folder = Folder::new("volume-budgets");
+    let square = |a: usize, b: usize| (a as i64 - b as i64).pow(2);
+    let in_ball = |[x, y, z]: [usize; 3]| square(x, 8) + square(y, 8) + square(z, 8) < 40;
+    let halves = |at: [usize; 3]| if in_ball(at) { 1 + u8::from(at[0] > 8) } else { 0 };
+    let labels = folder.file("labels.nrrd", nrrd("(1,0,0) (0,1,0) (0,0,1)", [17; 3], halves));
+    let output = folder.text("labels.obj");
+    let made = |limit: &[&str]| {
+        let arguments = ["mesh", &labels, "--labels", "all", "-o", &output, "--force", "--json"];
+        report(&run(&[&arguments[..], limit].concat()))
+    };
+    let (all, few) = (made(&[]), made(&["--tol", "1.2"]));
+    let triangles = |report: &Value| number(report, "/certificate/output/triangles");
+    assert!(triangles(&few) < 0.6 * triangles(&all), "{} of {}", triangles(&few), triangles(&all));
+    assert!(number(&few, "/certificate/bound/at_most") <= 1.2);
+    assert!(few["certificate"]["valid"]["closed"] == true && few["certificate"]["valid"]["manifold"] == true);
+    assert!(few["certificate"]["notes"].to_string().contains("both sides"), "{few:#}");
+    let half = made(&["--triangles", (0.6 * triangles(&all)).to_string().split('.').next().unwrap()]);
+    assert!(triangles(&half) <= 0.6 * triangles(&all));
+
+    let mask = folder.file("mask.nrrd", nrrd("(1,0,0) (0,1,0) (0,0,1)", [17; 3], |at| u8::from(in_ball(at))));
+    let output = folder.text("mask.obj");
+    let smoothed = ["mesh", &mask, "--smooth", "0.8vox", "-o", &output, "--force"];
+    let found = report(&run(&[&smoothed[..], &["--tol", "1.5", "--json"]].concat()));
+    let facts = &found["certificate"]["smoothed"];
+    assert!(
+        facts["sigma"] == serde_json::json!([0.8, 0.8, 0.8]) && facts["evidence"] == "proved",
+        "{facts:#}"
+    );
+    assert!(number(facts, "/at_most") <= number(&found, "/certificate/bound/at_most"));
+    assert!(number(&found, "/certificate/bound/at_most") <= 1.5);
+    let said = run(&smoothed);
+    assert!(
+        said.code == 0 && said.stderr.contains("smoothed") | said.stdout.contains("smoothed"),
+        "{said:?}"
+    );
+    run(&[&smoothed[..], &["--tol", "0.05"]].concat()).fails_with(5, &["not met"]);
+    run(&["mesh", &labels, "--labels", "all", "--smooth", "1", "-o", &output]).fails_with(2, &["--smooth"]);
+}
+
+#[test]
 fn what_is_for_volumes_is_for_nothing_else() {
     let folder = Folder::new("volume-only");
     let (input, output) = (folder.file("a.obj", CLOSED_OBJ), folder.text("a.ply"));

@@ -17,6 +17,7 @@ impl Spelling for Keywords {
             Setting::Region => "within()".to_owned(),
             Setting::Iso => number("iso"),
             Setting::Labels => number("labels"),
+            Setting::Smooth => text("smooth"),
             Setting::Open => "border=\"open\"".to_owned(),
             Setting::Triangles => number("triangles"),
             Setting::Segments => number("segments"),

@@ -2,6 +2,7 @@
 use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::{failure, work};
+use chordal::budget::InvalidLength;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::Format;
@@ -22,6 +23,8 @@ pub(crate) struct Meant {
     border: String,
     /// An empty list stands for all but 0.
     labels: Option<Vec<i64>>,
+    /// As in "1.5mm" or "0.8vox".
+    smooth: Option<String>,
 }
 
 impl Meant {
@@ -43,7 +46,9 @@ impl Meant {
         let labels = self
             .labels
             .map(|list| if list.is_empty() { LabelSelection::All } else { LabelSelection::Listed(list) });
-        Ok(SurfaceSpec { level: self.iso, inside, border, labels })
+        let smooth = self.smooth.map(|text| text.parse()).transpose();
+        let smooth = smooth.map_err(|why: InvalidLength| failure::argument("smooth", why.to_string()))?;
+        Ok(SurfaceSpec { level: self.iso, inside, border, labels, smooth })
     }
 }
 

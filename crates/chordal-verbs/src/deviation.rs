@@ -173,9 +173,10 @@ impl SampledSurface {
     fn within(&self, share: f64, job: &Job) -> Result<ApproximateMesh<'_>, MeshFailure> {
         let native = (Cow::Borrowed(&self.native.mesh), self.native.off, self.native.reference.clone());
         let length = greater(share * self.diagonal, self.native.off / Self::FINER);
-        // Labels have one resolution.
+        // Labels and smoothed masks have one resolution.
         let Ok(tolerance) = Tolerance::new(length) else { return Ok(native) };
-        if length >= self.native.off || self.sampled.surface.labels.is_some() {
+        let surface = &self.sampled.surface;
+        if length >= self.native.off || surface.labels.is_some() || surface.smooth.is_some() {
             return Ok(native);
         }
         match surface_of(&self.sampled, Budget::length(tolerance), &mut Vec::new(), job) {

@@ -1,10 +1,12 @@
 //! Isosurfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a
 //! budget.
 use crate::label_looks::LabelLooks;
+use crate::report::SmoothingFacts;
 use crate::request::MeshRequest;
-use crate::simplified_isosurface::simplified_isosurface;
+use crate::simplified_isosurface::{simplified, simplified_isosurface, simplified_labels};
+use crate::smoothing::{smoothed_surface, smoothing_note};
 use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
-use crate::{MeshFailure, SurfaceSpec};
+use crate::{MeshFailure, SmoothingWidth, SurfaceSpec};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, RefusalCode};
 use chordal::convert::{self, Border, Inside, Polygonize};
@@ -22,6 +24,14 @@ pub(crate) enum SurfaceForm {
     Simplified,
 }
 
+/// The surface of a volume.
+pub(crate) struct VolumeSurface {
+    pub scene: Scene,
+    /// Against the trilinear interpolant of the samples.
+    pub bound: Bound,
+    pub smoothed: Option<SmoothingFacts>,
+}
+
 /// The isosurface of a volume at the precision of the format, with its bound against the trilinear
 /// interpolant.
 ///
@@ -33,7 +43,7 @@ pub(crate) fn mesh_volume(
     (request, form): (&MeshRequest, SurfaceForm),
     notes: &mut Vec<Message>,
     job: &Job,
-) -> Result<(Scene, Bound), MeshFailure> {
+) -> Result<VolumeSurface, MeshFailure> {
     let grid = &sampled.volume.grid;
     let range = ValueRange::from_samples(grid.samples());
     if let Some(space) = &sampled.volume.space {
@@ -49,14 +59,24 @@ pub(crate) fn mesh_volume(
             .push(format!("{} samples are infinite and count as the largest numbers", range.infinite).into());
     }
     if let Some(labels) = &sampled.surface.labels {
-        return mesh_labels(sampled, &selected_labels(labels, sampled, &range)?, request, notes, job);
+        let labels = selected_labels(labels, sampled, &range)?;
+        let (scene, bound) = mesh_labels(sampled, &labels, (request, form), notes, job)?;
+        return Ok(VolumeSurface { scene, bound, smoothed: None });
     }
     let rule = polygonize_rule(sampled, &range, notes)?;
     note_border(grid, &rule, notes);
-    let made = SurfaceMesher { sampled, request, job }.make(grid, (&rule, form), notes)?;
+    let mesher = SurfaceMesher { sampled, request, job };
+    let (made, smoothed) = match sampled.surface.smooth {
+        Some(width) => {
+            let suggested = range.suggest(&sampled.volume);
+            let (made, facts) = mesher.make_smooth((&rule, suggested.as_ref()), (width, form), notes)?;
+            (made, Some(facts))
+        }
+        None => (mesher.make(grid, (&rule, form), notes)?, None),
+    };
     let mut scene = Scene::from_mesh("surface", made.shape, sampled.volume.frame);
     set_names(&mut scene, &sampled.volume.name);
-    Ok((scene, made.bound))
+    Ok(VolumeSurface { scene, bound: made.bound, smoothed })
 }
 
 /// The isosurface of a volume at the full precision of its numbers, for what looks at it and writes no file.
@@ -71,7 +91,8 @@ pub(crate) fn surface_of(
 ) -> Result<(Scene, Bound), MeshFailure> {
     // PLY rounds nothing.
     let request = MeshRequest::new(budget, Format::Ply, sampled.bounds()).widened();
-    mesh_volume(sampled, (&request, SurfaceForm::Cells), notes, job)
+    let made = mesh_volume(sampled, (&request, SurfaceForm::Cells), notes, job)?;
+    Ok((made.scene, made.bound))
 }
 
 /// A part that has a name in the file has it in the mesh.
@@ -111,6 +132,33 @@ impl SurfaceMesher<'_> {
                 Ok(made)
             }
         })
+    }
+}
+
+impl SurfaceMesher<'_> {
+    /// The mesh of a smoothed mask at the precision of the format, and what smoothing cost.
+    fn make_smooth(
+        &self,
+        (rule, suggested): (&Polygonize, Option<&SuggestedLevel>),
+        (width, form): (SmoothingWidth, SurfaceForm),
+        notes: &mut Vec<Message>,
+    ) -> Result<(Bounded<Mesh>, SmoothingFacts), MeshFailure> {
+        let Self { sampled, request, job } = self;
+        let rule = Polygonize { margin: margin(&sampled.volume.grid, request.rounding()), ..*rule };
+        let budget = request.reserve_rounding(request.rounding())?;
+        let length = budget.length_in(&request.bounds).unwrap_or(0.0);
+        let (made, facts) = smoothed_surface(sampled, (&rule, suggested), (width, length), job)?;
+        notes.push(smoothing_note(width, &facts));
+        let made = match form {
+            SurfaceForm::Simplified if budget.has_limit() => {
+                let (made, note) = simplified(made, (&budget, length), job)
+                    .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
+                notes.extend(note);
+                made
+            }
+            _ => made,
+        };
+        Ok((request.snap(&made.shape, made.bound, job)?, facts))
     }
 }
 
@@ -238,6 +286,10 @@ fn selected_labels(
     sampled: &VolumeShape,
     range: &ValueRange,
 ) -> Result<Vec<i64>, MeshFailure> {
+    if sampled.surface.smooth.is_some() {
+        let message = Message::from("smoothed one by one, labels would no longer fit together: ");
+        return Err(MeshFailure::Usage(message.setting(Setting::Smooth).words(" is for masks")));
+    }
     if sampled.surface.level.is_some() || sampled.surface.inside.is_some() {
         let message = Message::from("labels have no level and no side: give ").setting(Setting::Labels);
         return Err(MeshFailure::Usage(message.words(" alone, or ").setting(Setting::Iso)));
@@ -271,16 +323,17 @@ fn selected_labels(
     }
 }
 
-/// One part for each label, halfway between its samples and others; adjacent labels share their vertices.
+/// One part for each label, halfway between its samples and others; adjacent labels share their vertices, and where
+/// they are made of fewer triangles these, too.
 fn mesh_labels(
     sampled: &VolumeShape,
     labels: &[i64],
-    request: &MeshRequest,
+    (request, form): (&MeshRequest, SurfaceForm),
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     // Refuses a budget that rounding to the format alone would exceed.
-    request.reserve_rounding(request.rounding())?;
+    let budget = request.reserve_rounding(request.rounding())?;
     let rule = convert::lattices::LabelOptions {
         border: [[sampled.surface.border; 2]; 3],
         ..convert::lattices::LabelOptions::default()
@@ -288,10 +341,17 @@ fn mesh_labels(
     let numbered = label_indices(&sampled.volume.grid, labels, job)?;
     let meshes = convert::lattices::labels_to_meshes(&numbered, &rule, job)
         .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
+    let (numbers, meshes): (Vec<u32>, Vec<Bounded<Mesh>>) = meshes.into_iter().unzip();
+    let (meshes, words) = match form {
+        SurfaceForm::Simplified if budget.has_limit() => {
+            simplified_labels(meshes, (&budget, &request.bounds), job)?
+        }
+        _ => (meshes, None),
+    };
     let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
     let looks = LabelLooks::new(&sampled.volume, labels);
     let mut worst: Option<Bound> = None;
-    for (number, Bounded { shape, bound }) in meshes {
+    for (number, Bounded { shape, bound }) in numbers.into_iter().zip(meshes) {
         let Bounded { shape, bound } = request.snap(&shape, bound, job)?;
         let label = labels[number as usize - 1];
         let one = Scene::from_mesh(&looks.name(label), looks.paint(shape, number), scene.frame);
@@ -310,6 +370,7 @@ fn mesh_labels(
         )
         .into(),
     );
+    notes.extend(words);
     let worst = worst.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "no label was asked for"))?;
     Ok((scene, worst))
 }

@@ -62,6 +62,8 @@ mod script;
 mod shape;
 mod simplified_isosurface;
 mod simplify;
+mod smoothing;
+mod smoothing_width;
 mod spec;
 mod spell;
 mod straight;
@@ -90,6 +92,7 @@ pub use outcome::{MeshOutcome, Tessellation};
 pub use output_form::OutputForm;
 pub use render::{PictureTolerance, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use shape::Shape;
+pub use smoothing_width::SmoothingWidth;
 pub use spec::BudgetSpec;
 pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 

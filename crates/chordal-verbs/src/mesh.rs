@@ -87,7 +87,9 @@ pub fn mesh(
         }
         Shape::Volume(sampled) => {
             let request = (&request.widened(), SurfaceForm::Simplified);
-            isosurface::mesh_volume(&sampled, request, &mut certificate.notes, job)?
+            let made = isosurface::mesh_volume(&sampled, request, &mut certificate.notes, job)?;
+            certificate.smoothed = made.smoothed;
+            (made.scene, made.bound)
         }
         Shape::Field(implicit) => {
             field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?

@@ -1,12 +1,13 @@
-//! The isosurface of a volume with as few triangles as a budget allows: polygonized within a share of the length,
-//! then simplified within what the polygonizer left of it.
+//! The isosurface of a volume, or those of its labels, with as few triangles as a budget allows: polygonized within a
+//! share of the length, then simplified within what the polygonizer left of it.
+use crate::MeshFailure;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Budget, Failure, JobError, Tolerance};
 use chordal::convert::{self, Polygonize};
 use chordal::explicit::Topology;
 use chordal::implicit::Grid;
-use chordal::lod::simplify;
-use chordal::math::{Box3, sub_down};
+use chordal::lod::{simplify, simplify_conforming};
+use chordal::math::{Box3, greater, sub_down};
 use chordal::{Bounded, Job, Mesh};
 
 /// The share of a length within which cells are halved; what they leave of it is for collapses. Chosen: each halving makes
@@ -32,6 +33,20 @@ pub(crate) fn simplified_isosurface(
         Err(_) => *budget,
     };
     let fine = convert::grid_to_mesh(grid, rule, Some(&cells), job).or_else(Failure::best_effort)?;
+    simplified(fine, (budget, length), job)
+}
+
+/// Triangles within what their own bound leaves of a budget, whose length is `length`, and a sentence that tells the two
+/// steps apart.
+///
+/// # Errors
+/// When the job is cancelled.
+pub(crate) fn simplified(
+    fine: Bounded<Mesh>,
+    (budget, length): (&Budget, f64),
+    job: &Job,
+) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
+    let within = |length: Tolerance| Budget { length: Some(length), pixels: None, ..*budget };
     // Of no limit an unlimited one is left, and not the largest number.
     let rest = if length == f64::INFINITY {
         *budget
@@ -58,6 +73,62 @@ pub(crate) fn simplified_isosurface(
             Ok((fine, Some(words)))
         }
     }
+}
+
+/// The meshes of labels within a budget, with the bounds of both steps added, and the same triangles on both sides of a
+/// border between two labels. Cells are not halved: what the length does not have room for is left as it is.
+///
+/// # Errors
+/// When the job is cancelled.
+pub(crate) fn simplified_labels(
+    meshes: Vec<Bounded<Mesh>>,
+    (budget, bounds): (&Budget, &Box3),
+    job: &Job,
+) -> Result<(Vec<Bounded<Mesh>>, Option<Message>), MeshFailure> {
+    let length = budget.length_in(bounds).unwrap_or(0.0);
+    let of_cells = largest(meshes.iter().map(|made| &made.bound));
+    // Of no limit an unlimited one is left, and not the largest number.
+    let left = if length == f64::INFINITY { length } else { sub_down(length, of_cells) };
+    let rest = match Tolerance::new(left) {
+        Ok(left) => Budget { length: Some(left), pixels: None, ..*budget },
+        Err(_) if left == f64::INFINITY => Budget { pixels: None, ..*budget },
+        Err(_) => return Ok((meshes, None)),
+    };
+    let count = |meshes: &[Mesh]| meshes.iter().map(|mesh| mesh.faces().len()).sum::<usize>();
+    let (shapes, bounds): (Vec<Mesh>, Vec<Bound>) =
+        meshes.into_iter().map(|Bounded { shape, bound }| (shape, bound)).unzip();
+    let before = count(&shapes);
+    if rest.length.is_none() && rest.triangles.is_none_or(|most| most >= before as u64) {
+        let meshes = shapes.into_iter().zip(bounds).map(|(shape, bound)| Bounded { shape, bound });
+        return Ok((meshes.collect(), None));
+    }
+    match simplify_conforming(&shapes, &rest, job).or_else(Failure::best_effort) {
+        Ok(Bounded { shape: made, .. }) => {
+            let lost = largest(made.iter().map(|made| &made.bound));
+            let after: usize = made.iter().map(|made| made.shape.faces().len()).sum();
+            let words = format!(
+                "{before} triangles within {of_cells:.3e} of the interpolants of labels were simplified to {after} within \
+                 {lost:.3e} of them, the same on both sides of a border between two labels"
+            );
+            let both = |(of_cells, made): (Bound, Bounded<Mesh>)| {
+                let bound = of_cells.then(&made.bound);
+                Bounded { shape: made.shape, bound }
+            };
+            Ok((bounds.into_iter().zip(made).map(both).collect(), Some(words.into())))
+        }
+        Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
+        // What cannot be simplified stays as it is, with its own bound.
+        Err(JobError::Refused(why)) => {
+            let words = Message::from("the triangles were not simplified: ").message(&why.message);
+            let meshes = shapes.into_iter().zip(bounds).map(|(shape, bound)| Bounded { shape, bound });
+            Ok((meshes.collect(), Some(words)))
+        }
+    }
+}
+
+/// The largest upper end.
+fn largest<'a>(bounds: impl Iterator<Item = &'a Bound>) -> f64 {
+    bounds.map(|bound| bound.at_most().unwrap_or(f64::INFINITY)).fold(0.0, |most, x| greater(x, most))
 }
 
 /// What each of both steps made and cost.

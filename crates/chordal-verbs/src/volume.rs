@@ -1,4 +1,5 @@
 //! `VolumeShape`: a volume with the choice of its surface, and the level that its samples suggest.
+use crate::smoothing_width::SmoothingWidth;
 use chordal::convert::{Border, Inside};
 use chordal::implicit::Samples;
 use chordal::math::{Box3, greater, lesser};
@@ -37,6 +38,8 @@ pub struct SurfaceSpec {
     pub border: Border,
     /// Treats samples as labels, each with a surface of its own.
     pub labels: Option<LabelSelection>,
+    /// Smooths a mask.
+    pub smooth: Option<SmoothingWidth>,
 }
 
 /// The labels that get a surface.

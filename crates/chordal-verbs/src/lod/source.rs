@@ -362,7 +362,8 @@ fn tessellate(
         }
         Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),
         Shape::Volume(sampled) => {
-            isosurface::mesh_volume(sampled, (&request.widened(), SurfaceForm::Cells), notes, job)
+            let made = isosurface::mesh_volume(sampled, (&request.widened(), SurfaceForm::Cells), notes, job);
+            made.map(|made| (made.scene, made.bound))
         }
         Shape::Field(field) => field::mesh_field(field, &request.widened(), notes, job),
         _ => Err(MeshFailure::refused(RefusalCode::Unsupported, "this shape has no levels")),

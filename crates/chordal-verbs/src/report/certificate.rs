@@ -2,7 +2,7 @@
 use super::message_text::message_texts;
 use super::{
     AttributeFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, InputFacts, LevelsFacts, Output,
-    OvershadeFacts, RefinementFacts, RepairFacts, ValidityFacts, to_value,
+    OvershadeFacts, RefinementFacts, RepairFacts, SmoothingFacts, ValidityFacts, to_value,
 };
 use crate::{Input, Shape};
 use chordal::budget::advice::{Cure, Message, Setting};
@@ -33,6 +33,9 @@ pub struct Certificate {
     /// The repairs, in the order of application; only from `mend`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mended: Vec<RepairFacts>,
+    /// How a mask was smoothed; only where it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothed: Option<SmoothingFacts>,
     /// How a cage was refined; only where its polygons are the result.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refined: Option<RefinementFacts>,
@@ -67,6 +70,7 @@ impl Certificate {
             valid: None,
             valid_before: None,
             mended: Vec::new(),
+            smoothed: None,
             refined: None,
             baked: None,
             attributes: Vec::new(),

@@ -20,6 +20,8 @@ pub enum Setting {
     Iso,
     /// The labels that get a surface each.
     Labels,
+    /// The standard deviation of a Gaussian over a mask.
+    Smooth,
     /// Whether a surface stays open at the border of its volume.
     Open,
     /// The most triangles.
@@ -44,7 +46,7 @@ pub enum Setting {
 
 impl Setting {
     /// All but the repairs, of which [`Cure::ALL`] has the list.
-    pub const PLAIN: [Self; 17] = [
+    pub const PLAIN: [Self; 18] = [
         Self::Unit,
         Self::From,
         Self::Surface,
@@ -53,6 +55,7 @@ impl Setting {
         Self::Region,
         Self::Iso,
         Self::Labels,
+        Self::Smooth,
         Self::Open,
         Self::Triangles,
         Self::Segments,
@@ -82,6 +85,7 @@ impl Setting {
             Self::Region => "region",
             Self::Iso => "iso",
             Self::Labels => "labels",
+            Self::Smooth => "smooth",
             Self::Open => "open",
             Self::Triangles => "triangles",
             Self::Segments => "segments",

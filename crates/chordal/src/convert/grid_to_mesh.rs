@@ -351,7 +351,7 @@ fn vertex_displacement(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) ->
     add_up(moved, rounding_error(affine, rule, size))
 }
 
-fn vertex_errors(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> (f64, f64) {
+pub(super) fn vertex_errors(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> (f64, f64) {
     (vertex_displacement(affine, rule, size), rounding_error(affine, rule, size))
 }
 

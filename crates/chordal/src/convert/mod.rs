@@ -16,6 +16,7 @@ mod labels_to_meshes;
 mod ladder;
 mod lattice;
 mod length_from_pixels;
+mod mask_to_smooth_mesh;
 mod mesh_leaf;
 mod mesh_to_field;
 mod mesh_to_gpu_buffers;
@@ -62,4 +63,5 @@ pub mod lattices {
     pub use super::grid_to_mesh::{TriangleArrays, VertexKey, grid_to_triangles, vertex_keys};
     pub use super::labels_to_meshes::{LabelOptions, labels_to_meshes};
     pub use super::lattice::Lattice;
+    pub use super::mask_to_smooth_mesh::{SmoothedMask, mask_to_smooth_mesh};
 }

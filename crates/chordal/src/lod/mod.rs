@@ -2,6 +2,7 @@
 mod attribute_guard;
 mod bucket_queue;
 mod chain;
+mod conforming;
 mod edge_collapse;
 mod edge_guard;
 mod error_monitor;
@@ -19,6 +20,7 @@ mod tree;
 mod wedges;
 
 pub use chain::{LodLevel, LodSource, LodSteps, chain};
+pub use conforming::simplify_conforming;
 pub use reduction::ReductionStats;
 pub use simplify::{SimplifiedMesh, simplify};
 

@@ -185,7 +185,8 @@ impl SamplesByFace {
                         new.iter().filter(|(f, _)| *f != face).for_each(|new| offer(&mut best, new));
                     }
                 }
-                if !room.holds_sample(sample, best.0) {
+                // A length whose square is beyond all numbers holds any distance, but not that to no triangle.
+                if best.1 == NONE || !room.holds_sample(sample, best.0) {
                     // Other collapses there will fail at the same one.
                     if before != NONE {
                         samples[before as usize].next = samples[sample as usize].next;

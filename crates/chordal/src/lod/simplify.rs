@@ -201,6 +201,8 @@ pub(super) struct ProgressiveSimplifier<'a> {
     /// Whether any proof has succeeded.
     is_proved: bool,
     attributes: AttributeLimits,
+    /// With this many triangles there are few enough.
+    enough: usize,
 }
 
 impl<'a> ProgressiveSimplifier<'a> {
@@ -213,7 +215,17 @@ impl<'a> ProgressiveSimplifier<'a> {
                 proved.start_attribute_guard(&attributes);
             }
         }
-        Ok(Self { mesh, topology, proved, is_proved: false, attributes })
+        Ok(Self { mesh, topology, proved, is_proved: false, attributes, enough: 0 })
+    }
+
+    /// The same, which stops where at most this many triangles are left.
+    pub fn with_enough(self, enough: usize) -> Self {
+        Self { enough, ..self }
+    }
+
+    /// By row of the last result: the row of the original mesh that is fixed there, or the largest number.
+    pub fn fixed_rows(&self) -> Vec<u32> {
+        self.proved.fixed_rows()
     }
 
     /// The original mesh.
@@ -265,10 +277,10 @@ impl<'a> ProgressiveSimplifier<'a> {
             if is_again {
                 // In the end what was left out stays as it was.
                 if attempt < LAST_LOOK {
-                    reduction.run_open(0, &room, job)?;
+                    reduction.run_open(self.enough, &room, job)?;
                 }
             } else {
-                reduction.run(0, &room, job)?;
+                reduction.run(self.enough, &room, job)?;
             }
             reduction.drop_small_components(&room, job)?;
             // Where nothing was left out either, the mesh is what it was.
@@ -326,7 +338,7 @@ impl<'a> ProgressiveSimplifier<'a> {
         if self.proved.guards_attributes() || !room.is_constant() {
             return Ok(None);
         }
-        self.proved.after_slight((SLIGHT, 0), room, job)
+        self.proved.after_slight((SLIGHT, self.enough), room, job)
     }
 
     /// How far attributes are from those of the original, where they have limits, and the faces of either mesh that

@@ -3,10 +3,12 @@ mod blocks;
 mod contours;
 mod exhaustive;
 mod hostile;
+mod labels;
 mod leaves;
 mod lines;
 
 mod random;
 mod shapes;
-mod solid;
+mod smooth;
+pub mod solid;
 mod sparse;

@@ -41,7 +41,7 @@ fn cube(n: usize) -> Affine3 {
 }
 
 /// The trilinear interpolant by its definition, at a place between indices.
-fn interpolant(grid: &Grid, at: [f64; 3]) -> f64 {
+pub fn interpolant(grid: &Grid, at: [f64; 3]) -> f64 {
     let low: [usize; 3] = std::array::from_fn(|k| (at[k] as usize).min(grid.size()[k] - 2));
     let part: [f64; 3] = std::array::from_fn(|k| at[k] - low[k] as f64);
     (0..8)
@@ -55,7 +55,7 @@ fn interpolant(grid: &Grid, at: [f64; 3]) -> f64 {
 
 /// Points of the interpolant's surface: zeros on random lines along the axes of the lattice, by bisection of
 /// each cell into 8 parts.
-fn surface_points(grid: &Grid, random: &mut Random, lines: usize) -> Vec<[f64; 3]> {
+pub fn surface_points(grid: &Grid, random: &mut Random, lines: usize) -> Vec<[f64; 3]> {
     let mut points = Vec::new();
     let n = grid.size();
     for line in 0..lines {
@@ -105,7 +105,7 @@ fn to_triangle(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
 }
 
 /// The farthest of some points from the mesh.
-fn one_sided(points: &[[f64; 3]], mesh: &Mesh) -> f64 {
+pub fn one_sided(points: &[[f64; 3]], mesh: &Mesh) -> f64 {
     points
         .iter()
         .map(|p| {

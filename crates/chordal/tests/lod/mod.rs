@@ -3,6 +3,7 @@
 mod bounds;
 mod by_view;
 mod chains;
+mod conforming;
 mod counts;
 pub mod data;
 mod flat;

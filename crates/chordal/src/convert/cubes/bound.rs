@@ -45,12 +45,13 @@
 //! not on the worst case of a formula.
 use super::cell_prover::CellProver;
 use super::marching_cubes::MarchingPlan;
-use super::rule::Polygonize;
+use super::rule::{Border, Polygonize};
 use super::slopes::{CellLanes, LANES, LOW, MinSlopeKernel, ShiftKernel, run, shift};
-use super::source::SampleSource;
+use super::source::{DenseSamples, SampleSource};
 use crate::budget::{Job, par_map};
 use crate::implicit::Affine3;
 use crate::math::{Box3, add_up, div_up, greater, lesser, mul_up};
+use std::collections::BTreeMap;
 
 /// Half a unit in the last place of 1: the relative error of one rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
@@ -86,9 +87,18 @@ const FINE: f64 = 1.0 / 32.0;
 const STORED: f64 = 1.0 - f32::EPSILON as f64;
 /// The aim falls by this factor from one round to the next.
 const FALL: f64 = 0.6;
+/// Cells with the same corners are proved once where there are at most so many kinds, and at least so many cells for each.
+/// Chosen: a mask has 254 kinds, and eight times as many halved once.
+const MOST_KINDS: usize = 4096;
+const SHARED: usize = 4;
+/// An aim that is out of reach grows by this factor for a kind. Chosen.
+const NEXT_AIM: f64 = 1.1875;
 /// At most one in so many cells is cut up, plus this many.
 const SHARE: usize = 8;
 const SOME: usize = 4096;
+
+/// The values at the corners of a cell, less the level, as bits; and of six borders those that are capped there.
+type CellKind = ([u64; 8], u8);
 
 /// A cell with its bound, as a fraction of the diagonal.
 #[derive(Clone, Copy)]
@@ -109,7 +119,8 @@ impl<'a> IsosurfaceProof<'a> {
     ) -> Self {
         let diagonal = diagonal(affine);
         let lengths = affine.steps().map(|step| length_up(step.map(f64::abs)));
-        let local = CellProver { source, rule, affine, diagonal, moved, rounding, slack: 0.0 };
+        let local =
+            CellProver { source, rule, affine, diagonal, moved, rounding, slack: 0.0, gives_up: false };
         Self { local, size: source.size(), lengths, enough: 0.0 }
     }
 
@@ -137,6 +148,7 @@ impl<'a> IsosurfaceProof<'a> {
             rows.finish()
         });
         let all = slabs.iter().map(Vec::len).sum::<usize>();
+        self.share_equal_cells(plan, &mut slabs, job);
         let top = self.length_of(largest_bound(&slabs));
         let none = IsosurfaceDistance { most: top, at: [0; 3], least: 0.0, witness: None };
         if job.is_cancelled() || all == 0 {
@@ -201,6 +213,93 @@ impl<'a> IsosurfaceProof<'a> {
             }
         }
         IsosurfaceDistance { least: seen.map_or(0.0, |s| s.0), witness: seen.map(|s| s.1), ..worst }
+    }
+
+    /// Gives all cells with the same corners and the same capped borders one bound, where there are few of these.
+    fn share_equal_cells(&self, plan: &MarchingPlan, slabs: &mut [Vec<f32>], job: &Job) {
+        let all = slabs.iter().map(Vec::len).sum::<usize>();
+        let most = MOST_KINDS.min(all / SHARED);
+        // A slab with too many has none.
+        let kinds = plan.for_each_slab(job, |_, walk| {
+            let mut kinds = BTreeMap::new();
+            let mut last = None;
+            walk(&mut |at, _| {
+                if kinds.len() <= most {
+                    let kind = self.kind(at);
+                    if last != Some(kind) {
+                        kinds.entry(kind).or_insert(0.0_f32);
+                        last = Some(kind);
+                    }
+                }
+            });
+            kinds
+        });
+        let mut shared: BTreeMap<CellKind, f32> = BTreeMap::new();
+        for kinds in kinds {
+            shared.extend(kinds);
+            if shared.len() > most || job.is_cancelled() {
+                return;
+            }
+        }
+        let kinds: Vec<CellKind> = shared.into_keys().collect();
+        let bounds =
+            par_map(job, &kinds, |_, kind| if job.is_cancelled() { 1.0 } else { self.bound_of_kind(kind) });
+        let known: BTreeMap<CellKind, f32> = kinds.into_iter().zip(bounds).collect();
+        let better = plan.for_each_slab(job, |number, walk| {
+            let mut bounds = slabs[number].iter();
+            let mut better = Vec::with_capacity(slabs[number].len());
+            walk(&mut |at, _| {
+                let own = bounds.next().copied().unwrap_or(1.0);
+                better.push(known.get(&self.kind(at)).map_or(own, |bound| lesser(*bound, own)));
+            });
+            better
+        });
+        slabs.iter_mut().zip(better).for_each(|(slab, better)| *slab = better);
+    }
+
+    /// All that a cell's triangles and the interpolant in it depend on, but for its place.
+    fn kind(&self, at: [usize; 3]) -> CellKind {
+        let mut capped = 0;
+        for (k, border) in self.local.rule.border.iter().enumerate() {
+            let ends = [at[k] == 0, at[k] + 2 == self.size[k]];
+            for end in (0..2).filter(|end| ends[*end] && border[*end] == Border::Capped) {
+                capped |= 1 << (2 * k + end);
+            }
+        }
+        (self.corners(at).map(f64::to_bits), capped)
+    }
+
+    /// The bound of a cell in a lattice of its own around the origin, open where the cell has neighbours: what is shown there
+    /// of its triangles and its part of S holds in the whole lattice.
+    fn bound_of_kind(&self, (corners, capped): &CellKind) -> f32 {
+        let rule = self.local.rule;
+        let border = [0, 1, 2].map(|k| {
+            [0, 1].map(|end| if capped >> (2 * k + end) & 1 == 1 { Border::Capped } else { Border::Open })
+        });
+        let rule = Polygonize { border, offset: [0; 3], level: 0.0, ..*rule };
+        let values = corners.map(f64::from_bits);
+        let source = DenseSamples { values: &values, size: [2; 3], rule };
+        let Ok(affine) = Affine3::new(self.local.affine.rows().map(|[a, b, c, _]| [a, b, c, 0.0])) else {
+            return 1.0;
+        };
+        let CellProver { diagonal, moved, rounding, slack, .. } = self.local;
+        let prover = CellProver {
+            source: &source,
+            rule: &rule,
+            affine: &affine,
+            diagonal,
+            moved,
+            rounding,
+            slack,
+            gives_up: true,
+        };
+        let mut most = diagonal;
+        let mut aim = STORED * greater(self.enough, FINE * diagonal);
+        while most > aim {
+            most = lesser(prover.cell_distance([0; 3], aim), most);
+            aim *= NEXT_AIM;
+        }
+        self.to_diagonals(most)
     }
 
     /// Improves the bound of a cell, aiming at `aim`.

@@ -46,6 +46,8 @@ pub(super) struct CellProver<'a> {
     pub rounding: f64,
     /// The largest error of a value.
     pub slack: f64,
+    /// Whether a bound above the target is of no use.
+    pub gives_up: bool,
 }
 
 /// g at the corners of a cell, and the size beyond which a value in it has a certain side.
@@ -255,7 +257,7 @@ impl CellProver<'_> {
         let mut looked_at = 0;
         while let Some((low, side, flat)) = boxes.pop() {
             looked_at += 1;
-            if looked_at > MOST || most >= self.diagonal {
+            if looked_at > MOST || most >= self.diagonal || self.gives_up && most > target {
                 return self.diagonal;
             }
             let high = [0, 1, 2].map(|k| if flat == Some(k) { low[k] } else { low[k] + side });

@@ -1,4 +1,5 @@
 //! `MeshReduction::mesh`: the mesh that is left, with the values of its attributes.
+use super::super::edge_collapse::CollapseVertexKind;
 use super::MeshReduction;
 use crate::explicit::{Attribute, Domain, InvalidMesh, Mesh};
 use crate::lod::flat_normals::{is_flat, updated_normal};
@@ -47,6 +48,16 @@ impl MeshReduction<'_> {
             mesh = mesh.with_attribute(same).unwrap_or_else(empty_on_error);
         }
         mesh
+    }
+
+    /// By row of [`Self::mesh`]: the row of the original mesh that is fixed there, or [`NONE`].
+    pub fn fixed_rows(&self) -> Vec<u32> {
+        let mut rows = ReducedRows::new(self);
+        for face in self.faces() {
+            let normal = rows.flat.map_or([0.0; 3], |flat| self.normal(flat, face));
+            (0..3).for_each(|k| _ = rows.row_of_corner(self, 3 * face + k, normal));
+        }
+        rows.fixed
     }
 
     /// The source of the values, by attribute.
@@ -109,6 +120,8 @@ struct ReducedRows<'a> {
     /// By row: the first of the same position.
     id: Vec<u32>,
     wedge: Vec<u32>,
+    /// By row: that of the original mesh, where it is fixed.
+    fixed: Vec<u32>,
     /// By the key of a position, its first row; by row, the next of the same position.
     first: Vec<u32>,
     next: Vec<u32>,
@@ -128,6 +141,7 @@ impl<'a> ReducedRows<'a> {
             positions: Vec::new(),
             id: Vec::new(),
             wedge: Vec::new(),
+            fixed: Vec::new(),
             first: vec![NONE; reduction.engine.first_fan.len()],
             next: Vec::new(),
             by_wedge,
@@ -157,6 +171,8 @@ impl<'a> ReducedRows<'a> {
         self.id.push(if head == NONE { row } else { self.id[head as usize] });
         self.positions.push(reduction.world_position(v));
         self.wedge.push(wedge);
+        let is_fixed = engine.kind[v as usize] == CollapseVertexKind::Locked;
+        self.fixed.push(if is_fixed { reduction.row[key] } else { NONE });
         self.normal.push(normal);
         self.next.push(head);
         self.first[key] = row;
