@@ -43,7 +43,8 @@ def test_labels_within_a_budget_and_smoothed_masks() -> None:
     mask = (BALL < 0).astype(np.uint8)
     both = chordal.volume(mask + (BALL < -2))
     few = both.mesh(labels="all", tol=1.5)
-    assert few.bound.at_most <= 1.5 and len(few.faces) < len(both.mesh(labels="all").faces)
+    assert few.bound.at_most is not None and few.bound.at_most <= 1.5
+    assert len(few.faces) < len(both.mesh(labels="all").faces)
     smooth = chordal.volume(mask).mesh(smooth="0.8vox")
     assert smooth.report["certificate"]["smoothed"]["changed"] < mask.sum()
     assert chordal.volume(mask).mesh(smooth=0.8).vertices.tobytes() == smooth.vertices.tobytes()
