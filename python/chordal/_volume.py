@@ -52,6 +52,7 @@ class Volume(Shape):
         uv_error: SupportsFloat | None = None,
         normal_error: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
+        effort: Literal["best", "fast"] = "best",
         require: Literal["proved", "measured"] | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
@@ -93,6 +94,7 @@ class Volume(Shape):
                 normal_error=normal_error,
                 triangles=triangles,
                 counted="triangles",
+                effort=effort,
                 require=require,
             )
         )

@@ -116,7 +116,7 @@ pub struct ResultArgs {
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: SpacingArg,
 
-    /// For a count of triangles of a mesh or a volume: the least error (best), or the least time (fast), with one and a half
+    /// For a count of triangles of a mesh, not of a volume: the least error (best), or the least time (fast), with one and a half
     /// to three times the error
     #[arg(long, value_name = "HOW", default_value = "best")]
     pub effort: EffortArg,
