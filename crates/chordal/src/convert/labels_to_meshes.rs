@@ -38,11 +38,11 @@ impl Default for LabelOptions {
 /// meet in a cell, or two cross a face of a cell diagonally, their meshes leave a gap between them.
 ///
 /// **Bound.** As for `grid_to_mesh`: to the boundary of what the interpolant of that mask has above 0.5, in both
-/// directions; *proved*, once for each kind of cell that a label has (`convert/cubes/mask_cells.rs`). On cubes it is
-/// between a twentieth of a cell and half of one, the latter where corners lie diagonally across a cell.
+/// directions; *proved*, once for each kind of cell that a label has (`convert/cubes/mask_cells.rs`). Measured on cubes: a
+/// tenth of a cell for one sample alone, and four fifths where corners of a label lie diagonally across cells.
 ///
 /// **Cost.** One pass plane by plane on one thread: a few numbers for each sample of two planes, beside the
-/// meshes. The kinds of cells are at most 1,785, a millisecond each, on all threads.
+/// meshes. The kinds of cells are at most 1,785, less than a millisecond each, on all threads.
 ///
 /// # Errors
 /// [`Failure::Refused`]: no sample but the background, or an axis of one sample ([`RefusalCode::Empty`]); a
