@@ -299,7 +299,8 @@ impl<'a> IsosurfaceProof<'a> {
             most = lesser(prover.cell_distance([0; 3], aim), most);
             aim *= NEXT_AIM;
         }
-        self.to_diagonals(most)
+        // The lattice's own place moves its triangles by other roundings than this one's does.
+        self.to_diagonals(add_up(most, mul_up(2.0, rounding)))
     }
 
     /// Improves the bound of a cell, aiming at `aim`.
