@@ -26,6 +26,8 @@ impl EdgeCollapser {
     /// the edges of what is open.
     pub fn replay(&mut self, past: &[PastCollapse], is_open: &mut [bool]) {
         let monitor = self.monitor.take();
+        // Collapses without a monitor do not forget refusals.
+        self.refused_within.fill(0.0);
         for PastCollapse { shrink, ends } in past {
             let h = shrink.h;
             let is_same = self.surface.start[h as usize] == ends[0] && self.surface.end(h) == ends[1];

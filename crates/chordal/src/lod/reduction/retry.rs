@@ -19,22 +19,35 @@ impl<'a> MeshReduction<'a> {
         (room, rings): (&LocalTolerance, u32),
     ) -> Self {
         let mut is_far = tried.vertices_at(places, rings);
-        for round in 1.. {
-            let mut again = self.clone();
-            again.engine.log = Some(Vec::with_capacity(tried.log.len()));
-            let mut is_open: Vec<bool> = (0..self.engine.at.len() as u32)
-                .map(|v| is_far[representative(&mut tried.merged_into, v) as usize])
-                .collect();
-            again.engine.replay(&tried.log, &mut is_open);
-            let far = again.assign_as(tried, room);
-            if far.is_empty() || round == ROUNDS {
-                return again;
+        let (mut again, mut far) = self.replay_but(tried, &is_far, room);
+        for _ in 1..ROUNDS {
+            if far.is_empty() {
+                break;
             }
             for v in far.into_iter().flat_map(|face| again.engine.surface.corners(face)) {
                 is_far[representative(&mut tried.merged_into, v) as usize] = true;
             }
+            (again, far) = self.replay_but(tried, &is_far, room);
         }
-        self.clone()
+        again
+    }
+
+    /// What `tried` did, but at vertices that are far, in the numbers of its result; with faces that are too far from points
+    /// of the original.
+    fn replay_but(
+        &self,
+        tried: &mut FailedAttempt,
+        is_far: &[bool],
+        room: &LocalTolerance,
+    ) -> (Self, Vec<u32>) {
+        let mut again = self.clone();
+        again.engine.log = Some(Vec::with_capacity(tried.log.len()));
+        let mut is_open: Vec<bool> = (0..self.engine.at.len() as u32)
+            .map(|v| is_far[representative(&mut tried.merged_into, v) as usize])
+            .collect();
+        again.engine.replay(&tried.log, &mut is_open);
+        let far = again.assign_as(tried, room);
+        (again, far)
     }
 
     /// Goes on with what [`Self::retry`] left open.
@@ -105,6 +118,12 @@ mod tests {
         Mesh::new(positions, (0..n).flat_map(|i| (0..n).flat_map(move |j| cell(i, j))).collect()).unwrap()
     }
 
+    fn with_monitor(mesh: &Mesh) -> (MeshReduction<'_>, LocalTolerance) {
+        let mut from = MeshReduction::new(mesh, Topology::Indices);
+        from.start_monitor(&Job::default()).unwrap();
+        (from, LocalTolerance::uniform(0.01))
+    }
+
     fn attempt<'a>(from: &MeshReduction<'a>, room: &LocalTolerance) -> MeshReduction<'a> {
         let mut tried = from.clone();
         tried.run(0, room, &Job::default()).unwrap();
@@ -121,9 +140,7 @@ mod tests {
     #[test]
     fn without_places_everything_is_done_again() {
         let mesh = hills(24);
-        let mut from = MeshReduction::new(&mesh, Topology::Indices);
-        from.start_monitor(&Job::default()).unwrap();
-        let room = LocalTolerance::uniform(0.01);
+        let (from, room) = with_monitor(&mesh);
         let mut tried = attempt(&from, &room);
         assert!(tried.n_faces() < 300);
         let mut failed = FailedAttempt::new(tried.clone());
@@ -137,9 +154,7 @@ mod tests {
     #[test]
     fn collapses_without_a_monitor_are_done_again_as_well() {
         let mesh = hills(24);
-        let mut from = MeshReduction::new(&mesh, Topology::Indices);
-        from.start_monitor(&Job::default()).unwrap();
-        let room = LocalTolerance::uniform(0.01);
+        let (from, room) = with_monitor(&mesh);
         for share in [0.02, 0.25] {
             let mut tried = from.clone();
             tried.run_slight((share, &[]), 0, &room, &Job::default()).unwrap().unwrap();
@@ -161,9 +176,7 @@ mod tests {
     #[test]
     fn what_is_left_out_is_small_and_all_samples_stay_close() {
         let mesh = hills(24);
-        let mut from = MeshReduction::new(&mesh, Topology::Indices);
-        from.start_monitor(&Job::default()).unwrap();
-        let room = LocalTolerance::uniform(0.01);
+        let (from, room) = with_monitor(&mesh);
         let mut random = Random::new(2);
         for _ in 0..20 {
             let tried = attempt(&from, &room);
