@@ -38,10 +38,12 @@ type ConformingMeshes = Vec<Bounded<Mesh>>;
 /// that is tried before, twice the one before, from a fraction of an edge on. 60 bytes a triangle beside that.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best result when a count cannot be reached; [`RefusalCode::Budget`] without a limit,
+/// [`Failure::Unmet`] with the best result when a count cannot be reached, which is within the first length that comes
+/// within a twentieth of the fewest triangles; [`RefusalCode::Budget`] without a limit,
 /// with an angle or limits on attributes; [`RefusalCode::Empty`] without a triangle; [`RefusalCode::Unsupported`] for
 /// attributes; [`RefusalCode::TooClose`] where the box around all meshes reaches the eye;
-/// [`RefusalCode::TooMuchMemory`] for more than 2³² − 1 vertices; the refusals of [`check::deviation`](crate::check::deviation).
+/// [`RefusalCode::TooMuchMemory`] for more than 2³² − 1 vertices; the refusals of
+/// [`check::deviation`](crate::check::deviation).
 ///
 /// ```
 /// use chordal::convert::lattices::{LabelOptions, labels_to_meshes};
@@ -112,10 +114,8 @@ fn check(meshes: &[Mesh], budget: &Budget) -> Result<(), JobError> {
     }
     let n_rows = meshes.iter().map(|mesh| mesh.positions().len()).sum::<usize>();
     if n_rows >= NONE as usize {
-        return refused(
-            RefusalCode::TooMuchMemory,
-            "meshes that share faces have at most 2^32 - 1 vertices together",
-        );
+        let message = "meshes that share faces have at most 2^32 - 1 vertices together";
+        return refused(RefusalCode::TooMuchMemory, message);
     }
     Ok(())
 }
@@ -125,6 +125,8 @@ fn check(meshes: &[Mesh], budget: &Budget) -> Result<(), JobError> {
 const FIRST: f64 = 0.25;
 /// No length below this fraction of the extent is tried: at most 40 are. Exact: 2⁻⁴⁰.
 const SHORTEST: f64 = 1.0 / 1_099_511_627_776.0;
+/// A count that no length reaches becomes this multiple of what the longest one leaves. Chosen.
+const NEARLY: f64 = 1.05;
 /// The ratio of the lengths that are tried for a count. Chosen.
 const FACTOR: f64 = 2.0;
 /// A set of faces with this fraction of its share of the count is not simplified further while a length is looked for.
@@ -281,8 +283,11 @@ impl<'a> InterfaceComplex<'a> {
             interface.counts(&lengths, share * interface.mesh.faces().len() as f64, job)
         });
         let counts: Vec<Vec<usize>> = counts.into_iter().collect::<Result<_, _>>()?;
-        let reached = (0..lengths.len()).find(|step| self.total(|at| counts[at][*step]) <= most);
-        let step = reached.unwrap_or(lengths.len() - 1);
+        // A length beyond which hardly a triangle goes is not worth its distance.
+        let total = |step: usize| self.total(|at| counts[at][step]);
+        let fewest = total(lengths.len() - 1);
+        let most = most.max((NEARLY * fewest as f64) as u64);
+        let step = (0..lengths.len()).find(|step| total(*step) <= most).unwrap_or(lengths.len() - 1);
         // 2. So many triangles for each interface as are between those of the last two lengths.
         let after = |at: usize| counts[at][step];
         let before = |at: usize| if step == 0 { before(at) } else { counts[at][step - 1] };
