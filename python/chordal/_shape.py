@@ -169,8 +169,8 @@ class Shape:
 
         `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` the same as a share
         of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is
-        the most triangles: the best mesh with no more than these; of triangles, `effort` "fast" takes a tenth of the time for
-        one and a half to three times the error. `angle`, beside one of them and for smooth surfaces, is the
+        the most triangles: the best mesh with no more than these; of triangles and volumes, `effort` "fast" mostly takes
+        about a tenth of the time, for two to three times the error. `angle`, beside one of them and for smooth surfaces, is the
         largest angle between the triangles' normals and the shape's, in degrees. `uv_error` and
         `normal_error`, beside `tol`, `rel` or `pixels`, are for triangles that have texture coordinates and normals: the
         largest distance to those of the input, where 1 is the texture's side, and the largest angle, in degrees; both are

@@ -116,8 +116,8 @@ pub struct ResultArgs {
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: SpacingArg,
 
-    /// For a count of triangles of a mesh, not of a volume: the least error (best), or the least time (fast), with one and a half
-    /// to three times the error
+    /// For a count alone of a mesh's or a volume's triangles (labels have one effort): the least error (best), or
+    /// mostly about a tenth of the time for two to three times the error (fast)
     #[arg(long, value_name = "HOW", default_value = "best")]
     pub effort: EffortArg,
 

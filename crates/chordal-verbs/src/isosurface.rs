@@ -127,7 +127,10 @@ impl SurfaceMesher<'_> {
         request.run(job, |budget| match form {
             SurfaceForm::Cells => convert::grid_to_mesh(grid, &rule, Some(budget), job),
             SurfaceForm::Simplified => {
-                let (made, note) = simplified_isosurface(grid, &rule, (budget, &request.bounds), job)?;
+                let (made, note) = {
+                    let within = (budget, &request.bounds, request.effort);
+                    simplified_isosurface(grid, &rule, within, job)?
+                };
                 notes.extend(note);
                 Ok(made)
             }
@@ -151,7 +154,7 @@ impl SurfaceMesher<'_> {
         notes.push(smoothing_note(width, &facts));
         let made = match form {
             SurfaceForm::Simplified if budget.has_limit() => {
-                let (made, note) = simplified(made, (&budget, length), job)
+                let (made, note) = simplified(made, (&budget, length, request.effort), job)
                     .map_err(|failure| MeshFailure::from_missed(failure, ""))?;
                 notes.extend(note);
                 made

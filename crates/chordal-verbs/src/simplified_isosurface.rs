@@ -6,6 +6,7 @@ use chordal::budget::{Bound, Budget, Failure, JobError, Tolerance};
 use chordal::convert::{self, Polygonize};
 use chordal::explicit::Topology;
 use chordal::implicit::Grid;
+use chordal::lod::count::{Effort, simplify_to_count};
 use chordal::lod::{simplify, simplify_conforming};
 use chordal::math::{Box3, greater, sub_down};
 use chordal::{Bounded, Job, Mesh};
@@ -14,14 +15,15 @@ use chordal::{Bounded, Job, Mesh};
 /// four times the triangles, so that most of the length is for it.
 const SHARE: f64 = 0.75;
 
-/// The isosurface within a budget, with the bounds of both steps added, and a sentence that tells them apart.
+/// The isosurface within a budget, with the bounds of both steps added, and a sentence that tells them apart. `effort` is for
+/// a count alone.
 ///
 /// # Errors
 /// As for [`convert::grid_to_mesh`].
 pub(crate) fn simplified_isosurface(
     grid: &Grid,
     rule: &Polygonize,
-    (budget, bounds): (&Budget, &Box3),
+    (budget, bounds, effort): (&Budget, &Box3, Effort),
     job: &Job,
 ) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
     let length = budget.length_in(bounds).unwrap_or(0.0);
@@ -33,17 +35,17 @@ pub(crate) fn simplified_isosurface(
         Err(_) => *budget,
     };
     let fine = convert::grid_to_mesh(grid, rule, Some(&cells), job).or_else(Failure::best_effort)?;
-    simplified(fine, (budget, length), job)
+    simplified(fine, (budget, length, effort), job)
 }
 
 /// Triangles within what their own bound leaves of a budget, whose length is `length`, and a sentence that tells the two
-/// steps apart.
+/// steps apart. `effort` is for a count alone.
 ///
 /// # Errors
 /// When the job is cancelled.
 pub(crate) fn simplified(
     fine: Bounded<Mesh>,
-    (budget, length): (&Budget, f64),
+    (budget, length, effort): (&Budget, f64, Effort),
     job: &Job,
 ) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
     let within = |length: Tolerance| Budget { length: Some(length), pixels: None, ..*budget };
@@ -60,7 +62,13 @@ pub(crate) fn simplified(
     if rest.length.is_none() && rest.triangles.is_none_or(|most| most >= n_faces) {
         return Ok((fine, None));
     }
-    match simplify(&fine.shape, &rest, Topology::Indices, job).or_else(Failure::best_effort) {
+    let made = match rest.triangles {
+        Some(most) if rest.length.is_none() => {
+            simplify_to_count(&fine.shape, most, effort, Topology::Indices, job)
+        }
+        _ => simplify(&fine.shape, &rest, Topology::Indices, job),
+    };
+    match made.or_else(Failure::best_effort) {
         Ok(made) => {
             let words = two_steps(&fine, &made.bound, made.shape.mesh.faces().len());
             let bound = fine.bound.then(&made.bound);
