@@ -77,7 +77,8 @@ fn narrower_within(
 pub(crate) fn smoothing_note(width: SmoothingWidth, facts: &SmoothingFacts) -> Message {
     let off = facts.at_most.map_or_else(|| "no known length".to_owned(), digits);
     let said = format!(
-        "smoothed by a Gaussian of {width}: {} samples changed sides, where {} were inside, and the surface moved by at most {off}",
+        "smoothed by a Gaussian of {width}: {} samples changed sides, where {} were inside, and the surface moved by at most \
+         {off}",
         facts.changed, facts.inside
     );
     match &facts.fits {

@@ -31,8 +31,8 @@ const LARGEST: f64 = 32.0;
 ///
 /// **Bound.** The two-sided Hausdorff distance between the mesh and the boundary of what the interpolant of `grid` itself has
 /// inside: of the unsmoothed shape. *Proved*: as for [`grid_to_mesh`](super::grid_to_mesh()) for its mesh without a
-/// budget, and from that to this one as by [`check::deviation`](crate::check::deviation()). Where a part vanishes, it is as large as
-/// the way from there to what is left.
+/// budget, and from that to this one as by [`check::deviation`](crate::check::deviation()). Where a part vanishes, it is as
+/// large as the way from there to what is left.
 ///
 /// **Mesh.** As for [`grid_to_mesh`](super::grid_to_mesh()): closed and manifold but for an open border.
 ///

@@ -30,8 +30,8 @@ use crate::explicit::{Mesh, Patch};
 /// **Budgets.** Pixels at a view, a length, or both, which may change from mesh to mesh. Limits of a length are kept as
 /// those of a view are.
 ///
-/// **Cost.** Beside what changes, some 0.3 µs a triangle for each mesh, and about 100 bytes a triangle that are kept. The
-/// same sequence of budgets gives the same bytes, on any number of threads. Of limits of Loop's scheme no triangles are
+/// **Cost.** Beside what changes, one pass over all triangles for each mesh; tiles with their cells and borders are kept, and
+/// counted by the job's limits. The same sequence of budgets gives the same bytes, on any number of threads. Of limits of Loop's scheme no triangles are
 /// kept: those are meshed anew for each view.
 ///
 /// ```

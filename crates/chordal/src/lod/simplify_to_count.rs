@@ -14,7 +14,7 @@ pub enum Effort {
     /// The error is about the least length that leaves so many triangles.
     #[default]
     Best,
-    /// Each step is the one of least cost, and only the result is looked at: a tenth of the time, and one and a half to
+    /// Each step is the one of least cost, and only the result is looked at: mostly about a tenth of the time and two to
     /// three times the error.
     Fast,
 }
@@ -56,7 +56,8 @@ const MENDED: u32 = 6;
 /// *Inputs.* n × 3 positions, m × 3 indices; `topology` says which rows are one position.
 ///
 /// *Cost.* [`Effort::Fast`]: 1.4 µs a triangle on one core, a half of it for the bound, up to 10 µs where faces are needles;
-/// more where less than half of the triangles go; 300 bytes a triangle. [`Effort::Best`]: 8 to 30 µs, 750 bytes.
+/// more where less than half of the triangles go; 300 bytes a triangle. [`Effort::Best`]: 8 to 30 µs, up to 70 µs where noise is
+/// as large as the length; 650 bytes.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best result where the count cannot be reached; [`RefusalCode::Empty`] without a triangle; the
