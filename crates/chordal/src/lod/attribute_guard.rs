@@ -8,7 +8,7 @@ use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face
 use crate::math::elementary::cos;
 use crate::math::{dot, lesser};
 use std::ops::Range;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// The limits, and the values that the vertices of the original have.
 ///
@@ -16,8 +16,8 @@ use std::rc::Rc;
 /// collapse. It guides and proves nothing: `check::attribute_deviation` measures the result.
 #[derive(Clone)]
 pub(super) struct AttributeGuard {
-    original: Rc<OriginalRows>,
-    limits: Rc<[ColumnLimit]>,
+    original: Arc<OriginalRows>,
+    limits: Arc<[ColumnLimit]>,
     /// By vertex of the original: how often its limits were lowered.
     cuts: Vec<u8>,
 }
@@ -90,7 +90,7 @@ impl AttributeGuard {
             Some(ColumnLimit { columns, most })
         };
         let limits = wedges.limited_columns().filter_map(limit).collect();
-        Self { original: Rc::new(original), limits, cuts: vec![0; n_vertices] }
+        Self { original: Arc::new(original), limits, cuts: vec![0; n_vertices] }
     }
 
     /// Takes back all cuts of limits.

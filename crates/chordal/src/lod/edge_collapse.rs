@@ -2,6 +2,7 @@
 //! flips.
 mod carried_values;
 mod link_condition;
+mod regions;
 mod replay;
 
 use super::attribute_guard::AttributeGuard;
@@ -15,7 +16,7 @@ use crate::budget::Job;
 use crate::explicit::{distance_sq_to_triangle, next_in_face, previous_in_face};
 use crate::math::{Box3, cross, difference, dot, greater, lesser, prefetch, unit_and_length};
 pub(super) use replay::PastCollapse;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// How a vertex may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +52,7 @@ pub(super) struct EdgeCollapser {
     /// By vertex: its original number; for a locked vertex, that of its position.
     pub source_vertex: Vec<u32>,
     /// By original number: the first fan at the same position of the mesh.
-    pub first_fan: Rc<[u32]>,
+    pub first_fan: Arc<[u32]>,
     /// Whether several vertices are at one position.
     pub has_fans: bool,
     /// By half-edge: whether its edge is on a feature line. A border always is one.
@@ -70,7 +71,7 @@ pub(super) struct EdgeCollapser {
     pub log: Option<Vec<PastCollapse>>,
     /// By face: the cost of the collapse that last changed it.
     pub face_cost: Vec<f32>,
-    /// By vertex: whether it stays where collapses have no monitor.
+    /// By vertex: whether it stays for now.
     pub is_held: Vec<bool>,
     /// By half-edge, for one of the two of an edge: a distance within which its collapse is refused as long as the
     /// faces around it stay; 0 where none is known.
@@ -212,6 +213,9 @@ impl EdgeCollapser {
     #[inline]
     fn collapse_of(&self, h: u32) -> Option<EdgeCollapse> {
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
+        if self.is_held[a as usize] || self.is_held[b as usize] {
+            return None;
+        }
         let line = self.is_kept_line(h);
         let anchor = match (self.kind[a as usize], self.kind[b as usize]) {
             (
@@ -349,9 +353,6 @@ impl EdgeCollapser {
     /// Whether the mean distance of planes of the original from the new point is below a fraction of the tolerance.
     fn is_slight(&self, shrink: &EdgeCollapse, share: f64, tolerance: &LocalTolerance) -> bool {
         let ends = [self.surface.start[shrink.h as usize], self.surface.end(shrink.h)];
-        if ends.into_iter().any(|v| self.is_held[v as usize]) {
-            return false;
-        }
         let [a, b] = ends.map(|v| &self.quadric[v as usize]);
         let sum = a.plus(b);
         tolerance.holds(shrink.to, sum.at(shrink.to) / (sum.weight() * share * share))
@@ -473,7 +474,29 @@ impl EdgeCollapser {
         )
     }
 
+    /// Carries out a collapse, and puts the edges around into the queue.
     fn apply(&mut self, shrink: &EdgeCollapse) {
+        let b = self.carry_out(shrink);
+        let first = self.surface.outgoing[b as usize];
+        let mut g = first;
+        loop {
+            self.enqueue(g);
+            self.forget_refusals(self.surface.end(g));
+            let arrives = previous_in_face(g);
+            g = self.surface.twin[arrives as usize];
+            if g == NONE {
+                self.enqueue(arrives);
+                self.forget_refusals(self.surface.start[arrives as usize]);
+                break;
+            }
+            if g == first {
+                break;
+            }
+        }
+    }
+
+    /// Carries out a collapse; returns the vertex that is left.
+    fn carry_out(&mut self, shrink: &EdgeCollapse) -> u32 {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
         self.log.iter_mut().for_each(|log| log.push(PastCollapse { shrink: *shrink, ends: [a, b] }));
@@ -486,7 +509,9 @@ impl EdgeCollapser {
         if let Some(watch) = &mut self.monitor {
             watch.samples.commit(&self.before);
         }
-        self.after.iter().for_each(|(face, _)| self.face_cost[*face as usize] = shrink.cost);
+        for g in self.surface.around_edge(h) {
+            self.face_cost[g as usize / 3] = shrink.cost;
+        }
         self.feature_deviation[b as usize] = self.feature_deviation(shrink);
         let sum = self.quadric[a as usize];
         self.quadric[b as usize].add(&sum);
@@ -516,22 +541,7 @@ impl EdgeCollapser {
         }
         self.surface.collapse(h);
         self.merged_into[a as usize] = b;
-        let first = self.surface.outgoing[b as usize];
-        let mut g = first;
-        loop {
-            self.enqueue(g);
-            self.forget_refusals(self.surface.end(g));
-            let arrives = previous_in_face(g);
-            g = self.surface.twin[arrives as usize];
-            if g == NONE {
-                self.enqueue(arrives);
-                self.forget_refusals(self.surface.start[arrives as usize]);
-                break;
-            }
-            if g == first {
-                break;
-            }
-        }
+        b
     }
 
     /// Faces around a vertex have changed.

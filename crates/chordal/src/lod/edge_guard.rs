@@ -84,6 +84,17 @@ impl OriginalEdges {
         Self { first, neighbours }
     }
 
+    /// Those between some vertices, in numbers of their own: by old number, `local` has the new one.
+    pub fn some(&self, vertices: &[u32], local: &[u32]) -> Self {
+        let mut some = Self { first: vec![0], neighbours: Vec::new() };
+        for v in vertices {
+            let near = self.neighbours(*v).iter().map(|u| local[*u as usize]);
+            some.neighbours.extend(near.filter(|u| *u != NONE));
+            some.first.push(some.neighbours.len() as u32);
+        }
+        some
+    }
+
     /// The vertices with which one shares an edge.
     #[inline]
     pub fn neighbours(&self, v: u32) -> &[u32] {

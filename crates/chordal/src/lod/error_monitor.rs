@@ -2,13 +2,13 @@
 use super::edge_guard::{EdgeVerdict, FarEdges, OriginalEdges};
 use super::local_tolerance::LocalTolerance;
 use super::samples::{NEAR, SamplesByFace};
-use super::surface::{HalfEdgeSurface, NONE};
-use crate::budget::{Job, JobError};
+use super::surface::{HalfEdgeSurface, NONE, SurfaceRegion};
+use crate::budget::{Job, JobError, par_map};
 use crate::check::{NearFaces, NearestFaces, ProximityChecker};
 use crate::explicit::{Mesh, Topology, distance_sq_to_triangle, next_in_face};
 use crate::math::{difference, dot, lesser};
 use std::borrow::Cow;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// The original surface, sample points on it, and the check level of each sample.
 ///
@@ -19,15 +19,15 @@ use std::rc::Rc;
 pub(super) struct ErrorMonitor {
     pub samples: SamplesByFace,
     /// The original, in local coordinates.
-    original: Rc<ProximityChecker<'static>>,
+    original: ProximityChecker<'static>,
     /// The faces of the original around each of its vertices: `around[first[v]..first[v + 1]]`.
-    faces_at_vertices: Rc<[u32]>,
-    first: Rc<[u32]>,
+    faces_at_vertices: Arc<[u32]>,
+    first: Arc<[u32]>,
     /// By face of the original: its vertices.
-    corners: Rc<[[u32; 3]]>,
-    edges: Rc<OriginalEdges>,
+    corners: Arc<[[u32; 3]]>,
+    edges: Arc<OriginalEdges>,
     /// By sample beside the vertices: a half-edge of the original on which it lies.
-    beside: Rc<[u32]>,
+    beside: Arc<[u32]>,
     /// By sample: how thoroughly changes of the faces that hold it are checked; empty where all are sampled.
     pub check_levels: Vec<CheckLevel>,
     /// By face of the original: the last round in which it was visited.
@@ -113,6 +113,10 @@ pub(super) struct CollapseChange<'a> {
 /// Vertices of the original that one face offers for a descent, and the steps of one. Chosen.
 const SOME: usize = 4;
 const MOST_STEPS: u32 = 64;
+/// Samples that one thread looks at. Chosen.
+const CHUNK: usize = 4096;
+/// A face with this many vertices of the original needs no other samples. Chosen.
+const ENOUGH: u32 = 8;
 /// How many edges around a place that is too far from the original still have to do with it. Chosen.
 const AROUND: u32 = 3;
 
@@ -134,32 +138,18 @@ impl ErrorMonitor {
         let mut corners: Vec<[u32; 3]> = (0..n_faces as u32).map(|face| surface.corners(face)).collect();
         // Faces that were left out from the start.
         corners.iter_mut().filter(|c| c[0] == NONE).for_each(|c| *c = [NONE; 3]);
-        let mut first = vec![0_u32; at.len() + 1];
-        let there = || corners.iter().enumerate().filter(|(_, c)| c[0] != NONE);
-        there().for_each(|(_, c)| c.iter().for_each(|v| first[*v as usize + 1] += 1));
-        for v in 0..at.len() {
-            first[v + 1] += first[v];
-        }
-        let mut end = first.clone();
-        let mut around = vec![0; first.last().map_or(0, |n| *n as usize)];
-        for (face, c) in there() {
-            for v in c {
-                around[end[*v as usize] as usize] = face as u32;
-                end[*v as usize] += 1;
-            }
-        }
-        let faces = there().map(|(_, c)| *c).collect();
+        let (first, around) = faces_by_vertex(&corners, at.len());
+        let faces = corners.iter().filter(|c| c[0] != NONE).copied().collect();
         let mesh = Mesh::by_construction(at.to_vec(), faces);
-        let judge = Rc::new(ProximityChecker::new(Cow::Owned(mesh), job)?);
+        let judge = ProximityChecker::new(Cow::Owned(mesh), job)?;
         let seen = vec![0; n_faces];
-        let (around, first, corners) = (around.into(), first.into(), corners.into());
         Ok(Self {
             samples,
             original: judge,
             faces_at_vertices: around,
             first,
-            corners,
-            edges: Rc::new(OriginalEdges::new(surface, at.len())),
+            corners: corners.into(),
+            edges: Arc::new(OriginalEdges::new(surface, at.len())),
             beside: more.iter().map(|(_, h)| *h).collect(),
             check_levels: Vec::new(),
             visited: seen,
@@ -167,6 +157,22 @@ impl ErrorMonitor {
             far: FarEdges::default(),
             suspects: Vec::new(),
         })
+    }
+
+    /// Forgets samples between vertices of the original where faces hold many of these, before a larger length.
+    pub fn thin_out(&mut self) {
+        let n = self.first.len() - 1;
+        let mut n_held = vec![0_u32; self.samples.n_faces()];
+        for face in self.samples.holders().take(n).filter(|face| *face != NONE) {
+            n_held[face as usize] += 1;
+        }
+        let is_few = |face: u32| face == NONE || n_held[face as usize] < ENOUGH;
+        let is_kept: Vec<bool> =
+            self.samples.holders().enumerate().map(|(sample, face)| sample < n || is_few(face)).collect();
+        self.samples.retain(&is_kept);
+        let beside = self.beside.iter().zip(&is_kept[n..]).filter(|(_, is_kept)| **is_kept);
+        self.beside = beside.map(|(h, _)| *h).collect();
+        self.check_levels.clear();
     }
 
     /// The vertices of a face of the original.
@@ -215,35 +221,44 @@ impl ErrorMonitor {
             let k = self.corners[face as usize].iter().position(|c| *c == v);
             3 * face + k.unwrap_or(0) as u32
         };
-        let mut holders = Vec::with_capacity(self.samples.len());
-        let mut far = Vec::new();
-        let mut last = None;
-        for (sample, at) in (0_u32..).zip(self.samples.points()) {
-            let beside = self.beside.get((sample as usize).wrapping_sub(n));
-            let found = match beside {
-                None => nearest.of_corner(corner_of(sample)),
-                Some(h) => {
-                    // Where the sample before is, or an end; from all of these, where none is close.
-                    let ends = [*h, next_in_face(*h)].map(|h| nearest.of_corner(h));
-                    let from = || last.into_iter().chain(ends.into_iter().flatten());
-                    let here = from().map(|(face, _)| (face, nearest.distance_sq(at, face)));
-                    let is_close = |found: &(u32, f64)| room.holds_sample(sample, found.1 * NEAR);
-                    here.into_iter().find(is_close).or_else(|| {
-                        let found = from().map(|(face, _)| nearest.descend_from(at, face));
-                        found.min_by(|(_, a), (_, b)| a.total_cmp(b))
-                    })
+        let all: Vec<u32> = (0..self.samples.len() as u32).collect();
+        let chunks: Vec<&[u32]> = all.chunks(CHUNK).collect();
+        let found = par_map(job, &chunks, |_, samples| {
+            let (mut holders, mut far) = (Vec::with_capacity(samples.len()), Vec::new());
+            let mut last = None;
+            for sample in samples.iter().copied() {
+                let at = self.samples.at(sample);
+                let beside = self.beside.get((sample as usize).wrapping_sub(n));
+                let found = match beside {
+                    None => nearest.of_corner(corner_of(sample)),
+                    Some(h) => {
+                        // Where the sample before is, or an end; from all of these, where none is close.
+                        let ends = [*h, next_in_face(*h)].map(|h| nearest.of_corner(h));
+                        let from = || last.into_iter().chain(ends.into_iter().flatten());
+                        let here = from().map(|(face, _)| (face, nearest.distance_sq(at, face)));
+                        let is_close = |found: &(u32, f64)| room.holds_sample(sample, found.1 * NEAR);
+                        here.into_iter().find(is_close).or_else(|| {
+                            let found = from().map(|(face, _)| nearest.descend_from(at, face));
+                            found.min_by(|(_, a), (_, b)| a.total_cmp(b))
+                        })
+                    }
+                };
+                last = found;
+                match found.filter(|(_, distance_sq)| room.holds_sample(sample, *distance_sq)) {
+                    Some((face, _)) => holders.push(there[face as usize]),
+                    None => {
+                        far.push(beside.map_or(sample, |h| self.corners[*h as usize / 3][*h as usize % 3]))
+                    }
                 }
-            };
-            last = found;
-            match found.filter(|(_, distance_sq)| room.holds_sample(sample, *distance_sq)) {
-                Some((face, _)) => holders.push(there[face as usize]),
-                None => far.push(beside.map_or(sample, |h| self.corners[*h as usize / 3][*h as usize % 3])),
             }
-        }
+            (holders, far)
+        });
+        let (holders, far): (Vec<Vec<u32>>, Vec<Vec<u32>>) = found.into_iter().unzip();
+        let far = far.concat();
         if !far.is_empty() {
             return Err(far);
         }
-        self.samples.assign(&holders);
+        self.samples.assign(&holders.concat());
         Ok(())
     }
 
@@ -444,6 +459,80 @@ impl ErrorMonitor {
         }
         true
     }
+}
+
+/// The samples of a region in the numbers of the whole.
+pub(super) struct RegionMonitor {
+    pub samples: Vec<u32>,
+}
+
+impl ErrorMonitor {
+    /// A monitor of the samples that faces of a region hold. Others around these are known by where they are.
+    pub fn region(&self, region: &SurfaceRegion) -> (Self, RegionMonitor) {
+        let n = self.first.len() - 1;
+        let mut holder = vec![NONE; self.samples.len()];
+        let mut held = Vec::new();
+        for (local, face) in (0..).zip(&region.faces) {
+            for sample in self.samples.of_face(*face) {
+                holder[sample as usize] = local;
+                held.push(sample);
+            }
+        }
+        held.sort_unstable();
+        let n_held = held.partition_point(|sample| (*sample as usize) < n);
+        let around = |v: u32| {
+            &self.faces_at_vertices[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
+        };
+        let mut faces: Vec<u32> = held[..n_held].iter().flat_map(|v| around(*v)).copied().collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let mut samples: Vec<u32> = faces.iter().flat_map(|face| self.corners[*face as usize]).collect();
+        samples.extend(&held);
+        samples.sort_unstable();
+        samples.dedup();
+        let n_vertices = samples.partition_point(|sample| (*sample as usize) < n);
+        let mut local = vec![NONE; n];
+        samples[..n_vertices].iter().zip(0..).for_each(|(v, number)| local[*v as usize] = number);
+        let holders: Vec<u32> = samples.iter().map(|sample| holder[*sample as usize]).collect();
+        let corners: Vec<[u32; 3]> =
+            faces.iter().map(|face| self.corners[*face as usize].map(|v| local[v as usize])).collect();
+        let (first, faces_at_vertices) = faces_by_vertex(&corners, n_vertices);
+        let monitor = Self {
+            samples: self.samples.some(&samples, &holders, region.faces.len()),
+            original: self.original.clone(),
+            faces_at_vertices,
+            first,
+            edges: Arc::new(self.edges.some(&samples[..n_vertices], &local)),
+            beside: Arc::default(),
+            check_levels: Vec::new(),
+            visited: vec![0; corners.len()],
+            corners: corners.into(),
+            round: 0,
+            far: FarEdges::default(),
+            suspects: Vec::new(),
+        };
+        // Those that are only around it are held by others.
+        (monitor, RegionMonitor { samples })
+    }
+}
+
+/// Where the faces around each vertex begin, and these; faces without vertices are around none.
+fn faces_by_vertex(corners: &[[u32; 3]], n_vertices: usize) -> (Arc<[u32]>, Arc<[u32]>) {
+    let mut first = vec![0_u32; n_vertices + 1];
+    let there = || corners.iter().enumerate().filter(|(_, c)| c[0] != NONE);
+    there().for_each(|(_, c)| c.iter().for_each(|v| first[*v as usize + 1] += 1));
+    for v in 0..n_vertices {
+        first[v + 1] += first[v];
+    }
+    let mut end = first.clone();
+    let mut around = vec![0; first.last().map_or(0, |n| *n as usize)];
+    for (face, c) in there() {
+        for v in c {
+            around[end[*v as usize] as usize] = face as u32;
+            end[*v as usize] += 1;
+        }
+    }
+    (first.into(), around.into())
 }
 
 /// The faces after a change and those around them.

@@ -20,7 +20,7 @@ use crate::math::{Box3, difference, exponent, greater, length, lesser, power_of_
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// World → local: minus the middle of the mesh, times a power of two that scales the extent to 1 or less.
 #[derive(Clone, Copy, Debug)]
@@ -83,9 +83,9 @@ pub(super) struct MeshReduction<'a> {
     frame: ReductionFrame,
     engine: EdgeCollapser,
     /// By vertex at the start: a row of the mesh.
-    row: Rc<[u32]>,
+    row: Arc<[u32]>,
     /// By row of the mesh: its vertex at the start, or [`NONE`].
-    vertex_of_row: Rc<[u32]>,
+    vertex_of_row: Arc<[u32]>,
     /// By vertex at the start: the one into which it was collapsed before the last compaction, or [`NONE`].
     vertex_of_start: Vec<u32>,
     /// By face: that of the mesh.
@@ -197,6 +197,11 @@ impl<'a> MeshReduction<'a> {
         }
         self.engine.monitor = Some(ErrorMonitor::new(surface, &self.engine.at, &points, job)?);
         Ok(())
+    }
+
+    /// Forgets samples that larger lengths do not need.
+    pub fn thin_out_samples(&mut self) {
+        self.engine.monitor.iter_mut().for_each(ErrorMonitor::thin_out);
     }
 
     /// Limits attributes to the values that they have now, before anything is collapsed.
@@ -311,13 +316,26 @@ impl<'a> MeshReduction<'a> {
         let until = StopCriterion { faces, tolerance: room, share: None };
         // Another attempt may do most of it again.
         self.engine.log = self.engine.monitor.is_some().then(Vec::new);
-        if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
+        if self.run_engine(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
     /// Goes on from what was carried out, with a larger tolerance.
     pub fn run_on(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
         let until = StopCriterion { faces, tolerance: room, share: None };
-        if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
+        if self.run_engine(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
+    }
+
+    /// A large surface is divided into regions, if every region knows all that decides, and the number of faces is none that
+    /// is to be met.
+    fn run_engine(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
+        let knows_all = self.engine.monitor.as_ref().is_none_or(|monitor| monitor.check_levels.is_empty())
+            && !self.guards_attributes()
+            && until.tolerance.is_constant();
+        if knows_all && (until.faces == 0 || until.share.is_some()) {
+            self.engine.run_in_regions(until, job)
+        } else {
+            self.engine.run(until, job)
+        }
     }
 
     /// The largest mean distance of a vertex from the planes of the original that it stands for, in world coordinates,
@@ -356,10 +374,11 @@ impl<'a> MeshReduction<'a> {
         known.for_each(|v| is_held[representative(merged_into, v) as usize] = true);
         let until = StopCriterion { faces, tolerance: room, share: Some(share) };
         self.engine.log = Some(Vec::new());
-        if !self.engine.run(&until, job) {
+        if !self.run_engine(&until, job) {
             return Err(JobError::Cancelled);
         }
-        let EdgeCollapser { surface, at, merged_into, .. } = &mut self.engine;
+        let EdgeCollapser { surface, at, merged_into, is_held, .. } = &mut self.engine;
+        is_held.fill(false);
         let near = |v: u32| face_standing_for(surface, merged_into, self.vertex_of_start[v as usize]);
         let found = monitor.assign_nearest(surface, at, near, (room, job));
         let found = found.map_err(|far| monitor.around(far));
@@ -450,7 +469,7 @@ impl<'a> MeshReduction<'a> {
         for (i, face) in self.faces().into_iter().enumerate() {
             number[face as usize] = i as u32;
         }
-        let rows = Rc::clone(&self.vertex_of_row);
+        let rows = Arc::clone(&self.vertex_of_row);
         let near = rows.iter().map(|v| match *v {
             NONE => NONE,
             v => {

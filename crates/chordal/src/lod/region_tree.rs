@@ -43,14 +43,8 @@ impl<'a> RegionTree<'a> {
             let range = range.clone();
             // One triangle has no halves.
             if range.len() > most.max(1) {
-                let middle = range.len() / 2;
-                let order = &mut order[range.clone()];
-                let axis = longest(&Box3::from_points(order.iter().map(|face| &centres[*face as usize])));
-                let along = |face: &u32| centres[*face as usize][axis];
-                // No two keys are equal, so the halves do not depend on the selection algorithm.
-                order.select_nth_unstable_by(middle, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+                let middle = range.start + halve(&mut order[range.clone()], &centres);
                 regions[next].halves = Some(regions.len());
-                let middle = range.start + middle;
                 for range in [range.start..middle, middle..range.end] {
                     regions.push(MeshRegion { range, parent: next, halves: None });
                 }
@@ -105,6 +99,16 @@ impl<'a> RegionTree<'a> {
             a != b && b != c && c != a
         })
     }
+}
+
+/// Reorders faces into halves along the longest side of the box of their centres; returns the size of the first.
+pub(super) fn halve(faces: &mut [u32], centres: &[[f64; 3]]) -> usize {
+    let middle = faces.len() / 2;
+    let axis = longest(&Box3::from_points(faces.iter().map(|face| &centres[*face as usize])));
+    let along = |face: &u32| centres[*face as usize][axis];
+    // No two keys are equal, so the halves do not depend on the selection algorithm.
+    faces.select_nth_unstable_by(middle, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+    middle
 }
 
 fn longest(bounds: &Box3) -> usize {

@@ -90,6 +90,11 @@ impl SamplesByFace {
         }
     }
 
+    /// The number of faces, removed ones among them.
+    pub fn n_faces(&self) -> usize {
+        self.first.len()
+    }
+
     /// The number of samples.
     pub fn len(&self) -> usize {
         self.samples.len()
@@ -110,6 +115,30 @@ impl SamplesByFace {
         let sample = self.samples.len() as u32;
         let next = std::mem::replace(&mut self.first[face as usize], sample);
         self.samples.push(Sample { at, next, holder: face, round: 0, pending: NONE });
+    }
+
+    /// The faces that hold the samples, by sample.
+    pub fn holders(&self) -> impl Iterator<Item = u32> {
+        self.samples.iter().map(|sample| sample.holder)
+    }
+
+    /// Some samples of `n_faces` faces, with those that hold them, or [`NONE`].
+    pub fn some(&self, samples: &[u32], holders: &[u32], n_faces: usize) -> Self {
+        let mut some = Self::new(n_faces);
+        let sample = |s: &u32| Sample { at: self.at(*s), next: NONE, holder: NONE, round: 0, pending: NONE };
+        some.samples = samples.iter().map(sample).collect();
+        some.assign(holders);
+        some
+    }
+
+    /// Leaves out samples; the others stay in their order.
+    pub fn retain(&mut self, is_kept: &[bool]) {
+        let holders: Vec<u32> =
+            self.holders().zip(is_kept).filter(|(_, is_kept)| **is_kept).map(|(face, _)| face).collect();
+        let mut kept = is_kept.iter();
+        self.samples.retain(|_| kept.next() == Some(&true));
+        self.samples.shrink_to_fit();
+        self.assign(&holders);
     }
 
     /// Gives every sample to a face, or to [`NONE`].

@@ -320,6 +320,7 @@ impl<'a> ProgressiveSimplifier<'a> {
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
                 found.bound.pixels = by_place.then_some(places.pixels);
                 let _ = reduction.compact();
+                reduction.thin_out_samples();
                 (self.proved, self.is_proved) = (reduction, true);
                 return Ok(Some(found));
             }

@@ -36,6 +36,8 @@ const STEP: f64 = 0.9;
 const STEPS: [f64; 2] = [1.03, 1.5];
 const LAST: f64 = 1.06;
 const LEAP: f64 = 10.0;
+/// From this multiple of the count on a step is not stopped at it. Chosen.
+const MET_FROM: f64 = 1.25;
 /// The powers by which triangles and lengths may go together. Chosen; on smooth surfaces it is 1.
 const POWERS: [f64; 2] = [0.15, 4.0];
 /// Collapses without a monitor may cost this fraction of the first length, and stop at this multiple of the count. Measured:
@@ -159,9 +161,10 @@ impl<'a> CountTarget<'a> {
             let room = start.uniform_tolerance(SHARE * length);
             let few = (MANY * self.count as f64) as usize;
             let begin = AttemptStart::new(start.after_slight((SLIGHT, few), &room, self.job)?);
+            let is_shortest = SHORTER * length < flat;
             let mut reduction = begin.from(&start).clone();
-            reduction.run(self.count, &room, self.job)?;
-            if reduction.n_faces() > self.count || SHORTER * length < flat {
+            reduction.run(if is_shortest { self.count } else { 0 }, &room, self.job)?;
+            if reduction.n_faces() > self.count || is_shortest {
                 break (begin, reduction);
             }
             length *= SHORTER;
@@ -207,7 +210,9 @@ impl<'a> CountTarget<'a> {
                 return Ok(false);
             }
             let room = reduction.uniform_tolerance(SHARE * longer);
-            reduction.run_on(self.count, &room, self.job)?;
+            // Far from the count there is none to be met.
+            let until = if asked > MET_FROM { 0 } else { self.count };
+            reduction.run_on(until, &room, self.job)?;
             let got = reduction.n_faces();
             if got <= self.count && step > LAST && !is_tiny {
                 // That was too far, and it is not known by how much.

@@ -279,6 +279,25 @@ impl HalfEdgeSurface {
     }
 }
 
+/// Some faces of a surface that have numbers of their own.
+pub(super) struct SurfaceRegion {
+    /// By number: that in the whole surface, ascending.
+    pub faces: Vec<u32>,
+    pub vertices: Vec<u32>,
+}
+
+impl SurfaceRegion {
+    /// The half-edges in the numbers of the whole surface, in their order.
+    pub fn half_edges(&self) -> impl Iterator<Item = u32> {
+        self.faces.iter().flat_map(|face| [0, 1, 2].map(|k| 3 * face + k))
+    }
+
+    /// The number of a half-edge in the whole surface.
+    pub fn half_edge(&self, h: u32) -> u32 {
+        3 * self.faces[h as usize / 3] + h % 3
+    }
+}
+
 /// What is left of a surface, and its new numbers.
 pub(super) struct Compaction {
     /// By new number: the old one.

@@ -1,6 +1,6 @@
 //! `Wedges`: the attribute values at the corners of triangles, shared where no feature line separates them.
 use super::flat_normals::is_flat;
-use super::surface::{Compaction, HalfEdgeSurface, NONE};
+use super::surface::{Compaction, HalfEdgeSurface, NONE, SurfaceRegion};
 use crate::budget::AttributeLimits;
 use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
 use crate::math::elementary::cos;
@@ -18,6 +18,11 @@ pub(super) struct Wedges {
     values: Vec<f64>,
     width: usize,
     spans: Vec<WedgeColumns>,
+}
+
+/// By row of [`Wedges::region`]: that of the whole.
+pub(super) struct RegionWedges {
+    rows: Vec<u32>,
 }
 
 /// The columns of one attribute.
@@ -109,6 +114,32 @@ impl Wedges {
     /// Leaves out the corners of removed faces.
     pub fn compact(&mut self, kept: &Compaction) {
         self.corner_row = kept.half_edges(&self.corner_row).collect();
+    }
+
+    /// The rows of a region's corners.
+    pub fn region(&self, region: &SurfaceRegion) -> (Self, RegionWedges) {
+        let corners = || region.half_edges().map(|h| self.corner_row[h as usize]);
+        let mut rows: Vec<u32> = corners().collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let local = |row: u32| rows.partition_point(|r| *r < row) as u32;
+        let wedges = Self {
+            corner_row: corners().map(local).collect(),
+            values: rows.iter().flat_map(|row| self.row(*row).iter().copied()).collect(),
+            width: self.width,
+            spans: self.spans.clone(),
+        };
+        (wedges, RegionWedges { rows })
+    }
+
+    /// Takes over what became of [`Self::region`].
+    pub fn put_back(&mut self, made: &Self, RegionWedges { rows }: &RegionWedges, region: &SurfaceRegion) {
+        for (h, row) in region.half_edges().zip(&made.corner_row) {
+            self.corner_row[h as usize] = rows[*row as usize];
+        }
+        for (local, row) in (0..).zip(rows) {
+            self.values[*row as usize * self.width..][..self.width].copy_from_slice(made.row(local));
+        }
     }
 
     /// A row for every vertex, or for every corner where some attribute belongs to corners.

@@ -1,5 +1,7 @@
 //! Frames and threads: the same mesh larger, elsewhere, twice, on more threads.
 use super::{bounds, length, made, made_on, n_faces, shapes};
+use chordal::check::validity;
+use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::{Budget, Job, Mesh};
 use chordal_testkit::Random;
 
@@ -91,7 +93,7 @@ fn a_thin_tray_keeps_its_walls() {
     for asked in [0.01, 0.001, 0.0001] {
         let made = made(&mesh, &length(asked));
         bounds::holds("tray", &mesh, &length(asked), &made, &mut Random::new(1));
-        let found = chordal::check::validity(&made.shape.mesh, chordal::explicit::Topology::Positions);
+        let found = validity(&made.shape.mesh, Topology::Positions);
         assert!(found.closed && found.manifold() && found.genus == Some(0), "{asked}: {found:?}");
         assert!(n_faces(&made) < 200, "{asked}: {} triangles", n_faces(&made));
         if asked < 0.002 {
@@ -110,6 +112,41 @@ fn any_number_of_threads_gives_the_same_bits() {
             for threads in [2, 3] {
                 let more = on(threads);
                 assert!(one.shape == more.shape && one.bound == more.bound, "{name} on {threads}");
+            }
+        }
+    }
+}
+
+/// Meshes that are simplified in regions: more than 65,536 triangles, some with borders, one with values that follow places.
+fn large() -> [(&'static str, Mesh); 3] {
+    let heights = shapes::heights([200, 180], 0.0005);
+    let values = heights.positions().iter().flat_map(|p| [p[0], p[1]]).collect();
+    let texcoord = Attribute { semantic: Semantic::TexCoord(0), domain: Domain::Vertex, width: 2, values };
+    let textured = heights.with_attribute(texcoord).expect("two numbers a vertex");
+    [("bumps", shapes::torus([300, 150], 0.1)), ("heights", textured), ("gear", shapes::gear(14, 60))]
+}
+
+#[test]
+fn regions_are_the_same_on_any_number_of_threads_and_leave_no_trace() {
+    for (name, mesh) in large() {
+        assert!(mesh.faces().len() > 70_000, "{name}: {} triangles", mesh.faces().len());
+        let size = mesh.bounds().diagonal();
+        for share in chordal_testkit::some([5e-4, 5e-5], 1) {
+            let budget = length(share * size);
+            let on = |threads| made_on(&mesh, &budget, &Job::default().with_threads(threads));
+            let (one, more) = (on(1), on(3));
+            assert!(one.shape == more.shape && one.bound == more.bound, "{name}");
+            assert!(one.bound.at_most().is_some_and(|most| most <= share * size), "{name}: {:?}", one.bound);
+            let [before, after] = [&mesh, &one.shape.mesh].map(|mesh| validity(mesh, Topology::Indices));
+            assert_eq!(
+                (after.closed, after.manifold(), after.genus),
+                (before.closed, before.manifold(), before.genus)
+            );
+            if let Some(texcoord) = one.shape.mesh.attribute(&Semantic::TexCoord(0)) {
+                for (row, p) in one.shape.mesh.positions().iter().enumerate() {
+                    let off = (0..2).map(|k| (texcoord.row(row)[k] - p[k]).abs()).fold(0.0, f64::max);
+                    assert!(off < 0.05 * size, "{off} at {p:?}");
+                }
             }
         }
     }

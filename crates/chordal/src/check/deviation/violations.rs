@@ -8,7 +8,7 @@ use crate::budget::{ErrorLimit, Job, JobError, PixelScale, par_map};
 use crate::explicit::Mesh;
 use crate::math::{add_up, greater};
 use std::borrow::Cow;
-use std::cell::RefCell;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A point of a face that is farther from the other surface than allowed, or may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -323,9 +323,16 @@ fn classify(
 
 /// A surface against which pieces of others are checked, one after the other.
 pub(crate) struct ProximityChecker<'a> {
-    side: DistanceSurface<'a>,
-    scratch: RefCell<CoverScratch>,
+    side: Arc<DistanceSurface<'a>>,
+    scratch: Mutex<CoverScratch>,
     reach: f64,
+}
+
+impl Clone for ProximityChecker<'_> {
+    /// The same surface, with memory of its own to work in.
+    fn clone(&self) -> Self {
+        Self { side: Arc::clone(&self.side), scratch: Mutex::default(), reach: self.reach }
+    }
 }
 
 impl<'a> ProximityChecker<'a> {
@@ -335,7 +342,7 @@ impl<'a> ProximityChecker<'a> {
     /// As for [`crate::explicit::Bvh::build`].
     pub fn new(mesh: Cow<'a, Mesh>, job: &Job) -> Result<Self, JobError> {
         let reach = mesh.positions().as_flattened().iter().fold(0.0, |most, x| greater(most, x.abs()));
-        Ok(Self { side: DistanceSurface::new(mesh, job)?, scratch: RefCell::default(), reach })
+        Ok(Self { side: Arc::new(DistanceSurface::new(mesh, job)?), scratch: Mutex::default(), reach })
     }
 
     /// A checker for a surface of a few faces, which cannot be cancelled.
@@ -362,8 +369,8 @@ impl<'a> ProximityChecker<'a> {
         let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| greater(most, x.abs()));
         let terms = CoverLimits { tolerance: 0.0, most_faces: FEW_FACES, reach };
         let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
-        let look =
-            classify(piece, &self.side, terms, ViolationSearch::Any, near, &mut self.scratch.borrow_mut());
+        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let look = classify(piece, &self.side, terms, ViolationSearch::Any, near, &mut scratch);
         match look {
             SubtriangleVerdict::Within { up, .. } => Some(up),
             SubtriangleVerdict::TooFar(..) => None,

@@ -32,13 +32,30 @@ impl EdgeCollapser {
             let h = shrink.h;
             let is_same = self.surface.start[h as usize] == ends[0] && self.surface.end(h) == ends[1];
             let is_closed = !ends.iter().any(|v| is_open[*v as usize]);
-            if is_same && is_closed && self.satisfies_link_condition(h) && self.flips_no_face(shrink) {
-                self.apply(shrink);
+            // Where all around is as it was, so is what was found of it; values at corners ask for the faces.
+            let is_known = || self.wedges.is_none() && !self.is_beside(ends, is_open);
+            if is_same && is_closed && is_known() {
+                self.carry_out(shrink);
+            } else if is_same && is_closed && self.satisfies_link_condition(h) && self.flips_no_face(shrink) {
+                self.carry_out(shrink);
             } else {
                 ends.iter().for_each(|v| is_open[*v as usize] = true);
             }
         }
         self.monitor = monitor;
+        self.enqueue_around(is_open);
+    }
+
+    /// Whether one of some vertices shares an edge with a vertex that is open.
+    fn is_beside(&self, vertices: &[u32; 2], is_open: &[bool]) -> bool {
+        let surface = &self.surface;
+        let sides = |g: u32| [surface.end(g), surface.start[previous_in_face(g) as usize]];
+        let around = vertices.iter().flat_map(|v| surface.one_ring(*v)).flat_map(sides);
+        around.into_iter().any(|v| is_open[v as usize])
+    }
+
+    /// Puts the edges of some vertices into the queue, and no others.
+    pub(super) fn enqueue_around(&mut self, is_open: &[bool]) {
         self.queue = BucketQueue::new();
         self.is_queued.fill(false);
         for v in (0..self.at.len() as u32).filter(|v| is_open[*v as usize]) {

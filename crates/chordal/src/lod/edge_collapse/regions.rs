@@ -1,0 +1,365 @@
+//! Collapses in regions of a large surface at once, then along the lines between them.
+use super::super::error_monitor::RegionMonitor;
+use super::super::region_tree::halve;
+use super::super::surface::{HalfEdgeSurface, NONE, SurfaceRegion};
+use super::super::wedges::RegionWedges;
+use super::{CollapseVertexKind, EdgeCollapser, PastCollapse, StopCriterion};
+use crate::budget::{Job, par_map};
+
+/// Faces of one region at most. Measured: a smaller one leaves more triangles along lines between regions, a larger one
+/// is of use to fewer threads.
+const MOST_FACES: usize = 65_536;
+/// One with more samples is divided as well, unless it has few faces. Chosen.
+const MOST_SAMPLES: usize = 131_072;
+const LEAST_FACES: usize = 16_384;
+
+/// The remaining faces of a surface by place, and what stays while each region is collapsed by itself.
+struct CollapseRegions {
+    /// By region: its faces, ascending.
+    faces: Vec<Vec<u32>>,
+    /// By vertex: whether it has faces in several regions, or is locked.
+    is_between: Vec<bool>,
+}
+
+impl CollapseRegions {
+    /// `None` where one region holds all.
+    fn new(engine: &EdgeCollapser, most_faces: usize) -> Option<Self> {
+        let EdgeCollapser { surface, at, kind, monitor, .. } = engine;
+        let n_samples = |faces: &[u32]| {
+            let held =
+                |face: &u32| monitor.as_ref().map_or(0, |monitor| monitor.samples.of_face(*face).count());
+            faces.iter().map(held).sum::<usize>()
+        };
+        let mut order = surface.faces();
+        let middle = |face: u32| {
+            let [a, b, c] = surface.corners(face).map(|v| at[v as usize]);
+            std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0)
+        };
+        let centres: Vec<[f64; 3]> = (0..(surface.start.len() / 3) as u32)
+            .map(|face| if surface.corners(face)[0] == NONE { [0.0; 3] } else { middle(face) })
+            .collect();
+        let mut open = vec![0..order.len()];
+        let mut faces = Vec::new();
+        while let Some(range) = open.pop() {
+            let faces_here = &order[range.clone()];
+            let is_large = faces_here.len() > most_faces
+                || (faces_here.len() > LEAST_FACES && n_samples(faces_here) > MOST_SAMPLES);
+            if is_large {
+                let cut = range.start + halve(&mut order[range.clone()], &centres);
+                open.extend([cut..range.end, range.start..cut]);
+            } else {
+                let mut region = order[range].to_vec();
+                region.sort_unstable();
+                faces.push(region);
+            }
+        }
+        if faces.len() == 1 {
+            return None;
+        }
+        let mut region_of = vec![NONE; at.len()];
+        let mut is_between: Vec<bool> = kind.iter().map(|kind| *kind == CollapseVertexKind::Locked).collect();
+        for (number, region) in (0..).zip(&faces) {
+            for v in region.iter().flat_map(|face| surface.corners(*face)) {
+                let known = std::mem::replace(&mut region_of[v as usize], number);
+                is_between[v as usize] |= known != NONE && known != number;
+            }
+        }
+        Some(Self { faces, is_between })
+    }
+}
+
+/// A region with arrays of its own.
+struct RegionCollapser {
+    engine: EdgeCollapser,
+    region: SurfaceRegion,
+    wedges: Option<RegionWedges>,
+    monitor: Option<RegionMonitor>,
+}
+
+/// What a region became; its monitor is told by who holds its samples.
+struct CollapsedRegion {
+    engine: EdgeCollapser,
+    region: SurfaceRegion,
+    wedges: Option<RegionWedges>,
+    /// Samples, and the faces that hold them in the numbers of the whole.
+    holders: Vec<(u32, u32)>,
+}
+
+impl EdgeCollapser {
+    /// Like [`Self::run`], within regions of a large surface on all threads, then between them. Each region stops at its share
+    /// of a number of faces. The result does not depend on the threads.
+    pub fn run_in_regions(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
+        self.run_in_regions_of(MOST_FACES, until, job)
+    }
+
+    fn run_in_regions_of(&mut self, most_faces: usize, until: &StopCriterion<'_>, job: &Job) -> bool {
+        let Some(CollapseRegions { faces, is_between }) = CollapseRegions::new(self, most_faces) else {
+            return self.run(until, job);
+        };
+        let whole = &*self;
+        let made = par_map(job, &faces, |_, faces| {
+            let mut region = RegionCollapser::new(whole, faces, &is_between);
+            let share = faces.len() as f64 / whole.surface.n_faces as f64;
+            let until = StopCriterion { faces: (share * until.faces as f64) as usize, ..*until };
+            region.engine.run(&until, job).then(|| region.finish())
+        });
+        let Some(made) = made.into_iter().collect::<Option<Vec<CollapsedRegion>>>() else { return false };
+        let mut holders: Vec<u32> =
+            self.monitor.as_ref().map_or_else(Vec::new, |monitor| monitor.samples.holders().collect());
+        for region in made {
+            region.holders.iter().for_each(|(sample, face)| holders[*sample as usize] = *face);
+            self.put_back(region);
+        }
+        self.monitor.iter_mut().for_each(|monitor| monitor.samples.assign(&holders));
+        self.enqueue_around(&is_between);
+        self.empty_queue(until, job)
+    }
+
+    /// Takes over what a region became.
+    fn put_back(&mut self, made: CollapsedRegion) {
+        let CollapsedRegion { engine, region, wedges, .. } = made;
+        self.surface.put_back(&engine.surface, &region);
+        for (local, v) in region.vertices.iter().map(|v| *v as usize).enumerate() {
+            self.at[v] = engine.at[local];
+            self.quadric[v] = engine.quadric[local];
+            self.kind[v] = engine.kind[local];
+            self.source_vertex[v] = engine.source_vertex[local];
+            self.is_original[v] = engine.is_original[local];
+            self.feature_deviation[v] = engine.feature_deviation[local];
+            let into = engine.merged_into[local] as usize;
+            if into != local {
+                self.merged_into[v] = region.vertices[into];
+            }
+        }
+        for (local, face) in region.faces.iter().map(|face| *face as usize).enumerate() {
+            self.face_cost[face] = engine.face_cost[local];
+            for k in 0..3 {
+                self.is_line[3 * face + k] = engine.is_line[3 * local + k];
+                self.refused_within[3 * face + k] = engine.refused_within[3 * local + k];
+            }
+        }
+        if let (Some(all), Some(part), Some(rows)) = (&mut self.wedges, &engine.wedges, &wedges) {
+            all.put_back(part, rows, &region);
+        }
+        if let (Some(log), Some(more)) = (&mut self.log, engine.log) {
+            log.extend(more.iter().map(|past| past.in_whole(&region)));
+        }
+    }
+}
+
+impl RegionCollapser {
+    fn new(whole: &EdgeCollapser, faces: &[u32], is_between: &[bool]) -> Self {
+        let (surface, region) = whole.surface.region(faces);
+        let by_vertex = |v: &u32| *v as usize;
+        let n_visited = if whole.has_fans { whole.visited.len() } else { region.vertices.len() };
+        let (wedges, rows) = whole.wedges.as_ref().map(|wedges| wedges.region(&region)).unzip();
+        let (monitor, samples) = whole.monitor.as_ref().map(|monitor| monitor.region(&region)).unzip();
+        let vertices = || region.vertices.iter().map(by_vertex);
+        let half_edges = || region.half_edges().map(|h| h as usize);
+        let engine = EdgeCollapser {
+            at: vertices().map(|v| whole.at[v]).collect(),
+            quadric: vertices().map(|v| whole.quadric[v]).collect(),
+            kind: vertices().map(|v| whole.kind[v]).collect(),
+            source_vertex: vertices().map(|v| whole.source_vertex[v]).collect(),
+            first_fan: whole.first_fan.clone(),
+            has_fans: whole.has_fans,
+            is_line: half_edges().map(|h| whole.is_line[h]).collect(),
+            monitor,
+            wedges,
+            attribute_guard: None,
+            is_original: vertices().map(|v| whole.is_original[v]).collect(),
+            feature_deviation: vertices().map(|v| whole.feature_deviation[v]).collect(),
+            merged_into: (0..region.vertices.len() as u32).collect(),
+            log: whole.log.is_some().then(Vec::new),
+            face_cost: region.faces.iter().map(|face| whole.face_cost[*face as usize]).collect(),
+            is_held: vertices().map(|v| is_between[v] || whole.is_held[v]).collect(),
+            refused_within: half_edges().map(|h| whole.refused_within[h]).collect(),
+            is_queued: vec![false; surface.start.len()],
+            queue: super::BucketQueue::new(),
+            visited: vec![0; n_visited],
+            round: 0,
+            after: Vec::new(),
+            opposite: Vec::new(),
+            before: Vec::new(),
+            surface,
+        };
+        Self { engine, region, wedges: rows, monitor: samples }
+    }
+
+    /// Frees what is not put back.
+    fn finish(self) -> CollapsedRegion {
+        let Self { mut engine, region, wedges, monitor } = self;
+        let holders = match (engine.monitor.take(), monitor) {
+            (Some(made), Some(RegionMonitor { samples })) => {
+                let holder = |(local, sample): (u32, u32)| {
+                    let face = made.samples.holder(local);
+                    // Others are held elsewhere.
+                    (face != NONE).then(|| (sample, region.faces[face as usize]))
+                };
+                (0..).zip(samples).filter_map(holder).collect()
+            }
+            _ => Vec::new(),
+        };
+        engine.queue = super::BucketQueue::new();
+        (engine.is_held, engine.is_queued, engine.visited) = Default::default();
+        CollapsedRegion { engine, region, wedges, holders }
+    }
+}
+
+impl PastCollapse {
+    /// The same collapse in the numbers of the whole surface.
+    fn in_whole(&self, region: &SurfaceRegion) -> Self {
+        let h = region.half_edge(self.shrink.h);
+        let ends = self.ends.map(|v| region.vertices[v as usize]);
+        Self { shrink: super::EdgeCollapse { h, ..self.shrink }, ends }
+    }
+}
+
+impl HalfEdgeSurface {
+    /// Some faces, ascending, as a surface of their own. Where other faces are beside them it has a border; a vertex there has
+    /// one fan of those that it has, and stays.
+    fn region(&self, faces: &[u32]) -> (Self, SurfaceRegion) {
+        let mut local = vec![NONE; self.outgoing.len()];
+        let mut vertices: Vec<u32> = faces.iter().flat_map(|face| self.corners(*face)).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices.iter().zip(0..).for_each(|(v, number)| local[*v as usize] = number);
+        let mut local_face = vec![NONE; self.start.len() / 3];
+        faces.iter().zip(0..).for_each(|(face, number)| local_face[*face as usize] = number);
+        let local_half_edge = |h: u32| match h {
+            NONE => NONE,
+            h => match local_face[h as usize / 3] {
+                NONE => NONE,
+                face => 3 * face + h % 3,
+            },
+        };
+        let region = SurfaceRegion { faces: faces.to_vec(), vertices };
+        let start: Vec<u32> = region.half_edges().map(|h| local[self.start[h as usize] as usize]).collect();
+        let twin: Vec<u32> = region.half_edges().map(|h| local_half_edge(self.twin[h as usize])).collect();
+        let mut outgoing: Vec<u32> =
+            region.vertices.iter().map(|v| local_half_edge(self.outgoing[*v as usize])).collect();
+        for (h, v) in (0..).zip(&start) {
+            let known = &mut outgoing[*v as usize];
+            if twin[h as usize] == NONE && (*known == NONE || twin[*known as usize] != NONE) {
+                *known = h;
+            }
+        }
+        (Self { start, twin, outgoing, n_faces: faces.len() }, region)
+    }
+
+    /// Takes over what became of [`Self::region`]. Edges along its border are the same.
+    fn put_back(&mut self, made: &Self, region: &SurfaceRegion) {
+        let old_vertex = |v: u32| if v == NONE { NONE } else { region.vertices[v as usize] };
+        let is_inside = |h: u32| region.faces.binary_search(&(h / 3)).is_ok();
+        for (local, h) in region.half_edges().enumerate() {
+            let twin = self.twin[h as usize];
+            if made.twin[local] != NONE {
+                self.twin[h as usize] = region.half_edge(made.twin[local]);
+            } else if twin != NONE && (made.start[local] == NONE || is_inside(twin)) {
+                self.twin[h as usize] = NONE;
+            }
+            self.start[h as usize] = old_vertex(made.start[local]);
+        }
+        for (outgoing, v) in made.outgoing.iter().zip(&region.vertices) {
+            // One in another region is still there.
+            if is_inside(self.outgoing[*v as usize]) {
+                self.outgoing[*v as usize] =
+                    if *outgoing == NONE { NONE } else { region.half_edge(*outgoing) };
+            }
+        }
+        self.n_faces -= region.faces.len() - made.n_faces;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::explicit::Mesh;
+    use crate::lod::local_tolerance::LocalTolerance;
+    use chordal_testkit::Random;
+
+    /// A sheet of hills with holes, or rolled up to a tube.
+    fn sheet(n: u32, is_tube: bool, random: &mut Random) -> EdgeCollapser {
+        let columns = if is_tube { n } else { n + 1 };
+        let at = |i: u32, j: u32, noise: f64| {
+            let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            let z = 0.1 * libm::sin(9.0 * x) * libm::cos(7.0 * y) + noise;
+            let turn = std::f64::consts::TAU * y;
+            if is_tube { [x, (0.3 + z) * libm::cos(turn), (0.3 + z) * libm::sin(turn)] } else { [x, y, z] }
+        };
+        let mut positions = Vec::new();
+        for i in 0..=n {
+            (0..columns).for_each(|j| positions.push(at(i, j, 0.004 * random.unit())));
+        }
+        let row = |i: u32, j: u32| columns * i + j % columns;
+        let cell = |i: u32, j: u32| {
+            let [a, b, c, d] = [row(i, j), row(i + 1, j), row(i + 1, j + 1), row(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        let mut faces: Vec<[u32; 3]> = (0..n).flat_map(|i| (0..n).flat_map(move |j| cell(i, j))).collect();
+        faces.retain(|_| random.below(40) > 0);
+        let mesh = Mesh::new(positions, faces).unwrap();
+        let split = HalfEdgeSurface::from_mesh(&mesh, None);
+        let at = split.row.iter().map(|row| mesh.positions()[*row as usize]).collect();
+        let is_line = vec![false; split.surface.start.len()];
+        let kind = |(v, is_locked): (u32, &bool)| match (is_locked, split.surface.is_border(v)) {
+            (true, _) => CollapseVertexKind::Locked,
+            (_, true) => CollapseVertexKind::Feature,
+            _ => CollapseVertexKind::Smooth,
+        };
+        let kind = (0..).zip(&split.is_locked).map(kind).collect();
+        let mut engine = EdgeCollapser::new(split.surface, at, kind, is_line);
+        engine.has_fans = split.first_fan.iter().zip(0..).any(|(first, v)| *first != v);
+        engine.first_fan = split.first_fan.into();
+        engine
+    }
+
+    fn assert_is_surface(surface: &HalfEdgeSurface) {
+        let mut n_around = vec![0; surface.outgoing.len()];
+        for h in 0..surface.start.len() as u32 {
+            let (v, twin) = (surface.start[h as usize], surface.twin[h as usize]);
+            if v == NONE {
+                assert_eq!(twin, NONE);
+                continue;
+            }
+            n_around[v as usize] += 1;
+            assert!(twin == NONE || surface.twin[twin as usize] == h);
+            assert!(
+                twin == NONE || (surface.start[twin as usize] == surface.end(h) && surface.end(twin) == v)
+            );
+            assert!(twin != NONE || surface.is_border(v), "{h}");
+        }
+        for (v, n) in (0..).zip(n_around) {
+            match surface.outgoing[v as usize] {
+                NONE => assert_eq!(n, 0),
+                h => assert!(surface.start[h as usize] == v && surface.one_ring(v).count() == n),
+            }
+        }
+        assert_eq!(surface.n_faces, surface.faces().len());
+    }
+
+    #[test]
+    fn regions_leave_one_surface_that_its_log_leads_to() {
+        let mut random = Random::new(3);
+        let job = Job::default();
+        for trial in 0..40 {
+            let before = sheet(24, trial % 2 == 0, &mut random);
+            assert_is_surface(&before.surface);
+            let until =
+                StopCriterion { faces: 0, tolerance: &LocalTolerance::uniform(0.02), share: Some(0.1) };
+            let mut after = before.clone();
+            after.log = Some(Vec::new());
+            assert!(after.run_in_regions_of(100, &until, &job));
+            assert_is_surface(&after.surface);
+            assert!(after.surface.n_faces < before.surface.n_faces);
+            let mut again = before.clone();
+            let mut is_open = vec![false; before.at.len()];
+            again.replay(after.log.as_ref().unwrap(), &mut is_open);
+            assert!(!is_open.contains(&true));
+            assert_eq!(again.surface.start, after.surface.start);
+            assert_eq!(again.surface.twin, after.surface.twin);
+            assert_eq!(again.at, after.at);
+            assert_eq!(again.merged_into, after.merged_into);
+        }
+    }
+}
