@@ -29,12 +29,12 @@ const FLAT: f64 = 1e-10;
 const TINY: f64 = 10.0 * FLAT;
 /// How much shorter the first length becomes where it is too long.
 const SHORTER: f64 = 0.25;
-/// The part of a step's factor that is taken of what the one before tells, and the least and the largest factor; below what
-/// mean distances tell from roundings the largest one is [`LEAP`]. Chosen. The last step says how far the length may be
+/// The part of a step, on a logarithmic scale, that is taken of what the one before tells, and the least and the largest
+/// factor; below what mean distances tell from roundings the largest one is [`LEAP`]. Chosen. The last step says how far the length may be
 /// beyond what is needed: one of more than [`LAST`] is taken back.
 const STEP: f64 = 0.9;
 const STEPS: [f64; 2] = [1.03, 1.5];
-const LAST: f64 = 1.06;
+const LAST: f64 = 1.04;
 const LEAP: f64 = 10.0;
 /// From this multiple of the count on a step is not stopped at it. Chosen.
 const MET_FROM: f64 = 1.25;
@@ -204,7 +204,9 @@ impl<'a> CountTarget<'a> {
             let asked = n / greater(self.count as f64, 1.0);
             let is_tiny = *length < self.share_of_diagonal(MEAN_DISTANCE_ROUNDING);
             let step =
-                within(STEP * libm::pow(asked, power), [STEPS[0], if is_tiny { LEAP } else { largest }]);
+                within(libm::pow(asked, STEP * power), [STEPS[0], if is_tiny { LEAP } else { largest }]);
+            // One that is about the last is not to be taken back.
+            let step = if step < LAST * LAST { lesser(step, LAST) } else { step };
             let longer = *length * step;
             if longer <= *length || longer > most {
                 return Ok(false);
