@@ -88,8 +88,8 @@ const MOST_STEPS: u32 = 48;
 /// ends where `steps.stop_at_triangles` triangles are left, or where the error is the extent of the shape: at a distance
 /// where that error is one pixel, the shape is one pixel, too.
 ///
-/// Cost: that of one [`simplify`](super::simplify()) for the finest level, and for each level after it 1.5 µs a triangle
-/// of the original on smooth shapes, up to 7 µs on noisy ones; for a smooth shape its own triangles as well.
+/// Cost: that of one [`simplify`](super::simplify()) for the finest level, and for each level after it 0.7 µs a triangle
+/// of the original on smooth shapes, up to 5 µs on noisy ones; for a smooth shape its own triangles as well.
 ///
 /// # Errors
 /// As for [`simplify`](super::simplify()), and those of the source; [`RefusalCode::Budget`] for a factor that
