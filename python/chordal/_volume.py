@@ -61,7 +61,7 @@ class Volume(Shape):
         Without a level it is 0.5 for masks and occupancies and 0 for distances; anything else is `Refused`. `inside`
         says on which side of the level the shape is. A shape that reaches the border is closed there, unless `border`
         is "open". With `labels`, a list or "all", every label has a surface of its own; within a budget two that
-        meet still have the same triangles there, and `triangles` is for all together, at one `effort`. `smooth`, as in
+        meet still have the same triangles there, and `triangles` is for all together, whatever the `effort`. `smooth`, as in
         "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the bound stays against the
         unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost. A budget is one as for
         `Shape.mesh`; without any the bound is what the lattice allows.

@@ -127,10 +127,8 @@ impl SurfaceMesher<'_> {
         request.run(job, |budget| match form {
             SurfaceForm::Cells => convert::grid_to_mesh(grid, &rule, Some(budget), job),
             SurfaceForm::Simplified => {
-                let (made, note) = {
-                    let within = (budget, &request.bounds, request.effort);
-                    simplified_isosurface(grid, &rule, within, job)?
-                };
+                let within = (budget, &request.bounds, request.effort);
+                let (made, note) = simplified_isosurface(grid, &rule, within, job)?;
                 notes.extend(note);
                 Ok(made)
             }

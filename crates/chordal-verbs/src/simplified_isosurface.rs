@@ -1,13 +1,14 @@
 //! The isosurface of a volume, or those of its labels, with as few triangles as a budget allows: polygonized within a
 //! share of the length, then simplified within what the polygonizer left of it.
 use crate::MeshFailure;
+use crate::simplify::simplify_mesh;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Budget, Failure, JobError, Tolerance};
 use chordal::convert::{self, Polygonize};
 use chordal::explicit::Topology;
 use chordal::implicit::Grid;
-use chordal::lod::count::{Effort, simplify_to_count};
-use chordal::lod::{simplify, simplify_conforming};
+use chordal::lod::count::Effort;
+use chordal::lod::simplify_conforming;
 use chordal::math::{Box3, greater, sub_down};
 use chordal::{Bounded, Job, Mesh};
 
@@ -62,12 +63,7 @@ pub(crate) fn simplified(
     if rest.length.is_none() && rest.triangles.is_none_or(|most| most >= n_faces) {
         return Ok((fine, None));
     }
-    let made = match rest.triangles {
-        Some(most) if rest.length.is_none() => {
-            simplify_to_count(&fine.shape, most, effort, Topology::Indices, job)
-        }
-        _ => simplify(&fine.shape, &rest, Topology::Indices, job),
-    };
+    let made = simplify_mesh(&fine.shape, (&rest, effort), Topology::Indices, job);
     match made.or_else(Failure::best_effort) {
         Ok(made) => {
             let words = two_steps(&fine, &made.bound, made.shape.mesh.faces().len());

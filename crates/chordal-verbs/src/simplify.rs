@@ -376,14 +376,25 @@ fn simplify_part(
         return Ok(unchanged());
     }
     let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
-    let made = match budget.triangles {
-        Some(most) if is_count_alone => simplify_to_count(&part.mesh, most, effort, topology, job),
-        _ => simplify(&part.mesh, budget, topology, job),
-    };
-    match made {
+    match simplify_mesh(&part.mesh, (budget, effort), topology, job) {
         // The eye is close to all of this part, and perhaps not to others.
         Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooClose => Ok(unchanged()),
         made => Ok(Some(made.or_else(Failure::best_effort)?)),
+    }
+}
+
+/// Fewer triangles; `effort` is for a count alone.
+pub(crate) fn simplify_mesh(
+    mesh: &Mesh,
+    (budget, effort): (&Budget, Effort),
+    topology: Topology,
+    job: &Job,
+) -> Result<Bounded<SimplifiedMesh>, Failure<SimplifiedMesh>> {
+    match budget.triangles {
+        Some(most) if *budget == Budget::triangles(most) => {
+            simplify_to_count(mesh, most, effort, topology, job)
+        }
+        _ => simplify(mesh, budget, topology, job),
     }
 }
 

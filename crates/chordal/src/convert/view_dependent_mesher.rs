@@ -31,8 +31,8 @@ use crate::explicit::{Mesh, Patch};
 /// those of a view are.
 ///
 /// **Cost.** Beside what changes, one pass over all triangles for each mesh; tiles with their cells and borders are kept, and
-/// counted by the job's limits. The same sequence of budgets gives the same bytes, on any number of threads. Of limits of Loop's scheme no triangles are
-/// kept: those are meshed anew for each view.
+/// counted by the job's limits. The same sequence of budgets gives the same bytes, on any number of threads. Of limits of
+/// Loop's scheme no triangles are kept: those are meshed anew for each view.
 ///
 /// ```
 /// use chordal::{Budget, Job, Patch, View, budget::Pixels, convert::batch::ViewDependentMesher};

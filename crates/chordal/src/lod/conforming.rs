@@ -286,7 +286,7 @@ impl<'a> InterfaceComplex<'a> {
         // A length beyond which hardly a triangle goes is not worth its distance.
         let total = |step: usize| self.total(|at| counts[at][step]);
         let fewest = total(lengths.len() - 1);
-        let most = most.max((NEARLY * fewest as f64) as u64);
+        let most = if fewest > most { (NEARLY * fewest as f64) as u64 } else { most };
         let step = (0..lengths.len()).find(|step| total(*step) <= most).unwrap_or(lengths.len() - 1);
         // 2. So many triangles for each interface as are between those of the last two lengths.
         let after = |at: usize| counts[at][step];

@@ -2,7 +2,7 @@
 use super::edge_guard::{EdgeVerdict, FarEdges, OriginalEdges};
 use super::local_tolerance::LocalTolerance;
 use super::samples::{NEAR, SamplesByFace};
-use super::surface::{HalfEdgeSurface, NONE, SurfaceRegion};
+use super::surface::{HalfEdgeSurface, NONE, RegionNumbers, SurfaceRegion};
 use crate::budget::{Job, JobError, par_map};
 use crate::check::{NearFaces, NearestFaces, ProximityChecker};
 use crate::explicit::{Mesh, Topology, distance_sq_to_triangle, next_in_face};
@@ -461,23 +461,12 @@ impl ErrorMonitor {
     }
 }
 
-/// The samples of a region in the numbers of the whole.
-pub(super) struct RegionMonitor {
-    pub samples: Vec<u32>,
-}
-
 impl ErrorMonitor {
-    /// A monitor of the samples that faces of a region hold. Others around these are known by where they are.
-    pub fn region(&self, region: &SurfaceRegion) -> (Self, RegionMonitor) {
+    /// A monitor of the samples that faces of a region hold, and the numbers of its samples in the whole. Others around these
+    /// are known by where they are; edges that lead to them are not followed.
+    pub fn region(&self, region: &SurfaceRegion, numbers: &RegionNumbers) -> (Self, Vec<u32>) {
         let n = self.first.len() - 1;
-        let mut holder = vec![NONE; self.samples.len()];
-        let mut held = Vec::new();
-        for (local, face) in (0..).zip(&region.faces) {
-            for sample in self.samples.of_face(*face) {
-                holder[sample as usize] = local;
-                held.push(sample);
-            }
-        }
+        let mut held: Vec<u32> = region.faces.iter().flat_map(|face| self.samples.of_face(*face)).collect();
         held.sort_unstable();
         let n_held = held.partition_point(|sample| (*sample as usize) < n);
         let around = |v: u32| {
@@ -491,18 +480,24 @@ impl ErrorMonitor {
         samples.sort_unstable();
         samples.dedup();
         let n_vertices = samples.partition_point(|sample| (*sample as usize) < n);
-        let mut local = vec![NONE; n];
-        samples[..n_vertices].iter().zip(0..).for_each(|(v, number)| local[*v as usize] = number);
-        let holders: Vec<u32> = samples.iter().map(|sample| holder[*sample as usize]).collect();
-        let corners: Vec<[u32; 3]> =
-            faces.iter().map(|face| self.corners[*face as usize].map(|v| local[v as usize])).collect();
+        let holders: Vec<u32> = numbers.of(&region.faces, |local| {
+            let holder = |sample: &u32| match self.samples.holder(*sample) {
+                NONE => NONE,
+                face => local[face as usize],
+            };
+            samples.iter().map(holder).collect()
+        });
+        let (corners, edges): (Vec<[u32; 3]>, OriginalEdges) = numbers.of(&samples[..n_vertices], |local| {
+            let corners = |face: &u32| self.corners[*face as usize].map(|v| local[v as usize]);
+            (faces.iter().map(corners).collect(), self.edges.some(&samples[..n_vertices], local))
+        });
         let (first, faces_at_vertices) = faces_by_vertex(&corners, n_vertices);
         let monitor = Self {
             samples: self.samples.some(&samples, &holders, region.faces.len()),
             original: self.original.clone(),
             faces_at_vertices,
             first,
-            edges: Arc::new(self.edges.some(&samples[..n_vertices], &local)),
+            edges: Arc::new(edges),
             beside: Arc::default(),
             check_levels: Vec::new(),
             visited: vec![0; corners.len()],
@@ -511,8 +506,7 @@ impl ErrorMonitor {
             far: FarEdges::default(),
             suspects: Vec::new(),
         };
-        // Those that are only around it are held by others.
-        (monitor, RegionMonitor { samples })
+        (monitor, samples)
     }
 }
 

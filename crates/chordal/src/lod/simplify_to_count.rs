@@ -59,7 +59,7 @@ const MENDED: u32 = 6;
 ///
 /// *Cost.* [`Effort::Fast`]: 1.4 µs a triangle on one core, a half of it for the bound, up to 10 µs where faces are needles;
 /// more where less than half of the triangles go; 300 bytes a triangle. [`Effort::Best`]: 8 to 30 µs, up to 70 µs where noise is
-/// as large as the length; 650 bytes.
+/// as large as the length; 800 bytes.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best result where the count cannot be reached; [`RefusalCode::Empty`] without a triangle; the
@@ -212,8 +212,8 @@ impl<'a> CountTarget<'a> {
                 return Ok(false);
             }
             let room = reduction.uniform_tolerance(SHARE * longer);
-            // Far from the count there is none to be met.
-            let until = if asked > MET_FROM { 0 } else { self.count };
+            // Far from the count there is none to be met: a step beyond it is taken back.
+            let until = if asked > MET_FROM && step > LAST && !is_tiny { 0 } else { self.count };
             reduction.run_on(until, &room, self.job)?;
             let got = reduction.n_faces();
             if got <= self.count && step > LAST && !is_tiny {

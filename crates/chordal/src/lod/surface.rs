@@ -2,6 +2,7 @@
 use crate::explicit::{
     DisjointSets, Mesh, Twin, Twins, distance_sq_to_triangle, next_in_face, previous_in_face,
 };
+use std::sync::{Mutex, PoisonError};
 
 /// No half-edge, no vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -295,6 +296,31 @@ impl SurfaceRegion {
     /// The number of a half-edge in the whole surface.
     pub fn half_edge(&self, h: u32) -> u32 {
         3 * self.faces[h as usize / 3] + h % 3
+    }
+}
+
+/// Tables of numbers within a region, one for each thread that is at work.
+pub(super) struct RegionNumbers {
+    size: usize,
+    free: Mutex<Vec<Vec<u32>>>,
+}
+
+impl RegionNumbers {
+    /// For numbers of the whole below `size`.
+    pub fn new(size: usize) -> Self {
+        Self { size, free: Mutex::default() }
+    }
+
+    /// What `look` makes of a table in which each member has its place among them, and all others have [`NONE`].
+    pub fn of<T>(&self, members: &[u32], look: impl FnOnce(&[u32]) -> T) -> T {
+        let free = || self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = free().pop();
+        let mut table = known.unwrap_or_else(|| vec![NONE; self.size]);
+        members.iter().zip(0..).for_each(|(member, place)| table[*member as usize] = place);
+        let made = look(&table);
+        members.iter().for_each(|member| table[*member as usize] = NONE);
+        free().push(table);
+        made
     }
 }
 

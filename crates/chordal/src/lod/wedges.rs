@@ -20,11 +20,6 @@ pub(super) struct Wedges {
     spans: Vec<WedgeColumns>,
 }
 
-/// By row of [`Wedges::region`]: that of the whole.
-pub(super) struct RegionWedges {
-    rows: Vec<u32>,
-}
-
 /// The columns of one attribute.
 #[derive(Clone, Copy, Debug)]
 struct WedgeColumns {
@@ -116,8 +111,8 @@ impl Wedges {
         self.corner_row = kept.half_edges(&self.corner_row).collect();
     }
 
-    /// The rows of a region's corners.
-    pub fn region(&self, region: &SurfaceRegion) -> (Self, RegionWedges) {
+    /// The rows of a region's corners, and their numbers in the whole.
+    pub fn region(&self, region: &SurfaceRegion) -> (Self, Vec<u32>) {
         let corners = || region.half_edges().map(|h| self.corner_row[h as usize]);
         let mut rows: Vec<u32> = corners().collect();
         rows.sort_unstable();
@@ -129,11 +124,11 @@ impl Wedges {
             width: self.width,
             spans: self.spans.clone(),
         };
-        (wedges, RegionWedges { rows })
+        (wedges, rows)
     }
 
     /// Takes over what became of [`Self::region`].
-    pub fn put_back(&mut self, made: &Self, RegionWedges { rows }: &RegionWedges, region: &SurfaceRegion) {
+    pub fn put_back(&mut self, made: &Self, rows: &[u32], region: &SurfaceRegion) {
         for (h, row) in region.half_edges().zip(&made.corner_row) {
             self.corner_row[h as usize] = rows[*row as usize];
         }

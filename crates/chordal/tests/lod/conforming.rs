@@ -180,6 +180,13 @@ fn a_count_is_for_all_meshes_together() {
         panic!("three triangles are no labels")
     };
     holds("three", &meshes, &best, true, &mut random);
+    let fewest: usize = best.shape.iter().map(|made| made.shape.faces().len()).sum();
+    // A little more than that is reached.
+    let most = fewest as u64 + fewest as u64 / 30;
+    let budget = Budget { triangles: Some(most), ..Budget::default() };
+    let made = simplify_conforming(&meshes, &budget, &Job::default()).expect("reachable");
+    let left: usize = made.shape.iter().map(|made| made.shape.faces().len()).sum();
+    assert!(left as u64 <= most, "{left} for {most}");
     // With a length, too, the count is a limit.
     let budget = Budget { triangles: Some(3), ..length(0.5) };
     let Err(Failure::Unmet(best)) = simplify_conforming(&meshes, &budget, &Job::default()) else {

@@ -1,8 +1,6 @@
 //! Collapses in regions of a large surface at once, then along the lines between them.
-use super::super::error_monitor::RegionMonitor;
 use super::super::region_tree::halve;
-use super::super::surface::{HalfEdgeSurface, NONE, SurfaceRegion};
-use super::super::wedges::RegionWedges;
+use super::super::surface::{HalfEdgeSurface, NONE, RegionNumbers, SurfaceRegion};
 use super::{CollapseVertexKind, EdgeCollapser, PastCollapse, StopCriterion};
 use crate::budget::{Job, par_map};
 
@@ -30,7 +28,6 @@ impl CollapseRegions {
                 |face: &u32| monitor.as_ref().map_or(0, |monitor| monitor.samples.of_face(*face).count());
             faces.iter().map(held).sum::<usize>()
         };
-        let mut order = surface.faces();
         let middle = |face: u32| {
             let [a, b, c] = surface.corners(face).map(|v| at[v as usize]);
             std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0)
@@ -38,17 +35,16 @@ impl CollapseRegions {
         let centres: Vec<[f64; 3]> = (0..(surface.start.len() / 3) as u32)
             .map(|face| if surface.corners(face)[0] == NONE { [0.0; 3] } else { middle(face) })
             .collect();
-        let mut open = vec![0..order.len()];
+        let mut open = vec![surface.faces()];
         let mut faces = Vec::new();
-        while let Some(range) = open.pop() {
-            let faces_here = &order[range.clone()];
-            let is_large = faces_here.len() > most_faces
-                || (faces_here.len() > LEAST_FACES && n_samples(faces_here) > MOST_SAMPLES);
+        while let Some(mut region) = open.pop() {
+            let is_large = region.len() > most_faces
+                || (region.len() > LEAST_FACES && n_samples(&region) > MOST_SAMPLES);
             if is_large {
-                let cut = range.start + halve(&mut order[range.clone()], &centres);
-                open.extend([cut..range.end, range.start..cut]);
+                let middle = halve(&mut region, &centres);
+                let rest = region.split_off(middle);
+                open.extend([rest, region]);
             } else {
-                let mut region = order[range].to_vec();
                 region.sort_unstable();
                 faces.push(region);
             }
@@ -72,15 +68,16 @@ impl CollapseRegions {
 struct RegionCollapser {
     engine: EdgeCollapser,
     region: SurfaceRegion,
-    wedges: Option<RegionWedges>,
-    monitor: Option<RegionMonitor>,
+    /// By row of its corners' values, and by sample of its monitor: the numbers in the whole.
+    rows: Option<Vec<u32>>,
+    samples: Option<Vec<u32>>,
 }
 
 /// What a region became; its monitor is told by who holds its samples.
 struct CollapsedRegion {
     engine: EdgeCollapser,
     region: SurfaceRegion,
-    wedges: Option<RegionWedges>,
+    rows: Option<Vec<u32>>,
     /// Samples, and the faces that hold them in the numbers of the whole.
     holders: Vec<(u32, u32)>,
 }
@@ -97,8 +94,13 @@ impl EdgeCollapser {
             return self.run(until, job);
         };
         let whole = &*self;
+        let n_samples = whole.monitor.as_ref().map_or(0, |monitor| monitor.samples.len());
+        let numbers = RegionNumbers::new(whole.at.len().max(whole.surface.start.len() / 3).max(n_samples));
         let made = par_map(job, &faces, |_, faces| {
-            let mut region = RegionCollapser::new(whole, faces, &is_between);
+            if job.is_cancelled() {
+                return None;
+            }
+            let mut region = RegionCollapser::new(whole, (faces, &numbers), &is_between);
             let share = faces.len() as f64 / whole.surface.n_faces as f64;
             let until = StopCriterion { faces: (share * until.faces as f64) as usize, ..*until };
             region.engine.run(&until, job).then(|| region.finish())
@@ -117,7 +119,7 @@ impl EdgeCollapser {
 
     /// Takes over what a region became.
     fn put_back(&mut self, made: CollapsedRegion) {
-        let CollapsedRegion { engine, region, wedges, .. } = made;
+        let CollapsedRegion { engine, region, rows, .. } = made;
         self.surface.put_back(&engine.surface, &region);
         for (local, v) in region.vertices.iter().map(|v| *v as usize).enumerate() {
             self.at[v] = engine.at[local];
@@ -138,7 +140,7 @@ impl EdgeCollapser {
                 self.refused_within[3 * face + k] = engine.refused_within[3 * local + k];
             }
         }
-        if let (Some(all), Some(part), Some(rows)) = (&mut self.wedges, &engine.wedges, &wedges) {
+        if let (Some(all), Some(part), Some(rows)) = (&mut self.wedges, &engine.wedges, &rows) {
             all.put_back(part, rows, &region);
         }
         if let (Some(log), Some(more)) = (&mut self.log, engine.log) {
@@ -148,13 +150,13 @@ impl EdgeCollapser {
 }
 
 impl RegionCollapser {
-    fn new(whole: &EdgeCollapser, faces: &[u32], is_between: &[bool]) -> Self {
-        let (surface, region) = whole.surface.region(faces);
-        let by_vertex = |v: &u32| *v as usize;
+    fn new(whole: &EdgeCollapser, (faces, numbers): (&[u32], &RegionNumbers), is_between: &[bool]) -> Self {
+        let (surface, region) = whole.surface.region(faces, numbers);
         let n_visited = if whole.has_fans { whole.visited.len() } else { region.vertices.len() };
         let (wedges, rows) = whole.wedges.as_ref().map(|wedges| wedges.region(&region)).unzip();
-        let (monitor, samples) = whole.monitor.as_ref().map(|monitor| monitor.region(&region)).unzip();
-        let vertices = || region.vertices.iter().map(by_vertex);
+        let (monitor, samples) =
+            whole.monitor.as_ref().map(|monitor| monitor.region(&region, numbers)).unzip();
+        let vertices = || region.vertices.iter().map(|v| *v as usize);
         let half_edges = || region.half_edges().map(|h| h as usize);
         let engine = EdgeCollapser {
             at: vertices().map(|v| whole.at[v]).collect(),
@@ -183,14 +185,14 @@ impl RegionCollapser {
             before: Vec::new(),
             surface,
         };
-        Self { engine, region, wedges: rows, monitor: samples }
+        Self { engine, region, rows, samples }
     }
 
     /// Frees what is not put back.
     fn finish(self) -> CollapsedRegion {
-        let Self { mut engine, region, wedges, monitor } = self;
-        let holders = match (engine.monitor.take(), monitor) {
-            (Some(made), Some(RegionMonitor { samples })) => {
+        let Self { mut engine, region, rows, samples } = self;
+        let holders = match (engine.monitor.take(), samples) {
+            (Some(made), Some(samples)) => {
                 let holder = |(local, sample): (u32, u32)| {
                     let face = made.samples.holder(local);
                     // Others are held elsewhere.
@@ -202,7 +204,7 @@ impl RegionCollapser {
         };
         engine.queue = super::BucketQueue::new();
         (engine.is_held, engine.is_queued, engine.visited) = Default::default();
-        CollapsedRegion { engine, region, wedges, holders }
+        CollapsedRegion { engine, region, rows, holders }
     }
 }
 
@@ -218,26 +220,25 @@ impl PastCollapse {
 impl HalfEdgeSurface {
     /// Some faces, ascending, as a surface of their own. Where other faces are beside them it has a border; a vertex there has
     /// one fan of those that it has, and stays.
-    fn region(&self, faces: &[u32]) -> (Self, SurfaceRegion) {
-        let mut local = vec![NONE; self.outgoing.len()];
+    fn region(&self, faces: &[u32], numbers: &RegionNumbers) -> (Self, SurfaceRegion) {
         let mut vertices: Vec<u32> = faces.iter().flat_map(|face| self.corners(*face)).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        vertices.iter().zip(0..).for_each(|(v, number)| local[*v as usize] = number);
-        let mut local_face = vec![NONE; self.start.len() / 3];
-        faces.iter().zip(0..).for_each(|(face, number)| local_face[*face as usize] = number);
-        let local_half_edge = |h: u32| match h {
-            NONE => NONE,
-            h => match local_face[h as usize / 3] {
-                NONE => NONE,
-                face => 3 * face + h % 3,
-            },
-        };
         let region = SurfaceRegion { faces: faces.to_vec(), vertices };
-        let start: Vec<u32> = region.half_edges().map(|h| local[self.start[h as usize] as usize]).collect();
-        let twin: Vec<u32> = region.half_edges().map(|h| local_half_edge(self.twin[h as usize])).collect();
-        let mut outgoing: Vec<u32> =
-            region.vertices.iter().map(|v| local_half_edge(self.outgoing[*v as usize])).collect();
+        let start: Vec<u32> = numbers.of(&region.vertices, |local| {
+            region.half_edges().map(|h| local[self.start[h as usize] as usize]).collect()
+        });
+        let (twin, mut outgoing): (Vec<u32>, Vec<u32>) = numbers.of(faces, |local| {
+            let half_edge = |h: u32| match h {
+                NONE => NONE,
+                h => match local[h as usize / 3] {
+                    NONE => NONE,
+                    face => 3 * face + h % 3,
+                },
+            };
+            let twin = region.half_edges().map(|h| half_edge(self.twin[h as usize])).collect();
+            (twin, region.vertices.iter().map(|v| half_edge(self.outgoing[*v as usize])).collect())
+        });
         for (h, v) in (0..).zip(&start) {
             let known = &mut outgoing[*v as usize];
             if twin[h as usize] == NONE && (*known == NONE || twin[*known as usize] != NONE) {
@@ -274,7 +275,8 @@ impl HalfEdgeSurface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::explicit::Mesh;
+    use crate::explicit::{Mesh, distance_sq_to_triangle};
+    use crate::lod::error_monitor::ErrorMonitor;
     use crate::lod::local_tolerance::LocalTolerance;
     use chordal_testkit::Random;
 
@@ -361,5 +363,89 @@ mod tests {
             assert_eq!(again.at, after.at);
             assert_eq!(again.merged_into, after.merged_into);
         }
+    }
+
+    #[test]
+    fn what_is_known_of_a_collapse_is_what_a_look_finds() {
+        let mut random = Random::new(4);
+        let mut n_left_out = 0;
+        for trial in 0..40 {
+            let before = sheet(24, trial % 2 == 0, &mut random);
+            let until =
+                StopCriterion { faces: 0, tolerance: &LocalTolerance::uniform(0.02), share: Some(0.2) };
+            let mut after = before.clone();
+            after.log = Some(Vec::new());
+            assert!(after.run_in_regions_of(200, &until, &Job::default()));
+            let log = after.log.unwrap();
+            let is_open: Vec<bool> = before.at.iter().map(|_| random.below(60) == 0).collect();
+            // With a look at every collapse.
+            let (mut looked, mut opened) = (before.clone(), is_open.clone());
+            for past in &log {
+                let h = past.shrink.h;
+                let is_same = [looked.surface.start[h as usize], looked.surface.end(h)] == past.ends;
+                let is_closed = !past.ends.iter().any(|v| opened[*v as usize]);
+                if is_same
+                    && is_closed
+                    && looked.satisfies_link_condition(h)
+                    && looked.flips_no_face(&past.shrink)
+                {
+                    looked.apply(&past.shrink);
+                } else {
+                    past.ends.iter().for_each(|v| opened[*v as usize] = true);
+                    n_left_out += 1;
+                }
+            }
+            let (mut again, mut is_open) = (before.clone(), is_open);
+            again.replay(&log, &mut is_open);
+            assert_is_surface(&again.surface);
+            assert_eq!(is_open, opened);
+            assert_eq!(again.surface.start, looked.surface.start);
+            assert_eq!(again.at, looked.at);
+        }
+        assert!(n_left_out > 400, "{n_left_out}");
+    }
+
+    #[test]
+    fn samples_stay_with_faces_that_are_close() {
+        let mut random = Random::new(5);
+        let room = LocalTolerance::uniform(0.01);
+        for trial in 0..10 {
+            let mut engine = sheet(24, trial % 2 == 0, &mut random);
+            let job = Job::default();
+            let points = engine.at.clone();
+            engine.monitor = Some(ErrorMonitor::new(&engine.surface, &engine.at, &[], &job).unwrap());
+            let n_before = engine.surface.n_faces;
+            let until = StopCriterion { faces: 0, tolerance: &room, share: None };
+            assert!(engine.run_in_regions_of(200, &until, &job));
+            assert_is_surface(&engine.surface);
+            assert!(engine.surface.n_faces < n_before / 2);
+            let mut monitor = engine.monitor.take().unwrap();
+            for thinned in [false, true] {
+                if thinned {
+                    monitor.thin_out();
+                }
+                let mut n_held = 0;
+                for face in engine.surface.faces() {
+                    let corners = engine.surface.corners(face).map(|v| engine.at[v as usize]);
+                    for sample in monitor.samples.of_face(face) {
+                        assert_eq!(monitor.samples.holder(sample), face);
+                        assert!(distance_sq_to_triangle(points[sample as usize], corners) <= 0.01 * 0.01);
+                        n_held += 1;
+                    }
+                }
+                assert_eq!(n_held, points.len());
+            }
+        }
+    }
+
+    #[test]
+    fn a_cancelled_job_leaves_the_surface() {
+        let mut engine = sheet(24, false, &mut Random::new(6));
+        let start = engine.surface.start.clone();
+        let job = Job::default();
+        job.cancel();
+        let until = StopCriterion { faces: 0, tolerance: &LocalTolerance::uniform(0.01), share: None };
+        assert!(!engine.run_in_regions_of(200, &until, &job));
+        assert_eq!(engine.surface.start, start);
     }
 }

@@ -33,10 +33,9 @@ impl EdgeCollapser {
             let is_same = self.surface.start[h as usize] == ends[0] && self.surface.end(h) == ends[1];
             let is_closed = !ends.iter().any(|v| is_open[*v as usize]);
             // Where all around is as it was, so is what was found of it; values at corners ask for the faces.
-            let is_known = || self.wedges.is_none() && !self.is_beside(ends, is_open);
-            if is_same && is_closed && is_known() {
-                self.carry_out(shrink);
-            } else if is_same && is_closed && self.satisfies_link_condition(h) && self.flips_no_face(shrink) {
+            let is_known = self.wedges.is_none() && !self.is_beside(ends, is_open);
+            let is_allowed = |this: &mut Self| this.satisfies_link_condition(h) && this.flips_no_face(shrink);
+            if is_same && is_closed && (is_known || is_allowed(self)) {
                 self.carry_out(shrink);
             } else {
                 ends.iter().for_each(|v| is_open[*v as usize] = true);
