@@ -70,7 +70,7 @@ pub(super) type SimplifyFailure = Failure<SimplifiedMesh>;
 /// carried along.
 ///
 /// *Cost.* 3 to 17 µs a triangle on one core on smooth shapes, 15 to 25 µs on scans, 35 to 50 µs where faces are needles, as
-/// in parts that CAD programs triangulated; 750 bytes a triangle. Large meshes are collapsed in regions on all threads, with
+/// in parts that CAD programs triangulated; 700 to 1,050 bytes a triangle. Large meshes are collapsed in regions on all threads, with
 /// the same result on any number. [`Effort::Fast`] is for a count in less time.
 ///
 /// # Errors

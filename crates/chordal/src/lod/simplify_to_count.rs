@@ -59,7 +59,7 @@ const MENDED: u32 = 6;
 ///
 /// *Cost.* [`Effort::Fast`]: 1.4 µs a triangle on one core, a half of it for the bound, up to 10 µs where faces are needles;
 /// more where less than half of the triangles go; 300 bytes a triangle. [`Effort::Best`]: 8 to 30 µs, up to 70 µs where noise is
-/// as large as the length; 800 bytes.
+/// as large as the length; 800 to 1,200 bytes.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best result where the count cannot be reached; [`RefusalCode::Empty`] without a triangle; the
