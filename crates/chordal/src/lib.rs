@@ -74,6 +74,8 @@
 //! [`explicit::subdivision`] and [`implicit::evaluation`]. ARCHITECTURE.md has the picture, GLOSSARY.md the
 //! words, and `docs/` a page for each arrow.
 
+#[cfg(feature = "booleans")]
+pub mod boolean;
 pub mod budget;
 pub mod check;
 pub mod convert;

@@ -29,6 +29,7 @@ fn one_sided_sq(from: &Points, to: &Points) -> i32 {
 fn true_sq(metric: Metric, a: &Points, b: &Points) -> i32 {
     match metric {
         Metric::OneSided => one_sided_sq(a, b),
+        Metric::Solid => unreachable!("points have no sides"),
         Metric::Hausdorff => one_sided_sq(a, b).max(one_sided_sq(b, a)),
         Metric::Parametric => a.iter().zip(b).map(|(a, b)| distance_sq(*a, *b)).max().unwrap(),
     }

@@ -12,13 +12,14 @@ use gates::{Kind, Source, Token, expect_none};
 use std::collections::BTreeMap;
 
 /// The rooms with their storeys; rooms of one storey do not know each other.
-const ROOMS: [(&str, u8); 10] = [
+const ROOMS: [(&str, u8); 11] = [
     ("math", 1),
     ("budget", 2),
     ("explicit", 3),
     ("implicit", 3),
     ("check", 4),
     ("convert", 5),
+    ("boolean", 6),
     ("lod", 6),
     ("mend", 6),
     ("render", 6),

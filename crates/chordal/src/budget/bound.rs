@@ -63,6 +63,9 @@ pub enum Metric {
     Parametric,
     /// From the true shape to the result only.
     OneSided,
+    /// Of solids: every point farther than this from the surfaces of the operands, where there are some, and from that of
+    /// the true shape is inside the result if and only if it is inside the true shape. A thin tip or gap may be longer.
+    Solid,
 }
 
 impl Metric {
@@ -73,11 +76,13 @@ impl Metric {
             Self::Hausdorff => "hausdorff",
             Self::Parametric => "parametric",
             Self::OneSided => "one-sided",
+            Self::Solid => "solid",
         }
     }
 
     fn weaker(self, other: Self) -> Self {
         match (self, other) {
+            (Self::Solid, _) | (_, Self::Solid) => Self::Solid,
             (Self::OneSided, _) | (_, Self::OneSided) => Self::OneSided,
             (Self::Parametric, Self::Parametric) => Self::Parametric,
             _ => Self::Hausdorff,
@@ -101,6 +106,8 @@ pub enum Reference {
     Field,
     /// The isosurface of the trilinear interpolant of a volume's samples.
     Trilinear,
+    /// The union, difference or intersection of the solids that several meshes bound.
+    Boolean,
 }
 
 impl Reference {
@@ -114,6 +121,7 @@ impl Reference {
             Self::InputTriangles => "input triangles",
             Self::Field => "field",
             Self::Trilinear => "trilinear interpolant",
+            Self::Boolean => "boolean",
         }
     }
 }
@@ -222,7 +230,8 @@ impl Bound {
     /// inequality: `at_least` of one step minus `at_most` of the other. The metric of that step must be the
     /// metric of the result (a parametric distance of at least 1 does not keep the shapes 1 apart), and the
     /// other step must bound both directions. Pixels do not add here, because they belong to a view: the
-    /// caller converts the length again. Angles do not add either.
+    /// caller converts the length again. Angles do not add either. Nor does [`Metric::Solid`], unless the other
+    /// step lost nothing: surfaces that are near each other say nothing of sides.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let metric = self.metric.weaker(next.metric);
@@ -232,8 +241,11 @@ impl Bound {
             .at_most
             .zip(next.at_most)
             .map(|(a, b)| if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) });
+        let loses_sides =
+            |this: &Self, other: &Self| this.metric == Metric::Solid && other.at_most != Some(0.0);
         let (at_most, evidence) = match sum {
             Some(infinite) if !infinite.is_finite() => (None, Evidence::Estimated),
+            Some(_) if loses_sides(self, next) || loses_sides(next, self) => (None, Evidence::Estimated),
             sum => (sum, evidence),
         };
         let (first, second) =
@@ -254,7 +266,9 @@ impl Bound {
     /// What remains of this step's lower bound, in `metric`, after the step `other`.
     fn remaining_lower_bound(&self, other: &Self, metric: Metric) -> f64 {
         match other.at_most {
-            Some(most) if self.metric == metric && other.metric != Metric::OneSided => {
+            Some(most)
+                if self.metric == metric && !matches!(other.metric, Metric::OneSided | Metric::Solid) =>
+            {
                 let left = sub_down(self.at_least, most);
                 greater(left, 0.0)
             }

@@ -1,0 +1,227 @@
+//! Booleans of triangle meshes: the union, difference and intersection of the solids that they bound, as a
+//! mesh whose faces lie on those of the operands.
+//!
+//! ```
+//! use chordal::boolean::{BooleanOp, BooleanStep, boolean};
+//! use chordal::{Job, Mesh, check};
+//! let tetrahedron = |x: f64| {
+//!     let corners = vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0], [x, 0.0, 1.0]];
+//!     Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+//! };
+//! let (a, b) = (tetrahedron(0.0)?, tetrahedron(0.25)?);
+//! let made = boolean(&a, &[BooleanStep { op: BooleanOp::Difference, mesh: &b }], &Job::default())?;
+//! let volume = check::findings::measure(&made.mesh).signed_volume;
+//! assert!((volume - (1.0 - 0.75_f64.powi(3)) / 6.0).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+mod arrangement;
+mod attributes;
+mod operand;
+mod result;
+mod sides;
+
+use crate::budget::{Job, JobError, Refusal, RefusalCode};
+use crate::check::self_intersections;
+use crate::explicit::Mesh;
+use arrangement::{EngineFailure, Engines, combine};
+use operand::Operand;
+use std::fmt;
+
+pub use result::{BooleanMesh, BooleanMethod, BooleanSource};
+
+/// How a solid is combined with the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BooleanOp {
+    /// What is in either.
+    Union,
+    /// What is in the first and not in the second.
+    Difference,
+    /// What is in both.
+    Intersection,
+}
+
+impl BooleanOp {
+    /// The name in a report.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Union => "union",
+            Self::Difference => "difference",
+            Self::Intersection => "intersection",
+        }
+    }
+
+    /// Whether a point that is in the first solid or not, and in the second or not, is in the result.
+    pub(crate) fn holds(self, first: bool, second: bool) -> bool {
+        match self {
+            Self::Union => first || second,
+            Self::Difference => first && !second,
+            Self::Intersection => first && second,
+        }
+    }
+}
+
+/// One more operand, and what is done with it.
+#[derive(Clone, Copy, Debug)]
+pub struct BooleanStep<'a> {
+    /// How it is combined with what was made so far.
+    pub op: BooleanOp,
+    /// The operand.
+    pub mesh: &'a Mesh,
+}
+
+/// Why there is no boolean.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BooleanError {
+    /// An operand, counted from 0, bounds no solid.
+    NotClosed {
+        /// The operand: 0 is the first mesh, 1 that of the first step.
+        operand: usize,
+        /// Edges with one triangle.
+        boundary_edges: u64,
+    },
+    /// The work was refused or cancelled.
+    Stopped(JobError),
+}
+
+impl From<JobError> for BooleanError {
+    fn from(stopped: JobError) -> Self {
+        Self::Stopped(stopped)
+    }
+}
+
+impl fmt::Display for BooleanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotClosed { operand, boundary_edges: 0 } => {
+                write!(f, "operand {operand} bounds no solid: not every edge is run equally often both ways")
+            }
+            Self::NotClosed { operand, boundary_edges } => {
+                write!(f, "operand {operand} bounds no solid: {boundary_edges} edges have one triangle only")
+            }
+            Self::Stopped(stopped) => stopped.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for BooleanError {}
+
+/// Combines solids, from left to right: `((first op₁ mesh₁) op₂ mesh₂) …`. Inside an operand is where its
+/// winding number is positive, whatever crosses or overlaps; vertices are tied by their coordinates. Touching
+/// and coplanar faces, equal operands, nested shells and empty results are results like others: closed, of
+/// oriented triangles.
+///
+/// **Method.** Operands without self-intersections, whose edges have two triangles each, are combined in
+/// floating point with symbolic perturbation, which cannot fail to give a manifold; others, and whatever
+/// fails the check below, in exact rational arithmetic, which takes ten to a hundred times as long.
+/// [`BooleanMesh::method`] says which.
+///
+/// **Bound.** Whichever made it, the result is checked here. `at_most` bounds the distance of every triangle of
+/// the result from the triangle of an operand that it was cut from, rounding included. So farther than that
+/// from all operands' triangles sides change nowhere, and there winding numbers of the result and of the
+/// operands, which are exact, are compared at points beside the triangles of both, at most 2,048 of them. The
+/// evidence is [`ProvedIf`](crate::Evidence::ProvedIf): no region is wrong that has none of these points. The metric is
+/// [`Solid`](crate::budget::Metric::Solid): a point farther than `at_most` from the operands' triangles is on the side
+/// where it should be. Where no vertex had to be rounded it is the Hausdorff distance of the surfaces, and 0.
+/// Where the check found a point on the wrong side the evidence is [`Estimated`](crate::Evidence::Estimated).
+///
+/// Positions and faces alone count: for attributes see [`BooleanMesh::with_attributes`].
+///
+/// # Errors
+/// [`BooleanError::NotClosed`] where along some edge not as many triangles run one way as the other; the
+/// refusals of a job: memory, triangles, and the arrangement of more intersections than the job's memory
+/// holds; cancellation.
+///
+/// Source of the methods: E. Lalish, *Manifold*, after J. Smith, N. Dodgson, *A topologically robust
+/// algorithm for Boolean operations on polyhedral shapes using approximate arithmetic*, 2007; and H. Barki,
+/// G. Guennebaud, S. Foufou, *Exact, robust, and efficient regularized Booleans on general 3D meshes*, 2015;
+/// both by the crate `manifold-rust`.
+pub fn boolean(first: &Mesh, steps: &[BooleanStep], job: &Job) -> Result<BooleanMesh, BooleanError> {
+    boolean_snapped(first, steps, &|_| Ok(()), job)
+}
+
+/// [`boolean()`] for a file that holds fewer digits: `snap` rounds the positions of the result before it is
+/// checked, so that the bound is that of the rounded mesh.
+///
+/// # Errors
+/// Those of [`boolean()`], and those of `snap`.
+pub fn boolean_snapped(
+    first: &Mesh,
+    steps: &[BooleanStep],
+    snap: &dyn Fn(&mut [[f64; 3]]) -> Result<(), JobError>,
+    job: &Job,
+) -> Result<BooleanMesh, BooleanError> {
+    let meshes: Vec<&Mesh> = std::iter::once(first).chain(steps.iter().map(|step| step.mesh)).collect();
+    let ops: Vec<BooleanOp> = steps.iter().map(|step| step.op).collect();
+    check_limits(&meshes, job)?;
+    let mut operands = Vec::with_capacity(meshes.len());
+    for (number, mesh) in meshes.iter().enumerate() {
+        operands.push(Operand::new(number, mesh, job)?);
+    }
+    let simple = operands.iter().all(|operand| operand.is_simple);
+    if simple && let Ok(mut made) = combine(&operands, &ops, Engines::FloatingPoint, job) {
+        snap(&mut made.positions)?;
+        let checked = result::checked(made, BooleanMethod::FloatingPoint, (&operands, &ops), job)?;
+        if checked.bound.evidence().bounds_above() {
+            return Ok(checked);
+        }
+    }
+    check_crossings(&meshes, job)?;
+    match combine(&operands, &ops, Engines::Rational, job) {
+        Ok(mut made) => {
+            snap(&mut made.positions)?;
+            Ok(result::checked(made, BooleanMethod::Rational, (&operands, &ops), job)?)
+        }
+        Err(EngineFailure::Cancelled) => Err(JobError::Cancelled.into()),
+        Err(EngineFailure::Failed(why)) => {
+            let message = format!("the meshes could not be cut along each other: {why}");
+            Err(JobError::Refused(Refusal::new(RefusalCode::Unsupported, message)).into())
+        }
+    }
+}
+
+/// Refuses what would take more memory than the job allows, before the work.
+fn check_limits(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
+    if job.is_cancelled() {
+        return Err(JobError::Cancelled);
+    }
+    let n_faces = meshes.iter().fold(0_u64, |n, mesh| n + mesh.faces().len() as u64);
+    let bytes = n_faces.saturating_mul(BYTES_A_FACE);
+    if bytes > job.memory_limit {
+        let limit = job.memory_limit;
+        let message =
+            format!("combining {n_faces} triangles needs about {bytes} bytes; the limit is {limit}");
+        return Err(JobError::Refused(Refusal::new(RefusalCode::TooMuchMemory, message)));
+    }
+    Ok(())
+}
+
+/// Measured on spheres of 40,000 to 1,000,000 triangles: operands, trees, result and sources together.
+const BYTES_A_FACE: u64 = 1200;
+
+/// Refuses an arrangement whose intersections alone would exceed the job's memory: all triangles can cross all
+/// others.
+fn check_crossings(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
+    let mut positions = Vec::new();
+    let mut faces = Vec::new();
+    for mesh in meshes {
+        let first = positions.len() as u32;
+        positions.extend_from_slice(mesh.positions());
+        faces.extend(mesh.faces().iter().map(|face| face.map(|row| row + first)));
+    }
+    let all = Mesh::by_construction(positions, faces);
+    let n_pairs = self_intersections(&all, job)?.count;
+    let bytes = n_pairs.saturating_mul(BYTES_A_CROSSING);
+    if bytes > job.memory_limit {
+        let limit = job.memory_limit;
+        let message = format!(
+            "{n_pairs} pairs of triangles cross each other: cutting them exactly needs about {bytes} bytes; the limit \
+             is {limit}"
+        );
+        return Err(JobError::Refused(Refusal::new(RefusalCode::TooMuchMemory, message)));
+    }
+    Ok(())
+}
+
+/// Measured on random triangles: two points of three rational coordinates, their segments, and the pieces of both triangles.
+const BYTES_A_CROSSING: u64 = 4096;
