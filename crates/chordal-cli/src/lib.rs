@@ -6,6 +6,7 @@ mod args;
 mod bake;
 mod batch;
 mod beside;
+mod boolean;
 mod cli;
 mod clock;
 mod console;

@@ -1,5 +1,6 @@
 //! `chordal mesh`
 use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, angle, length};
+use crate::boolean::BooleanArgs;
 use crate::clock::Clock;
 use crate::console::{Console, StdoutUse};
 use crate::execution;
@@ -18,7 +19,9 @@ use chordal::budget::advice::Spell;
 use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
-use chordal_verbs::{BudgetSpec, Effort, MeshFailure, Normals, Shape, Spacing, mesh, needs_budget, refine};
+use chordal_verbs::{
+    BudgetSpec, Effort, MeshFailure, Normals, Shape, Spacing, mesh, mesh_boolean, needs_budget, refine,
+};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::io::Write;
 
@@ -36,7 +39,8 @@ Examples:
   chordal mesh brain.nii.gz --iso 60 -o brain.glb
   chordal mesh liver_mask.nii.gz --smooth 0.8vox --tol 3mm -o liver.glb
   chordal mesh organs.nii.gz --labels all --tol 2mm -o organs.glb
-  chordal mesh cage.obj --level 2 -o refined.obj")]
+  chordal mesh cage.obj --level 2 -o refined.obj
+  chordal mesh part.stl --minus hole.stl --union rib.glb -o whole.stl")]
 pub struct MeshArgs {
     #[command(flatten)]
     pub output: OutputArgs,
@@ -46,6 +50,9 @@ pub struct MeshArgs {
 
     #[command(flatten)]
     pub budget: BudgetArgs,
+
+    #[command(flatten)]
+    pub boolean: BooleanArgs,
 
     #[command(flatten)]
     pub result: ResultArgs,
@@ -161,6 +168,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    args.boolean.refuse_output(&args.output.output)?;
     args.set.check(&target, to)?;
     let place = |names_files: bool| SetPlace {
         target: &target,
@@ -180,12 +188,19 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         let run = run_outcome::facts("mesh", source.name(), target.name(), bytes);
         return print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout);
     }
-    if !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
+    let others = args.boolean.read(&args.input, &job, &console)?;
+    if others.is_empty() && !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
 
     let name = source.name();
-    let (outcome, unmet) = match mesh(input, &spec, args.set.form(to), &job).spelled(&CommandLine) {
+    let form = args.set.form(to);
+    let made = if others.is_empty() {
+        mesh(input, &spec, form, &job)
+    } else {
+        mesh_boolean(input, others, &spec, form, &job)
+    };
+    let (outcome, unmet) = match made.spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
             let fault = run_outcome::fault(&name, &failure, &hint(args, &failure));

@@ -1,8 +1,8 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{RoundingDirection, grouped, short, size};
 use chordal_verbs::report::{
-    AttributeFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts, SmoothingFacts,
-    TriangleFacts, ValidityFacts,
+    AttributeFacts, BooleanFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts,
+    SmoothingFacts, TriangleFacts, ValidityFacts,
 };
 use std::fmt::Write;
 
@@ -59,6 +59,9 @@ pub fn mesh(report: &Report) -> String {
             format!("{} of {}, {left}", plural(u64::from(refined.levels), "round"), refined.scheme),
         );
     }
+    if let Some(facts) = &certificate.boolean {
+        lines.add("combined", combined(facts));
+    }
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
         facts.assumptions.iter().for_each(|sentence| lines.add("if", sentence));
@@ -83,6 +86,13 @@ pub fn mesh(report: &Report) -> String {
         soundness(&mut lines, valid);
     }
     lines.finish_run(run)
+}
+
+/// What was combined, and how.
+fn combined(facts: &BooleanFacts) -> String {
+    let ops: Vec<&str> = facts.operands.iter().filter_map(|operand| operand.op).collect();
+    let from: Vec<String> = facts.operands.iter().map(|operand| grouped(operand.kept)).collect();
+    format!("by {}, in {} arithmetic; triangles of each: {}", ops.join(", "), facts.method, from.join(", "))
 }
 
 /// What smoothing cost.
@@ -208,9 +218,13 @@ pub fn attribute(facts: &AttributeFacts) -> String {
 }
 
 /// Of which side a bound is, where it is not of both: what was added, as by filling a hole, is not near
-/// anything of the source.
+/// anything of the source. And what it says of solids that were cut along each other.
 pub(crate) fn one_way_note(metric: &str) -> &'static str {
-    if metric == "one-sided" { ", of the source; what was added is not counted" } else { "" }
+    match metric {
+        "one-sided" => ", of the source; what was added is not counted",
+        "solid" => ", to sides: thin tips may be shorter",
+        _ => "",
+    }
 }
 
 pub(crate) fn bound(facts: &BoundFacts) -> String {

@@ -2,6 +2,7 @@
 //! the library is linked once and not once a file.
 mod bake;
 mod batch;
+mod boolean;
 mod budget;
 mod cage;
 mod common;

@@ -1,6 +1,6 @@
 //! Assets without what nothing uses: the materials that faces have, and the textures and pictures that these
 //! name.
-use crate::assets::{collect_extensions, each_variant_material};
+use crate::assets::{VARIANTS, collect_extensions, each_variant_material};
 use crate::{FaceKind, MATERIAL, Scene, SceneAssets};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
@@ -73,6 +73,66 @@ impl SceneAssets {
         (assets, materials)
     }
 
+    /// Adds the materials of another scene with all that they need, after those that are there; returns how many
+    /// were there. Looks by variant are kept where this scene has none of its own.
+    ///
+    /// ```
+    /// use chordal_io::SceneAssets;
+    /// use serde_json::json;
+    /// let textured = |index| json!({ "normalTexture": { "index": index } });
+    /// let with = |name: &str| SceneAssets {
+    ///     materials: vec![textured(0)],
+    ///     textures: vec![json!({ "name": name })],
+    ///     ..SceneAssets::default()
+    /// };
+    /// let mut both = with("bark");
+    /// assert_eq!(both.append_materials(&with("leaf")), 1);
+    /// assert_eq!(both.materials, [textured(0), textured(1)]);
+    /// assert_eq!(both.textures[1], json!({ "name": "leaf" }));
+    /// ```
+    pub fn append_materials(&mut self, other: &Self) -> usize {
+        let shift = |at: &mut Value, by: usize| {
+            if let Some(old) = number(at) {
+                *at = json!(old + by);
+            }
+        };
+        let [n_materials, n_textures] = [self.materials.len(), self.textures.len()];
+        let [n_images, n_samplers] = [self.images.len(), self.samplers.len()];
+        let mut added = other.materials_only();
+        for material in &mut added.materials {
+            levels_of(material).into_iter().flatten().for_each(|at| shift(at, n_materials));
+        }
+        each_texture(&mut added.materials, &mut |at| shift(at, n_textures));
+        for texture in &mut added.textures {
+            sources_of(texture).into_iter().for_each(|at| shift(at, n_images));
+            texture.get_mut("sampler").into_iter().for_each(|at| shift(at, n_samplers));
+        }
+        let has_looks = self.extensions.contains_key(VARIANTS);
+        for (at, mut kind) in added.face_kinds {
+            kind.material += n_materials;
+            if has_looks
+                && let Some(all) = kind.properties.get_mut("extensions").and_then(Value::as_object_mut)
+            {
+                all.remove(VARIANTS);
+            }
+            each_variant_material(&mut kind.properties, &mut |at| shift(at, n_materials));
+            self.face_kinds.insert(at + n_materials, kind);
+        }
+        self.materials.append(&mut added.materials);
+        self.textures.append(&mut added.textures);
+        self.images.append(&mut added.images);
+        self.samplers.append(&mut added.samplers);
+        for name in added.required_extensions {
+            if !self.required_extensions.contains(&name) {
+                self.required_extensions.push(name);
+            }
+        }
+        for (name, value) in added.extensions {
+            self.extensions.entry(name).or_insert(value);
+        }
+        n_materials
+    }
+
     /// These materials with those that they name as their own levels of detail.
     fn closure(&self, used: &BTreeSet<usize>) -> BTreeSet<usize> {
         let mut all = BTreeSet::new();
@@ -139,19 +199,13 @@ impl Scene {
 
 /// The same mesh with its groups of materials numbered anew.
 fn with_groups(mesh: &Mesh, numbers: &Renumbering) -> Result<Mesh, InvalidMesh> {
-    let mut out = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec())?;
-    if let Some(ids) = mesh.position_id() {
-        out = out.with_position_id(ids.to_vec())?;
-    }
-    for attribute in mesh.attributes() {
-        let mut attribute = attribute.clone();
+    mesh.with_only(mesh.attributes().iter().cloned().map(|mut attribute| {
         if is_material(&attribute) {
             let new = |x: f64| material_of(x).and_then(|old| *numbers.get(old)?);
             attribute.values.iter_mut().for_each(|x| *x = new(*x).map_or(0.0, |new| (new + 1) as f64));
         }
-        out = out.with_attribute(attribute)?;
-    }
-    Ok(out)
+        attribute
+    }))
 }
 
 fn is_material(attribute: &Attribute) -> bool {

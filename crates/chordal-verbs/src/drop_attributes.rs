@@ -3,7 +3,7 @@ use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use chordal::Mesh;
 use chordal::budget::advice::Message;
-use chordal::explicit::Semantic;
+use chordal::explicit::{InvalidMesh, Semantic};
 use chordal_io::{Part, Scene};
 
 /// Drops the normals of a scene that will be recomputed, so that they preserve no edge, and the tangents that go
@@ -22,15 +22,15 @@ pub(crate) fn drop_attributes(
 ) -> Result<(), MeshFailure> {
     let has_some = |part: &&mut Part| part.mesh.attributes().iter().any(|a| is_dropped(&a.semantic));
     for part in scene.parts.iter_mut().filter(has_some) {
-        let mesh = &part.mesh;
-        let mut bare = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec()).map_err(unsupported)?;
-        if let Some(id) = mesh.position_id() {
-            bare = bare.with_position_id(id.to_vec()).map_err(unsupported)?;
-        }
-        for attribute in mesh.attributes().iter().filter(|attribute| !is_dropped(&attribute.semantic)) {
-            bare = bare.with_attribute(attribute.clone()).map_err(unsupported)?;
-        }
-        part.mesh = bare;
+        part.mesh = without_attributes(&part.mesh, &is_dropped).map_err(unsupported)?;
     }
     Ok(())
+}
+
+/// A mesh without some of its attributes.
+pub(crate) fn without_attributes(
+    mesh: &Mesh,
+    is_dropped: impl Fn(&Semantic) -> bool,
+) -> Result<Mesh, InvalidMesh> {
+    mesh.with_only(mesh.attributes().iter().filter(|attribute| !is_dropped(&attribute.semantic)).cloned())
 }

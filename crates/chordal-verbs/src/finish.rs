@@ -6,7 +6,7 @@ use crate::notes::packing_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
 use crate::{MeshFailure, MeshOutcome, Tessellation};
-use chordal::budget::{Bound, PixelBudget, RequiredEvidence, Tolerance};
+use chordal::budget::{Bound, Evidence, PixelBudget, RequiredEvidence, Tolerance};
 use chordal::math::lesser;
 use chordal_io::{Format, Polylines, Scene, Warning, losses};
 
@@ -106,7 +106,8 @@ fn pixels_of(request: &MeshRequest, bound: &Bound) -> Option<f64> {
 /// there is no proof, the measured error counts.
 fn lengths_are_met(request: &MeshRequest, bound: &Bound) -> bool {
     let MeshRequest { budget, bounds, .. } = request;
-    let measured = budget.require == RequiredEvidence::Measured && bound.at_most().is_none();
+    let is_measured = matches!(bound.evidence(), Evidence::Measured { .. });
+    let measured = budget.require == RequiredEvidence::Measured && is_measured;
     let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
     let pixels = match budget.pixels {
         Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), bounds),

@@ -19,6 +19,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 mod bake;
+#[cfg(feature = "booleans")]
+mod boolean;
 mod cage;
 mod cage_size;
 mod collapsed_faces;
@@ -67,10 +69,13 @@ mod smoothing_width;
 mod spec;
 mod spell;
 mod straight;
+mod tessellate;
 mod too_fine;
 mod volume;
 
 pub use bake::{BakeOutcome, BakeSpec, bake};
+#[cfg(feature = "booleans")]
+pub use boolean::{BooleanOperand, mesh_boolean};
 pub use cage::{ControlMesh, RefineOutcome, refine, refined_cage};
 pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::lod::count::Effort;

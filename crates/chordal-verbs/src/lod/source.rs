@@ -5,19 +5,18 @@ use super::{LodParts, LodSpec};
 use crate::drop_attributes::{drop_attributes, drop_normals};
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::{self, RoundingTarget};
-use crate::isosurface::SurfaceForm;
 use crate::merge::{MergedMesh, merge};
-use crate::merged_parts;
 use crate::notes::{deformation_note, reduction_notes};
 use crate::placements;
 use crate::request::MeshRequest;
-use crate::{MeshFailure, Normals, OutputForm, Shape, cage, field, isosurface};
+use crate::tessellate::tessellate;
+use crate::{MeshFailure, Normals, OutputForm, Shape};
 use chordal::budget::advice::Message;
-use chordal::budget::{Bound, Budget, Failure, JobError, Reference, Refusal, RefusalCode, Tolerance};
+use chordal::budget::{Bound, Budget, Reference, RefusalCode, Tolerance};
 use chordal::explicit::{Semantic, Topology};
 use chordal::lod::{self, LodLevel, LodSource, LodSteps, ReductionStats};
 use chordal::math::Box3;
-use chordal::{Bounded, Job, Mesh, convert};
+use chordal::{Bounded, Job, Mesh};
 use chordal_io::glb::PositionLattice;
 use chordal_io::{Format, Part, Scene, SceneAssets, glb};
 use std::collections::BTreeSet;
@@ -343,38 +342,4 @@ fn merged_mesh(mut scene: Scene, notes: &mut Vec<Message>) -> Result<(Mesh, Topo
         notes.push("what only some of the parts carry at their vertices was left out".into());
     }
     Ok((mesh, Topology::Indices))
-}
-
-/// Triangles within a tolerance of a smooth shape, at full precision.
-fn tessellate(
-    shape: &Shape,
-    length: Tolerance,
-    bounds: Box3,
-    notes: &mut Vec<Message>,
-    job: &Job,
-) -> Result<Bounded<Mesh>, JobError> {
-    let budget = Budget::length(length);
-    // A format that keeps every digit.
-    let request = MeshRequest::new(budget, Format::Ply, bounds);
-    let made = match shape {
-        Shape::Patches { patches, .. } => {
-            return convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort);
-        }
-        Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),
-        Shape::Volume(sampled) => {
-            let made = isosurface::mesh_volume(sampled, (&request.widened(), SurfaceForm::Cells), notes, job);
-            made.map(|made| (made.scene, made.bound))
-        }
-        Shape::Field(field) => field::mesh_field(field, &request.widened(), notes, job),
-        _ => Err(MeshFailure::refused(RefusalCode::Unsupported, "this shape has no levels")),
-    };
-    let unsupported = |message: Message| JobError::Refused(Refusal::new(RefusalCode::Unsupported, message));
-    let (scene, bound) = made.map_err(|failure| match failure {
-        MeshFailure::Cancelled => JobError::Cancelled,
-        MeshFailure::Refused(refusal) => JobError::Refused(refusal),
-        other => unsupported(other.message()),
-    })?;
-    let mesh = merged_parts::one_mesh(&scene).map(|mesh| mesh.into_owned());
-    let mesh = mesh.map_err(|error| unsupported(error.to_string().into()))?;
-    Ok(Bounded { shape: mesh, bound })
 }

@@ -1,8 +1,9 @@
 //! `Certificate`: what holds of a result whatever the machine and the time, for the report and for the file.
 use super::message_text::message_texts;
 use super::{
-    AttributeFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, InputFacts, LevelsFacts, Output,
-    OvershadeFacts, RefinementFacts, RepairFacts, SmoothingFacts, ValidityFacts, to_value,
+    AttributeFacts, BooleanFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, InputFacts,
+    LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts, SmoothingFacts, ValidityFacts,
+    to_value,
 };
 use crate::{Input, Shape};
 use chordal::budget::advice::{Cure, Message, Setting};
@@ -33,6 +34,9 @@ pub struct Certificate {
     /// The repairs, in the order of application; only from `mend`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mended: Vec<RepairFacts>,
+    /// What was combined; only where several shapes were.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boolean: Option<BooleanFacts>,
     /// How a mask was smoothed; only where it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothed: Option<SmoothingFacts>,
@@ -70,6 +74,7 @@ impl Certificate {
             valid: None,
             valid_before: None,
             mended: Vec::new(),
+            boolean: None,
             smoothed: None,
             refined: None,
             baked: None,

@@ -3,6 +3,7 @@
 //! The *certificate* is deterministic: same input, version and budget give the same bytes. So it holds no
 //! clock, no path and no thread count, and can be embedded in the file. *Run* describes this one execution.
 mod attributes;
+mod boolean;
 mod bound;
 mod budget;
 mod cage;
@@ -29,6 +30,7 @@ mod volume;
 mod witness;
 
 pub use attributes::AttributeFacts;
+pub use boolean::{BooleanFacts, BooleanOperandFacts};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
 pub(crate) use cage::linear_name;

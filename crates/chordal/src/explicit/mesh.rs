@@ -163,6 +163,20 @@ impl Mesh {
         Ok(self)
     }
 
+    /// The same triangles with these attributes instead of their own.
+    ///
+    /// # Errors
+    /// As for [`Mesh::with_attribute`].
+    pub fn with_only(&self, attributes: impl IntoIterator<Item = Attribute>) -> Result<Self, InvalidMesh> {
+        let bare = Self {
+            positions: self.positions.clone(),
+            faces: self.faces.clone(),
+            position_id: self.position_id.clone(),
+            attributes: Vec::new(),
+        };
+        attributes.into_iter().try_fold(bare, Self::with_attribute)
+    }
+
     /// The coordinates, n × 3.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {

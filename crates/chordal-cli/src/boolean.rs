@@ -1,0 +1,94 @@
+//! `--union`, `--minus` and `--intersect` of `chordal mesh`, in the order in which they were given.
+use crate::args::InputArgs;
+use crate::console::Console;
+use crate::fault::Fault;
+use crate::input::InputSource;
+use crate::load;
+use crate::overwrite::refuse_input;
+use chordal::Job;
+use chordal::boolean::BooleanOp;
+use chordal_verbs::BooleanOperand;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, value_parser};
+use std::path::{Path, PathBuf};
+
+/// The names of the options, and what they do.
+const OPTIONS: [(&str, BooleanOp, &str); 3] = [
+    (
+        "union",
+        BooleanOp::Union,
+        "Add another solid; may be given several times, and all of these apply from left to right",
+    ),
+    ("minus", BooleanOp::Difference, "Take another solid away"),
+    ("intersect", BooleanOp::Intersection, "Keep what is in another solid, too"),
+];
+
+/// What is combined with the input.
+#[derive(Clone, Debug, Default)]
+pub struct BooleanArgs {
+    /// In the order of the command line.
+    pub operands: Vec<(BooleanOp, PathBuf)>,
+}
+
+impl Args for BooleanArgs {
+    fn augment_args(command: Command) -> Command {
+        OPTIONS.into_iter().fold(command, |command, (name, _, help)| {
+            command.arg(
+                Arg::new(name)
+                    .long(name)
+                    .value_name("FILE")
+                    .help(help)
+                    .help_heading("Combine")
+                    .action(ArgAction::Append)
+                    .value_parser(value_parser!(PathBuf))
+                    .conflicts_with_all(["level", "triangles", "segments"]),
+            )
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for BooleanArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let mut found: Vec<(usize, BooleanOp, PathBuf)> = Vec::new();
+        for (name, op, _) in OPTIONS {
+            let (Some(places), Some(paths)) = (matches.indices_of(name), matches.get_many::<PathBuf>(name))
+            else {
+                continue;
+            };
+            found.extend(places.zip(paths).map(|(place, path)| (place, op, path.clone())));
+        }
+        found.sort_by_key(|(place, ..)| *place);
+        Ok(Self { operands: found.into_iter().map(|(_, op, path)| (op, path)).collect() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl BooleanArgs {
+    /// Refuses an output that is one of the files.
+    pub fn refuse_output(&self, output: &Path) -> Result<(), Fault> {
+        self.operands.iter().try_for_each(|(_, path)| refuse_input(output, &InputSource::from_arg(path)))
+    }
+
+    /// Reads them.
+    pub fn read(&self, args: &InputArgs, job: &Job, console: &Console) -> Result<Vec<BooleanOperand>, Fault> {
+        self.operands
+            .iter()
+            .map(|(op, path)| {
+                let own = InputArgs { input: path.clone(), from: None, ..args.clone() };
+                let source = InputSource::from_arg(path);
+                if matches!(source, InputSource::Stdin) {
+                    return Err(Fault::usage("only the input itself can be stdin"));
+                }
+                let input = load::read_other(&own, job, console)?;
+                Ok(BooleanOperand { op: *op, name: source.name(), input })
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,113 @@
+//! `SolidOperand`: a shape as one closed mesh in world coordinates, with what its faces carry.
+use crate::drop_attributes::without_attributes;
+use crate::file_rows::unsupported;
+use crate::merge::merge;
+use crate::placements::part_placements;
+use crate::tessellate::tessellate;
+use crate::{Input, MeshFailure, Shape};
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, Reference, RefusalCode, Tolerance};
+use chordal::check::{Facing, components};
+use chordal::explicit::{Semantic, Topology};
+use chordal::math::greater;
+use chordal::mend::orient;
+use chordal::{Job, Mesh};
+use chordal_io::{Scene, SceneAssets};
+use std::collections::BTreeMap;
+
+/// A shape as one mesh.
+pub(super) struct SolidOperand {
+    /// Its triangles, with their attributes.
+    pub mesh: Mesh,
+    /// How far they are from the true shape; `None` where they are the shape itself.
+    pub bound: Option<Bound>,
+    /// Names of groups, as in [`Scene`].
+    pub groups: BTreeMap<String, Vec<String>>,
+    pub assets: SceneAssets,
+}
+
+impl SolidOperand {
+    /// Places the triangles of a scene, or meshes another shape within a length.
+    ///
+    /// # Errors
+    /// When the shape needs a length and there is none; as for its conversion.
+    pub fn new(
+        input: Input,
+        within: Option<Tolerance>,
+        (name, notes): (&str, &mut Vec<Message>),
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        let bounds = input.shape.bounds()?;
+        match input.shape {
+            Shape::Scene(scene) => Self::from_scene(scene, (name, notes), job),
+            Shape::Drawing(_) | Shape::Curves(_) => {
+                let kind = input.shape.kind();
+                Err(MeshFailure::Usage(format!("{name}: {kind} bound no solid").into()))
+            }
+            shape => {
+                let Some(within) = within else {
+                    let message = format!(
+                        "{name}: {} become triangles within a length, and the budget has none",
+                        plural(&shape)
+                    );
+                    return Err(MeshFailure::refused(RefusalCode::Budget, message));
+                };
+                let made = tessellate(&shape, within, bounds, notes, job)?;
+                let (groups, assets) = Default::default();
+                Ok(Self { mesh: made.shape, bound: Some(made.bound), groups, assets })
+            }
+        }
+    }
+
+    fn from_scene(
+        scene: Scene,
+        (name, notes): (&str, &mut Vec<Message>),
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        // What moves a mesh afterwards has no meaning for what is cut from it.
+        let has_bones = scene.parts.iter().any(chordal_io::Part::is_deformed);
+        if has_bones {
+            notes.push(format!("{name}: combined at rest: skins and morph targets were left out").into());
+        }
+        let placed = scene.world_meshes()?;
+        let meshes: Vec<&Mesh> = placed.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+        let merged = merge(&meshes)?;
+        if merged.is_partial {
+            notes.push(
+                format!("{name}: what only some of its parts carry at their vertices was left out").into(),
+            );
+        }
+        let is_lost = |semantic: &Semantic| matches!(semantic, Semantic::Blended(_) | Semantic::Tangent);
+        let mesh = without_attributes(&merged.mesh, is_lost).map_err(unsupported)?;
+        let mesh = turned_outward(mesh, (name, notes), job)?;
+        let moved = part_placements(&scene)
+            .iter()
+            .filter(|place| !place.is_identity)
+            .fold(0.0, |most, place| greater(place.rounding(&scene.parts[place.part]), most));
+        let bound = (moved > 0.0).then(|| Bound::proved(0.0, moved, Reference::InputTriangles));
+        Ok(Self { mesh, bound, groups: scene.groups, assets: *scene.assets })
+    }
+}
+
+/// A mesh all of whose components are wound inside out, turned, since nothing is inside it as it is.
+fn turned_outward(
+    mesh: Mesh,
+    (name, notes): (&str, &mut Vec<Message>),
+    job: &Job,
+) -> Result<Mesh, MeshFailure> {
+    let found = components(&mesh, Topology::Positions);
+    if found.is_empty() || found.iter().any(|component| component.facing != Facing::InsideOut) {
+        return Ok(mesh);
+    }
+    notes.push(format!("{name}: its triangles are wound inside out and were turned").into());
+    Ok(orient(&mesh, Topology::Positions, job)?.mesh)
+}
+
+fn plural(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Cage(_) => "cages",
+        Shape::Patches { .. } => "patches",
+        Shape::Volume(_) => "volumes",
+        _ => "fields",
+    }
+}
