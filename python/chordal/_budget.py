@@ -45,8 +45,10 @@ def budget_arguments(
     effort: str = "best",
     require: str | None = None,
     counted: str,
+    is_needed: bool = True,
 ) -> BudgetArguments:
-    """The budget of these arguments, if they belong together. `counted` names the count that the caller has."""
+    """The budget of these arguments, if they belong together. `counted` names the count that the caller has; without
+    `is_needed` there may be none of them."""
     if tol is not None and rel is not None:
         raise BudgetError("tol, rel: give one of them, they are both a length")
     found: BudgetArguments = {
@@ -61,7 +63,7 @@ def budget_arguments(
         "effort": text("effort", effort) or "",
         "require": None if require is None else text("require", require),
     }
-    if not (found["length"] or found["pixels"] or found["triangles"] or found["segments"]):
+    if is_needed and not (found["length"] or found["pixels"] or found["triangles"] or found["segments"]):
         raise BudgetError(
             "a budget is needed: tol=0.1 in units, rel=0.001 of the diagonal, "
             f'pixels=1 with view="1920x1080 fov=45 dist=4", or {counted}=5000'

@@ -136,6 +136,13 @@ class ScriptValue:
     def gradients(self, points: bytes | bytearray) -> bytes: ...
     def source(self, region: Sequence[Sequence[float]] | None) -> Source: ...
 
+def combine(
+    first: Source | Outcome,
+    others: list[tuple[str, Source | Outcome]],
+    arguments: BudgetArguments,
+    format: str,
+    progress: Callable[[str, int, int], object] | None,
+) -> Outcome: ...
 def language() -> list[tuple[str, str, str, str]]: ...
 def script(
     text: str, set: Sequence[tuple[str, float]]

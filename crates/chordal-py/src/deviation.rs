@@ -1,5 +1,6 @@
 //! How far two shapes are apart, from Python's arguments.
 use crate::outcome::Outcome;
+use crate::python_leaf::CallLog;
 use crate::source::Source;
 use crate::spec::parse_argument;
 use crate::{failure, work};
@@ -33,7 +34,15 @@ pub(crate) struct NamedInput {
 }
 
 impl Other {
-    fn named_input(&self, py: Python<'_>) -> PyResult<NamedInput> {
+    /// The calls of the Python functions in it.
+    pub(crate) fn calls(&self) -> Vec<Arc<CallLog>> {
+        match self {
+            Self::Read(source) => source.get().calls(),
+            Self::Made(outcome) => outcome.get().calls(),
+        }
+    }
+
+    pub(crate) fn named_input(&self, py: Python<'_>) -> PyResult<NamedInput> {
         match self {
             Self::Read(source) => Ok(source.get().named_input()),
             Self::Made(outcome) => outcome.get().named_input(py),

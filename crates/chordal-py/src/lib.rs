@@ -5,6 +5,7 @@
 //! that hold shapes.
 mod array;
 mod cage;
+mod combine;
 mod command;
 mod curve;
 mod deviation;
@@ -27,6 +28,8 @@ use pyo3::prelude::*;
 /// The compiled part of chordal.
 #[pymodule]
 mod _chordal {
+    #[pymodule_export]
+    use super::combine::combine;
     #[pymodule_export]
     use super::script_value::{ScriptValue, language, script};
     #[pymodule_export]

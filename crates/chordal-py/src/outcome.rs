@@ -13,7 +13,8 @@ use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format};
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
-    BakeSpec, BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation, mesh, sha256,
+    BakeSpec, BooleanOperand, BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation,
+    mesh, mesh_boolean, sha256,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -26,6 +27,8 @@ pub(crate) struct MeshOrder {
     pub input: Arc<Input>,
     /// The file that it was read from.
     pub name: Option<String>,
+    /// What is combined with it.
+    pub others: Vec<BooleanOperand>,
     pub spec: BudgetSpec,
     /// The calls of the Python functions in it.
     pub calls: Vec<Arc<CallLog>>,
@@ -55,7 +58,13 @@ impl MeshOrder {
         let start = Instant::now();
         let asked = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
         let before = asked();
-        let (outcome, unmet) = match mesh(Input::clone(&self.input), &self.spec, to, job) {
+        let input = Input::clone(&self.input);
+        let made = if self.others.is_empty() {
+            mesh(input, &self.spec, to, job)
+        } else {
+            mesh_boolean(input, self.others.clone(), &self.spec, to, job)
+        };
+        let (outcome, unmet) = match made {
             Ok(outcome) => (outcome, None),
             Err(failure) => match (failure.to_string(), failure) {
                 (sentence, MeshFailure::Unmet(best)) => (*best, Some(sentence)),
@@ -102,6 +111,11 @@ impl Outcome {
 }
 
 impl Outcome {
+    /// The calls of the Python functions in what it was made of.
+    pub(crate) fn calls(&self) -> Vec<Arc<CallLog>> {
+        self.order.calls.clone()
+    }
+
     /// The triangles as a shape of their own: what a file of them holds.
     pub(crate) fn named_input(&self, py: Python<'_>) -> PyResult<NamedInput> {
         let outcome = Arc::clone(&self.filled.outcome);

@@ -205,6 +205,7 @@ impl Source {
         let order = MeshOrder {
             input: Arc::clone(&self.input),
             name: self.name.clone(),
+            others: Vec::new(),
             spec,
             calls: self.calls.clone(),
         };
@@ -217,6 +218,10 @@ impl Source {
     /// A shape that was made, and the calls of the functions in it.
     pub(crate) fn from_input(input: Input, calls: Vec<Arc<CallLog>>) -> Self {
         Self { input: Arc::new(input), name: None, calls }
+    }
+
+    pub(crate) fn calls(&self) -> Vec<Arc<CallLog>> {
+        self.calls.clone()
     }
 
     pub(crate) fn named_input(&self) -> NamedInput {

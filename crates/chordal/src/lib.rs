@@ -94,6 +94,7 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 #[doc = include_str!("../../../docs/bound.md")]
+#[doc = include_str!("../../../docs/booleans.md")]
 #[doc = include_str!("../../../docs/budget.md")]
 #[doc = include_str!("../../../docs/cage_to_mesh.md")]
 #[doc = include_str!("../../../docs/curve_to_polyline.md")]

@@ -1,5 +1,6 @@
 //! Booleans of meshes against closed forms, volumes, and winding numbers by rays of another making.
-use chordal::boolean::{BooleanError, BooleanMesh, BooleanMethod, BooleanOp, BooleanStep, boolean};
+use chordal::boolean::provenance::{BooleanError, BooleanMethod};
+use chordal::boolean::{BooleanMesh, BooleanOp, BooleanStep, boolean};
 use chordal::budget::{JobError, Metric, RefusalCode};
 use chordal::check::findings::measure;
 use chordal::check::validity;

@@ -1,7 +1,8 @@
 //! Cuts meshes along each other and keeps the pieces that bound the combined solid, with the engines of the
 //! crate `manifold-rust`.
+use super::BooleanOp;
 use super::operand::Operand;
-use super::{BooleanOp, BooleanSource};
+use super::result::BooleanSource;
 use crate::budget::{Job, Progress};
 use manifold_rust::cancel::CancelToken;
 use manifold_rust::manifold::Manifold;

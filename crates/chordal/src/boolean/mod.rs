@@ -16,6 +16,7 @@
 //! ```
 mod arrangement;
 mod attributes;
+mod failure;
 mod operand;
 mod result;
 mod sides;
@@ -24,10 +25,17 @@ use crate::budget::{Job, JobError, Refusal, RefusalCode};
 use crate::check::self_intersections;
 use crate::explicit::Mesh;
 use arrangement::{EngineFailure, Engines, combine};
+use failure::BooleanError;
 use operand::Operand;
-use std::fmt;
+use result::BooleanMethod;
 
-pub use result::{BooleanMesh, BooleanMethod, BooleanSource};
+pub use result::BooleanMesh;
+
+/// What a result says of how it was made, and why there is none.
+pub mod provenance {
+    pub use super::failure::BooleanError;
+    pub use super::result::{BooleanMethod, BooleanSource};
+}
 
 /// How a solid is combined with the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,42 +77,6 @@ pub struct BooleanStep<'a> {
     /// The operand.
     pub mesh: &'a Mesh,
 }
-
-/// Why there is no boolean.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum BooleanError {
-    /// An operand, counted from 0, bounds no solid.
-    NotClosed {
-        /// The operand: 0 is the first mesh, 1 that of the first step.
-        operand: usize,
-        /// Edges with one triangle.
-        boundary_edges: u64,
-    },
-    /// The work was refused or cancelled.
-    Stopped(JobError),
-}
-
-impl From<JobError> for BooleanError {
-    fn from(stopped: JobError) -> Self {
-        Self::Stopped(stopped)
-    }
-}
-
-impl fmt::Display for BooleanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotClosed { operand, boundary_edges: 0 } => {
-                write!(f, "operand {operand} bounds no solid: not every edge is run equally often both ways")
-            }
-            Self::NotClosed { operand, boundary_edges } => {
-                write!(f, "operand {operand} bounds no solid: {boundary_edges} edges have one triangle only")
-            }
-            Self::Stopped(stopped) => stopped.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for BooleanError {}
 
 /// Combines solids, from left to right: `((first op₁ mesh₁) op₂ mesh₂) …`. Inside an operand is where its
 /// winding number is positive, whatever crosses or overlaps; vertices are tied by their coordinates. Touching

@@ -1,5 +1,5 @@
 //! `Operand`: one mesh of a boolean, ready for the engines and for the check of the result.
-use super::BooleanError;
+use super::failure::BooleanError;
 use crate::budget::{Job, JobError};
 use crate::check::findings::MeshConnectivity;
 use crate::check::{Facing, has_zero_area, self_intersections};

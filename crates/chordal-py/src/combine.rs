@@ -1,0 +1,37 @@
+//! Solids combined from left to right, from Python's arguments.
+use crate::deviation::{NamedInput, Other};
+use crate::failure;
+use crate::outcome::{MeshOrder, Outcome};
+use crate::spec::BudgetArguments;
+use chordal::boolean::BooleanOp;
+use chordal_io::{Format, UnknownFormat};
+use chordal_verbs::{BooleanOperand, Input};
+use pyo3::prelude::*;
+
+/// Combines solids as triangles within a budget, as a file of that format would have them.
+#[pyfunction]
+pub(crate) fn combine(
+    py: Python<'_>,
+    first: Other,
+    others: Vec<(String, Other)>,
+    arguments: BudgetArguments,
+    format: &str,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Outcome> {
+    let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
+    let mut calls = first.calls();
+    let NamedInput { input, name } = first.named_input(py)?;
+    let mut operands = Vec::new();
+    for (number, (op, other)) in (1..).zip(others) {
+        calls.extend(other.calls());
+        let op = [BooleanOp::Union, BooleanOp::Difference, BooleanOp::Intersection]
+            .into_iter()
+            .find(|known| known.as_str() == op)
+            .ok_or_else(|| failure::argument("steps", format!("'{op}' is no operation")))?;
+        let NamedInput { input, name } = other.named_input(py)?;
+        let name = name.unwrap_or_else(|| format!("step {number}"));
+        operands.push(BooleanOperand { op, name, input: Input::clone(&input) });
+    }
+    let order = MeshOrder { input, name, others: operands, spec: arguments.spec(py)?, calls };
+    Outcome::new(py, order, to.into(), progress)
+}
