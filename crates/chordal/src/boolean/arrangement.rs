@@ -41,7 +41,8 @@ pub(super) fn combine(
 ) -> Result<CutSurface, EngineFailure> {
     // The engines answer hostile input with a panic in rare cases, which is no reason to end a program.
     let work = || combine_by_engine(operands, ops, engine, job);
-    catch_unwind(AssertUnwindSafe(work))
+    // On the threads of the job.
+    job.run(|| catch_unwind(AssertUnwindSafe(work)))
         .unwrap_or_else(|_| Err(EngineFailure::Failed("the cutting stopped half way".to_owned())))
 }
 

@@ -18,10 +18,11 @@ mod arrangement;
 mod attributes;
 mod failure;
 mod operand;
+mod point_survey;
 mod result;
 mod sides;
 
-use crate::budget::{Job, JobError, Refusal, RefusalCode};
+use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map};
 use crate::check::self_intersections;
 use crate::explicit::Mesh;
 use arrangement::{EngineFailure, Engines, combine};
@@ -126,10 +127,8 @@ pub fn boolean_snapped(
     let meshes: Vec<&Mesh> = std::iter::once(first).chain(steps.iter().map(|step| step.mesh)).collect();
     let ops: Vec<BooleanOp> = steps.iter().map(|step| step.op).collect();
     check_limits(&meshes, job)?;
-    let mut operands = Vec::with_capacity(meshes.len());
-    for (number, mesh) in meshes.iter().enumerate() {
-        operands.push(Operand::new(number, mesh, job)?);
-    }
+    let operands = par_map(job, &meshes, |number, mesh| Operand::new(number, mesh, job));
+    let operands: Vec<Operand> = operands.into_iter().collect::<Result<_, _>>()?;
     let simple = operands.iter().all(|operand| operand.is_simple);
     if simple && let Ok(mut made) = combine(&operands, &ops, Engines::FloatingPoint, job) {
         snap(&mut made.positions)?;

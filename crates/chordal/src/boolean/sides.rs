@@ -1,8 +1,9 @@
 //! Whether points beside the surface of a combined solid are on the side where the operands say they are.
 use super::BooleanOp;
 use super::operand::Operand;
-use crate::budget::{Job, JobError, par_map};
-use crate::explicit::{Bvh, Enclosure, Mesh, face_normal};
+use super::point_survey::{PointSurvey, PointWinding};
+use crate::budget::{Job, JobError};
+use crate::explicit::{Mesh, face_normal, is_closed};
 use crate::math::greater;
 
 /// What the comparison found.
@@ -14,9 +15,12 @@ pub(super) enum SideVerdict {
     Wrong { at: [f64; 3] },
 }
 
-/// The most faces of the result, and of all operands, beside which sides are compared; a decision: a tenth of
-/// a second.
+/// The most faces of the result, and of all operands, beside which sides are compared; a decision: a hundredth
+/// of a second.
 const MOST_FACES: usize = 512;
+
+/// How far beside a face a point is tried, in units of the least distance that makes sense.
+const TRIES: [f64; 3] = [1.0, 32.0, 1.0 / 32.0];
 
 /// Compares winding numbers at points that are farther than `off` from all operands. There the result's are
 /// constant as far as no triangle of an operand comes within `off`, since all of its triangles are within
@@ -27,51 +31,77 @@ pub(super) fn compare_sides(
     (operands, ops): (&[Operand], &[BooleanOp]),
     job: &Job,
 ) -> Result<SideVerdict, JobError> {
-    let bvh = Bvh::build(mesh, job)?;
-    let enclosure = Enclosure::new(mesh, &bvh);
-    if !mesh.faces().is_empty() && !enclosure.is_closed() {
+    if !mesh.faces().is_empty() && !is_closed(mesh) {
         return Ok(SideVerdict::Wrong { at: mesh.positions()[0] });
     }
-    let n_operand_faces: usize = operands.iter().map(|operand| operand.faces.len()).sum();
-    let mut triangles = spread(mesh.faces().len()).map(|face| mesh.corners(face)).collect::<Vec<_>>();
-    let mut numbers = spread(n_operand_faces).peekable();
-    let mut first = 0;
-    for operand in operands {
-        while let Some(face) = numbers.next_if(|face| face - first < operand.faces.len()) {
-            triangles.push(operand.faces[face - first].map(|row| operand.points[row as usize]));
-        }
-        first += operand.faces.len();
-    }
-    let compared = par_map(job, &triangles, |_, corners| {
-        if job.is_cancelled() {
-            return [None; 2];
-        }
-        beside(*corners, off, operands).map(|p| {
-            let p = p?;
-            let mut inside = operands.iter().map(|operand| operand.contains(p));
-            let first = inside.next()??;
-            let mut ops = ops.iter();
-            let wanted = inside.try_fold(first, |sum, own| Some(ops.next()?.holds(sum, own?)))?;
-            let winding = enclosure.inside(p).winding.value;
-            // The boundary of a solid winds once around its points, and not at all around others.
-            Some((p, winding == if wanted { 1.0 } else { 0.0 }))
-        })
-    });
-    if job.is_cancelled() {
-        return Err(JobError::Cancelled);
-    }
+    let mut open = places(mesh, operands);
     let mut n_points = 0;
-    for (p, is_right) in compared.into_iter().flatten().flatten() {
-        if !is_right {
-            return Ok(SideVerdict::Wrong { at: p });
+    for factor in TRIES {
+        let points: Vec<[f64; 3]> = open.iter().map(|place| place.beside(off, factor)).collect();
+        let survey = PointSurvey::new(&points);
+        let around: Vec<Vec<PointWinding>> = operands
+            .iter()
+            .map(|operand| survey.windings(operand.faces.len(), |face| operand.corners(face), off, job))
+            .collect();
+        let of_result = survey.windings(mesh.faces().len(), |face| mesh.corners(face), 0.0, job);
+        if job.is_cancelled() {
+            return Err(JobError::Cancelled);
         }
-        n_points += 1;
+        let mut left = Vec::new();
+        for (number, place) in open.into_iter().enumerate() {
+            if around.iter().any(|operand| operand[number].is_near) {
+                left.push(place);
+                continue;
+            }
+            let mut inside = around.iter().map(|operand| operand[number].number > 0);
+            let first = inside.next().unwrap_or(false);
+            let wanted = inside.zip(ops).fold(first, |sum, (own, op)| op.holds(sum, own));
+            // The boundary of a solid winds once around its points, and not at all around others.
+            if of_result[number].number != i32::from(wanted) {
+                return Ok(SideVerdict::Wrong { at: points[number] });
+            }
+            n_points += 1;
+        }
+        open = left;
     }
     // Without a point nothing is known, unless there was nothing to combine.
-    if n_points == 0 && !(n_operand_faces == 0 && mesh.faces().is_empty()) {
+    let is_nothing = mesh.faces().is_empty() && operands.iter().all(|operand| operand.faces.is_empty());
+    if n_points == 0 && !is_nothing {
         return Ok(SideVerdict::Wrong { at: mesh.positions().first().copied().unwrap_or_default() });
     }
     Ok(SideVerdict::Agrees { n_points })
+}
+
+/// One side of a triangle.
+struct SidePlace {
+    middle: [f64; 3],
+    /// Of length 1, away from the triangle.
+    away: [f64; 3],
+    size: f64,
+}
+
+impl SidePlace {
+    /// A point beside the middle, from a thousandth of the triangle's size on.
+    fn beside(&self, off: f64, factor: f64) -> [f64; 3] {
+        let height = factor * greater(4.0 * off, self.size / 1024.0);
+        std::array::from_fn(|k| self.middle[k] + height * self.away[k])
+    }
+}
+
+/// Both sides of triangles of the result and of all operands, evenly spread.
+fn places(mesh: &Mesh, operands: &[Operand]) -> Vec<SidePlace> {
+    let mut found: Vec<SidePlace> =
+        spread(mesh.faces().len()).flat_map(|face| sides_of(mesh.corners(face))).flatten().collect();
+    let n_faces: usize = operands.iter().map(|operand| operand.faces.len()).sum();
+    let mut numbers = spread(n_faces).peekable();
+    let mut first = 0;
+    for operand in operands {
+        while let Some(face) = numbers.next_if(|face| face - first < operand.faces.len()) {
+            found.extend(sides_of(operand.corners(face - first)).into_iter().flatten());
+        }
+        first += operand.faces.len();
+    }
+    found
 }
 
 /// Numbers of `n` faces, evenly spread.
@@ -80,23 +110,12 @@ fn spread(n: usize) -> impl Iterator<Item = usize> {
     (0..most).map(move |k| k * n / most)
 }
 
-/// Points on both sides of a triangle's middle that are farther than `off` from all operands, as near as a few
-/// tries find them.
-fn beside(corners: [[f64; 3]; 3], off: f64, operands: &[Operand]) -> [Option<[f64; 3]>; 2] {
-    let Some(normal) = face_normal(corners) else { return [None; 2] };
+fn sides_of(corners: [[f64; 3]; 3]) -> [Option<SidePlace>; 2] {
+    let Some(normal) = face_normal(corners) else { return [None, None] };
     let [a, b, c] = corners;
     let middle: [f64; 3] = std::array::from_fn(|k| a[k] / 3.0 + b[k] / 3.0 + c[k] / 3.0);
     let length =
         |p: [f64; 3], q: [f64; 3]| (0..3).fold(0.0, |most: f64, k| greater((p[k] - q[k]).abs(), most));
     let size = [length(a, b), length(b, c), length(c, a)].into_iter().fold(0.0, |m, x| greater(x, m));
-    // From a thousandth of the triangle's size on, thirty times as far with each try.
-    let nearest = greater(4.0 * off, size / 1024.0);
-    [1.0, -1.0].map(|side| {
-        [1.0, 32.0, 1.0 / 32.0].into_iter().find_map(|factor| {
-            let height = side * nearest * factor;
-            let p = std::array::from_fn(|k| middle[k] + height * normal[k]);
-            let is_clear = operands.iter().all(|operand| operand.distance_down(p) > off);
-            is_clear.then_some(p)
-        })
-    })
+    [1.0, -1.0].map(|side| Some(SidePlace { middle, away: normal.map(|x| side * x), size }))
 }

@@ -4,7 +4,7 @@ use crate::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_con
 
 /// How the ray from a point along +z meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum RayCrossing {
+pub(crate) enum RayCrossing {
     /// Not at all.
     None,
     /// It goes from the back to the front: counts +1.
@@ -19,7 +19,7 @@ pub(super) enum RayCrossing {
 /// an infinitesimal amount, to the same side for all triangles, so that sums over a closed surface are right.
 ///
 /// Source of the last step: H. Edelsbrunner, E. P. Mücke, *Simulation of simplicity*, 1990.
-pub(super) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> RayCrossing {
+pub(crate) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> RayCrossing {
     let [a, b, c] = corners;
     let reaches = |k: usize, far: fn(f64, f64) -> bool| corners.iter().any(|q| far(q[k], p[k]));
     let above = reaches(2, |q, p| q >= p);

@@ -177,6 +177,11 @@ impl Mesh {
         attributes.into_iter().try_fold(bare, Self::with_attribute)
     }
 
+    /// The coordinates and the indices, without what else the mesh knows.
+    pub(crate) fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        (self.positions, self.faces)
+    }
+
     /// The coordinates, n × 3.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {

@@ -37,6 +37,7 @@ pub(crate) use bezier::bernstein;
 pub(crate) use bvh::{Bvh, Enclosure, HitSides, PointLocation, Ray};
 pub(crate) use bvh::{
     PackedBoxes, WindingMoments, closest_on_triangle, distance_sq_to_triangle, distance_to_triangle_down,
+    is_closed,
 };
 pub(crate) use cage::limit::{LimitSheet, LimitSurface};
 pub use cage::{Cage, InvalidCage};

@@ -160,7 +160,7 @@ impl<'a> Enclosure<'a> {
 }
 
 /// Whether at every edge, by position, the half-edges in both directions are equally many.
-fn is_closed(mesh: &Mesh) -> bool {
+pub(crate) fn is_closed(mesh: &Mesh) -> bool {
     let Some(ids) = Topology::Positions.ids(mesh) else { return false };
     let twins = Twins::with_ids(mesh, Some(&ids));
     let start = |half_edge: u32| ids[mesh.faces()[half_edge as usize / 3][half_edge as usize % 3] as usize];
