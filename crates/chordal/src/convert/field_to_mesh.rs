@@ -1,5 +1,6 @@
 //! The arrow from a field to a triangle mesh.
 use super::fields::{FieldMeshGoal, search};
+use super::fields_with_meshes;
 use super::length_from_pixels::length_from_pixels;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, RequiredEvidence, Tolerance};
 use crate::explicit::Mesh;
@@ -16,6 +17,11 @@ use crate::math::{flushes_subnormals, lesser};
 /// Where a leaf of the field knows no ranges, and with [`RequiredEvidence::Measured`], the mesh is measured:
 /// points of the surface are searched for near the triangles, so parts of the surface without triangles near
 /// them are missed. Without [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
+///
+/// *Fields with meshes* ([`has_meshes`](super::has_meshes)) take another way: a field that is one solid mesh,
+/// moved, turned or scaled, is its triangles, off by rounding. Of others the sign on a lattice of cubes is
+/// polygonized, and ranges prove where the surface may be: many small triangles, for
+/// [`lod::simplify`](crate::lod::simplify) to reduce.
 ///
 /// The mesh is closed, manifold and oriented, and its triangles do not cross. Flat faces take as few
 /// triangles as their outlines need. [`with_gradient_normals`](super::with_gradient_normals) adds the normals
@@ -88,7 +94,14 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
     };
     let measured = budget.require == RequiredEvidence::Measured;
     let wanted = FieldMeshGoal { length, triangles: budget.triangles, measured };
-    let mut made = job.run(|| search(field, &wanted, job))?;
+    let made = job.run(|| {
+        if fields_with_meshes::has_meshes(field) {
+            fields_with_meshes::search(field, &wanted, job)
+        } else {
+            search(field, &wanted, job)
+        }
+    });
+    let mut made = made?;
     if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {
         made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
     }

@@ -1,13 +1,18 @@
 //! The signed distance to a mesh, as a leaf of fields.
-use crate::budget::{Evidence, Job, JobError, par_map_owned};
+use super::open_boundary::OpenBoundary;
+use crate::budget::{Bound, Evidence, Job, JobError, par_map_owned};
 use crate::explicit::{Bvh, Mesh, PointLocation, WindingMoments, closest_on_triangle};
 use crate::implicit::{Leaf, LeafAnswer, LeafError};
 use crate::math::{
     Box3, Interval, add_up, difference, greater, length, mul_down, mul_up, sqrt_up, sub_down, sub_up,
 };
+use std::sync::Arc;
 
 /// Points in a task: at a microsecond each, enough to repay its start, and few enough for an even balance.
 const TASK: usize = 1024;
+/// How exactly winding numbers are computed that may be near a half, one after the other, before they are
+/// summed triangle by triangle. Chosen: each costs several times as much as the one before.
+const WITHIN: [f64; 3] = [1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0];
 
 /// A mesh with its bounding volume hierarchy and its winding moments.
 #[derive(Clone, Debug)]
@@ -18,6 +23,31 @@ pub(super) struct MeshLeaf {
     job: Job,
     /// The error of distances, proportional to the mesh's own size.
     rounding: f64,
+    /// Where sides change without a triangle.
+    border: OpenBoundary,
+    /// The mesh, where it is kept.
+    source: Option<Arc<MeshSource>>,
+}
+
+/// The mesh of a leaf, and what is known of it.
+#[derive(Clone, Debug)]
+pub(super) struct MeshSource {
+    pub mesh: Mesh,
+    /// Whether its triangles are the boundary of what is inside it.
+    pub is_solid: bool,
+    /// How far it is from the surface that it stands for, if it stands for another.
+    pub lost: Option<Bound>,
+}
+
+/// A point off the triangles of an open mesh, and its side.
+#[derive(Clone, Copy, Debug)]
+struct OpenSide {
+    point: [f64; 3],
+    /// No triangle is nearer.
+    distance: f64,
+    /// How far its winding number is from a half, at least.
+    margin: f64,
+    is_inside: bool,
 }
 
 /// The result at the previous point, which speeds up the next.
@@ -33,7 +63,25 @@ impl MeshLeaf {
     pub(super) fn new(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let mut leaf = Self::unsigned(mesh, job)?;
         leaf.sides = Some(WindingMoments::new(mesh, &leaf.bvh));
+        if !leaf.is_closed() {
+            leaf.border = OpenBoundary::new(mesh);
+        }
         Ok(leaf)
+    }
+
+    /// The same, with its mesh.
+    pub(super) fn with_source(self, source: MeshSource) -> Self {
+        Self { source: Some(Arc::new(source)), ..self }
+    }
+
+    /// Its mesh, where it was kept.
+    pub(super) fn source(&self) -> Option<&MeshSource> {
+        self.source.as_deref()
+    }
+
+    /// Whether it has an inside; wires have none.
+    pub(super) fn has_sides(&self) -> bool {
+        self.sides.is_some()
     }
 
     /// The distance alone; no point is inside.
@@ -45,7 +93,8 @@ impl MeshLeaf {
         let largest = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
         let rounding =
             if bounds.is_empty() { 0.0 } else { 64.0 * f64::EPSILON * (largest + bounds.diagonal()) };
-        Ok(Self { bvh, sides: None, job: job.clone(), rounding })
+        let border = OpenBoundary::default();
+        Ok(Self { bvh, sides: None, job: job.clone(), rounding, border, source: None })
     }
 
     /// Whether sides change at triangles only.
@@ -56,12 +105,67 @@ impl MeshLeaf {
     /// Whether `p` is inside; never beyond the box of the triangles.
     pub(super) fn is_inside(&self, p: [f64; 3]) -> bool {
         let Some(sides) = self.sides.as_ref().filter(|_| self.bvh.bounds().contains(p)) else { return false };
-        let found = sides.enclosure(&self.bvh).inside(p);
+        let enclosure = sides.enclosure(&self.bvh);
+        let found = enclosure.inside(p);
         match found.side {
             PointLocation::Inside => true,
-            PointLocation::Ambiguous => found.winding.value > 0.5,
             PointLocation::Outside | PointLocation::On => false,
+            PointLocation::Ambiguous => {
+                let mut winding = found.winding;
+                for within in [WITHIN[1], WITHIN[2], 0.0] {
+                    if (winding.value - 0.5).abs() > winding.off_at_most {
+                        break;
+                    }
+                    winding = enclosure.winding_number(p, within).unwrap_or(winding);
+                }
+                winding.value > 0.5
+            }
         }
+    }
+
+    /// The side of the whole ball around `p`, where it is certain: no triangle is nearer than `distance`, which
+    /// is more than the radius, and the winding number does not come to a half in it. `known` are points with
+    /// their sides, which often decide.
+    fn side_of_ball(
+        &self,
+        (p, radius): ([f64; 3], f64),
+        distance: f64,
+        known: &mut [Option<OpenSide>; 2],
+    ) -> Option<bool> {
+        let bounds = self.bvh.bounds();
+        let gap = |k: usize| greater(sub_down(bounds.min[k], p[k]), sub_down(p[k], bounds.max[k]));
+        // Nothing beyond the box of the triangles is inside. A gap is off by less than four units in its last place.
+        let beyond = (0..3).any(|k| gap(k) > radius);
+        let within = (0..3).all(|k| gap(k) < -radius * (1.0 + 8.0 * f64::EPSILON));
+        if beyond {
+            return Some(false);
+        }
+        if distance <= radius {
+            return None;
+        }
+        let sides = self.sides.as_ref()?;
+        // A factor far above all roundings of the distances and of their sum.
+        const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
+        let found = known.iter().flatten().find(|side| {
+            let between = add_up(length(difference(p, side.point)) * SHARE, self.rounding);
+            between * SHARE + 4.0 * self.rounding < side.distance + distance
+                && self.border.most_change(side.point, add_up(between, radius)) < side.margin
+        });
+        let is_inside = if let Some(side) = found {
+            side.is_inside
+        } else {
+            let change = self.border.most_change(p, radius);
+            let enclosure = sides.enclosure(&self.bvh);
+            let decided = WITHIN.iter().find_map(|within| {
+                let winding = enclosure.winding_number(p, *within).filter(|_| change < 1.0)?;
+                let margin = sub_down((winding.value - 0.5).abs(), winding.off_at_most);
+                (margin > change).then_some((winding.value > 0.5, margin))
+            });
+            let (is_inside, margin) = decided?;
+            known[usize::from(is_inside)] = Some(OpenSide { point: p, distance, margin, is_inside });
+            is_inside
+        };
+        (!is_inside || within).then_some(is_inside)
     }
 
     /// The distance at `p`, and what speeds up the next point; `None` without triangles or for a point that
@@ -221,20 +325,37 @@ impl Leaf for MeshLeaf {
         let closed = self.is_closed();
         let tasks = boxes.chunks(TASK).zip(out.chunks_mut(TASK)).collect();
         par_map_owned(&self.job, tasks, |(boxes, out): (&[Box3], &mut [Interval])| {
+            let (mut last, mut known, mut row) = (None, [None; 2], 0);
             for (bounds, range) in boxes.iter().zip(out) {
+                *range = Interval::ENTIRE;
                 let middle = bounds.centre();
                 let radius = add_up(0.5 * bounds.diagonal(), self.distance_error(middle));
-                let found = self.step(middle, None).filter(|_| radius.is_finite());
-                let found = found.and_then(|here| Some((here, self.distance_range(middle, here.row)?)));
-                *range = found.map_or(Interval::ENTIRE, |(here, [down, up])| {
+                if !radius.is_finite() {
+                    continue;
+                }
+                let around = |[down, up]: [f64; 2]| {
                     let reach = Interval::new(-radius, radius).unwrap_or(Interval::ENTIRE);
-                    let size = Interval::new(down, up).unwrap_or(Interval::ENTIRE) + reach;
-                    if !closed {
-                        return size.hull(-size).undefined();
+                    Interval::new(down, up).unwrap_or(Interval::ENTIRE) + reach
+                };
+                if closed {
+                    let Some(here) = self.step(middle, last) else { continue };
+                    last = Some(here);
+                    if let Some(ends) = self.distance_range(middle, here.row) {
+                        // The signed distance is continuous and changes by no more than the point moves.
+                        *range = if here.inside { -around(ends) } else { around(ends) };
                     }
-                    // The signed distance is continuous and changes by no more than the point moves.
-                    if here.inside { -size } else { size }
-                });
+                    continue;
+                }
+                let Some((_, near)) = self.bvh.distance_with_hint(middle, row) else { continue };
+                row = near;
+                let Some(ends) = self.distance_range(middle, row) else { continue };
+                let size = around(ends);
+                *range = match self.side_of_ball((middle, radius), ends[0], &mut known) {
+                    // Within the ball the side is the same, so the distance alone changes.
+                    Some(true) => -size,
+                    Some(false) => size,
+                    None => size.hull(-size).undefined(),
+                };
             }
         });
         Ok(LeafAnswer::Given)
@@ -252,12 +373,22 @@ impl Leaf for MeshLeaf {
     }
 
     fn evidence(&self) -> Evidence {
-        if self.is_closed() {
+        let sides = if self.is_closed() {
             Evidence::Proved
         } else {
             let sentence =
                 "the mesh is not closed, and inside of it is where its winding number is above a half";
             Evidence::ProvedIf(vec![sentence.into()])
-        }
+        };
+        let Some(lost) = self.source().and_then(|source| source.lost.as_ref()) else { return sides };
+        let most = lost.at_most().unwrap_or(f64::INFINITY);
+        let sentence = format!(
+            "a shape whose distance was made a true one is its triangles, which are up to {most:e} away from it"
+        );
+        sides.weaker(&Evidence::ProvedIf(vec![sentence])).weaker(lost.evidence())
+    }
+
+    fn as_any(&self) -> Option<&dyn std::any::Any> {
+        Some(self)
     }
 }

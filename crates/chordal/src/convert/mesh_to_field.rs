@@ -1,6 +1,6 @@
 //! The arrow from a mesh to a field: the distance to the triangles, negative inside.
-use super::mesh_leaf::MeshLeaf;
-use crate::budget::{Job, JobError};
+use super::mesh_leaf::{MeshLeaf, MeshSource};
+use crate::budget::{Bound, Job, JobError};
 use crate::check::{Finding, measure, self_intersections, validity};
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{Distance, Expr, Field};
@@ -138,6 +138,11 @@ impl fmt::Display for SolidReport {
 /// Sources: J. Bærentzen, H. Aanæs, *Signed distance computation using the angle weighted pseudonormal*,
 /// 2005, for what a side is; ours is by winding numbers, which need no normals: A. Jacobson et al., 2013.
 pub fn mesh_to_field(mesh: &Mesh, job: &Job) -> Result<MeshField, JobError> {
+    mesh_standing_for(mesh, None, job)
+}
+
+/// As [`mesh_to_field`], of a mesh that stands for another surface and has lost something of it.
+pub(super) fn mesh_standing_for(mesh: &Mesh, lost: Option<Bound>, job: &Job) -> Result<MeshField, JobError> {
     let leaf = MeshLeaf::new(mesh, job)?;
     let solid = SolidReport::from_mesh(mesh, leaf.is_closed(), job)?;
     let distance = match (solid.is_solid(), solid.closed && !solid.empty) {
@@ -146,6 +151,8 @@ pub fn mesh_to_field(mesh: &Mesh, job: &Job) -> Result<MeshField, JobError> {
         _ => Distance::SIGN,
     };
     let bounds = mesh.bounds();
+    let source = MeshSource { mesh: mesh.clone(), is_solid: solid.is_solid(), lost };
+    let leaf = leaf.with_source(source);
     let field =
         Field::new(Expr::leaf(Arc::new(leaf), Expr::axes())).known_distance(distance).known_bounds(bounds);
     Ok(MeshField { field, solid })

@@ -9,6 +9,7 @@ mod field_to_grid;
 mod field_to_mesh;
 mod field_to_polyline;
 mod fields;
+mod fields_with_meshes;
 mod gradient_normals;
 mod grid_to_mesh;
 mod grid_to_polyline;
@@ -21,10 +22,12 @@ mod mesh_leaf;
 mod mesh_to_field;
 mod mesh_to_gpu_buffers;
 mod mesh_to_grid;
+mod open_boundary;
 mod outline_to_field;
 mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
+mod redistance;
 mod triangles;
 mod view_dependent_mesher;
 
@@ -36,6 +39,7 @@ pub use curves::flatten::Spacing;
 pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
 pub use field_to_mesh::field_to_mesh;
 pub use field_to_polyline::field_to_polyline;
+pub use fields_with_meshes::has_meshes;
 pub use gradient_normals::with_gradient_normals;
 pub use grid_to_mesh::{grid_to_mesh, sparse_grid_to_mesh};
 pub use grid_to_polyline::grid_to_polyline;
@@ -44,6 +48,7 @@ pub use mesh_to_grid::{DistanceGrid, mesh_to_grid};
 pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;
+pub use redistance::redistance;
 
 /// Meshers and a cutter that are kept for many budgets or views, and many curves at once.
 pub mod batch {

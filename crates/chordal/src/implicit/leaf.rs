@@ -102,6 +102,12 @@ pub trait Leaf: Send + Sync + fmt::Debug {
         Ok(LeafAnswer::None)
     }
 
+    /// The leaf itself, for those that look for their own kind in an expression. By default a leaf is not to be
+    /// found.
+    fn as_any(&self) -> Option<&dyn std::any::Any> {
+        None
+    }
+
     /// The number of points that a call should have at least, where there are so many.
     fn preferred_batch(&self) -> usize {
         1 << 16
