@@ -40,6 +40,11 @@ pub struct InputArgs {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting, allow_hyphen_values = true)]
     pub set: Vec<(String, f64)>,
 
+    /// For a shape script: a folder, beside its own, below which the meshes that it names are looked for; may be
+    /// given several times
+    #[arg(long, value_name = "FOLDER")]
+    pub allow: Vec<PathBuf>,
+
     /// For a field: the box that it is cut off at, as in "-1,-1,-1 1,1,1"
     #[arg(long, value_name = "BOX", value_parser = region, allow_hyphen_values = true)]
     pub region: Option<Box3>,

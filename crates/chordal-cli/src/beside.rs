@@ -17,6 +17,12 @@ pub fn read_beside(first: &Path, path: &str, limit: u64) -> Result<Vec<u8>, Stri
     InputSource::File(full).read(limit).map_err(without_name)
 }
 
+/// As [`read_beside`], below the first of some folders that has the file; `None` where none has.
+pub fn read_allowed(folders: &[PathBuf], path: &str, limit: u64) -> Option<Result<Vec<u8>, String>> {
+    let folder = folders.iter().find(|folder| folder.join(path).exists())?;
+    Some(read_beside(&folder.join("file"), path, limit))
+}
+
 /// The file that a path below `folder` leads to, links followed.
 fn below(folder: &Path, path: &str) -> Result<PathBuf, String> {
     let whole = |path: &Path| path.canonicalize().map_err(|error| plainly(&error));

@@ -88,6 +88,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     args.set.check(&target, to)?;
     let prefers = |polygons: &_, triangles: &_| polygons_lose_no_more(polygons, triangles, to);
     let input = load::read_polygons(&args.input, &job, &console, prefers)?;
+    load::refuse_files(output, &args.input, &input)?;
     let input_triangles = input.shape.n_triangles();
     let name = source.name();
     if needs_mesh(&input.shape, to) {

@@ -1,21 +1,39 @@
 //! Reads the shapes that arguments name.
 use crate::args::{InputArgs, PolygonSurfaceArg};
-use crate::beside::read_beside;
+use crate::beside::{read_allowed, read_beside};
 use crate::console::Console;
 use crate::fault::{Exit, Fault};
 use crate::folder::list_slices;
 use crate::input::InputSource;
 use crate::memory;
+use crate::overwrite::{is_same_file, parent};
 use crate::spelling::CommandLine;
 use chordal::Job;
 use chordal::budget::RefusalCode;
 use chordal::budget::advice::Spell;
 use chordal_io::{Conformance, Format, Limits};
-use chordal_verbs::{FormatHint, Input, Shape, load_with};
+use chordal_verbs::{FormatHint, Input, Shape, load_within};
+use std::path::Path;
 
 /// Reads what `args` name on the threads of a job, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fault> {
     RawInput::read(args, job)?.load(args, console)
+}
+
+/// Refuses an output that is one of the files that an input named.
+///
+/// # Errors
+/// Then.
+pub fn refuse_files(output: &Path, args: &InputArgs, input: &Input) -> Result<(), Fault> {
+    let beside = parent(&args.input);
+    let folders = || std::iter::once(beside).chain(args.allow.iter().map(|folder| &**folder));
+    let is_read =
+        input.files.iter().any(|file| folders().any(|folder| is_same_file(&folder.join(&file.path), output)));
+    if !is_read {
+        return Ok(());
+    }
+    let message = format!("{}: the output is a file that the input names", output.display());
+    Err(Fault::output("output-is-input", message))
 }
 
 /// Reads what `args` name for a format that may hold polygons: those that were cut into triangles are read
@@ -93,8 +111,8 @@ struct RawInput {
     bytes: Vec<u8>,
     /// Whether the bytes are the list of the slices in a folder.
     is_folder: bool,
-    /// How many threads read it.
-    threads: usize,
+    /// The conditions of reading it.
+    job: Job,
 }
 
 impl RawInput {
@@ -106,7 +124,7 @@ impl RawInput {
         };
         let folder = list.is_some();
         let bytes = list.map_or_else(|| source.read(limits(args).bytes), Ok)?;
-        Ok(Self { name: source.name(), source, bytes, is_folder: folder, threads: job.threads })
+        Ok(Self { name: source.name(), source, bytes, is_folder: folder, job: job.clone() })
     }
 
     fn hint<'a>(&'a self, args: &'a InputArgs) -> FormatHint<'a> {
@@ -131,16 +149,22 @@ impl RawInput {
 
     fn parse(&self, args: &InputArgs) -> Result<Input, Fault> {
         let name = &self.name;
-        let limits = Limits { threads: self.threads, ..limits(args) };
+        let limits = Limits { threads: self.job.threads, ..limits(args) };
         let mut open = |path: &str| match &self.source {
             // Files in a folder are beside its list.
             InputSource::File(folder) if self.is_folder => {
                 read_beside(&folder.join("list"), path, limits.bytes)
             }
-            InputSource::File(first) => read_beside(first, path, limits.bytes),
-            InputSource::Stdin => Err("stdin is in no folder".to_owned()),
+            InputSource::File(first) => match read_beside(first, path, limits.bytes) {
+                Err(why) => read_allowed(&args.allow, path, limits.bytes).unwrap_or(Err(why)),
+                read => read,
+            },
+            InputSource::Stdin => {
+                let nowhere = || Err("stdin is in no folder".to_owned());
+                read_allowed(&args.allow, path, limits.bytes).unwrap_or_else(nowhere)
+            }
         };
-        let mut input = load_with(&self.bytes, self.hint(args), &mut open, &limits)
+        let mut input = load_within(&self.bytes, self.hint(args), &mut open, &limits, &self.job)
             .spelled(&CommandLine)
             .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
         self.check_memory(&input, args)?;

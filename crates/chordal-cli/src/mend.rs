@@ -113,6 +113,7 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     args.set.check(&target, to)?;
     let input = load::read(&args.input, &job, &console)?;
+    load::refuse_files(&args.output.output, &args.input, &input)?;
     let input_triangles = input.shape.n_triangles();
     let name = source.name();
     let outcome = mend(input, &args.spec(), args.set.form(to), &job)

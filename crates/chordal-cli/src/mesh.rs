@@ -177,6 +177,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         names_files,
     };
     let mut input = load::read(&args.input, &job, &console)?;
+    load::refuse_files(&args.output.output, &args.input, &input)?;
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
     if let Some(level) = args.result.level {

@@ -120,6 +120,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let job = execution::job(&args.input, Some(&args.output), &console);
     let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
     let mut input = load::read(&args.input, &job, &console)?;
+    load::refuse_files(&args.output.output, &args.input, &input)?;
     let input_triangles = input.shape.n_triangles();
 
     let name = source.name();

@@ -90,6 +90,28 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         Ok(value)
     }
 
+    fn mesh<'v>(
+        #[starlark(require = pos)] name: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let Some(name) = name.unpack_str() else {
+            let message = format!("mesh() needs the name of a file, not {}", arg_of(name).kind());
+            return Err(fault(CallError(message)));
+        };
+        let meter = Meter::from_eval(eval);
+        let known = meter.meshes.borrow().get(name).cloned();
+        let field = match known {
+            Some(field) => field,
+            None => {
+                let read = meter.files.mesh(name, meter.job);
+                let field = read.map_err(|why| fault(CallError(format!("mesh(): {why}"))))?;
+                meter.meshes.borrow_mut().insert(name.to_owned(), field.clone());
+                field
+            }
+        };
+        to_starlark(Arg::shape(field), eval)
+    }
+
     fn called__<'v>(#[starlark(require = pos)] function: Value<'v>) -> starlark::Result<Value<'v>> {
         if function.get_type() == "function" {
             return Ok(function);

@@ -1,6 +1,7 @@
 //! Shape scripts: runs a few lines of Starlark, Python's syntax in a sandbox, and returns a field.
 //!
-//! The value of the last expression is the shape. Scripts have no files, no clock and no randomness.
+//! The value of the last expression is the shape. Scripts have no clock and no randomness, and no files but
+//! those that the caller's [`ShapeFiles`] returns.
 //! [`Limits`] bound their time and memory, and every failure is one [`ScriptError`] with line and column.
 //!
 //! ```
@@ -15,6 +16,7 @@
 mod builtins;
 mod compare;
 mod error;
+mod files;
 mod grammar;
 pub mod language;
 mod limits;
@@ -29,7 +31,8 @@ mod values;
 mod warning;
 
 pub use error::ScriptError;
+pub use files::{NoFiles, ShapeFiles};
 pub use limits::Limits;
 pub use parameter::Parameter;
-pub use script::{RunOptions, Script, run};
+pub use script::{RunOptions, Script, run, run_with_files};
 pub use warning::ScriptWarning;

@@ -1,6 +1,8 @@
 //! `Meter`: resource use of a script, beyond what the interpreter counts itself.
 use crate::language::Arg;
-use crate::{Limits, Parameter};
+use crate::{Limits, Parameter, RunOptions, ShapeFiles};
+use chordal::Job;
+use chordal::implicit::Field;
 use starlark::any::ProvidesStaticType;
 use starlark::eval::Evaluator;
 use std::cell::{Cell, RefCell};
@@ -8,9 +10,16 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// The state of one run of a script.
-#[derive(Debug, ProvidesStaticType)]
-pub(crate) struct Meter {
+#[derive(ProvidesStaticType)]
+pub(crate) struct Meter<'e> {
     pub limits: Limits,
+    /// What files hold, and the conditions of work that takes long.
+    pub files: &'e dyn ShapeFiles,
+    pub job: &'e Job,
+    /// The meshes that were read, by name.
+    pub meshes: RefCell<BTreeMap<String, Field>>,
+    /// Where bounds were taken as distances: offsets in the parsed text.
+    pub bounded: RefCell<Vec<usize>>,
     /// Parameter values set by the caller, by name.
     pub set: BTreeMap<String, f64>,
     /// The parameters that the script has read.
@@ -33,11 +42,15 @@ impl fmt::Display for LimitError {
 
 impl std::error::Error for LimitError {}
 
-impl Meter {
-    pub fn new(limits: Limits, set: BTreeMap<String, f64>, n_cuts: usize) -> Self {
+impl<'e> Meter<'e> {
+    pub fn new(options: &RunOptions, (files, job): (&'e dyn ShapeFiles, &'e Job), n_cuts: usize) -> Self {
         Self {
-            limits,
-            set,
+            limits: options.limits,
+            files,
+            job,
+            meshes: RefCell::default(),
+            bounded: RefCell::default(),
+            set: options.set.clone(),
             parameters: RefCell::default(),
             cuts: RefCell::new(vec![false; n_cuts]),
             work: Cell::new(0),
@@ -46,12 +59,12 @@ impl Meter {
     }
 
     /// The meter of a run.
-    pub fn from_eval<'a>(eval: &Evaluator<'_, 'a, '_>) -> &'a Self {
+    pub fn from_eval<'a>(eval: &Evaluator<'_, 'a, 'e>) -> &'a Self {
         eval.extra.and_then(|extra| extra.downcast_ref()).expect("every run has its meter")
     }
 
     /// Charges for reading, or creating, that many elements.
-    pub fn charge(eval: &mut Evaluator, elements: usize) -> starlark::Result<()> {
+    pub fn charge(eval: &mut Evaluator<'_, '_, 'e>, elements: usize) -> starlark::Result<()> {
         let meter = Self::from_eval(eval);
         let all = meter.work.get().saturating_add(elements as u64);
         meter.work.set(all);
@@ -81,7 +94,7 @@ impl Meter {
     }
 
     /// Checks the heap between statements, since one statement can double it.
-    pub fn check_heap(eval: &mut Evaluator) -> starlark::Result<()> {
+    pub fn check_heap(eval: &mut Evaluator<'_, '_, 'e>) -> starlark::Result<()> {
         Self::charge(eval, 0)
     }
 }

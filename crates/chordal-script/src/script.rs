@@ -7,7 +7,7 @@ use crate::meter::{LimitError, Meter};
 use crate::operators::{OPERATORS, StarlarkOperator};
 use crate::script_source::ScriptSource;
 use crate::values::{StarlarkFunction, StarlarkShape};
-use crate::{Limits, ScriptError, ScriptWarning};
+use crate::{Limits, NoFiles, ScriptError, ScriptWarning, ShapeFiles};
 use chordal::Job;
 use chordal::implicit::Field;
 use starlark::ErrorKind;
@@ -45,13 +45,27 @@ pub struct Script {
 /// When the text is not a valid script, exceeds a limit, or ends without a shape; when a parameter is set
 /// that the script does not have; when the job is cancelled.
 pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, ScriptError> {
+    run_with_files(text, options, &NoFiles, job)
+}
+
+/// As [`run`], for a script that may name files: `files` returns what they hold. Meshes that are made on the
+/// way (`redistance`) stay within the limits of the job.
+///
+/// # Errors
+/// As for [`run`]; also when a file cannot be read.
+pub fn run_with_files(
+    text: &str,
+    options: &RunOptions,
+    files: &dyn ShapeFiles,
+    job: &Job,
+) -> Result<Script, ScriptError> {
     let Program { module, source, cuts } =
         parse(text.strip_prefix('\u{feff}').unwrap_or(text), &options.limits)?;
     if job.is_cancelled() {
         return Err(cancelled());
     }
     let globals = globals();
-    let meter = Meter::new(options.limits, options.set.clone(), cuts.len());
+    let meter = Meter::new(options, (files, job), cuts.len());
     let outcome = Module::with_temp_heap(|environment| {
         let mut eval = Evaluator::new(&environment);
         let limits = &options.limits;
@@ -85,7 +99,14 @@ pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, Script
         .collect();
     cuts.sort_unstable();
     let places = source.lines_and_columns(&cuts);
-    let warnings = places.into_iter().map(ScriptWarning::last_operand_cut).collect();
+    let mut warnings: Vec<ScriptWarning> = places.into_iter().map(ScriptWarning::last_operand_cut).collect();
+    let mut bounded = meter.bounded.into_inner();
+    bounded.sort_unstable();
+    bounded.dedup();
+    let offsets: Vec<usize> = bounded.into_iter().map(|at| source.place(at)).collect();
+    warnings
+        .extend(source.lines_and_columns(&offsets).into_iter().map(ScriptWarning::bound_taken_as_distance));
+    warnings.sort_by_key(|warning| warning.place);
     Ok(Script { field, parameters, warnings })
 }
 

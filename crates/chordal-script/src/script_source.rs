@@ -132,7 +132,7 @@ impl ScriptSource {
     }
 
     /// Maps an offset in the parsed text to one in the script.
-    fn place(&self, offset: usize) -> usize {
+    pub(crate) fn place(&self, offset: usize) -> usize {
         let before = self.edits.iter().take_while(|edit| edit.new.start <= offset).last();
         match before {
             Some(edit) if offset < edit.new.end => edit.old.start,

@@ -82,7 +82,13 @@ impl<'v> StarlarkValue<'v> for StarlarkFunction {
         for (name, value) in args.names_map()? {
             by_name.push((name.as_str().to_owned(), charged_arg(value, eval)?));
         }
-        let made = self.0.call(by_position, by_name).map_err(fault)?;
+        let meter = Meter::from_eval(eval);
+        if self.0.moves_by_bound(&by_position, &by_name)
+            && let Some(place) = eval.call_stack_top_location()
+        {
+            meter.bounded.borrow_mut().push(place.span.begin().get() as usize);
+        }
+        let made = self.0.call_within(by_position, by_name, meter.job).map_err(fault)?;
         to_starlark(made, eval)
     }
 }

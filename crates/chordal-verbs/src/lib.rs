@@ -61,6 +61,8 @@ pub mod report;
 mod request;
 mod rounded_mesh;
 mod script;
+#[cfg(feature = "script")]
+mod script_files;
 mod shape;
 mod simplified_isosurface;
 mod simplify;
@@ -88,7 +90,7 @@ pub use failure::MeshFailure;
 pub use file_extension::extension;
 pub use implicit::{ImplicitShape, Parameter};
 pub use inspect::{SurfaceDepth, inspect, inspect_deeply, inspect_surface};
-pub use load::{FormatHint, Input, InputFile, load, load_with};
+pub use load::{FormatHint, Input, InputFile, load, load_with, load_within};
 pub use lod::{LodOutcome, LodParts, LodSpec, TileErrors, lod};
 pub use mend::{MendSpec, WeldTolerance, mend};
 pub use mesh::{mesh, needs_budget};

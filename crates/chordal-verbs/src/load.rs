@@ -1,7 +1,9 @@
 //! `load`: parses bytes to a shape, with everything that a report says about its input.
 use crate::digest::sha256;
 use crate::file_extension::extension;
+use crate::script::ScriptContext;
 use crate::{Shape, formats, script};
+use chordal::Job;
 use chordal::budget::advice::{Message, Setting};
 use chordal::math::Box3;
 use chordal_io::{
@@ -74,7 +76,7 @@ pub struct InputFile {
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
 pub fn load(bytes: &[u8], hint: FormatHint, limits: &Limits) -> Result<Input, ReadError> {
-    load_from(bytes, hint, None, limits)
+    load_from(bytes, hint, None, limits, &job_of(limits))
 }
 
 /// As [`load`], for a file that may name others beside it, which `open` returns: see
@@ -88,7 +90,29 @@ pub fn load_with(
     open: &mut FileOpener<'_>,
     limits: &Limits,
 ) -> Result<Input, ReadError> {
-    load_from(bytes, hint, Some(open), limits)
+    load_from(bytes, hint, Some(open), limits, &job_of(limits))
+}
+
+/// As [`load_with`], where reading may be work (a script that makes meshes on the way): within the limits of a
+/// job, which may be cancelled.
+///
+/// # Errors
+/// As for [`load_with`].
+pub fn load_within(
+    bytes: &[u8],
+    hint: FormatHint,
+    open: &mut FileOpener<'_>,
+    limits: &Limits,
+    job: &Job,
+) -> Result<Input, ReadError> {
+    load_from(bytes, hint, Some(open), limits, job)
+}
+
+/// A job that takes no more than a file may.
+fn job_of(limits: &Limits) -> Job {
+    let mut job = Job::default().with_threads(limits.threads);
+    job.memory_limit = job.memory_limit.min(limits.bytes);
+    job
 }
 
 fn load_from(
@@ -96,6 +120,7 @@ fn load_from(
     hint: FormatHint,
     open: Option<&mut FileOpener<'_>>,
     limits: &Limits,
+    job: &Job,
 ) -> Result<Input, ReadError> {
     let by_name = hint.name.and_then(extension).and_then(Format::from_packed_extension);
     // Only what is inside says what a file is whose name does not.
@@ -110,7 +135,10 @@ fn load_from(
     }
     let mut files: Vec<InputFile> = Vec::new();
     let (mut shape, warnings) = if format == Format::Star {
-        script::shape(&content, hint.set, limits)?
+        let context = ScriptContext { set: hint.set, open, limits, job };
+        let script::LoadedScript { shape, files: named, warnings } = script::shape(&content, context)?;
+        files = named;
+        (shape, warnings)
     } else {
         if let Some((name, _)) = hint.set.first() {
             let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");

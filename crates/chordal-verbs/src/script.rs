@@ -1,18 +1,34 @@
 //! Shape scripts as an input, in builds with the interpreter.
+use crate::InputFile;
 use crate::Shape;
-use chordal_io::{Limits, ReadError, Warning};
+use chordal::Job;
+use chordal_io::{FileOpener, Limits, ReadError, Warning};
 
-/// Runs a script to its shape, with its warnings, each code once.
+/// A script's shape, the files that it named, and its warnings, each code of the script's own once.
+pub(crate) struct LoadedScript {
+    pub shape: Shape,
+    pub files: Vec<InputFile>,
+    pub warnings: Vec<Warning>,
+}
+
+/// What a script is run with.
+pub(crate) struct ScriptContext<'a, 'b> {
+    /// Its parameters.
+    pub set: &'a [(String, f64)],
+    pub open: Option<&'a mut FileOpener<'b>>,
+    pub limits: &'a Limits,
+    pub job: &'a Job,
+}
+
+/// Runs a script to its shape.
 #[cfg(feature = "script")]
-pub(crate) fn shape(
-    bytes: &[u8],
-    set: &[(String, f64)],
-    limits: &Limits,
-) -> Result<(Shape, Vec<Warning>), ReadError> {
+pub(crate) fn shape(bytes: &[u8], context: ScriptContext<'_, '_>) -> Result<LoadedScript, ReadError> {
+    use crate::script_files::MeshFiles;
     use crate::{ImplicitShape, Parameter};
-    use chordal_io::{FileLocation, Frame};
-    use chordal_script::{RunOptions, run};
+    use chordal_io::FileLocation;
+    use chordal_script::{RunOptions, run_with_files};
 
+    let ScriptContext { set, open, limits, job } = context;
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let place = FileLocation::Byte(error.valid_up_to() as u64);
         ReadError::new("not-utf8", place, "the script is not UTF-8: save it as UTF-8 or plain ASCII")
@@ -22,7 +38,8 @@ pub(crate) fn shape(
     if most < options.limits.heap {
         options.limits.heap = most;
     }
-    let script = run(text, &options, &Default::default()).map_err(|error| {
+    let files = MeshFiles::new(open, limits);
+    let script = run_with_files(text, &options, &files, job).map_err(|error| {
         let place = error
             .place
             .map_or(FileLocation::File, |(line, column)| FileLocation::LineColumn { line, column });
@@ -42,17 +59,16 @@ pub(crate) fn shape(
         let place = FileLocation::LineColumn { line, column };
         warnings.push(Warning { code: warning.code, count: 1, place, message: warning.message.into() });
     }
-    let frame = Frame::default();
-    Ok((Shape::Field(ImplicitShape { field: script.field, region: None, frame, parameters }), warnings))
+    let read = files.into_read();
+    warnings.extend(read.warnings);
+    let frame = read.frame.unwrap_or_default();
+    let shape = Shape::Field(ImplicitShape { field: script.field, region: None, frame, parameters });
+    Ok(LoadedScript { shape, files: read.files, warnings })
 }
 
 /// Refuses every script: this build has no interpreter.
 #[cfg(not(feature = "script"))]
-pub(crate) fn shape(
-    bytes: &[u8],
-    _: &[(String, f64)],
-    limits: &Limits,
-) -> Result<(Shape, Vec<Warning>), ReadError> {
-    chordal_io::read(bytes, chordal_io::Format::Star, limits)
-        .map(|loaded| (loaded.content.into(), loaded.warnings))
+pub(crate) fn shape(bytes: &[u8], context: ScriptContext<'_, '_>) -> Result<LoadedScript, ReadError> {
+    let loaded = chordal_io::read(bytes, chordal_io::Format::Star, context.limits)?;
+    Ok(LoadedScript { shape: loaded.content.into(), files: Vec::new(), warnings: loaded.warnings })
 }

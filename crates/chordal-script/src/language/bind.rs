@@ -1,7 +1,8 @@
 //! `Function`: one function of the language, and how it binds its arguments.
 use super::{Arg, CallError, Formula, Solid};
+use chordal::Job;
 use chordal::implicit::shapes::InvalidShape;
-use chordal::implicit::{Expr, Field};
+use chordal::implicit::{DistanceQuality, Expr, Field};
 
 /// One function of the language.
 #[derive(Debug)]
@@ -49,6 +50,8 @@ pub struct BoundArgs {
     function: &'static Function,
     args: Vec<Arg>,
     rest: Vec<Arg>,
+    /// The conditions of work that takes long.
+    job: Job,
 }
 
 impl Function {
@@ -57,8 +60,39 @@ impl Function {
     /// # Errors
     /// When an argument is missing, unknown, given twice or of the wrong kind, or the shape does not exist.
     pub fn call(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Arg, CallError> {
-        let given = self.bind(by_position, by_name)?;
+        self.call_within(by_position, by_name, &Job::default())
+    }
+
+    /// As [`Function::call`], within the limits of a job.
+    ///
+    /// # Errors
+    /// As for [`Function::call`]; also when the work is beyond the limits of the job, or cancelled.
+    pub fn call_within(
+        &'static self,
+        by_position: Vec<Arg>,
+        by_name: Vec<(String, Arg)>,
+        job: &Job,
+    ) -> Result<Arg, CallError> {
+        let given = BoundArgs { job: job.clone(), ..self.bind(by_position, by_name)? };
         (self.make)(&given)
+    }
+
+    /// Whether these arguments move a surface to a side where the value is only a bound of its distance.
+    pub(crate) fn moves_by_bound(&self, by_position: &[Arg], by_name: &[(String, Arg)]) -> bool {
+        let arg = |k: usize| {
+            let name = self.parameters.get(k).map(|p| p.name);
+            by_position
+                .get(k)
+                .or_else(|| by_name.iter().find(|(n, _)| Some(&**n) == name).map(|(_, arg)| arg))
+        };
+        let (Some(Arg::Shape(solid)), Some(Arg::Number(by))) = (arg(0), arg(1)) else { return false };
+        let distance = solid.field.distance();
+        let is_bound = |quality: DistanceQuality| quality == DistanceQuality::Bound;
+        match self.name {
+            "offset" => is_bound(if *by > 0.0 { distance.outside } else { distance.inside }),
+            "shell" => is_bound(distance.outside) || is_bound(distance.inside),
+            _ => false,
+        }
     }
 
     fn bind(
@@ -88,7 +122,7 @@ impl Function {
         let found = args.into_iter().zip(self.parameters).map(|(arg, p)| {
             arg.or(p.default.map(Arg::Number)).ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
         });
-        Ok(BoundArgs { function: self, args: found.collect::<Result<_, _>>()?, rest })
+        Ok(BoundArgs { function: self, args: found.collect::<Result<_, _>>()?, rest, job: Job::default() })
     }
 
     fn fault(&self, what: String) -> CallError {
@@ -108,6 +142,11 @@ impl Function {
 }
 
 impl BoundArgs {
+    /// The conditions of work that takes long.
+    pub(super) fn job(&self) -> &Job {
+        &self.job
+    }
+
     /// The name of the function.
     pub(super) fn name(&self) -> &'static str {
         self.function.name

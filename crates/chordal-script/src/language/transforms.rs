@@ -1,6 +1,9 @@
 //! Transforms: placing shapes, and operations on a single shape.
 use super::bind::{BoundArgs, Function, optional, required};
 use super::{Arg, CallError, Solid};
+use chordal::Tolerance;
+use chordal::budget::Failure;
+use chordal::convert::redistance;
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{Field, Repeat};
 use chordal::math::greater;
@@ -96,16 +99,36 @@ pub(super) const CHANGE: &[Function] = &[
     Function {
         name: "offset",
         parameters: &[required("shape"), required("by")],
-        about: "The shape grown by a distance, or shrunk by a negative one.",
+        about: "The shape grown by a distance, or shrunk by a negative one; needs a distance on that side.",
         distance: "exact on the side that the surface moved to, if it was exact there; else a lower bound",
         make: |given| apply_step(given, |given, field| Ok(field.offset(given.number(1)?))),
     },
     Function {
         name: "shell",
         parameters: &[required("shape"), required("thickness")],
-        about: "A wall along the surface, half of its thickness to each side.",
+        about: "A wall along the surface, half of its thickness to each side; needs a distance on both.",
         distance: "outside exact if it was, inside a lower bound",
         make: |given| apply_step(given, |given, field| Ok(field.shell(given.number(1)?))),
+    },
+    Function {
+        name: "redistance",
+        parameters: &[required("shape"), required("within")],
+        about: "The shape with a value that is a distance again, to triangles within a length of its surface.",
+        distance: "exact, of the triangles",
+        make: |given| {
+            let (solid, within) = (given.shape(0)?, given.number(1)?);
+            let fault = |why: &str| CallError(format!("redistance(): {why}"));
+            let within = Tolerance::new(within).map_err(|why| fault(&why.to_string()))?;
+            let made = redistance(&solid.field, within, given.job()).map_err(|failure| match failure {
+                Failure::Unmet(best) => fault(&match best.bound.at_most() {
+                    Some(most) => format!("the best triangles that were found are {most:e} away"),
+                    None => "no triangles were proved to be within the length".to_owned(),
+                }),
+                Failure::Refused(why) => fault(&why.message.to_string()),
+                Failure::Cancelled => fault("cancelled"),
+            })?;
+            Ok(Arg::shape(made.shape))
+        },
     },
     Function {
         name: "extrude",
