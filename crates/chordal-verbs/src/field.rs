@@ -1,8 +1,9 @@
 //! Fields: meshed within a budget, and measured against triangles.
 use crate::request::MeshRequest;
+use crate::simplified_isosurface::simplified;
 use crate::{ImplicitShape, MeshFailure};
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{Bound, RefusalCode};
+use chordal::budget::{Bound, Budget, Failure, RefusalCode, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::{Bounded, Job, Mesh, convert};
@@ -19,8 +20,17 @@ pub(crate) fn mesh_field(
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let field = finite(implicit)?;
-    let Bounded { shape: mesh, bound } =
-        request.run(job, |budget| convert::field_to_mesh(&field, budget, job))?;
+    let has_meshes = convert::has_meshes(&field);
+    let mut words = None;
+    let Bounded { shape: mesh, bound } = request.run(job, |budget| {
+        if !has_meshes {
+            return convert::field_to_mesh(&field, budget, job);
+        }
+        let (made, said) = simplified_field(&field, (budget, request), job)?;
+        words = said;
+        Ok(made)
+    })?;
+    notes.extend(words);
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(
@@ -32,6 +42,33 @@ pub(crate) fn mesh_field(
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
     Ok((Scene::from_mesh("field", mesh, implicit.frame), bound))
 }
+
+/// The share of a length within which signs on a lattice are polygonized; what that leaves is for collapses. Chosen: half
+/// the step takes four times as long, and collapses undo the most of it.
+const SHARE: f64 = 0.6;
+
+/// The surface of a field with meshes: the fine triangles of a lattice, or the mesh itself, with as few of them as the
+/// budget allows.
+fn simplified_field(
+    field: &Field,
+    (budget, request): (&Budget, &MeshRequest),
+    job: &Job,
+) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
+    let length = budget.length_in(&field.bounds()).unwrap_or(0.0);
+    let fine = match Tolerance::new(SHARE * length) {
+        Ok(share) => Budget { length: Some(share), pixels: None, triangles: None, ..*budget },
+        // Only a number of triangles: more of them are made first, and the best are kept.
+        Err(_) if length == f64::INFINITY => {
+            Budget { triangles: budget.triangles.map(|most| most.saturating_mul(FINER)), ..*budget }
+        }
+        Err(_) => *budget,
+    };
+    let made = convert::field_to_mesh(field, &fine, job).or_else(Failure::best_effort)?;
+    simplified(made, (budget, length, request.effort), job)
+}
+
+/// How many times as many triangles a lattice gets as are asked for. Chosen: then collapses have a choice.
+const FINER: u64 = 16;
 
 /// Coordinates up to this have finite squares and sums of squares: derived, 2^1024 is the largest double.
 const LARGEST: f64 = 1e150;
@@ -75,5 +112,10 @@ pub(crate) fn deviation_of(
     goal: &Goal,
     job: &Job,
 ) -> Result<FieldDeviation, MeshFailure> {
-    Ok(check::field_deviation(mesh, &finite(implicit)?, goal, job)?)
+    let field = finite(implicit)?;
+    if convert::has_meshes(&field) {
+        let message = "a field with meshes is not measured against triangles in this version: mesh it first";
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
+    }
+    Ok(check::field_deviation(mesh, &field, goal, job)?)
 }

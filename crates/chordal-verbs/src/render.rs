@@ -1,6 +1,7 @@
 //! `render`: a picture of any shape. Smooth shapes are meshed first, finely enough for the picture; fields
 //! are ray traced directly.
 use crate::deviation::ComparedPair;
+use crate::field;
 use crate::filled_regions::FilledRegions;
 use crate::isosurface::surface_of;
 use crate::merged_parts;
@@ -99,6 +100,10 @@ pub fn render(
             let mesh = merged_parts::one_mesh(scene)?;
             draw_mesh(&mesh, &options, certificate, job)
         }
+        Shape::Field(field) if convert::has_meshes(&field.field) => {
+            let asked = RenderRequest { options, fineness, shape: &input.shape };
+            draw_meshed_field(field, &asked, certificate, job)
+        }
         Shape::Field(field) => draw_field(field, &options, certificate, job),
         Shape::Volume(sampled) => {
             let asked = RenderRequest { options, fineness, shape: &input.shape };
@@ -183,6 +188,40 @@ fn draw_field(
         darkest: None,
         back_share: None,
     })
+}
+
+/// The triangles of a field with meshes, which rays would pass too slowly.
+fn draw_meshed_field(
+    shape: &ImplicitShape,
+    asked: &RenderRequest,
+    mut certificate: Certificate,
+    job: &Job,
+) -> Result<RenderOutcome, MeshFailure> {
+    let field = field::finite(shape)?;
+    let mesh = |budget: &Budget| convert::field_to_mesh(&field, budget, job).map_err(missed);
+    let mut options = asked.options;
+    let coarse = fraction_of_diagonal(asked.shape, MESHED)?;
+    let budget = match asked.fineness {
+        None => coarse,
+        Some(PictureTolerance::Length(length)) => {
+            let spec = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
+            let (budget, note) = spec.resolve(asked.shape)?;
+            certificate.notes.extend(note);
+            budget
+        }
+        Some(PictureTolerance::Pixels(pixels)) => {
+            let camera = match options.viewpoint {
+                Viewpoint::Camera(camera) => camera,
+                Viewpoint::Automatic(screen) => frame(&mesh(&coarse)?.shape, options.up, screen),
+            };
+            options.viewpoint = Viewpoint::Camera(camera);
+            Budget::pixels(pixels, View::Camera(camera))
+        }
+    };
+    let made = mesh(&budget)?;
+    certificate.budget = Some(BudgetFacts::new(&budget));
+    certificate.bound = Some(BoundFacts::new(&made.bound));
+    draw_mesh(&made.shape, &options, certificate, job)
 }
 
 /// Renders a shape coloured by its distance from another one, darkest at `darkest` or else at the largest
@@ -355,6 +394,9 @@ fn camera_for(shape: &Shape, options: &RenderOptions, job: &Job) -> Result<Camer
 
 /// A fraction of the diagonal: fine enough to frame a shape in a picture with a margin, and fast to mesh.
 const COARSE: f64 = 0.002;
+/// The fraction of the diagonal within which a field with meshes is meshed for a picture, unless said: a pixel or two of the
+/// usual screen.
+const MESHED: f64 = 0.002;
 /// The triangle budget of a shape so small that it has no diagonal.
 const FEW: u64 = 10_000;
 /// An error in pixels that is invisible at the edges of an antialiased picture.

@@ -3,7 +3,7 @@
 use crate::MeshFailure;
 use crate::simplify::simplify_mesh;
 use chordal::budget::advice::Message;
-use chordal::budget::{Bound, Budget, Failure, JobError, Tolerance};
+use chordal::budget::{Bound, Budget, Failure, JobError, Reference, Tolerance};
 use chordal::convert::{self, Polygonize};
 use chordal::explicit::Topology;
 use chordal::implicit::Grid;
@@ -142,6 +142,7 @@ fn two_steps(fine: &Bounded<Mesh>, simplified: &Bound, triangles: usize) -> Mess
     };
     let (before, lost) = (fine.shape.faces().len(), length(simplified));
     let of_cells = length(&fine.bound);
-    format!("{before} triangles within {of_cells} of the interpolant were simplified to {triangles} within {lost} of them")
+    let surface = if fine.bound.reference == Reference::Field { "surface" } else { "interpolant" };
+    format!("{before} triangles within {of_cells} of the {surface} were simplified to {triangles} within {lost} of them")
         .into()
 }

@@ -24,6 +24,7 @@ mod field_laws;
 mod field_rays;
 mod field_referee;
 mod fields;
+mod fields_with_meshes;
 mod gpu;
 mod grids;
 mod interval_laws;
