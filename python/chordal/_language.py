@@ -325,7 +325,7 @@ def repeat(
 
 
 def offset(shape: Field, by: SupportsFloat) -> Field:
-    """The shape grown by a distance, or shrunk by a negative one.
+    """The shape grown by a distance, or shrunk by a negative one; needs a distance on that side.
 
     The value is worth: exact on the side that the surface moved to, if it was exact there; else a lower bound.
     """
@@ -333,11 +333,19 @@ def offset(shape: Field, by: SupportsFloat) -> Field:
 
 
 def shell(shape: Field, thickness: SupportsFloat) -> Field:
-    """A wall along the surface, half of its thickness to each side.
+    """A wall along the surface, half of its thickness to each side; needs a distance on both.
 
     The value is worth: outside exact if it was, inside a lower bound.
     """
     return called("shell", shape, thickness)  # type: ignore[no-any-return]
+
+
+def redistance(shape: Field, within: SupportsFloat) -> Field:
+    """The shape with a value that is a distance again, to triangles within a length of its surface.
+
+    The value is worth: exact, of the triangles.
+    """
+    return called("redistance", shape, within)  # type: ignore[no-any-return]
 
 
 def extrude(shape: Field, height: SupportsFloat) -> Field:

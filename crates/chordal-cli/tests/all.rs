@@ -21,6 +21,7 @@ mod output;
 mod render;
 mod report;
 mod script;
+mod script_meshes;
 mod signals;
 mod studio;
 mod volume;

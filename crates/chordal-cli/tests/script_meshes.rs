@@ -1,0 +1,96 @@
+//! Shape scripts that name meshes: which files are read, which are not, and that none of them is replaced.
+use crate::common;
+
+use common::{CLOSED_OBJ, Folder, run};
+
+/// A tetrahedron whose corner is cut off, and the same as a script needs it.
+const CUT: &str = "mesh('part.obj') - sphere(0.4)\n";
+
+#[test]
+fn a_mesh_minus_a_ball_is_a_closed_solid_in_one_command() {
+    let folder = Folder::new("script-mesh");
+    folder.file("part.obj", CLOSED_OBJ);
+    let script = folder.file("cut.star", CUT);
+    let out = folder.path("cut.stl");
+    let made = run(&["mesh", &script, "--tol", "2%", "-o", out.to_str().unwrap(), "--json"]);
+    made.succeeds();
+    let certificate = &made.report()["certificate"];
+    assert_eq!(certificate["input"]["files"][0]["path"], "part.obj");
+    assert_eq!(certificate["bound"]["evidence"], "proved");
+    let looked = run(&["inspect", out.to_str().unwrap(), "--json"]);
+    looked.succeeds();
+    assert_eq!(looked.report()["inspection"]["scene"]["parts"][0]["validity"]["closed"], true, "{}", looked.stdout);
+}
+
+#[test]
+fn only_files_below_the_folder_of_the_script_or_an_allowed_one_are_read() {
+    let folder = Folder::new("script-mesh-folders");
+    std::fs::create_dir_all(folder.path("scripts")).unwrap();
+    std::fs::create_dir_all(folder.path("parts")).unwrap();
+    folder.file("parts/part.obj", CLOSED_OBJ);
+    let script = folder.file("scripts/cut.star", "a = 1\nmesh('part.obj')\n");
+    run(&["inspect", &script]).fails_with(3, &["line 2, column 1: mesh(): part.obj: no such file"]);
+    let parts = folder.path("parts");
+    run(&["inspect", &script, "--allow", parts.to_str().unwrap()]).succeeds();
+    for (name, why) in [
+        ("../parts/part.obj", "leads out of the folder"),
+        ("/etc/passwd", "only names below the folder"),
+        ("http://example.org/a.stl", "only names below the folder"),
+        ("", "names no file"),
+    ] {
+        let text = format!("mesh({name:?})\n");
+        let script = folder.file("scripts/out.star", &text);
+        run(&["inspect", &script]).fails_with(3, &[why, "line 1, column 1"]);
+    }
+    let script = folder.file("scripts/number.star", "mesh(3)\n");
+    run(&["inspect", &script]).fails_with(3, &["needs the name of a file, not a number"]);
+    let script = folder.file("scripts/self.star", "mesh('self.star')\n");
+    run(&["inspect", &script]).fails_with(3, &["no file of triangles"]);
+}
+
+#[test]
+fn a_mesh_that_a_script_read_is_never_replaced() {
+    let folder = Folder::new("script-mesh-force");
+    let part = folder.file("part.obj", CLOSED_OBJ);
+    let script = folder.file("cut.star", CUT);
+    run(&["mesh", &script, "--tol", "2%", "-o", &part, "--force"]).fails_with(4, &["a file that the input names"]);
+    assert_eq!(std::fs::read_to_string(&part).unwrap(), CLOSED_OBJ);
+    std::fs::create_dir_all(folder.path("allowed")).unwrap();
+    let far = folder.file("allowed/far.obj", CLOSED_OBJ);
+    let script = folder.file("far.star", "mesh('far.obj')\n");
+    let allowed = folder.path("allowed");
+    let allow = allowed.to_str().unwrap();
+    run(&["mesh", &script, "--allow", allow, "--tol", "2%", "-o", &far, "--force"])
+        .fails_with(4, &["a file that the input names"]);
+    assert_eq!(std::fs::read_to_string(&far).unwrap(), CLOSED_OBJ);
+}
+
+#[test]
+fn what_is_no_solid_is_warned_of_and_a_bound_taken_as_a_distance_too() {
+    let folder = Folder::new("script-mesh-open");
+    let open: String = CLOSED_OBJ.lines().filter(|line| !line.starts_with("f 1 2")).map(|l| format!("{l}\n")).collect();
+    folder.file("part.obj", &open);
+    let script = folder.file("open.star", "mesh('part.obj')\n");
+    let made = run(&["inspect", &script]);
+    made.succeeds();
+    assert!(made.stderr.contains("the mesh is not a solid"), "{}", made.stderr);
+    let script = folder.file("grown.star", "mesh('part.obj')\noffset(mesh('part.obj'), 0.1)\n");
+    run(&["inspect", &script]).fails_with(3, &["line 2, column 1", "needs a distance"]);
+    let script = folder.file("thin.star", "offset(box(2, 2, 2) | sphere(1.2), -0.2)\n");
+    let made = run(&["inspect", &script]);
+    made.succeeds();
+    assert!(made.stderr.contains("redistance(shape, within)"), "{}", made.stderr);
+    let script = folder.file("true.star", "offset(redistance(box(2, 2, 2) | sphere(1.2), 0.05), -0.2)\n");
+    let made = run(&["inspect", &script]);
+    made.succeeds();
+    assert!(!made.stderr.contains("redistance(shape, within)"), "{}", made.stderr);
+    assert!(made.stdout.contains("away from it"), "{}", made.stdout);
+}
+
+#[test]
+fn limits_hold_for_what_a_script_reads_and_makes() {
+    let folder = Folder::new("script-mesh-limits");
+    folder.file("part.obj", CLOSED_OBJ);
+    let many = folder.file("fine.star", "redistance(box(2, 2, 2) - mesh('part.obj'), 1e-5)\n");
+    run(&["inspect", &many, "--max-memory", "20M"]).fails_with(3, &["redistance()", "the limit is"]);
+}
