@@ -19,7 +19,12 @@ fn a_mesh_minus_a_ball_is_a_closed_solid_in_one_command() {
     assert_eq!(certificate["bound"]["evidence"], "proved");
     let looked = run(&["inspect", out.to_str().unwrap(), "--json"]);
     looked.succeeds();
-    assert_eq!(looked.report()["inspection"]["scene"]["parts"][0]["validity"]["closed"], true, "{}", looked.stdout);
+    assert_eq!(
+        looked.report()["inspection"]["scene"]["parts"][0]["validity"]["closed"],
+        true,
+        "{}",
+        looked.stdout
+    );
 }
 
 #[test]
@@ -53,7 +58,8 @@ fn a_mesh_that_a_script_read_is_never_replaced() {
     let folder = Folder::new("script-mesh-force");
     let part = folder.file("part.obj", CLOSED_OBJ);
     let script = folder.file("cut.star", CUT);
-    run(&["mesh", &script, "--tol", "2%", "-o", &part, "--force"]).fails_with(4, &["a file that the input names"]);
+    run(&["mesh", &script, "--tol", "2%", "-o", &part, "--force"])
+        .fails_with(4, &["a file that the input names"]);
     assert_eq!(std::fs::read_to_string(&part).unwrap(), CLOSED_OBJ);
     std::fs::create_dir_all(folder.path("allowed")).unwrap();
     let far = folder.file("allowed/far.obj", CLOSED_OBJ);
@@ -68,7 +74,8 @@ fn a_mesh_that_a_script_read_is_never_replaced() {
 #[test]
 fn what_is_no_solid_is_warned_of_and_a_bound_taken_as_a_distance_too() {
     let folder = Folder::new("script-mesh-open");
-    let open: String = CLOSED_OBJ.lines().filter(|line| !line.starts_with("f 1 2")).map(|l| format!("{l}\n")).collect();
+    let open: String =
+        CLOSED_OBJ.lines().filter(|line| !line.starts_with("f 1 2")).map(|l| format!("{l}\n")).collect();
     folder.file("part.obj", &open);
     let script = folder.file("open.star", "mesh('part.obj')\n");
     let made = run(&["inspect", &script]);

@@ -164,7 +164,10 @@ fn a_mesh_minus_a_ball_is_within_its_bound_both_ways() {
         let most = made.bound.at_most().unwrap();
         assert!(most <= length && *made.bound.evidence() == Evidence::Proved, "{:?}", made.bound);
         let validity = validity(&made.shape, Topology::Indices);
-        assert!(validity.closed && validity.edge_manifold && validity.vertex_manifold && validity.oriented, "{validity:?}");
+        assert!(
+            validity.closed && validity.edge_manifold && validity.vertex_manifold && validity.oriented,
+            "{validity:?}"
+        );
         let there = points_of(&made.shape).into_iter().map(|p| to_cut_cube(p, radius)).fold(0.0, f64::max);
         let surface = cut_cube_points(&mut random, radius, 500);
         let back = surface.into_iter().map(|p| to_mesh(p, &made.shape)).fold(0.0, f64::max);

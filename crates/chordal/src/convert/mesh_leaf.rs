@@ -39,6 +39,14 @@ pub(super) struct MeshSource {
     pub lost: Option<Bound>,
 }
 
+/// A step away from the nearest triangle, as a fraction of its distance. Chosen: the next ball is then nearly twice
+/// as large, and holds the step with room for rounding.
+const CLIMB: f64 = 0.9;
+/// The least growth of a ball that is worth a further step.
+const GROWN: f64 = 1.25;
+/// The most steps. Chosen: then balls have grown by a thousand.
+const MOST_CLIMBS: usize = 12;
+
 /// A point off the triangles of an open mesh, and its side.
 #[derive(Clone, Copy, Debug)]
 struct OpenSide {
@@ -129,7 +137,7 @@ impl MeshLeaf {
     fn side_of_ball(
         &self,
         (p, radius): ([f64; 3], f64),
-        distance: f64,
+        (distance, row): (f64, u32),
         known: &mut [Option<OpenSide>; 2],
     ) -> Option<bool> {
         let bounds = self.bvh.bounds();
@@ -143,29 +151,69 @@ impl MeshLeaf {
         if distance <= radius {
             return None;
         }
-        let sides = self.sides.as_ref()?;
-        // A factor far above all roundings of the distances and of their sum.
-        const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
-        let found = known.iter().flatten().find(|side| {
-            let between = add_up(length(difference(p, side.point)) * SHARE, self.rounding);
-            between * SHARE + 4.0 * self.rounding < side.distance + distance
-                && self.border.most_change(side.point, add_up(between, radius)) < side.margin
-        });
-        let is_inside = if let Some(side) = found {
-            side.is_inside
-        } else {
-            let change = self.border.most_change(p, radius);
-            let enclosure = sides.enclosure(&self.bvh);
-            let decided = WITHIN.iter().find_map(|within| {
-                let winding = enclosure.winding_number(p, *within).filter(|_| change < 1.0)?;
-                let margin = sub_down((winding.value - 0.5).abs(), winding.off_at_most);
-                (margin > change).then_some((winding.value > 0.5, margin))
-            });
-            let (is_inside, margin) = decided?;
-            known[usize::from(is_inside)] = Some(OpenSide { point: p, distance, margin, is_inside });
-            is_inside
-        };
+        let is_inside = self.side_of_point((p, radius), (distance, row), known)?;
         (!is_inside || within).then_some(is_inside)
+    }
+
+    /// The side of all points within `radius` of `p`, all of them off the triangles, by the winding number.
+    ///
+    /// Winding numbers cost far more than distances, and near triangles most. So the point climbs away from its
+    /// nearest triangle: empty balls that overlap hold no triangle, and along the way the number changes by no
+    /// more than the border lets it. Where the way meets the ball of a known point, that one decides.
+    fn side_of_point(
+        &self,
+        (p, radius): ([f64; 3], f64),
+        (distance, row): (f64, u32),
+        known: &mut [Option<OpenSide>; 2],
+    ) -> Option<bool> {
+        // A factor far above all roundings of the distances and of their sums.
+        const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
+        let (mut at, mut empty, mut row, mut way) = (p, distance, row, radius);
+        for _ in 0..MOST_CLIMBS {
+            let found = known.iter().flatten().find(|side| {
+                let between = length(difference(at, side.point)) * SHARE;
+                between < side.distance + empty
+                    && self.border.most_change(side.point, (between + way) * SHARE) < side.margin
+            });
+            if let Some(side) = found {
+                return Some(side.is_inside);
+            }
+            let offset = self.offset(at, row);
+            let size = length(offset);
+            // Within the empty ball, whatever was rounded.
+            let step = CLIMB * empty;
+            let next: [f64; 3] = std::array::from_fn(|k| at[k] + step * (offset[k] / size));
+            let Some((away, nearest)) = self.bvh.distance_with_hint(next, row) else { break };
+            let away = sub_down(away, self.distance_error(next));
+            // On the way away from one triangle another one is near.
+            if !(away > GROWN * empty) {
+                break;
+            }
+            way = (way + length(difference(next, at))) * SHARE;
+            (at, empty, row) = (next, away, nearest);
+        }
+        let enclosure = self.sides.as_ref()?.enclosure(&self.bvh);
+        for (from, empty, way) in [(at, empty, way), (p, distance, radius)] {
+            let change = self.border.most_change(from, way);
+            if !(change < 1.0) {
+                continue;
+            }
+            for within in WITHIN {
+                let Some(winding) = enclosure.winding_number(from, within) else { continue };
+                let margin = sub_down((winding.value - 0.5).abs(), winding.off_at_most);
+                if margin > change {
+                    let is_inside = winding.value > 0.5;
+                    known[usize::from(is_inside)] =
+                        Some(OpenSide { point: from, distance: empty, margin, is_inside });
+                    return Some(is_inside);
+                }
+                // No more digits make it more than the whole.
+                if (winding.value - 0.5).abs() + winding.off_at_most <= change {
+                    break;
+                }
+            }
+        }
+        None
     }
 
     /// The distance at `p`, and what speeds up the next point; `None` without triangles or for a point that
@@ -350,7 +398,7 @@ impl Leaf for MeshLeaf {
                 row = near;
                 let Some(ends) = self.distance_range(middle, row) else { continue };
                 let size = around(ends);
-                *range = match self.side_of_ball((middle, radius), ends[0], &mut known) {
+                *range = match self.side_of_ball((middle, radius), (ends[0], row), &mut known) {
                     // Within the ball the side is the same, so the distance alone changes.
                     Some(true) => -size,
                     Some(false) => size,

@@ -20,13 +20,14 @@ use crate::implicit::{ExprGraph, Field, LeafError, Term};
 use crate::math::{Box3, add_up, greater, mul_up, sqrt_up};
 use placed_mesh::PlacedMesh;
 use sign_lattice::SignLattice;
+use surface_cover::CoverGoal;
 
 /// The diagonal of a cell as a fraction of the length. Chosen: the rest is for parts of the surface in cells
 /// without triangles.
 const SHARE: f64 = 0.75;
 /// The most lattices for one length, each of half the step of the one before. A thin part between the samples
 /// of one lattice may be met by the next.
-const MOST_HALVINGS: usize = 3;
+const MOST_HALVINGS: usize = 2;
 /// Cells along the longest side of the first lattice for a number of triangles.
 const FIRST_CELLS: f64 = 48.0;
 /// The most lattices for a number of triangles.
@@ -41,6 +42,15 @@ pub fn has_meshes(field: &Field) -> bool {
     ExprGraph::from_expr(field.sign()).terms().iter().any(|term| {
         let Term::Leaf(leaf, _) = term else { return false };
         leaf.as_any().and_then(|any| any.downcast_ref::<MeshLeaf>()).is_some_and(MeshLeaf::has_sides)
+    })
+}
+
+/// Whether some mesh is not a solid: then it may have triangles that are no part of the surface.
+fn has_walls(field: &Field) -> bool {
+    ExprGraph::from_expr(field.sign()).terms().iter().any(|term| {
+        let Term::Leaf(leaf, _) = term else { return false };
+        let mesh = leaf.as_any().and_then(|any| any.downcast_ref::<MeshLeaf>());
+        mesh.and_then(MeshLeaf::source).is_some_and(|source| !source.is_solid)
     })
 }
 
@@ -147,11 +157,20 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
 fn on_lattice(field: &Field, step: f64, enough: f64, job: &Job) -> MeshResult {
     let lattice = SignLattice::sample(field, step, job)?;
     let mesh = lattice.polygonize(job)?;
-    let cover = surface_cover::farthest(field, &lattice, &mesh, enough, job)?;
+    let goal = CoverGoal { enough, has_walls: has_walls(field) };
+    let cover = surface_cover::farthest(field, &lattice, &mesh, &goal, job)?;
     let most = greater(cover.most, lattice.cell_diagonal());
     // Samples are off their places by rounding, and so are vertices.
     let most = add_up(most, mul_up(2.0, lattice.rounding()));
     let mut evidence = field.evidence();
+    if cover.n_walls > 0 {
+        let sentence = format!(
+            "the boxes around {} places where a mesh that is not a solid has triangles, and all samples are on one side, \
+             hold no surface",
+            cover.n_walls
+        );
+        evidence = evidence.weaker(&Evidence::ProvedIf(vec![sentence]));
+    }
     if lattice.n_doubtful() > 0 {
         let sentence = format!(
             "the signs of the field at {} samples, which rounding may decide, are as computed",

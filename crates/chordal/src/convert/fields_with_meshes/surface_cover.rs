@@ -4,17 +4,23 @@
 //! rule out. If a cell of it has corners on both sides, triangles pass through the cell, so S in it is within
 //! the cell's diagonal of them. Otherwise S in a box is within the distance of its middle from the triangles
 //! and half its diagonal; boxes where that is too much are halved as long as their ranges leave them.
+//!
+//! A mesh that crosses itself has triangles inside of what it winds around, and near them its range has both
+//! signs. What is left of those is counted, and the bound rests on them being no surface.
+use super::leaf_failure;
 use super::sign_lattice::{
     N_BLOCKS, RangeSide, SignLattice, block_at, half_diagonal, range_sides, too_large,
 };
 use crate::budget::{Failure, Job, JobError, par_map};
 use crate::convert::lattice::BRICK;
 use crate::explicit::{Bvh, Mesh};
-use crate::implicit::{Field, Tape};
+use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, add_up};
 
 /// The most halvings of a cell. Chosen: a box is then smaller than the length that is asked for.
 const MOST_HALVINGS: usize = 4;
+/// The same where meshes have walls inside. Chosen: these are as large as a surface.
+const WALL_HALVINGS: usize = 1;
 /// Boxes of a task.
 const TASK: usize = 256;
 
@@ -24,6 +30,18 @@ pub(super) struct FarthestPart {
     pub most: f64,
     /// Where it may be so far.
     pub at: Option<[f64; 3]>,
+    /// Boxes with triangles of a mesh that is not a solid, and samples of one side alone, that are taken to hold no
+    /// surface.
+    pub n_walls: u64,
+}
+
+/// How closely is looked.
+pub(super) struct CoverGoal {
+    /// What is no farther from the triangles is not looked at more closely.
+    pub enough: f64,
+    /// Whether meshes that are not solids have walls inside, whose ranges have both signs though nothing changes
+    /// there.
+    pub has_walls: bool,
 }
 
 /// An upper bound for the distance from points of the surface to the triangles.
@@ -31,15 +49,17 @@ pub(super) fn farthest(
     field: &Field,
     lattice: &SignLattice,
     mesh: &Mesh,
-    enough: f64,
+    goal: &CoverGoal,
     job: &Job,
 ) -> Result<FarthestPart, Failure<Mesh>> {
     let bvh = Bvh::build(mesh, job).map_err(|error| match error {
         JobError::Refused(why) => Failure::Refused(why),
         JobError::Cancelled => Failure::Cancelled,
     })?;
+    let CoverGoal { enough, has_walls } = *goal;
+    let most_halvings = if has_walls { WALL_HALVINGS } else { MOST_HALVINGS };
     let tape = Tape::new(field.sign());
-    let mut found = FarthestPart { most: 0.0, at: None };
+    let mut found = FarthestPart { most: 0.0, at: None, n_walls: 0 };
     // 1. Cells of the blocks, as far as no triangle passes through them and not all of the block is near.
     let of_bricks = par_map(job, &lattice.bricks, |_, brick| {
         let (mut cells, mut most, mut at) = (Vec::new(), 0.0, None);
@@ -74,7 +94,7 @@ pub(super) fn farthest(
         }
     }
     // 2. Those that are too far: ruled out, near enough, or halved.
-    for halvings in 0..=MOST_HALVINGS {
+    for halvings in 0..=most_halvings {
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
@@ -91,8 +111,14 @@ pub(super) fn farthest(
             par_map(job, &tasks, |_, cells| cells.iter().map(|cell| reach(&bvh, cell)).collect::<Vec<f64>>())
                 .concat();
         waiting = Vec::new();
+        let is_last = halvings == most_halvings;
+        let far = left.iter().zip(&reaches).filter(|(_, reach)| is_last && has_walls && **reach > enough);
+        let far: Vec<Box3> = far.map(|(cell, _)| *cell).collect();
+        let mut are_walls = one_sided(&tape, &far, job)?.into_iter();
         for (cell, reach) in left.iter().zip(reaches) {
-            if reach > enough && halvings < MOST_HALVINGS {
+            if is_last && has_walls && reach > enough && are_walls.next().unwrap_or(false) {
+                found.n_walls += 1;
+            } else if reach > enough && !is_last {
                 waiting.extend(octants(cell));
             } else if reach > found.most {
                 (found.most, found.at) = (reach, Some(cell.centre()));
@@ -104,6 +130,32 @@ pub(super) fn farthest(
     }
     Ok(found)
 }
+
+/// Whether the corners and the middle of each box are on one side.
+fn one_sided(tape: &Tape, boxes: &[Box3], job: &Job) -> Result<Vec<bool>, Failure<Mesh>> {
+    let tasks: Vec<&[Box3]> = boxes.chunks(TASK).collect();
+    let done = par_map(job, &tasks, |_, part| {
+        let corner = |cell: &Box3, number: usize| {
+            std::array::from_fn(|k| if number >> k & 1 == 0 { cell.min[k] } else { cell.max[k] })
+        };
+        let points: Vec<[f64; 3]> = part
+            .iter()
+            .flat_map(|cell| (0..8_usize).map(|number| corner(cell, number)).chain([cell.centre()]))
+            .collect();
+        let mut values = vec![0.0; points.len()];
+        tape.at(&points, &mut values)?;
+        let is_one = |nine: &[f64]| nine.iter().all(|value| (*value < 0.0) == (nine[0] < 0.0));
+        Ok(values.chunks(SAMPLES).map(is_one).collect::<Vec<bool>>())
+    });
+    let mut all = Vec::with_capacity(boxes.len());
+    for part in done {
+        all.extend(part.map_err(|error: LeafError| leaf_failure(&error))?);
+    }
+    Ok(all)
+}
+
+/// The samples of a box: its corners and its middle.
+const SAMPLES: usize = 9;
 
 /// No point of a box is farther from the triangles.
 fn reach(bvh: &Bvh, cell: &Box3) -> f64 {
