@@ -45,7 +45,7 @@ pub(crate) fn mesh_field(
 
 /// The share of a length within which signs on a lattice are polygonized; what that leaves is for collapses. Chosen: half
 /// the step takes four times as long, and collapses undo the most of it.
-const SHARE: f64 = 0.6;
+const SHARE: f64 = 0.75;
 
 /// The surface of a field with meshes: the fine triangles of a lattice, or the mesh itself, with as few of them as the
 /// budget allows.

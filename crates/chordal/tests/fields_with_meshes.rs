@@ -194,7 +194,7 @@ fn a_placed_solid_is_its_own_triangles() {
         assert!(dot(apart, apart).sqrt() <= off + 1e-14);
     }
     // The map mirrors, and the front is outside all the same.
-    assert!(chordal::check::measure(&made.shape).signed_volume > 0.0);
+    assert!(chordal::check::findings::measure(&made.shape).signed_volume > 0.0);
     // Half of the triangles is beyond what is asked for.
     let few = Budget { triangles: Some(10), ..within(1e-3) };
     assert!(matches!(field_to_mesh(&placed, &few, &job), Err(Failure::Unmet(_))));
@@ -211,7 +211,7 @@ fn a_mesh_that_crosses_itself_becomes_its_outer_surface() {
     assert!(!crossed.solid.is_solid());
     let made = field_to_mesh(&crossed.field, &within(0.1), &job).expect("a mesh");
     // No inner wall is left: 27/8 twice, less the cube that they share.
-    let volume = chordal::check::measure(&made.shape).signed_volume;
+    let volume = chordal::check::findings::measure(&made.shape).signed_volume;
     assert!((volume - 5.75).abs() < 0.1 * 12.0 * 1.5 * 1.5, "{volume}");
     let inner = points_of(&made.shape).into_iter().filter(|p| p.iter().all(|x| x.abs() < 0.35));
     assert_eq!(inner.count(), 0);

@@ -1,6 +1,6 @@
 //! The signed distance to a mesh, as a leaf of fields.
 use super::open_boundary::OpenBoundary;
-use crate::budget::{Bound, Evidence, Job, JobError, par_map_owned};
+use crate::budget::{Bound, Evidence, Job, JobError, par_map, par_map_owned};
 use crate::explicit::{Bvh, Mesh, PointLocation, WindingMoments, closest_on_triangle};
 use crate::implicit::{Leaf, LeafAnswer, LeafError};
 use crate::math::{
@@ -25,6 +25,8 @@ pub(super) struct MeshLeaf {
     rounding: f64,
     /// Where sides change without a triangle.
     border: OpenBoundary,
+    /// Points of an open mesh whose sides are known.
+    beacons: Option<Arc<Beacons>>,
     /// The mesh, where it is kept.
     source: Option<Arc<MeshSource>>,
 }
@@ -46,6 +48,35 @@ const CLIMB: f64 = 0.9;
 const GROWN: f64 = 1.25;
 /// The most steps. Chosen: then balls have grown by a thousand.
 const MOST_CLIMBS: usize = 12;
+
+/// Points on a lattice over the box of an open mesh, with their sides. They are the same for every question, so that
+/// no answer depends on those before.
+#[derive(Clone, Debug)]
+struct Beacons {
+    low: [f64; 3],
+    step: f64,
+    size: [usize; 3],
+    sides: Vec<Option<OpenSide>>,
+}
+
+/// Beacons along the longest side. Chosen: all of them take as long as a hundredth of a mesh's lattice.
+const BEACONS: f64 = 24.0;
+
+impl Beacons {
+    /// Those at the corners of the cell around a point.
+    fn around(&self, p: [f64; 3]) -> impl Iterator<Item = &OpenSide> {
+        let first: [usize; 3] = std::array::from_fn(|k| {
+            let cell = ((p[k] - self.low[k]) / self.step).floor().clamp(0.0, self.size[k] as f64 - 1.0);
+            // Clamped, hence in range.
+            cell as usize
+        });
+        (0..8_usize).filter_map(move |corner| {
+            let at: [usize; 3] =
+                std::array::from_fn(|k| (first[k] + (corner >> k & 1)).min(self.size[k] - 1));
+            self.sides[at[0] + self.size[0] * (at[1] + self.size[1] * at[2])].as_ref()
+        })
+    }
+}
 
 /// A point off the triangles of an open mesh, and its side.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +104,7 @@ impl MeshLeaf {
         leaf.sides = Some(WindingMoments::new(mesh, &leaf.bvh));
         if !leaf.is_closed() {
             leaf.border = OpenBoundary::new(mesh);
+            leaf.beacons = leaf.place_beacons().map(Arc::new);
         }
         Ok(leaf)
     }
@@ -102,7 +134,7 @@ impl MeshLeaf {
         let rounding =
             if bounds.is_empty() { 0.0 } else { 64.0 * f64::EPSILON * (largest + bounds.diagonal()) };
         let border = OpenBoundary::default();
-        Ok(Self { bvh, sides: None, job: job.clone(), rounding, border, source: None })
+        Ok(Self { bvh, sides: None, job: job.clone(), rounding, border, beacons: None, source: None })
     }
 
     /// Whether sides change at triangles only.
@@ -155,6 +187,30 @@ impl MeshLeaf {
         (!is_inside || within).then_some(is_inside)
     }
 
+    /// Beacons where the winding number is clear of a half. `None` for a mesh without extent.
+    fn place_beacons(&self) -> Option<Beacons> {
+        let Box3 { min: low, max } = self.bvh.bounds();
+        let longest = (0..3).fold(0.0, |most, k| greater(max[k] - low[k], most));
+        let step = longest / BEACONS;
+        if !(step > 0.0 && step.is_finite()) {
+            return None;
+        }
+        let size: [usize; 3] = std::array::from_fn(|k| ((max[k] - low[k]) / step).ceil() as usize + 1);
+        let n: usize = size.iter().product();
+        let enclosure = self.sides.as_ref()?.enclosure(&self.bvh);
+        let rows: Vec<usize> = (0..n).collect();
+        let sides = par_map(&self.job, &rows, |_, row| {
+            let at = [row % size[0], row / size[0] % size[1], row / (size[0] * size[1])];
+            let point: [f64; 3] = std::array::from_fn(|k| low[k] + step * at[k] as f64);
+            let (distance, _) = self.bvh.distance_with_hint(point, 0)?;
+            let distance = sub_down(distance, self.distance_error(point));
+            let winding = enclosure.winding_number(point, WITHIN[0]).filter(|_| distance > 0.0)?;
+            let margin = sub_down((winding.value - 0.5).abs(), winding.off_at_most);
+            (margin > 0.0).then_some(OpenSide { point, distance, margin, is_inside: winding.value > 0.5 })
+        });
+        Some(Beacons { low, step, size, sides })
+    }
+
     /// The side of all points within `radius` of `p`, all of them off the triangles, by the winding number.
     ///
     /// Winding numbers cost far more than distances, and near triangles most. So the point climbs away from its
@@ -170,7 +226,8 @@ impl MeshLeaf {
         const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
         let (mut at, mut empty, mut row, mut way) = (p, distance, row, radius);
         for _ in 0..MOST_CLIMBS {
-            let found = known.iter().flatten().find(|side| {
+            let beacons = self.beacons.iter().flat_map(|beacons| beacons.around(at));
+            let found = known.iter().flatten().chain(beacons).find(|side| {
                 let between = length(difference(at, side.point)) * SHARE;
                 between < side.distance + empty
                     && self.border.most_change(side.point, (between + way) * SHARE) < side.margin
@@ -186,7 +243,8 @@ impl MeshLeaf {
             let Some((away, nearest)) = self.bvh.distance_with_hint(next, row) else { break };
             let away = sub_down(away, self.distance_error(next));
             // On the way away from one triangle another one is near.
-            if !(away > GROWN * empty) {
+            let is_larger = away > GROWN * empty;
+            if !is_larger {
                 break;
             }
             way = (way + length(difference(next, at))) * SHARE;
@@ -195,7 +253,7 @@ impl MeshLeaf {
         let enclosure = self.sides.as_ref()?.enclosure(&self.bvh);
         for (from, empty, way) in [(at, empty, way), (p, distance, radius)] {
             let change = self.border.most_change(from, way);
-            if !(change < 1.0) {
+            if change.is_nan() || change >= 1.0 {
                 continue;
             }
             for within in WITHIN {

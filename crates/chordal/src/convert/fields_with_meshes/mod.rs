@@ -24,7 +24,7 @@ use surface_cover::CoverGoal;
 
 /// The diagonal of a cell as a fraction of the length. Chosen: the rest is for parts of the surface in cells
 /// without triangles.
-const SHARE: f64 = 0.75;
+const SHARE: f64 = 0.85;
 /// The most lattices for one length, each of half the step of the one before. A thin part between the samples
 /// of one lattice may be met by the next.
 const MOST_HALVINGS: usize = 2;

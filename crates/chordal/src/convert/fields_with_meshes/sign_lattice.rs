@@ -346,7 +346,7 @@ fn lattice_around(bounds: &Box3, step: f64) -> Result<Lattice, Failure<Mesh>> {
     let counts: [f64; 3] = std::array::from_fn(|k| ((bounds.max[k] - origin[k]) / step).ceil() + 3.0);
     let largest = counts.iter().fold(0.0, |most, n| greater(*n, most));
     // Indices of bricks and blocks stay far below 2³².
-    if !(largest < f64::from(1_u32 << 24)) {
+    if largest.is_nan() || largest >= f64::from(1_u32 << 24) {
         let message = format!("the length is so small that the shape is {largest:.1e} cells wide");
         return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
     }
