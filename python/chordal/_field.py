@@ -272,6 +272,12 @@ def param(name: str, default: SupportsFloat) -> float:
     return float(default)
 
 
+def check(condition: object, message: str) -> None:
+    """Ends a shape script with a sentence unless a condition holds: here, by a `ValueError`."""
+    if not condition:
+        fail(message)
+
+
 def fail(message: str) -> None:
     """Ends a shape script with a sentence: here, by a `ValueError`."""
     raise ValueError(message)

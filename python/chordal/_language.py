@@ -122,6 +122,31 @@ def triangle(
     return called("triangle", a, b, c, thickness)  # type: ignore[no-any-return]
 
 
+def hull(points: Sequence[Sequence[SupportsFloat]], radius: SupportsFloat = 0) -> Field:
+    """The convex hull of points, or of balls of one radius around them.
+
+    The value is worth: exact.
+    """
+    return called("hull", points, radius)  # type: ignore[no-any-return]
+
+
+def sweep(points: Sequence[Sequence[SupportsFloat]], radius: SupportsFloat) -> Field:
+    """A tube: all points nearer than a radius to the path through these points.
+
+    The value is worth: outside exact, inside a lower bound.
+    """
+    return called("sweep", points, radius)  # type: ignore[no-any-return]
+
+
+def thread(name: str, height: SupportsFloat, clearance: SupportsFloat = 0) -> Field:
+    """A metric thread along z, as "M6" (coarse) or "M6x0.75", all of its sides moved inward by a clearance; a negative
+    one is for the hole of a nut.
+
+    The value is worth: a sign.
+    """
+    return called("thread", name, height, clearance)  # type: ignore[no-any-return]
+
+
 def gyroid(period: SupportsFloat, level: SupportsFloat = 0) -> Field:
     """One side of the gyroid, without end; with shell() it is a wall.
 
@@ -194,28 +219,39 @@ def regular_polygon(sides: SupportsFloat, radius: SupportsFloat) -> Field:
     return called("regular_polygon", sides, radius)  # type: ignore[no-any-return]
 
 
-def union(*shapes: Field | Sequence[Field]) -> Field:
-    """All points of any of the shapes, as `a | b` has them; a list of shapes does as well.
+def planar_hull(points: Sequence[Sequence[SupportsFloat]]) -> Field:
+    """The convex hull of points of the plane.
 
-    The value is worth: outside as good as all of them, inside a lower bound.
+    The value is worth: exact.
     """
-    return called("union", *shapes)  # type: ignore[no-any-return]
+    return called("planar_hull", points)  # type: ignore[no-any-return]
 
 
-def intersection(*shapes: Field | Sequence[Field]) -> Field:
-    """The points that all of the shapes have, as `a & b` has them.
+def union(*shapes: Field | Sequence[Field], fillet: SupportsFloat = 0, chamfer: SupportsFloat = 0) -> Field:
+    """All points of any of the shapes, as `a | b` has them; a list of shapes does as well. With a fillet or chamfer
+    the edges are filled in which they meet.
 
-    The value is worth: inside as good as all of them, outside a lower bound.
+    The value is worth: outside as good as all of them, inside a lower bound; with a fillet or chamfer a lower bound.
     """
-    return called("intersection", *shapes)  # type: ignore[no-any-return]
+    return called("union", *shapes, fillet=fillet, chamfer=chamfer)  # type: ignore[no-any-return]
 
 
-def difference(shape: Field, *others: Field | Sequence[Field]) -> Field:
-    """The points of the first shape that none of the others has, as `a - b` has them.
+def intersection(*shapes: Field | Sequence[Field], fillet: SupportsFloat = 0, chamfer: SupportsFloat = 0) -> Field:
+    """The points that all of the shapes have, as `a & b` has them. With a fillet or chamfer the edges are rounded or
+    cut off in which they meet.
+
+    The value is worth: inside as good as all of them, outside a lower bound; with a fillet or chamfer a lower bound.
+    """
+    return called("intersection", *shapes, fillet=fillet, chamfer=chamfer)  # type: ignore[no-any-return]
+
+
+def difference(shape: Field, *others: Field | Sequence[Field], fillet: SupportsFloat = 0, chamfer: SupportsFloat = 0) -> Field:
+    """The points of the first shape that none of the others has, as `a - b` has them. With a fillet or chamfer the
+    edges of the cuts are rounded or cut off.
 
     The value is worth: a lower bound.
     """
-    return called("difference", shape, *others)  # type: ignore[no-any-return]
+    return called("difference", shape, *others, fillet=fillet, chamfer=chamfer)  # type: ignore[no-any-return]
 
 
 def complement(shape: Field) -> Field:
@@ -227,7 +263,8 @@ def complement(shape: Field) -> Field:
 
 
 def smooth_union(a: Field, b: Field, radius: SupportsFloat) -> Field:
-    """The union with its seam filled, where both are nearer to each other than a radius.
+    """The union with its seam filled, where both are nearer to each other than a radius. Faces and outer edges that
+    both share swell; union(fillet=) leaves them.
 
     The value is worth: a lower bound.
     """
@@ -324,12 +361,45 @@ def repeat(
     return called("repeat", shape, x, y, z, nx, ny, nz)  # type: ignore[no-any-return]
 
 
+def linear(shape: Field, count: SupportsFloat, x: SupportsFloat, y: SupportsFloat = 0, z: SupportsFloat = 0) -> Field:
+    """So many copies of the shape in a row, each moved by these lengths from the one before.
+
+    The value is worth: outside as good as it was, inside a lower bound.
+    """
+    return called("linear", shape, count, x, y, z)  # type: ignore[no-any-return]
+
+
+def polar(shape: Field, count: SupportsFloat, degrees: SupportsFloat = 360) -> Field:
+    """So many copies of the shape around the z axis, evenly over an angle: a full turn, or from the first to the last.
+
+    The value is worth: outside as good as it was, inside a lower bound.
+    """
+    return called("polar", shape, count, degrees)  # type: ignore[no-any-return]
+
+
+def symmetric(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = 0) -> Field:
+    """The shape and its mirror image in the plane through the origin with this normal.
+
+    The value is worth: outside as good as it was, inside a lower bound.
+    """
+    return called("symmetric", shape, x, y, z)  # type: ignore[no-any-return]
+
+
 def offset(shape: Field, by: SupportsFloat) -> Field:
     """The shape grown by a distance, or shrunk by a negative one; needs a distance on that side.
 
     The value is worth: exact on the side that the surface moved to, if it was exact there; else a lower bound.
     """
     return called("offset", shape, by)  # type: ignore[no-any-return]
+
+
+def minkowski(shape: Field, radius: SupportsFloat) -> Field:
+    """The Minkowski sum with a ball: all points nearer than a radius to the shape, whose value must be an exact distance
+    outside.
+
+    The value is worth: outside exact, inside a lower bound.
+    """
+    return called("minkowski", shape, radius)  # type: ignore[no-any-return]
 
 
 def shell(shape: Field, thickness: SupportsFloat) -> Field:
@@ -354,6 +424,32 @@ def extrude(shape: Field, height: SupportsFloat) -> Field:
     The value is worth: as it was.
     """
     return called("extrude", shape, height)  # type: ignore[no-any-return]
+
+
+def section(shape: Field, z: SupportsFloat = 0) -> Field:
+    """The section of a solid with the plane at a height, as a shape of the plane.
+
+    The value is worth: a lower bound.
+    """
+    return called("section", shape, z)  # type: ignore[no-any-return]
+
+
+def taper(shape: Field, factor: SupportsFloat, height: SupportsFloat) -> Field:
+    """A solid of that height, half above and half below, whose cross-section is the shape, scaled from 1 at the bottom to
+    the factor at the top.
+
+    The value is worth: a lower bound; a sign if the shape has only a sign or no end.
+    """
+    return called("taper", shape, factor, height)  # type: ignore[no-any-return]
+
+
+def loft(shapes: Sequence[Field], height: SupportsFloat) -> Field:
+    """A solid of that height, half above and half below, from the first of some shapes of the plane to the last. Those
+    between draw it towards themselves, as control points draw a Bézier curve.
+
+    The value is worth: a lower bound.
+    """
+    return called("loft", shapes, height)  # type: ignore[no-any-return]
 
 
 def revolve(shape: Field) -> Field:

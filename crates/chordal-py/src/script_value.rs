@@ -241,6 +241,7 @@ impl ScriptValue {
             region: region.map(|[min, max]| Box3 { min, max }),
             frame: Frame::default(),
             parameters: Vec::new(),
+            bodies: Vec::new(),
         };
         let input = Input {
             shape: Shape::Field(implicit),

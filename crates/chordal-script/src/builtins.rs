@@ -1,12 +1,15 @@
 //! Python's common built-in functions, metered against the script's limits.
-use crate::compare::order;
+use crate::compare::{is_key, order};
+use crate::files::{FileUse, check_name};
 use crate::language::{Arg, CallError, operate};
 use crate::meter::Meter;
 use crate::operators::of_numbers;
 use crate::parameter::Parameter;
+use crate::texts::text_of;
 use crate::values::{StarlarkShape, arg_of, elements, fault, number, to_starlark};
 use starlark::environment::GlobalsBuilder;
 use starlark::eval::Evaluator;
+use starlark::values::dict::DictRef;
 use starlark::values::none::NoneType;
 use starlark::values::tuple::UnpackTuple;
 use starlark::values::{Value, ValueLike};
@@ -15,6 +18,12 @@ use std::cmp::Ordering;
 
 /// All values that a loop over `value` would yield.
 fn iterate<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Vec<Value<'v>>> {
+    if let Some(entries) = DictRef::from_value(value) {
+        let keys: Vec<Value<'v>> = entries.keys().collect();
+        drop(entries);
+        Meter::charge(eval, keys.len())?;
+        return Ok(keys);
+    }
     let Some(list) = elements(value) else {
         return Err(fault(CallError(format!("{} is no list", arg_of(value).kind()))));
     };
@@ -98,17 +107,10 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             let message = format!("mesh() needs the name of a file, not {}", arg_of(name).kind());
             return Err(fault(CallError(message)));
         };
-        let meter = Meter::from_eval(eval);
-        let known = meter.meshes.borrow().get(name).cloned();
-        let field = match known {
-            Some(field) => field,
-            None => {
-                let read = meter.files.mesh(name, meter.job);
-                let field = read.map_err(|why| fault(CallError(format!("mesh(): {why}"))))?;
-                meter.meshes.borrow_mut().insert(name.to_owned(), field.clone());
-                field
-            }
-        };
+        check_name(name).map_err(|why| fault(CallError(format!("mesh(): {why}"))))?;
+        let field = Meter::from_eval(eval).shape_of(name, FileUse::Mesh);
+        let field =
+            field.map_err(|why| fault(CallError(format!("mesh(): '{name}' cannot be used: {why}"))))?;
         to_starlark(Arg::shape(field), eval)
     }
 
@@ -120,7 +122,71 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     }
 
     fn index__<'v>(#[starlark(require = pos)] index: Value<'v>) -> starlark::Result<Value<'v>> {
+        if index.unpack_str().is_some() {
+            return Ok(index);
+        }
         as_integer(index).map(|_| index)
+    }
+
+    fn key__<'v>(#[starlark(require = pos)] key: Value<'v>) -> starlark::Result<Value<'v>> {
+        if is_key(key) {
+            return Ok(key);
+        }
+        Err(fault(CallError(format!(
+            "the key of a dictionary is a text or a number, not {}",
+            arg_of(key).kind()
+        ))))
+    }
+
+    fn print<'v>(
+        #[starlark(args)] values: UnpackTuple<Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<NoneType> {
+        let texts = values.items.iter().map(|value| text_of(*value, eval));
+        let line = texts.collect::<starlark::Result<Vec<_>>>()?.join(" ");
+        Meter::from_eval(eval).say(&line);
+        Ok(NoneType)
+    }
+
+    fn check<'v>(
+        #[starlark(require = pos)] condition: Value<'v>,
+        #[starlark(require = pos)] message: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<NoneType> {
+        if condition.downcast_ref::<StarlarkShape>().is_some() {
+            return Err(fault(CallError(format!(
+                "check() needs True or False, not {}",
+                arg_of(condition).kind()
+            ))));
+        }
+        if condition.to_bool() {
+            return Ok(NoneType);
+        }
+        let message = text_of(message, eval)?;
+        Err(fault(CallError(message.chars().take(400).collect())))
+    }
+
+    fn str<'v>(
+        #[starlark(require = pos)] value: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<String> {
+        text_of(value, eval)
+    }
+
+    fn svg<'v>(
+        name: &str,
+        tolerance: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let Some(length) = number(tolerance).filter(|length| *length > 0.0 && length.is_finite()) else {
+            return Err(fault(CallError("svg() needs a length above 0 for its curves".to_owned())));
+        };
+        check_name(name).map_err(|why| fault(CallError(format!("svg(): {why}"))))?;
+        let wanted = FileUse::Drawing { tolerance: length };
+        let field = Meter::from_eval(eval).shape_of(name, wanted);
+        let field =
+            field.map_err(|why| fault(CallError(format!("svg(): '{name}' cannot be used: {why}"))))?;
+        to_starlark(Arg::shape(field), eval)
     }
 
     fn last_operand__<'v>(

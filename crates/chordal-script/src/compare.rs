@@ -5,6 +5,7 @@ use crate::meter::Meter;
 use crate::values::{elements, fault, number};
 use starlark::eval::Evaluator;
 use starlark::values::Value;
+use starlark::values::dict::DictRef;
 use std::cmp::Ordering;
 
 /// Whether two values are equal.
@@ -55,7 +56,12 @@ pub(crate) fn order<'v>(
     Err(fault(CallError(format!("{} and {} have no order", a.get_type(), b.get_type()))))
 }
 
-/// Whether a list or text contains a value.
+/// Whether it may be the key of a dictionary: a text or a number, which are compared at once.
+pub(crate) fn is_key(value: Value) -> bool {
+    value.unpack_str().is_some() || number(value).is_some() || value.unpack_bool().is_some()
+}
+
+/// Whether a list, dictionary or text contains a value.
 pub(crate) fn contains<'v>(
     list: Value<'v>,
     value: Value<'v>,
@@ -64,6 +70,10 @@ pub(crate) fn contains<'v>(
     if let Some((text, part)) = list.unpack_str().zip(value.unpack_str()) {
         Meter::charge(eval, text.len() + part.len())?;
         return Ok(text.contains(part));
+    }
+    if let Some(entries) = DictRef::from_value(list) {
+        Meter::charge(eval, 1 + value.unpack_str().map_or(0, str::len))?;
+        return Ok(is_key(value) && entries.get(value)?.is_some());
     }
     let Some(list) = elements(list) else {
         return Err(fault(CallError(format!("{} holds nothing", list.get_type()))));

@@ -5,7 +5,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScriptError {
     /// Stable, for programs: `script-syntax`, `script-error`, `script-limit`, `script-value`,
-    /// `unknown-parameter` or `cancelled`.
+    /// `script-file`, `unknown-parameter` or `cancelled`.
     pub code: &'static str,
     /// Line and column, counted from 1, where the position is known.
     pub place: Option<(u64, u64)>,
@@ -18,6 +18,19 @@ pub struct ScriptError {
 impl ScriptError {
     pub(crate) fn new(code: &'static str, message: impl Into<String>) -> Self {
         Self { code, place: None, message: message.into(), line: None }
+    }
+
+    /// The error of a file that a script loads: its position becomes a part of the sentence.
+    pub(crate) fn of_file(self, name: &str) -> Self {
+        if name.is_empty() {
+            return self;
+        }
+        let message = match self.place {
+            Some((line, column)) => format!("{name}, line {line}, column {column}: {}", self.message),
+            None if self.message.starts_with(name) => self.message.clone(),
+            None => format!("{name}: {}", self.message),
+        };
+        Self { place: None, line: None, message, ..self }
     }
 
     /// Adds the position of a byte offset in the text.

@@ -1,23 +1,66 @@
-//! `ShapeFiles`: shapes in files that a script names.
+//! Files beside a script: what it may ask for, and who opens them.
 use chordal::Job;
 use chordal::implicit::Field;
+use std::collections::BTreeMap;
 
-/// Reads the shapes that `mesh("part.stl")` in a script names. Scripts have no files of their own: which names
-/// lead to a file is up to the program that runs them.
-pub trait ShapeFiles {
-    /// The triangles of a file as a field. The same name gives the same field.
-    ///
-    /// # Errors
-    /// In one sentence, when the name leads to no file, or the file holds no triangles.
-    fn mesh(&self, name: &str, job: &Job) -> Result<Field, String>;
+/// What a script wants of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FileUse {
+    /// Its text, as another script.
+    Script,
+    /// The regions that a drawing fills, as a shape of the plane: its curves as polygons within a length.
+    Drawing {
+        /// The length.
+        tolerance: f64,
+    },
+    /// Its triangles as a shape.
+    Mesh,
 }
 
-/// No files at all.
+/// What a file was found to be.
+#[derive(Clone, Debug)]
+pub enum OpenedFile {
+    /// The text of a script.
+    Script(String),
+    /// A shape, and sentences about what it was made of.
+    Shape(Field, Vec<String>),
+}
+
+/// Opens the files that a script names beside it. The names are relative paths without `..`, with `/` between
+/// their parts; whoever opens them sees to it that no link leads elsewhere.
+pub trait ScriptFiles {
+    /// A file by its name, within the limits of the job.
+    ///
+    /// # Errors
+    /// As a sentence without the name: why it cannot be had, or what is wrong with it.
+    fn open(&self, name: &str, wanted: FileUse, job: &Job) -> Result<OpenedFile, String>;
+}
+
+/// No files at all, for scripts that come from nowhere.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
-impl ShapeFiles for NoFiles {
-    fn mesh(&self, name: &str, _: &Job) -> Result<Field, String> {
-        Err(format!("'{name}' cannot be read: there are no files here"))
+impl ScriptFiles for NoFiles {
+    fn open(&self, _: &str, _: FileUse, _: &Job) -> Result<OpenedFile, String> {
+        Err("this script is in no folder".to_owned())
     }
+}
+
+/// The most files that one script opens, those of its files included. Chosen.
+pub(crate) const MOST_FILES: usize = 64;
+
+/// A file that was opened as a shape: its name, and the bits of the length for its curves; none for a mesh.
+pub(crate) type ShapeKey = (String, Option<u64>);
+
+/// The shapes of the files that were opened so far.
+pub(crate) type OpenedShapes = BTreeMap<ShapeKey, Field>;
+
+/// Whether it is the path of a file beside the script or below its folder.
+pub(crate) fn check_name(name: &str) -> Result<(), String> {
+    let shown: String = name.chars().take(80).collect();
+    let is_plain = |part: &str| !part.is_empty() && part != "." && part != "..";
+    if name.len() > 400 || name.contains(['\\', ':', '\0']) || !name.split('/').all(is_plain) {
+        return Err(format!("'{shown}' is not the relative path of a file beside the script, without '..'"));
+    }
+    Ok(())
 }

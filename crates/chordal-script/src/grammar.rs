@@ -19,8 +19,13 @@ pub(crate) struct Program {
     pub cuts: Vec<usize>,
 }
 
-/// Parses a text into a program.
-pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError> {
+/// Parses the text of a file into a program, whose cuts are counted from `first_cut` on.
+pub(crate) fn parse(
+    text: &str,
+    name: &str,
+    first_cut: usize,
+    limits: &Limits,
+) -> Result<Program, ScriptError> {
     if text.len() > limits.bytes {
         let message = format!("{} bytes are over the limit of {} for a script", text.len(), limits.bytes);
         return Err(ScriptError::new("script-limit", message));
@@ -35,7 +40,7 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     let dialect = Dialect {
         enable_def: true,
         enable_lambda: true,
-        enable_load: false,
+        enable_load: true,
         enable_keyword_only_arguments: true,
         enable_positional_only_arguments: false,
         enable_types: DialectTypes::Disable,
@@ -45,7 +50,7 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
         ..Dialect::Standard
     };
     let parsed = |source: &ScriptSource| {
-        AstModule::parse("script", source.written.clone(), &dialect)
+        AstModule::parse(name, source.written.clone(), &dialect)
             .map_err(|error| source.translate_error("script-syntax", &error))
     };
     let plain = ScriptSource::new(text);
@@ -71,7 +76,7 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     let mut cuts = Vec::new();
     for operands in search.cuts {
         if let Some(cut) = plain.bare_right_operand(operands) {
-            changes.extend(ScriptSource::wrap(&cut, LAST_OPERAND, &format!(", {}", cuts.len())));
+            changes.extend(ScriptSource::wrap(&cut, LAST_OPERAND, &format!(", {}", first_cut + cuts.len())));
             cuts.push(cut.start);
         }
     }
@@ -107,6 +112,9 @@ const CALLED: &str = "called__";
 /// The function that every index goes through, for the same reason.
 const INDEX: &str = "index__";
 
+/// The function that every key of a dictionary goes through: those that take long to compare are none.
+const KEY: &str = "key__";
+
 /// The function that `b - c` in `a | b - c` goes through, with a number: it tells which are shapes.
 const LAST_OPERAND: &str = "last_operand__";
 
@@ -130,6 +138,13 @@ impl ProgramScan {
         self.found.get_or_insert_with(|| (span, what.to_owned()));
     }
 
+    fn key(&mut self, key: &AstExpr) {
+        self.calls.push((key.span, KEY));
+        if !is_call_of(key, KEY) {
+            self.unmetered.get_or_insert(key.span);
+        }
+    }
+
     fn index(&mut self, index: &AstExpr) {
         self.calls.push((index.span, INDEX));
         if !is_call_of(index, INDEX) {
@@ -148,7 +163,6 @@ fn is_call_of(expr: &AstExpr, name: &str) -> bool {
 
 fn statement(stmt: &AstStmt, search: &mut ProgramScan) {
     match &stmt.node {
-        StmtP::Load(_) => search.refuse(stmt.span, "a script loads nothing"),
         StmtP::AssignModify(changed, op, _) => {
             let operator = op.to_string().trim().trim_end_matches('=').to_owned();
             target(changed, search);
@@ -178,7 +192,6 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
             Some("nothing here has attributes, but lists have append()")
         }
         ExprP::Index2(_) | ExprP::Slice(..) => Some("there are no slices: use a list comprehension"),
-        ExprP::Dict(_) | ExprP::DictComprehension(..) => Some("there are no dictionaries: use lists"),
         ExprP::BitNot(_) => Some("there is no ~: use complement()"),
         ExprP::FString(_) | ExprP::Literal(AstLiteral::Bytes(_) | AstLiteral::Ellipsis) => {
             Some("this has no use in a script")
@@ -189,7 +202,7 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
             Some("whole numbers above 2^60 are not handled")
         }
         ExprP::Call(_, args) if args.args.iter().any(|arg| matches!(arg.node, ArgumentP::KwArgs(_))) => {
-            Some("there are no dictionaries: name the arguments")
+            Some("a dictionary gives no arguments: name them")
         }
         _ => None,
     };
@@ -203,13 +216,16 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
             && !matches!(function.node, ExprP::Dot(..))
         {
             search.calls.push((function.span, CALLED));
-            let names = [CALLED, INDEX, LAST_OPERAND];
+            let names = [CALLED, INDEX, KEY, LAST_OPERAND];
             if !names.iter().any(|name| is_named(function, name)) && !is_call_of(function, CALLED) {
                 search.unmetered.get_or_insert(function.span);
             }
         }
-        if let ExprP::Index(parts) = &expr.node {
-            search.index(&parts.1);
+        match &expr.node {
+            ExprP::Index(parts) => search.index(&parts.1),
+            ExprP::Dict(entries) => entries.iter().for_each(|(key, _)| search.key(key)),
+            ExprP::DictComprehension(entry, ..) => search.key(&entry.0),
+            _ => {}
         }
         if let ExprP::Op(left, BinOp::BitOr, right) = &expr.node
             && matches!(right.node, ExprP::Op(_, BinOp::Subtract, _))

@@ -1,7 +1,7 @@
 //! Shape scripts: runs a few lines of Starlark, Python's syntax in a sandbox, and returns a field.
 //!
-//! The value of the last expression is the shape. Scripts have no clock and no randomness, and no files but
-//! those that the caller's [`ShapeFiles`] returns.
+//! The value of the last expression is the shape, or several by name. Scripts have no clock and no randomness, and
+//! of files those beside them, which whoever runs them opens ([`ScriptFiles`]).
 //! [`Limits`] bound their time and memory, and every failure is one [`ScriptError`] with line and column.
 //!
 //! ```
@@ -19,6 +19,7 @@ mod error;
 mod files;
 mod grammar;
 pub mod language;
+mod library;
 mod limits;
 mod meter;
 mod nesting;
@@ -27,12 +28,13 @@ mod parameter;
 mod parentheses;
 mod script;
 mod script_source;
+mod texts;
 mod values;
 mod warning;
 
 pub use error::ScriptError;
-pub use files::{NoFiles, ShapeFiles};
+pub use files::{FileUse, NoFiles, OpenedFile, ScriptFiles};
 pub use limits::Limits;
 pub use parameter::Parameter;
-pub use script::{RunOptions, Script, run, run_with_files};
+pub use script::{RunOptions, Script, ScriptBody, run, run_with};
 pub use warning::ScriptWarning;

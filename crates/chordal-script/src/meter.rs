@@ -1,11 +1,13 @@
 //! `Meter`: resource use of a script, beyond what the interpreter counts itself.
+use crate::files::{FileUse, MOST_FILES, OpenedFile, OpenedShapes, ScriptFiles};
 use crate::language::Arg;
-use crate::{Limits, Parameter, RunOptions, ShapeFiles};
+use crate::{Limits, Parameter, RunOptions};
 use chordal::Job;
 use chordal::implicit::Field;
 use starlark::any::ProvidesStaticType;
 use starlark::eval::Evaluator;
 use std::cell::{Cell, RefCell};
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -14,10 +16,8 @@ use std::fmt;
 pub(crate) struct Meter<'e> {
     pub limits: Limits,
     /// What files hold, and the conditions of work that takes long.
-    pub files: &'e dyn ShapeFiles,
+    files: &'e dyn ScriptFiles,
     pub job: &'e Job,
-    /// The meshes that were read, by name.
-    pub meshes: RefCell<BTreeMap<String, Field>>,
     /// Where bounds were taken as distances: offsets in the parsed text.
     pub bounded: RefCell<Vec<usize>>,
     /// Parameter values set by the caller, by name.
@@ -26,9 +26,20 @@ pub(crate) struct Meter<'e> {
     pub parameters: RefCell<Vec<Parameter>>,
     /// For each difference that is the right operand of a `|`, whether it has been one of shapes.
     pub cuts: RefCell<Vec<bool>>,
+    /// The lines that the script has printed.
+    pub said: RefCell<Vec<String>>,
+    /// Sentences about the files.
+    pub notes: RefCell<Vec<String>>,
+    /// The shapes of files, so that each is read once.
+    shapes: RefCell<OpenedShapes>,
     work: Cell<u64>,
     made: Cell<u64>,
 }
+
+/// The most lines that a script prints. Chosen: more than a report should hold.
+const MOST_LINES: usize = 100;
+/// The most characters of a line.
+const LONGEST_LINE: usize = 500;
 
 /// Why a script was stopped: it exceeded a limit.
 #[derive(Debug)]
@@ -43,16 +54,18 @@ impl fmt::Display for LimitError {
 impl std::error::Error for LimitError {}
 
 impl<'e> Meter<'e> {
-    pub fn new(options: &RunOptions, (files, job): (&'e dyn ShapeFiles, &'e Job), n_cuts: usize) -> Self {
+    pub fn new(options: &RunOptions, (files, job): (&'e dyn ScriptFiles, &'e Job), n_cuts: usize) -> Self {
         Self {
             limits: options.limits,
             files,
             job,
-            meshes: RefCell::default(),
             bounded: RefCell::default(),
             set: options.set.clone(),
             parameters: RefCell::default(),
             cuts: RefCell::new(vec![false; n_cuts]),
+            said: RefCell::default(),
+            notes: RefCell::default(),
+            shapes: RefCell::default(),
             work: Cell::new(0),
             made: Cell::new(0),
         }
@@ -81,6 +94,38 @@ impl<'e> Meter<'e> {
             return Err(heap_exceeded(&Self::from_eval(eval).limits));
         }
         Ok(())
+    }
+
+    /// The shape in a file.
+    pub fn shape_of(&self, name: &str, wanted: FileUse) -> Result<Field, String> {
+        let length =
+            if let FileUse::Drawing { tolerance } = wanted { Some(tolerance.to_bits()) } else { None };
+        let key = (name.to_owned(), length);
+        if let Some(field) = self.shapes.borrow().get(&key) {
+            return Ok(field.clone());
+        }
+        if self.shapes.borrow().len() >= MOST_FILES {
+            return Err(format!("it is one of more than {MOST_FILES} files"));
+        }
+        match self.files.open(name, wanted, self.job)? {
+            OpenedFile::Shape(field, sentences) => {
+                let sentences = sentences.into_iter().map(|sentence| format!("{name}: {sentence}"));
+                self.notes.borrow_mut().extend(sentences);
+                self.shapes.borrow_mut().insert(key, field.clone());
+                Ok(field)
+            }
+            OpenedFile::Script(_) => Err("it is a script".to_owned()),
+        }
+    }
+
+    /// Keeps a printed line, unless there are too many.
+    pub fn say(&self, line: &str) {
+        let mut said = self.said.borrow_mut();
+        match said.len().cmp(&MOST_LINES) {
+            Ordering::Less => said.push(line.chars().take(LONGEST_LINE).collect()),
+            Ordering::Equal => said.push("further lines are left out".to_owned()),
+            Ordering::Greater => {}
+        }
     }
 
     /// Charges for a new value of the language.

@@ -3,6 +3,7 @@
 use crate::compare::{contains, equal, order};
 use crate::language::{CallError, operate};
 use crate::meter::{Meter, exceeded};
+use crate::texts::formatted;
 use crate::values::{StarlarkShape, arg_of, elements, fault, number, to_starlark, undefined_operator};
 use allocative::Allocative;
 use starlark::eval::{Arguments, Evaluator};
@@ -69,6 +70,10 @@ fn applied<'v>(
     }
     if number(a).is_some() && number(b).is_some() {
         return of_numbers(operator, a, b, eval.heap());
+    }
+    if let (Some(template), "%") = (a.unpack_str(), operator) {
+        let made = formatted(template, b, eval)?;
+        return Ok(eval.heap().alloc(made));
     }
     let length =
         |value: Value<'v>| value.unpack_str().map(str::len).or_else(|| elements(value).map(<[_]>::len));

@@ -1,18 +1,21 @@
 //! `run`: evaluates a script to the field of its last expression.
 use crate::Parameter;
 use crate::builtins::builtins;
-use crate::grammar::{Program, parse};
+use crate::files::{NoFiles, ScriptFiles};
+use crate::grammar::Program;
 use crate::language::{Arg, CallError, functions};
+use crate::library::{Library, MAIN};
 use crate::meter::{LimitError, Meter};
 use crate::operators::{OPERATORS, StarlarkOperator};
 use crate::script_source::ScriptSource;
-use crate::values::{StarlarkFunction, StarlarkShape};
-use crate::{Limits, NoFiles, ScriptError, ScriptWarning, ShapeFiles};
+use crate::values::{StarlarkFunction, StarlarkShape, arg_of, elements};
+use crate::{Limits, ScriptError, ScriptWarning};
 use chordal::Job;
 use chordal::implicit::Field;
 use starlark::ErrorKind;
-use starlark::environment::{Globals, GlobalsBuilder, Module};
-use starlark::eval::{BeforeStmtFunc, BeforeStmtFuncDyn, Evaluator};
+use starlark::environment::{FrozenModule, Globals, GlobalsBuilder, Module};
+use starlark::eval::{BeforeStmtFunc, BeforeStmtFuncDyn, Evaluator, FileLoader};
+use starlark::values::dict::DictRef;
 use starlark::values::none::NoneType;
 use starlark::values::{Value, ValueLike};
 use std::collections::BTreeMap;
@@ -26,64 +29,122 @@ pub struct RunOptions {
     pub limits: Limits,
 }
 
+/// One of several shapes of a script.
+#[derive(Clone, Debug)]
+pub struct ScriptBody {
+    /// Its name.
+    pub name: String,
+    /// The shape.
+    pub field: Field,
+}
+
 /// The result of a script.
 #[derive(Clone, Debug)]
 pub struct Script {
-    /// The value of its last expression.
+    /// The value of its last expression; the union of several shapes.
     pub field: Field,
+    /// The shapes of a dictionary, by their names, or of a list, which are numbered from 1. Empty for a single shape.
+    pub bodies: Vec<ScriptBody>,
     /// Its parameters, in the order in which it reads them.
     pub parameters: Vec<Parameter>,
     /// What it says and is likely not to mean, in the order of its text.
     pub warnings: Vec<ScriptWarning>,
+    /// The lines that it prints, and what its files were made of.
+    pub said: Vec<String>,
+}
+
+/// Runs a script that has no files beside it; otherwise as [`run_with`].
+///
+/// # Errors
+/// As for [`run_with`]; also when it names a file.
+pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, ScriptError> {
+    run_with(text, options, &NoFiles, job)
 }
 
 /// Runs a script and returns the field of its last expression, with its parameters.
 ///
-/// Cost: at most what [`Limits`] allow; a shape of some hundred parts takes a millisecond.
+/// Cost: at most what [`Limits`] allow, for each file that it loads; a shape of some hundred parts takes a
+/// millisecond.
 ///
 /// # Errors
 /// When the text is not a valid script, exceeds a limit, or ends without a shape; when a parameter is set
-/// that the script does not have; when the job is cancelled.
-pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, ScriptError> {
-    run_with_files(text, options, &NoFiles, job)
-}
-
-/// As [`run`], for a script that may name files: `files` returns what they hold. Meshes that are made on the
-/// way (`redistance`) stay within the limits of the job.
-///
-/// # Errors
-/// As for [`run`]; also when a file cannot be read.
-pub fn run_with_files(
+/// that the script does not have; when a file cannot be had, or is loaded in a circle; when the job is cancelled.
+pub fn run_with(
     text: &str,
     options: &RunOptions,
-    files: &dyn ShapeFiles,
+    files: &dyn ScriptFiles,
     job: &Job,
 ) -> Result<Script, ScriptError> {
-    let Program { module, source, cuts } =
-        parse(text.strip_prefix('\u{feff}').unwrap_or(text), &options.limits)?;
+    let library = Library::new(text, &options.limits, (files, job))?;
     if job.is_cancelled() {
         return Err(cancelled());
     }
+    let meter = Meter::new(options, (files, job), library.n_cuts);
+    let (evaluated, cuts) = evaluate(library, &meter, job)?;
+    script_of(evaluated, cuts, meter, options)
+}
+
+/// The shapes of a script's value.
+struct Evaluated {
+    field: Field,
+    bodies: Vec<ScriptBody>,
+}
+
+/// The places of the cuts in the script itself, each with its number.
+type CutPlaces = (Vec<(usize, usize)>, ScriptSource);
+
+/// Evaluates all files of a library, the script last.
+fn evaluate(library: Library, meter: &Meter, job: &Job) -> Result<(Evaluated, CutPlaces), ScriptError> {
     let globals = globals();
-    let meter = Meter::new(options, (files, job), cuts.len());
-    let outcome = Module::with_temp_heap(|environment| {
-        let mut eval = Evaluator::new(&environment);
-        let limits = &options.limits;
-        let set = (|| {
-            eval.set_max_callstack_size(limits.calls)?;
-            eval.set_max_tick_count(limits.ticks)?;
-            eval.set_max_heap_size(limits.heap)
-        })();
-        set.map_err(|error| ScriptError::new("script-limit", error.to_string()))?;
-        eval.disable_gc();
-        eval.set_check_cancelled(Box::new(|| job.is_cancelled()));
-        eval.before_stmt_for_dap(BeforeStmtFunc::Dyn(Box::new(StatementHook)));
-        eval.extra = Some(&meter);
-        let value =
-            eval.eval_module(module, &globals).map_err(|error| translated(&source, &error, limits, job))?;
-        field_of(value, limits)
-    });
-    let field = outcome?;
+    let mut loaded = LoadedModules::default();
+    let (mut sources, mut first) = (Vec::new(), 0);
+    for (name, Program { module, source, cuts }) in library.programs {
+        sources.push((name.clone(), source));
+        let numbered: Vec<(usize, usize)> = cuts.iter().enumerate().map(|(k, at)| (*at, first + k)).collect();
+        first += cuts.len();
+        let frozen = Module::with_temp_heap(|environment| {
+            let value = {
+                let mut eval = Evaluator::new(&environment);
+                let limits = &meter.limits;
+                let set = (|| {
+                    eval.set_max_callstack_size(limits.calls)?;
+                    eval.set_max_tick_count(limits.ticks)?;
+                    eval.set_max_heap_size(limits.heap)
+                })();
+                set.map_err(|error| ScriptError::new("script-limit", error.to_string()))?;
+                eval.disable_gc();
+                eval.set_check_cancelled(Box::new(|| job.is_cancelled()));
+                eval.before_stmt_for_dap(BeforeStmtFunc::Dyn(Box::new(StatementHook)));
+                eval.set_loader(&loaded);
+                eval.extra = Some(meter);
+                eval.eval_module(module, &globals)
+                    .map_err(|error| translated(&sources, &error, limits, job))?
+            };
+            if name == MAIN {
+                return Ok(Err(value_of(value, &meter.limits)?));
+            }
+            let frozen = environment.freeze();
+            frozen.map(Ok).map_err(|error| ScriptError::new("script-value", format!("{name}: {error:?}")))
+        })?;
+        match frozen {
+            Ok(frozen) => {
+                loaded.0.insert(name, frozen);
+            }
+            Err(value) => {
+                let (_, source) = sources.pop().unwrap_or_else(|| unreachable!("it was just added"));
+                return Ok((value, (numbered, source)));
+            }
+        }
+    }
+    unreachable!("the script itself is the last")
+}
+
+fn script_of(
+    evaluated: Evaluated,
+    (cuts, source): CutPlaces,
+    meter: Meter,
+    options: &RunOptions,
+) -> Result<Script, ScriptError> {
     let parameters = meter.parameters.into_inner();
     if let Some(name) = options.set.keys().find(|name| !parameters.iter().any(|known| known.name == **name)) {
         let names: Vec<&str> = parameters.iter().map(|known| known.name.as_str()).collect();
@@ -92,11 +153,9 @@ pub fn run_with_files(
         let message = format!("the script has no parameter '{name}'; {known}");
         return Err(ScriptError::new("unknown-parameter", message));
     }
-    let mut cuts: Vec<usize> = cuts
-        .into_iter()
-        .zip(meter.cuts.into_inner())
-        .filter_map(|(at, is_cut)| is_cut.then_some(at))
-        .collect();
+    let are_cut = meter.cuts.into_inner();
+    let mut cuts: Vec<usize> =
+        cuts.into_iter().filter_map(|(at, number)| are_cut[number].then_some(at)).collect();
     cuts.sort_unstable();
     let places = source.lines_and_columns(&cuts);
     let mut warnings: Vec<ScriptWarning> = places.into_iter().map(ScriptWarning::last_operand_cut).collect();
@@ -107,7 +166,20 @@ pub fn run_with_files(
     warnings
         .extend(source.lines_and_columns(&offsets).into_iter().map(ScriptWarning::bound_taken_as_distance));
     warnings.sort_by_key(|warning| warning.place);
-    Ok(Script { field, parameters, warnings })
+    let said = meter.notes.into_inner().into_iter().chain(meter.said.into_inner()).collect();
+    let Evaluated { field, bodies } = evaluated;
+    Ok(Script { field, bodies, parameters, warnings, said })
+}
+
+/// The files that were evaluated, by their names.
+#[derive(Default)]
+struct LoadedModules(BTreeMap<String, FrozenModule>);
+
+impl FileLoader for LoadedModules {
+    fn load(&self, path: &str) -> starlark::Result<FrozenModule> {
+        let unknown = || starlark::Error::new_other(CallError(format!("'{path}' was not loaded")));
+        self.0.get(path).cloned().ok_or_else(unknown)
+    }
 }
 
 /// Checks the limits between statements.
@@ -142,6 +214,47 @@ fn globals() -> Globals {
     globals.build()
 }
 
+/// The most shapes that one script gives. Chosen.
+const MOST_BODIES: usize = 1000;
+
+/// The shape of a value, or those of a dictionary or list.
+fn value_of(value: Value, limits: &Limits) -> Result<Evaluated, ScriptError> {
+    let named: Vec<(String, Value)> = match (DictRef::from_value(value), elements(value)) {
+        (Some(entries), _) => entries
+            .iter()
+            .map(|(name, shape)| (name.unpack_str().map_or_else(|| name.to_str(), str::to_owned), shape))
+            .collect(),
+        (None, Some(list)) => {
+            list.iter().enumerate().map(|(k, one)| (format!("part {}", k + 1), *one)).collect()
+        }
+        _ => return Ok(Evaluated { field: field_of(value, limits)?, bodies: Vec::new() }),
+    };
+    let wrong = |what: String| Err(ScriptError::new("script-value", what));
+    if named.is_empty() || named.len() > MOST_BODIES {
+        return wrong(format!(
+            "the script's value holds {} shapes, and must hold 1 to {MOST_BODIES}",
+            named.len()
+        ));
+    }
+    let (mut bodies, mut weight) = (Vec::new(), 0_u64);
+    for (name, shape) in named {
+        let is_plain = !name.is_empty() && name.len() <= 100 && !name.chars().any(char::is_control);
+        if !is_plain {
+            return wrong("the name of a shape has 1 to 100 characters, none of which controls".to_owned());
+        }
+        let field = field_of(shape, limits)
+            .map_err(|error| ScriptError { message: format!("{name}: {}", error.message), ..error })?;
+        weight = weight.saturating_add(arg_of(shape).weight());
+        bodies.push(ScriptBody { name, field });
+    }
+    if weight > limits.terms {
+        let message = format!("the shapes have more than {} terms", limits.terms);
+        return Err(ScriptError::new("script-limit", message));
+    }
+    let fields: Vec<Field> = bodies.iter().map(|body| body.field.clone()).collect();
+    Ok(Evaluated { field: Field::union_of(&fields), bodies })
+}
+
 fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
     let hint = match value.downcast_ref::<StarlarkShape>() {
         Some(StarlarkShape(Arg::Shape(solid))) if solid.weight > limits.terms => {
@@ -151,7 +264,7 @@ fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
         Some(StarlarkShape(Arg::Shape(solid))) => return Ok(solid.field.clone()),
         Some(_) => "a formula; field() makes a shape of it",
         None if value.is_none() => "nothing: its last line must be an expression, not an assignment",
-        None if value.get_type() == "list" => "a list; union() joins shapes",
+        None if elements(value).is_some() => "a list of lists; union() joins shapes",
         None => "something else",
     };
     Err(ScriptError::new("script-value", format!("the script's value must be a shape, and is {hint}")))
@@ -161,7 +274,21 @@ fn cancelled() -> ScriptError {
     ScriptError::new("cancelled", "cancelled")
 }
 
-fn translated(source: &ScriptSource, error: &starlark::Error, limits: &Limits, job: &Job) -> ScriptError {
+fn translated(
+    sources: &[(String, ScriptSource)],
+    error: &starlark::Error,
+    limits: &Limits,
+    job: &Job,
+) -> ScriptError {
+    let file = error.span().map(|span| span.file.filename().to_owned());
+    // Without a place it is that of the file that is being evaluated.
+    let of_place = |(name, _): &&(String, ScriptSource)| file.as_ref().is_some_and(|file| file == name);
+    let known = sources.iter().find(of_place).or(sources.last());
+    let Some((name, source)) = known else { return ScriptError::new("script-error", error.to_string()) };
+    translated_in(source, error, limits, job).of_file(name)
+}
+
+fn translated_in(source: &ScriptSource, error: &starlark::Error, limits: &Limits, job: &Job) -> ScriptError {
     if job.is_cancelled() {
         return cancelled();
     }

@@ -1,5 +1,6 @@
 //! Starlark values of the language: shapes, formulas and functions.
 use crate::language::{Arg, CallError, Function, operate};
+use crate::library::MAIN;
 use crate::meter::Meter;
 use allocative::Allocative;
 use starlark::eval::{Arguments, Evaluator};
@@ -85,6 +86,7 @@ impl<'v> StarlarkValue<'v> for StarlarkFunction {
         let meter = Meter::from_eval(eval);
         if self.0.moves_by_bound(&by_position, &by_name)
             && let Some(place) = eval.call_stack_top_location()
+            && place.filename() == MAIN
         {
             meter.bounded.borrow_mut().push(place.span.begin().get() as usize);
         }

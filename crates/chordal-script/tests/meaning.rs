@@ -1,7 +1,10 @@
 //! What scripts mean: shapes, operators, parameters, formulas, and the sentences about what is wrong.
 use chordal::implicit::evaluation::ExprGraph;
 use chordal::implicit::{Distance, DistanceQuality};
-use chordal_script::{RunOptions, Script, ScriptError, language, run};
+use chordal::Job;
+use chordal_script::{
+    FileUse, OpenedFile, RunOptions, Script, ScriptError, ScriptFiles, language, run, run_with,
+};
 
 fn script(text: &str) -> Result<Script, ScriptError> {
     run(text, &RunOptions::default(), &Default::default())
@@ -124,9 +127,9 @@ fn what_is_wrong_is_said_with_its_place() {
             "the script's value must be a shape, and is a formula; field() makes a shape of it",
         ),
         (
-            "[sphere(1)]",
+            "[[sphere(1)]]",
             "script-value",
-            "the script's value must be a shape, and is a list; union() joins shapes",
+            "part 1: the script's value must be a shape, and is a list of lists; union() joins shapes",
         ),
         ("sphere(1", "script-syntax", "line 1, column 9: "),
         ("a = 1\nsphere(a))", "script-syntax", "line 2, column 10: "),
@@ -181,10 +184,38 @@ fn what_is_wrong_is_said_with_its_place() {
         ),
         ("smooth_union(field(x), sphere(1), 1)", "script-error", "line 1, column 1: smooth_union(): "),
         ("1 / 0", "script-error", "line 1, column 1: "),
-        ("load('a', 'b')", "script-syntax", "line 1, column 1: "),
+        (
+            "load('a', 'b')",
+            "script-file",
+            "line 1, column 6: 'a' cannot be loaded: this script is in no folder",
+        ),
+        ("load('../a', 'b')", "script-file", "line 1, column 6: '../a' is not the relative path"),
+        ("svg('/a.svg', 1)", "script-error", "line 1, column 1: svg(): '/a.svg' is not the relative path"),
+        (
+            "svg('a.svg', 1)",
+            "script-file",
+            "line 1, column 1: svg(): 'a.svg' cannot be used: this script is in",
+        ),
+        ("check(1 > 2, 'no %s' % 3)", "script-error", "line 1, column 1: no 3"),
+        (
+            "sphere(1)\n{(1, 2): 2}",
+            "script-error",
+            "line 2, column 2: the key of a dictionary is a text or a number",
+        ),
+        (
+            "union(sphere(1), fillet=1, chamfer=1)",
+            "script-error",
+            "line 1, column 1: union() takes a fillet or a chamfer, not both",
+        ),
+        ("thread('M6.5', 3)", "script-error", "line 1, column 1: thread(): the coarse series has no M6.5"),
+        (
+            "minkowski(ellipsoid(1, 2, 3), 1)",
+            "script-error",
+            "line 1, column 1: minkowski() needs an exact distance outside",
+        ),
         ("open('a')", "script-error", "line 1, column 1: Variable `open` not found"),
         ("print(1)", "script-error", "line 1, column 1: Variable `print` not found"),
-        ("{1: 2}", "script-syntax", "line 1, column 1: there are no dictionaries: use lists"),
+        ("{1: 2}", "script-value", "1: the script's value must be a shape, and is something else"),
         (
             "'a'.join([])",
             "script-syntax",
@@ -250,6 +281,12 @@ fn no_shape_has_more_terms_than_it_was_counted_with() {
         "displace(S, sin(9 * x) / 9, 0.2)",
         "smooth_union(S, sphere(2), 0.5)",
         "smooth_difference(S, sphere(2), 0.5)",
+        "union(S, box(1, 2, 4), fillet=0.3)",
+        "difference(S, box(1, 2, 4), S, chamfer=0.3)",
+        "intersection(S, union(box(1, 2, 4), box(4, 1, 1), fillet=0.1), fillet=0.3)",
+        "linear(S, 5, 1)",
+        "polar(S, 3)",
+        "symmetric(S, 1, 2, 3)",
         "repeat(S, x=5, y=5, z=5)",
         "repeat(S, x=1, y=0.7, nx=3, ny=2)",
         "S & sphere(2)",
@@ -287,7 +324,7 @@ fn every_function_says_what_it_does() {
         }
     }
     assert_eq!(language::function("gyroid").unwrap().usage(), "gyroid(period, level=0)");
-    assert_eq!(language::function("union").unwrap().usage(), "union(*shapes)");
+    assert_eq!(language::function("union").unwrap().usage(), "union(*shapes, fillet=0, chamfer=0)");
 }
 
 #[test]
@@ -355,4 +392,79 @@ fn a_union_of_which_the_last_shape_alone_is_cut_is_warned_about() {
     assert_eq!(own.warnings, []);
     let shown = script("sphere(1) | sphere(2) - sphere(3)").unwrap().warnings[0].to_string();
     assert!(shown.starts_with("line 1, column 13: ") && shown.contains("(a | b) - c"), "{shown}");
+}
+
+/// Files by name, as a shell would open them.
+struct Files(Vec<(&'static str, &'static str)>);
+
+impl ScriptFiles for Files {
+    fn open(&self, name: &str, _: FileUse, _: &Job) -> Result<OpenedFile, String> {
+        let known = self.0.iter().find(|(known, _)| *known == name);
+        known.map(|(_, text)| OpenedFile::Script((*text).to_owned())).ok_or_else(|| "no such file".to_owned())
+    }
+}
+
+fn with_files(text: &str, files: &[(&'static str, &'static str)]) -> Result<Script, ScriptError> {
+    run_with(text, &RunOptions::default(), &Files(files.to_vec()), &Default::default())
+}
+
+#[test]
+fn names_of_files_are_loaded_and_circles_are_refused() {
+    let files = [
+        ("a.star", "load('sub/b.star', 'r')\ndef ball(n):\n    return sphere(n * r)\n"),
+        ("sub/b.star", "r = 2\n"),
+        ("bad.star", "def f(n):\n    return box(1, n)\n"),
+        ("c.star", "load('d.star', 'x')\n"),
+        ("d.star", "load('c.star', 'x')\n"),
+        ("broken.star", "a = 1\nb = (\n"),
+    ];
+    let made = with_files("load('a.star', 'ball')\nball(3)", &files).unwrap();
+    assert_eq!(value(&made, [0.0; 3]), -6.0);
+    for (text, message) in [
+        ("load('bad.star', 'f')\nf(1)", "bad.star, line 2, column 12: box() needs 'z'"),
+        (
+            "load('c.star', 'x')\nsphere(1)",
+            "d.star, line 1, column 6: 'c.star' is loaded while it is being loaded",
+        ),
+        ("load('none.star', 'x')\nsphere(1)", "line 1, column 6: 'none.star' cannot be loaded: no such file"),
+        ("load('broken.star', 'a')\nsphere(1)", "broken.star, line 3, column 1: "),
+    ] {
+        let error = with_files(text, &files).unwrap_err();
+        assert!(error.to_string().starts_with(message), "{text}: {error}");
+    }
+}
+
+#[test]
+fn several_shapes_have_their_names_and_lines_are_kept() {
+    let made = script("print('a', 1, 0.5, [1, 2], sphere(1))\n{'a': sphere(1), 'b': move(sphere(2), 5, 0)}")
+        .unwrap();
+    assert_eq!(made.said, ["a 1 0.5 [1, 2] a shape"]);
+    let names: Vec<&str> = made.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["a", "b"]);
+    assert_eq!((value(&made, [0.0; 3]), value(&made, [5.0, 0.0, 0.0])), (-1.0, -2.0));
+    let listed = script("[sphere(1), sphere(2)]").unwrap();
+    assert_eq!((listed.bodies[0].name.as_str(), listed.bodies[1].name.as_str()), ("part 1", "part 2"));
+    assert!(script("sphere(1)").unwrap().bodies.is_empty());
+}
+
+#[test]
+fn dictionaries_and_texts_work_as_in_python() {
+    let text = "d = {'r': 2, 'n': 3}\nd['s'] = 4\ncheck('n' in d and 'q' not in d and len(d) == 3, 'wrong')\n\
+                check([k for k in d] == list(d) and list(d) == ['r', 'n', 's'], 'keys')\n\
+                check('%s is %.2f%%, %d' % ('a', 1.005, 7.9) == 'a is 1.00%, 7', 'text')\n\
+                check(str(0.5) + str(3) + str(True) == '0.53True', 'str')\n\
+                e = {str(k): k * d['r'] for k in range(3)}\nsphere(e['2'])";
+    assert_eq!(at(text, [0.0; 3]), -4.0);
+}
+
+#[test]
+fn every_script_on_the_page_for_users_of_openscad_is_a_shape() {
+    let page = include_str!("../../../docs/shape-scripts-openscad.md");
+    let scripts: Vec<&str> =
+        page.split("```python\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(scripts.len() > 20, "{}", scripts.len());
+    for text in scripts {
+        let made = script(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert!(made.field.bounds().diagonal().is_finite(), "{text}");
+    }
 }

@@ -3,11 +3,12 @@ use crate::request::MeshRequest;
 use crate::simplified_isosurface::simplified;
 use crate::{ImplicitShape, MeshFailure};
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{Bound, Budget, Failure, RefusalCode, Tolerance};
+use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
+use chordal::math::greater;
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::Scene;
+use chordal_io::{Node, Scene};
 
 /// The isosurface of a field at the precision of the format, with its bound.
 ///
@@ -19,6 +20,9 @@ pub(crate) fn mesh_field(
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
+    if !implicit.bodies.is_empty() {
+        return mesh_bodies(implicit, request, notes, job);
+    }
     let field = finite(implicit)?;
     let has_meshes = convert::has_meshes(&field);
     let mut words = None;
@@ -69,6 +73,59 @@ fn simplified_field(
 
 /// How many times as many triangles a lattice gets as are asked for. Chosen: then collapses have a choice.
 const FINER: u64 = 16;
+
+/// The bodies of a shape, each as a part with its own bound, which a note says; the bound is the largest.
+fn mesh_bodies(
+    implicit: &ImplicitShape,
+    request: &MeshRequest,
+    notes: &mut Vec<Message>,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let (mut all, mut worst): (Scene, Option<Bound>) = (Scene::default(), None);
+    all.frame = implicit.frame;
+    for body in &implicit.bodies {
+        let mut own_notes = Vec::new();
+        let (mut scene, bound) = mesh_field(&implicit.of_body(body), request, &mut own_notes, job)?;
+        // What is said of one is said of all.
+        own_notes.retain(|note| !notes.contains(note));
+        notes.extend(own_notes);
+        let n_triangles: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
+        let within = match bound.at_most() {
+            Some(most) => format!("at most {most:.3e} ({})", bound.evidence().as_str()),
+            None => format!("at least {:.3e} ({})", bound.at_least(), bound.evidence().as_str()),
+        };
+        notes.push(format!("'{}': {n_triangles} triangles, bound {within}", body.name).into());
+        for mut part in scene.parts.drain(..) {
+            part.name.clone_from(&body.name);
+            let node = Node { name: body.name.clone(), part: Some(all.parts.len()), ..Node::default() };
+            all.roots.push(all.nodes.len());
+            all.nodes.push(node);
+            all.parts.push(part);
+        }
+        worst = Some(match worst {
+            None => bound,
+            Some(before) => wider(before, bound),
+        });
+    }
+    let empty = || MeshFailure::refused(RefusalCode::Empty, "there is no shape");
+    Ok((all, worst.ok_or_else(empty)?))
+}
+
+/// The bound that holds for two parts: the ends of the one whose upper end is larger, with the weaker evidence.
+fn wider(a: Bound, b: Bound) -> Bound {
+    let upper = |bound: &Bound| bound.at_most().unwrap_or(f64::INFINITY);
+    let at_least = greater(a.at_least(), b.at_least());
+    let at_most = a.at_most().zip(b.at_most()).map(|(a, b)| greater(a, b));
+    let evidence = a.evidence().weaker(b.evidence());
+    let angle_deg = a.angle_deg.zip(b.angle_deg).map(|(a, b)| greater(a, b));
+    let (larger, other) = if upper(&b) > upper(&a) { (b, a) } else { (a, b) };
+    let metric =
+        if matches!(other.metric, Metric::OneSided | Metric::Solid) { other.metric } else { larger.metric };
+    let pixels = larger.pixels.zip(other.pixels).map(|(a, b)| greater(a, b));
+    let mut all = Bound::with_evidence(at_least, at_most, evidence, larger.reference);
+    (all.metric, all.angle_deg, all.pixels) = (metric, angle_deg, pixels);
+    all
+}
 
 /// Coordinates up to this have finite squares and sums of squares: derived, 2^1024 is the largest double.
 const LARGEST: f64 = 1e150;

@@ -15,6 +15,17 @@ pub struct ImplicitShape {
     pub frame: Frame,
     /// The parameters of its script, if it has one.
     pub parameters: Vec<Parameter>,
+    /// The shapes that it is the union of, where a script gives several; each becomes a part of its own.
+    pub bodies: Vec<ShapeBody>,
+}
+
+/// One of several shapes of an input.
+#[derive(Clone, Debug)]
+pub struct ShapeBody {
+    /// Its name.
+    pub name: String,
+    /// The shape.
+    pub field: Field,
 }
 
 /// A numeric input of a script.
@@ -29,6 +40,12 @@ pub struct Parameter {
 }
 
 impl ImplicitShape {
+    /// One of its bodies, in the same region and frame.
+    #[must_use]
+    pub fn of_body(&self, body: &ShapeBody) -> Self {
+        Self { field: body.field.clone(), parameters: Vec::new(), bodies: Vec::new(), ..self.clone() }
+    }
+
     /// A bounding box of the shape: the known extent of the field, clipped to the region. Infinite where
     /// neither gives one.
     #[must_use]

@@ -88,7 +88,7 @@ pub use deviation::{DeviationSpec, deviation};
 pub use digest::{sha256, sha256_of};
 pub use failure::MeshFailure;
 pub use file_extension::extension;
-pub use implicit::{ImplicitShape, Parameter};
+pub use implicit::{ImplicitShape, Parameter, ShapeBody};
 pub use inspect::{SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 pub use load::{FormatHint, Input, InputFile, load, load_with, load_within};
 pub use lod::{LodOutcome, LodParts, LodSpec, TileErrors, lod};

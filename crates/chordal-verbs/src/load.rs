@@ -134,32 +134,32 @@ fn load_from(
         check_surface(surface, format)?;
     }
     let mut files: Vec<InputFile> = Vec::new();
+    let mut open = open.map(|open| {
+        |path: &str| {
+            let bytes = open(path)?;
+            if files.iter().all(|file| file.path != path) {
+                let n_bytes = bytes.len() as u64;
+                files.push(InputFile { path: path.to_owned(), n_bytes, sha256: sha256(&bytes) });
+            }
+            Ok(bytes)
+        }
+    });
     let (mut shape, warnings) = if format == Format::Star {
+        let open = open.as_mut().map(|open| -> &mut FileOpener<'_> { open });
         let context = ScriptContext { set: hint.set, open, limits, job };
-        let script::LoadedScript { shape, files: named, warnings } = script::shape(&content, context)?;
-        files = named;
-        (shape, warnings)
+        script::shape(&content, context)?
     } else {
         if let Some((name, _)) = hint.set.first() {
             let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");
             return Err(ReadError::new("unknown-parameter", FileLocation::File, message));
         }
-        let loaded = match open {
-            Some(open) => {
-                let mut recorded = |path: &str| {
-                    let bytes = open(path)?;
-                    if files.iter().all(|file| file.path != path) {
-                        let n_bytes = bytes.len() as u64;
-                        files.push(InputFile { path: path.to_owned(), n_bytes, sha256: sha256(&bytes) });
-                    }
-                    Ok(bytes)
-                };
-                chordal_io::read_with(&content, format, &mut recorded, limits)?
-            }
+        let loaded = match &mut open {
+            Some(open) => chordal_io::read_with(&content, format, open, limits)?,
             None => chordal_io::read(&content, format, limits)?,
         };
         (loaded.content.into(), loaded.warnings)
     };
+    drop(open);
     match (&mut shape, hint.region) {
         (_, None) => {}
         (Shape::Field(implicit), region) => implicit.region = region,

@@ -1,15 +1,7 @@
 //! Shape scripts as an input, in builds with the interpreter.
-use crate::InputFile;
 use crate::Shape;
 use chordal::Job;
 use chordal_io::{FileOpener, Limits, ReadError, Warning};
-
-/// A script's shape, the files that it named, and its warnings, each code of the script's own once.
-pub(crate) struct LoadedScript {
-    pub shape: Shape,
-    pub files: Vec<InputFile>,
-    pub warnings: Vec<Warning>,
-}
 
 /// What a script is run with.
 pub(crate) struct ScriptContext<'a, 'b> {
@@ -22,11 +14,14 @@ pub(crate) struct ScriptContext<'a, 'b> {
 
 /// Runs a script to its shape.
 #[cfg(feature = "script")]
-pub(crate) fn shape(bytes: &[u8], context: ScriptContext<'_, '_>) -> Result<LoadedScript, ReadError> {
-    use crate::script_files::MeshFiles;
-    use crate::{ImplicitShape, Parameter};
+pub(crate) fn shape(
+    bytes: &[u8],
+    context: ScriptContext<'_, '_>,
+) -> Result<(Shape, Vec<Warning>), ReadError> {
+    use crate::script_files::FilesBeside;
+    use crate::{ImplicitShape, Parameter, ShapeBody};
     use chordal_io::FileLocation;
-    use chordal_script::{RunOptions, run_with_files};
+    use chordal_script::{RunOptions, run_with};
 
     let ScriptContext { set, open, limits, job } = context;
     let text = std::str::from_utf8(bytes).map_err(|error| {
@@ -38,8 +33,8 @@ pub(crate) fn shape(bytes: &[u8], context: ScriptContext<'_, '_>) -> Result<Load
     if most < options.limits.heap {
         options.limits.heap = most;
     }
-    let files = MeshFiles::new(open, limits);
-    let script = run_with_files(text, &options, &files, job).map_err(|error| {
+    let files = FilesBeside::new(open, limits);
+    let script = run_with(text, &options, &files, job).map_err(|error| {
         let place = error
             .place
             .map_or(FileLocation::File, |(line, column)| FileLocation::LineColumn { line, column });
@@ -62,13 +57,27 @@ pub(crate) fn shape(bytes: &[u8], context: ScriptContext<'_, '_>) -> Result<Load
     let read = files.into_read();
     warnings.extend(read.warnings);
     let frame = read.frame.unwrap_or_default();
-    let shape = Shape::Field(ImplicitShape { field: script.field, region: None, frame, parameters });
-    Ok(LoadedScript { shape, files: read.files, warnings })
+    for line in script.said {
+        // Each line is one of its own.
+        warnings.push(Warning {
+            code: "script-said",
+            count: 1,
+            place: FileLocation::File,
+            message: line.into(),
+        });
+    }
+    let bodies =
+        script.bodies.into_iter().map(|body| ShapeBody { name: body.name, field: body.field }).collect();
+    let field = script.field;
+    Ok((Shape::Field(ImplicitShape { field, region: None, frame, parameters, bodies }), warnings))
 }
 
 /// Refuses every script: this build has no interpreter.
 #[cfg(not(feature = "script"))]
-pub(crate) fn shape(bytes: &[u8], context: ScriptContext<'_, '_>) -> Result<LoadedScript, ReadError> {
-    let loaded = chordal_io::read(bytes, chordal_io::Format::Star, context.limits)?;
-    Ok(LoadedScript { shape: loaded.content.into(), files: Vec::new(), warnings: loaded.warnings })
+pub(crate) fn shape(
+    bytes: &[u8],
+    context: ScriptContext<'_, '_>,
+) -> Result<(Shape, Vec<Warning>), ReadError> {
+    chordal_io::read(bytes, chordal_io::Format::Star, context.limits)
+        .map(|loaded| (loaded.content.into(), loaded.warnings))
 }

@@ -1,39 +1,38 @@
-//! `MeshFiles`: the triangles that a script names, read through the opener of a shell.
-use crate::digest::sha256;
+//! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a shell.
 use crate::file_extension::extension;
-use crate::{FormatHint, InputFile, Shape, flatten, merged_parts};
-use chordal::convert::mesh_to_field;
+use crate::filled_regions::FilledRegions;
+use crate::{FormatHint, Shape, flatten, merged_parts};
+use chordal::convert::{mesh_to_field, outline_to_field};
 use chordal::implicit::Field;
-use chordal::{Job, Mesh};
-use chordal_io::{FileLocation, FileOpener, Format, Frame, Limits, Warning};
-use chordal_script::ShapeFiles;
+use chordal::math::greater;
+use chordal::{Budget, Job, Mesh, Tolerance};
+use chordal_io::{Content, FileLocation, FileOpener, Format, Frame, Limits, Warning};
+use chordal_script::{FileUse, OpenedFile, ScriptFiles};
 use std::cell::RefCell;
 
 /// What was read so far.
 #[derive(Default)]
-pub(crate) struct ReadMeshes {
-    /// The files, in the order of reading.
-    pub files: Vec<InputFile>,
+pub(crate) struct FilesRead {
     /// What is to be said of them.
     pub warnings: Vec<Warning>,
-    /// The frame of the first one that says anything.
+    /// The frame of the first mesh that says anything.
     pub frame: Option<Frame>,
     n_bytes: u64,
 }
 
-/// Reads meshes beside a script.
-pub(crate) struct MeshFiles<'a, 'b> {
+/// Reads files beside a script.
+pub(crate) struct FilesBeside<'a, 'b> {
     open: RefCell<Option<&'a mut FileOpener<'b>>>,
     limits: &'a Limits,
-    read: RefCell<ReadMeshes>,
+    read: RefCell<FilesRead>,
 }
 
-impl<'a, 'b> MeshFiles<'a, 'b> {
+impl<'a, 'b> FilesBeside<'a, 'b> {
     pub fn new(open: Option<&'a mut FileOpener<'b>>, limits: &'a Limits) -> Self {
         Self { open: RefCell::new(open), limits, read: RefCell::default() }
     }
 
-    pub fn into_read(self) -> ReadMeshes {
+    pub fn into_read(self) -> FilesRead {
         self.read.into_inner()
     }
 
@@ -47,8 +46,6 @@ impl<'a, 'b> MeshFiles<'a, 'b> {
         if read.n_bytes > self.limits.bytes {
             return Err(format!("the files of the script have more than {} bytes", self.limits.bytes));
         }
-        let n_bytes = bytes.len() as u64;
-        read.files.push(InputFile { path: path.to_owned(), n_bytes, sha256: sha256(&bytes) });
         Ok(bytes)
     }
 
@@ -106,72 +103,64 @@ impl<'a, 'b> MeshFiles<'a, 'b> {
 /// Measured: a tree and its moments take 160.
 const BYTES_A_TRIANGLE: u64 = 400;
 
-impl ShapeFiles for MeshFiles<'_, '_> {
+impl ScriptFiles for FilesBeside<'_, '_> {
+    fn open(&self, name: &str, wanted: FileUse, job: &Job) -> Result<OpenedFile, String> {
+        match wanted {
+            FileUse::Script => {
+                let bytes = self.bytes(name)?;
+                String::from_utf8(bytes).map(OpenedFile::Script).map_err(|_| "it is not UTF-8".to_owned())
+            }
+            FileUse::Drawing { tolerance } => drawing(&self.bytes(name)?, tolerance, self.limits, job),
+            FileUse::Mesh => self.mesh(name, job).map(|field| OpenedFile::Shape(field, Vec::new())),
+        }
+    }
+}
+
+impl FilesBeside<'_, '_> {
     fn mesh(&self, name: &str, job: &Job) -> Result<Field, String> {
-        let in_file = |why: String| format!("{name}: {why}");
-        let path = below_folder(name).map_err(in_file)?;
-        let mesh = self.triangles(&path).map_err(in_file)?;
+        let mesh = self.triangles(name)?;
         let n_faces = mesh.faces().len() as u64;
         if n_faces > job.triangle_limit {
-            return Err(in_file(format!("it has {n_faces} triangles; the limit is {}", job.triangle_limit)));
+            return Err(format!("it has {n_faces} triangles; the limit is {}", job.triangle_limit));
         }
         let bytes = BYTES_A_TRIANGLE * n_faces;
         if bytes > job.memory_limit {
             let limit = job.memory_limit;
-            return Err(in_file(format!(
-                "{n_faces} triangles take {bytes} bytes of memory; the limit is {limit}"
-            )));
+            return Err(format!("{n_faces} triangles take {bytes} bytes of memory; the limit is {limit}"));
         }
-        let made = mesh_to_field(&mesh, job).map_err(|error| in_file(error.to_string()))?;
+        let made = mesh_to_field(&mesh, job).map_err(|error| error.to_string())?;
         if !made.solid.is_solid() {
             self.read.borrow_mut().warnings.push(Warning {
                 code: "mesh-not-solid",
                 count: 1,
                 place: FileLocation::File,
-                message: format!("{path}: {}", made.solid).into(),
+                message: format!("{name}: {}", made.solid).into(),
             });
         }
         Ok(made.field)
     }
 }
 
-/// The path below a folder that a name means: `/` or `\\` separates, and nothing leads out.
-fn below_folder(name: &str) -> Result<String, String> {
-    let name = name.replace('\\', "/");
-    if name.starts_with('/') || name.split('/').next().is_some_and(|first| first.contains(':')) {
-        return Err("only names below the folder of the script are read".to_owned());
+/// What a drawing fills, with y up, as one shape of the plane.
+fn drawing(bytes: &[u8], tolerance: f64, limits: &Limits, job: &Job) -> Result<OpenedFile, String> {
+    let read = chordal_io::read(bytes, Format::Svg, limits).map_err(|error| error.to_string())?;
+    let Content::Drawing(drawing) = read.content else { return Err("it is no drawing".to_owned()) };
+    let mut notes = Vec::new();
+    let filled = FilledRegions::from_drawing(&drawing, &mut notes)
+        .map_err(|_| "it fills nothing: lines alone have no inside".to_owned())?;
+    let budget = Budget::length(Tolerance::new(tolerance).map_err(|error| error.to_string())?);
+    let (mut shapes, mut worst) = (Vec::new(), 0.0);
+    for outline in &filled.outlines {
+        let made = outline_to_field(outline, &budget, job)
+            .map_err(|_| format!("its curves are not replaced by polygons within {tolerance}"))?;
+        let off = made.bound.at_most().ok_or("its polygons have no bound")?;
+        worst = greater(worst, off);
+        shapes.push(made.shape);
     }
-    let parts: Vec<&str> = name.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
-    if parts.contains(&"..") {
-        return Err("this leads out of the folder of the script".to_owned());
+    let mut sentences = Vec::new();
+    if worst > 0.0 {
+        let place = "no bound of the result counts that";
+        sentences.push(format!("its curves are polygons within {worst:.3e} (proved), and {place}"));
     }
-    if parts.is_empty() || name.contains('\0') {
-        return Err("this names no file".to_owned());
-    }
-    Ok(parts.join("/"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_stay_below_the_folder() {
-        assert_eq!(below_folder("a.stl").as_deref(), Ok("a.stl"));
-        assert_eq!(below_folder("./parts//a b.stl").as_deref(), Ok("parts/a b.stl"));
-        assert_eq!(below_folder("parts\\a.stl").as_deref(), Ok("parts/a.stl"));
-        for bad in [
-            "/etc/passwd",
-            "\\\\host\\a.stl",
-            "c:/a.stl",
-            "http://x/a.stl",
-            "../a.stl",
-            "a/../../b",
-            "",
-            ".",
-            "a\0",
-        ] {
-            assert!(below_folder(bad).is_err(), "{bad}");
-        }
-    }
+    Ok(OpenedFile::Shape(Field::union_of(&shapes), sentences))
 }

@@ -39,9 +39,13 @@ impl From<Content> for Shape {
             Content::Polygons(polygons) => Self::Cage(polygons),
             Content::Drawing(drawing) => Self::Drawing(drawing),
             Content::Curves(curves) => Self::Curves(curves),
-            Content::Field { field, region, frame } => {
-                Self::Field(ImplicitShape { field, region, frame, parameters: Vec::new() })
-            }
+            Content::Field { field, region, frame } => Self::Field(ImplicitShape {
+                field,
+                region,
+                frame,
+                parameters: Vec::new(),
+                bodies: Vec::new(),
+            }),
             Content::Volume(volume) => Self::Volume(VolumeShape { volume, surface: SurfaceSpec::default() }),
         }
     }

@@ -44,6 +44,7 @@ mod probe;
 mod referee;
 mod render;
 mod rounding_laws;
+mod seams;
 mod segments;
 mod self_intersections;
 mod solids;

@@ -1,8 +1,10 @@
 //! `Function`: one function of the language, and how it binds its arguments.
 use super::{Arg, CallError, Formula, Solid};
 use chordal::Job;
+use chordal::implicit::evaluation::ExprGraph;
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{DistanceQuality, Expr, Field};
+use chordal::math::{greater, lesser};
 
 /// One function of the language.
 #[derive(Debug)]
@@ -100,18 +102,19 @@ impl Function {
         by_position: Vec<Arg>,
         by_name: Vec<(String, Arg)>,
     ) -> Result<BoundArgs, CallError> {
-        let places = self.parameters.iter().filter(|p| !p.rest).count();
-        let takes_rest = places < self.parameters.len();
+        // What stands after the rest is given by name alone.
+        let takes_rest = self.parameters.iter().any(|p| p.rest);
+        let places = self.parameters.iter().take_while(|p| !p.rest).count();
         let n_given = by_position.len();
         let mut rest = by_position;
         let mut args: Vec<Option<Arg>> = rest.drain(..places.min(n_given)).map(Some).collect();
-        args.resize(places, None);
+        args.resize(self.single().count(), None);
         if !rest.is_empty() && !takes_rest {
             let plural = if places == 1 { "" } else { "s" };
             return Err(self.fault(format!("takes {places} argument{plural}, and {n_given} are given")));
         }
         for (name, arg) in by_name {
-            let Some(k) = self.parameters.iter().position(|p| !p.rest && p.name == name) else {
+            let Some(k) = self.single().position(|p| p.name == name) else {
                 let shown: String = name.chars().take(40).collect();
                 return Err(self.fault(format!("has no argument '{shown}'")));
             };
@@ -119,10 +122,15 @@ impl Function {
                 return Err(self.fault(format!("has '{name}' twice")));
             }
         }
-        let found = args.into_iter().zip(self.parameters).map(|(arg, p)| {
+        let found = args.into_iter().zip(self.single()).map(|(arg, p)| {
             arg.or(p.default.map(Arg::Number)).ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
         });
         Ok(BoundArgs { function: self, args: found.collect::<Result<_, _>>()?, rest, job: Job::default() })
+    }
+
+    /// The parameters that take one argument.
+    fn single(&self) -> impl Iterator<Item = &'static FunctionParameter> + use<> {
+        self.parameters.iter().filter(|p| !p.rest)
     }
 
     fn fault(&self, what: String) -> CallError {
@@ -153,7 +161,7 @@ impl BoundArgs {
     }
 
     fn wrong(&self, k: usize, expected: &str, found: &str) -> CallError {
-        let name = self.function.parameters[k].name;
+        let name = self.function.single().nth(k).map_or("", |p| p.name);
         self.function.fault(format!("needs {expected} for '{name}', not {found}"))
     }
 
@@ -196,7 +204,10 @@ impl BoundArgs {
     /// All shapes: the first ones and the rest. A list of shapes stands for its elements.
     pub(super) fn shapes(&self) -> Result<Vec<&Solid>, CallError> {
         let mut all = Vec::new();
-        for arg in self.args.iter().chain(&self.rest) {
+        // Without a rest it is the first that holds them.
+        let first = self.function.parameters.iter().take_while(|p| !p.rest).count();
+        let first = if first == self.args.len() { lesser(first, 1) } else { first };
+        for arg in self.args[..first].iter().chain(&self.rest) {
             let parts = if let Arg::List(parts) = arg { parts.as_slice() } else { std::slice::from_ref(arg) };
             for part in parts {
                 match part {
@@ -214,6 +225,14 @@ impl BoundArgs {
             Arg::Formula(formula) => Ok(formula.clone()),
             Arg::Number(value) => Ok(Formula { expr: Expr::constant(*value), weight: 1 }),
             other => Err(self.wrong(k, "a formula", other.kind())),
+        }
+    }
+
+    /// The text at index `k`.
+    pub(super) fn text(&self, k: usize) -> Result<&str, CallError> {
+        match &self.args[k] {
+            Arg::Text(text) => Ok(text),
+            other => Err(self.wrong(k, "a text", other.kind())),
         }
     }
 
@@ -274,3 +293,25 @@ impl BoundArgs {
 
 /// More terms than any single step adds by itself, as measured in the tests.
 const OWN: u64 = 80;
+
+/// A shape whose blends have terms of their own, which are counted.
+pub(super) fn counted_result(
+    given: &BoundArgs,
+    field: Result<Field, InvalidShape>,
+    solids: &[&Solid],
+) -> Result<Arg, CallError> {
+    let n_terms = field.as_ref().map_or(0, n_terms);
+    let made = given.shape_result(field, solids)?;
+    Ok(match made {
+        Arg::Shape(solid) => {
+            Arg::Shape(Solid { weight: greater(solid.weight, n_terms), own: n_terms, ..solid })
+        }
+        other => other,
+    })
+}
+
+/// The terms of value and sign.
+fn n_terms(field: &Field) -> u64 {
+    let of = |expr| ExprGraph::from_expr(expr).terms().len() as u64;
+    of(field.expr()).saturating_add(of(field.sign()))
+}

@@ -1,29 +1,37 @@
 //! Unions, intersections and differences, sharp and smooth.
-use super::bind::{BoundArgs, Function, required, variadic};
+use super::bind::{BoundArgs, Function, counted_result, optional, required, variadic};
 use super::{Arg, CallError, Solid};
-use chordal::implicit::Field;
 use chordal::implicit::shapes::InvalidShape;
+use chordal::implicit::{Field, Seam};
 
 /// Functions that combine several shapes.
 pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "union",
-        parameters: &[variadic("shapes")],
-        about: "All points of any of the shapes, as `a | b` has them; a list of shapes does as well.",
-        distance: "outside as good as all of them, inside a lower bound",
-        make: |given| combine_all(given, Field::union_of),
+        parameters: &[variadic("shapes"), optional("fillet", 0.0), optional("chamfer", 0.0)],
+        about: "All points of any of the shapes, as `a | b` has them; a list of shapes does as well. With a \
+            fillet or chamfer the edges are filled in which they meet.",
+        distance: "outside as good as all of them, inside a lower bound; with a fillet or chamfer a lower bound",
+        make: |given| combine_all(given, Field::union_of, Field::union_with),
     },
     Function {
         name: "intersection",
-        parameters: &[variadic("shapes")],
-        about: "The points that all of the shapes have, as `a & b` has them.",
-        distance: "inside as good as all of them, outside a lower bound",
-        make: |given| combine_all(given, Field::intersection_of),
+        parameters: &[variadic("shapes"), optional("fillet", 0.0), optional("chamfer", 0.0)],
+        about: "The points that all of the shapes have, as `a & b` has them. With a fillet or chamfer the \
+            edges are rounded or cut off in which they meet.",
+        distance: "inside as good as all of them, outside a lower bound; with a fillet or chamfer a lower bound",
+        make: |given| combine_all(given, Field::intersection_of, Field::intersection_with),
     },
     Function {
         name: "difference",
-        parameters: &[required("shape"), variadic("others")],
-        about: "The points of the first shape that none of the others has, as `a - b` has them.",
+        parameters: &[
+            required("shape"),
+            variadic("others"),
+            optional("fillet", 0.0),
+            optional("chamfer", 0.0),
+        ],
+        about: "The points of the first shape that none of the others has, as `a - b` has them. With a fillet \
+            or chamfer the edges of the cuts are rounded or cut off.",
         distance: "a lower bound",
         make: |given| {
             let all = given.shapes()?;
@@ -31,11 +39,14 @@ pub(super) const COMBINE: &[Function] = &[
                 return Err(CallError("difference() needs 'shape'".to_owned()));
             };
             let taken: Vec<Field> = others.iter().map(|solid| solid.field.clone()).collect();
-            let field = match taken.as_slice() {
-                [] => first.field.clone(),
-                _ => first.field.difference(&Field::union_of(&taken)),
-            };
-            given.shape_result(Ok(field), &all)
+            match seam_of(given, 1)? {
+                _ if taken.is_empty() => given.shape_result(Ok(first.field.clone()), &all),
+                None => given.shape_result(Ok(first.field.difference(&Field::union_of(&taken))), &all),
+                Some(seam) => {
+                    let cut = |field: Field, other: &Field| field.difference_with(other, seam);
+                    counted_result(given, taken.iter().try_fold(first.field.clone(), cut), &all)
+                }
+            }
         },
     },
     Function {
@@ -51,7 +62,8 @@ pub(super) const COMBINE: &[Function] = &[
     Function {
         name: "smooth_union",
         parameters: &[required("a"), required("b"), required("radius")],
-        about: "The union with its seam filled, where both are nearer to each other than a radius.",
+        about: "The union with its seam filled, where both are nearer to each other than a radius. Faces and \
+            outer edges that both share swell; union(fillet=) leaves them.",
         distance: "a lower bound",
         make: |given| smooth(given, Field::smooth_union),
     },
@@ -71,13 +83,33 @@ pub(super) const COMBINE: &[Function] = &[
     },
 ];
 
-fn combine_all(given: &BoundArgs, all_of: fn(&[Field]) -> Field) -> Result<Arg, CallError> {
+fn combine_all(
+    given: &BoundArgs,
+    all_of: fn(&[Field]) -> Field,
+    two_with: fn(&Field, &Field, Seam) -> Result<Field, InvalidShape>,
+) -> Result<Arg, CallError> {
     let solids = given.shapes()?;
-    if solids.is_empty() {
-        return Err(given.fault("needs a shape at least"));
-    }
     let fields: Vec<Field> = solids.iter().map(|solid| solid.field.clone()).collect();
-    given.shape_result(Ok(all_of(&fields)), &solids)
+    let Some((first, others)) = fields.split_first() else {
+        return Err(given.fault("needs a shape at least"));
+    };
+    match seam_of(given, 0)? {
+        None => given.shape_result(Ok(all_of(&fields)), &solids),
+        Some(seam) => {
+            let all = others.iter().try_fold(first.clone(), |all, other| two_with(&all, other, seam));
+            counted_result(given, all, &solids)
+        }
+    }
+}
+
+/// The fillet or chamfer at the indices `first` and `first + 1`, if either is not 0.
+fn seam_of(given: &BoundArgs, first: usize) -> Result<Option<Seam>, CallError> {
+    match given.numbers(first)? {
+        [0.0, 0.0] => Ok(None),
+        [radius, 0.0] => Ok(Some(Seam::Fillet(radius))),
+        [0.0, length] => Ok(Some(Seam::Chamfer(length))),
+        _ => Err(given.fault("takes a fillet or a chamfer, not both")),
+    }
 }
 
 /// A blend of two shapes with a radius.

@@ -1,6 +1,10 @@
 //! Primitive solids and plane shapes.
-use super::bind::{Function, optional, required};
+use super::bind::{BoundArgs, Function, optional, required};
+use super::{Arg, CallError};
+use chordal::convert::curve_to_field;
+use chordal::explicit::{Curve, CurveEnds, CurveSegment};
 use chordal::implicit::shapes;
+use chordal::{Budget, Job, Tolerance};
 
 const EXACT: &str = "exact";
 const BOUND: &str = "lower bound";
@@ -111,6 +115,33 @@ pub(super) const SOLIDS: &[Function] = &[
         },
     },
     Function {
+        name: "hull",
+        parameters: &[required("points"), optional("radius", 0.0)],
+        about: "The convex hull of points, or of balls of one radius around them.",
+        distance: EXACT,
+        make: |given| given.shape_result(shapes::hull(&given.points(0)?, given.number(1)?), &[]),
+    },
+    Function {
+        name: "sweep",
+        parameters: &[required("points"), required("radius")],
+        about: "A tube: all points nearer than a radius to the path through these points.",
+        distance: "outside exact, inside a lower bound",
+        make: sweep,
+    },
+    Function {
+        name: "thread",
+        parameters: &[required("name"), required("height"), optional("clearance", 0.0)],
+        about: "A metric thread along z, as \"M6\" (coarse) or \"M6x0.75\", all of its sides moved inward by a \
+            clearance; a negative one is for the hole of a nut.",
+        distance: "a sign",
+        make: |given| {
+            let form = shapes::ThreadForm::from_name(given.text(0)?);
+            let (height, clearance) = (given.number(1)?, given.number(2)?);
+            let made = form.and_then(|form| shapes::thread(shapes::ThreadForm { clearance, ..form }, height));
+            given.shape_result(made, &[])
+        },
+    },
+    Function {
         name: "gyroid",
         parameters: &[required("period"), optional("level", 0.0)],
         about: "One side of the gyroid, without end; with shell() it is a wall.",
@@ -179,4 +210,31 @@ pub(super) const FLAT: &[Function] = &[
         distance: EXACT,
         make: |given| given.shape_result(shapes::regular_polygon(given.count(0)?, given.number(1)?), &[]),
     },
+    Function {
+        name: "planar_hull",
+        parameters: &[required("points")],
+        about: "The convex hull of points of the plane.",
+        distance: EXACT,
+        make: |given| given.shape_result(shapes::planar_hull(&given.points(0)?), &[]),
+    },
 ];
+
+/// The most points of a path. Defined: what a script may hold anyway.
+const MOST_POINTS: usize = 100_000;
+
+fn sweep(given: &BoundArgs) -> Result<Arg, CallError> {
+    let (points, radius) = (given.points::<3>(0)?, given.number(1)?);
+    let Some((first, others)) = points.split_first().filter(|_| points.len() <= MOST_POINTS) else {
+        return Err(given.fault(&format!("needs 1 to {MOST_POINTS} points, not {}", points.len())));
+    };
+    let ends = [*first].into_iter().chain(others.iter().copied());
+    let lines = ends.zip(others).map(|(a, b)| CurveSegment::Line([a, *b])).collect::<Vec<_>>();
+    let curve =
+        Curve::new(lines, CurveEnds::Open).map_err(|why| given.fault(&format!("has no path: {why}")))?;
+    // Straight lines are kept as they are, whatever the budget.
+    let any = Tolerance::new(radius).map_err(|why| given.fault(&format!("needs a radius above 0: {why}")))?;
+    let budget = Budget::length(any);
+    let made = curve_to_field(&curve, radius, &budget, &Job::default());
+    let field = made.map(|made| made.shape).map_err(|why| given.fault(&format!("has no tube: {why}")))?;
+    given.shape_result(Ok(field), &[])
+}

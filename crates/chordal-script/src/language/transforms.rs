@@ -1,11 +1,11 @@
 //! Transforms: placing shapes, and operations on a single shape.
-use super::bind::{BoundArgs, Function, optional, required};
+use super::bind::{BoundArgs, Function, counted_result, optional, required};
 use super::{Arg, CallError, Solid};
 use chordal::Tolerance;
 use chordal::budget::Failure;
 use chordal::convert::redistance;
 use chordal::implicit::shapes::InvalidShape;
-use chordal::implicit::{Field, Repeat};
+use chordal::implicit::{DistanceQuality, Field, Repeat};
 use chordal::math::greater;
 
 const KEPT: &str = "as it was";
@@ -92,7 +92,71 @@ pub(super) const PLACE: &[Function] = &[
         distance: "outside exact if it was, else a sign; inside a lower bound",
         make: repeat,
     },
+    Function {
+        name: "linear",
+        parameters: &[
+            required("shape"),
+            required("count"),
+            required("x"),
+            optional("y", 0.0),
+            optional("z", 0.0),
+        ],
+        about: "So many copies of the shape in a row, each moved by these lengths from the one before.",
+        distance: COPIES,
+        make: |given| {
+            let (solid, step) = (given.shape(0)?, given.numbers::<3>(2)?);
+            let copy = |k: u32| solid.field.moved(step.map(|x| x * f64::from(k)));
+            copies(given, solid, copy)
+        },
+    },
+    Function {
+        name: "polar",
+        parameters: &[required("shape"), required("count"), optional("degrees", 360.0)],
+        about: "So many copies of the shape around the z axis, evenly over an angle: a full turn, or from the \
+            first to the last.",
+        distance: COPIES,
+        make: |given| {
+            let (solid, count, angle) = (given.shape(0)?, given.count(1)?, given.number(2)?);
+            // Around a full turn the last one would be the first again.
+            let n_steps = if angle.abs() == 360.0 { count } else { count.saturating_sub(1) };
+            let copy = |k: u32| {
+                let turn = if k == 0 { 0.0 } else { angle * (f64::from(k) / f64::from(n_steps)) };
+                solid.field.rotated_deg([0.0, 0.0, 1.0], turn)
+            };
+            copies(given, solid, copy)
+        },
+    },
+    Function {
+        name: "symmetric",
+        parameters: &[required("shape"), required("x"), required("y"), optional("z", 0.0)],
+        about: "The shape and its mirror image in the plane through the origin with this normal.",
+        distance: COPIES,
+        make: |given| {
+            let solid = given.shape(0)?;
+            let both = solid.field.mirrored(given.numbers(1)?).map(|image| solid.field.union(&image));
+            given.weighted_shape_result(both, &[solid], 2)
+        },
+    },
 ];
+
+const COPIES: &str = "outside as good as it was, inside a lower bound";
+
+/// The most copies of a pattern. Defined: what a limit of terms would refuse anyway.
+const MOST_COPIES: u32 = 10_000;
+
+/// The union of the copies with the numbers from 0 on, as many as the second argument says.
+fn copies(
+    given: &BoundArgs,
+    solid: &Solid,
+    copy: impl Fn(u32) -> Result<Field, InvalidShape>,
+) -> Result<Arg, CallError> {
+    let count = given.count(1)?;
+    if !(1..=MOST_COPIES).contains(&count) {
+        return Err(given.fault(&format!("makes 1 to {MOST_COPIES} copies, not {count}")));
+    }
+    let all: Result<Vec<Field>, InvalidShape> = (0..count).map(copy).collect();
+    given.weighted_shape_result(all.map(|all| Field::union_of(&all)), &[solid], u64::from(count) + 1)
+}
 
 /// Operations that change the shape itself.
 pub(super) const CHANGE: &[Function] = &[
@@ -102,6 +166,25 @@ pub(super) const CHANGE: &[Function] = &[
         about: "The shape grown by a distance, or shrunk by a negative one; needs a distance on that side.",
         distance: "exact on the side that the surface moved to, if it was exact there; else a lower bound",
         make: |given| apply_step(given, |given, field| Ok(field.offset(given.number(1)?))),
+    },
+    Function {
+        name: "minkowski",
+        parameters: &[required("shape"), required("radius")],
+        about: "The Minkowski sum with a ball: all points nearer than a radius to the shape, whose value must be \
+            an exact distance outside.",
+        distance: "outside exact, inside a lower bound",
+        make: |given| {
+            let solid = given.shape(0)?;
+            if solid.field.distance().outside != DistanceQuality::Exact {
+                return Err(
+                    given.fault("needs an exact distance outside, and this shape has none: see offset()")
+                );
+            }
+            if !(given.number(1)? >= 0.0) {
+                return Err(given.fault("needs a radius of 0 or above"));
+            }
+            given.shape_result(solid.field.offset(given.number(1)?), &[solid])
+        },
     },
     Function {
         name: "shell",
@@ -136,6 +219,33 @@ pub(super) const CHANGE: &[Function] = &[
         about: "A shape of the plane made a solid of that height, half above and half below.",
         distance: KEPT,
         make: |given| apply_step(given, |given, field| Ok(field.extruded(given.number(1)?))),
+    },
+    Function {
+        name: "section",
+        parameters: &[required("shape"), optional("z", 0.0)],
+        about: "The section of a solid with the plane at a height, as a shape of the plane.",
+        distance: "a lower bound",
+        make: |given| apply_step(given, |given, field| Ok(field.section(given.number(1)?))),
+    },
+    Function {
+        name: "taper",
+        parameters: &[required("shape"), required("factor"), required("height")],
+        about: "A solid of that height, half above and half below, whose cross-section is the shape, scaled from \
+            1 at the bottom to the factor at the top.",
+        distance: "a lower bound; a sign if the shape has only a sign or no end",
+        make: |given| apply_step(given, |given, field| Ok(field.tapered(given.number(1)?, given.number(2)?))),
+    },
+    Function {
+        name: "loft",
+        parameters: &[required("shapes"), required("height")],
+        about: "A solid of that height, half above and half below, from the first of some shapes of the plane to \
+            the last. Those between draw it towards themselves, as control points draw a Bézier curve.",
+        distance: "a lower bound",
+        make: |given| {
+            let solids = given.shapes()?;
+            let profiles: Vec<Field> = solids.iter().map(|solid| solid.field.clone()).collect();
+            counted_result(given, Field::lofted(&profiles, given.number(1)?), &solids)
+        },
     },
     Function {
         name: "revolve",

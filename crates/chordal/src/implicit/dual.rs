@@ -332,6 +332,14 @@ impl<N: GeneralizedDerivative> Scalar for Dual<N> {
                 let half = N::constant(0.5);
                 N::mean(sub(half, mul(half, sub(a.value, b.value))), da, db)
             }
+            Binary::RoundMin => {
+                let (one, half) = (N::constant(1.0), N::constant(0.5));
+                // The share of the first is 1/2 − t/(2√(2 − t²)) with their difference t, from −1 to 1.
+                let apart = N::binary(Binary::Max, sub(a.value, b.value), neg(one));
+                let apart = N::binary(Binary::Min, apart, one);
+                let beside = N::near(Unary::Sqrt, sub(N::constant(2.0), square(apart)));
+                N::mean(sub(half, mul(half, div(apart, beside))), da, db)
+            }
             Binary::LogSumExp => {
                 let ratio = N::near(Unary::Exp, sub(b.value, a.value));
                 N::mean(recip(add(N::constant(1.0), ratio)), da, db)

@@ -117,6 +117,17 @@ impl Expr {
         Self::binary(Binary::SmoothMin, &(self / width), &(other / width)) * width
     }
 
+    /// The smaller of both, with its kink replaced by an arc: it equals the smaller where they are `radius`
+    /// apart, and is 0 on the quarter of the circle of this radius around (`radius`, `radius`) that touches
+    /// both axes of the plane of `self` and `other`. Where those are distances to faces at a right angle, the
+    /// arc is a circle of that radius. The result grows with both, and where both are 1-Lipschitz, so is it.
+    ///
+    /// Source: I. Quilez, *Smooth minimum* (circular); derived here from the equation of the circle.
+    #[must_use]
+    pub fn round_min(&self, other: &Self, radius: f64) -> Self {
+        Self::binary(Binary::RoundMin, &(self / radius), &(other / radius)) * radius
+    }
+
     /// The larger of both.
     #[must_use]
     pub fn max(&self, other: &Self) -> Self {

@@ -302,5 +302,5 @@ fn binary<N: BlockScalar, A: BlockOperand<N>, B: BlockOperand<N>>(
             }
         };
     }
-    each!(Add Sub Mul Div Min Max SmoothMin LogSumExp Atan2 Mod Compare And Or);
+    each!(Add Sub Mul Div Min Max SmoothMin RoundMin LogSumExp Atan2 Mod Compare And Or);
 }

@@ -26,7 +26,7 @@ mod tape;
 mod trilinear;
 
 pub use affine::{Affine3, InvalidAffine};
-pub use combine::Repeat;
+pub use combine::{Repeat, Seam};
 pub(crate) use csg::{
     Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive, PrimitiveEvaluator,
 };

@@ -59,6 +59,10 @@ pub enum Binary {
     /// The smaller of both with its kink rounded off: `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`. It
     /// is nowhere above the minimum, and equals it where they are 1 apart.
     SmoothMin,
+    /// The smaller of both with its kink replaced by a quarter circle: `min(a, b) − h²/(1 + h + √(1 + 2h − h²))`
+    /// with `h = max(1 − |a − b|, 0)`. It equals the minimum where they are 1 apart, and is 0 on the arc
+    /// `(1 − a)² + (1 − b)² = 1` between (0, 1) and (1, 0).
+    RoundMin,
     /// `ln(eᵃ + eᵇ)`: the maximum with its kink rounded off. It overflows only where the maximum does.
     LogSumExp,
     /// The angle of the point `(b, a)` from the first axis, in (−π, π]. Undefined at the origin; jumps at the
@@ -149,7 +153,7 @@ impl Unary {
 
 impl Binary {
     /// All operations, with their names in an op list.
-    pub const ALL: [(Self, &'static str); 13] = [
+    pub const ALL: [(Self, &'static str); 14] = [
         (Self::Add, "add"),
         (Self::Sub, "sub"),
         (Self::Mul, "mul"),
@@ -157,6 +161,7 @@ impl Binary {
         (Self::Min, "min"),
         (Self::Max, "max"),
         (Self::SmoothMin, "smooth-min"),
+        (Self::RoundMin, "round-min"),
         (Self::LogSumExp, "log-sum-exp"),
         (Self::Atan2, "atan2"),
         (Self::Mod, "mod"),
@@ -183,6 +188,12 @@ impl Binary {
                 // Not by `Self::Min` of this function: a function that calls itself is not inlined.
                 let least = lesser(a, b);
                 least - 0.25 * (near * near)
+            }
+            Self::RoundMin => {
+                let near = 1.0 - (a - b).abs();
+                let near = greater(near, 0.0);
+                let least = lesser(a, b);
+                least - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
             }
             Self::LogSumExp => {
                 let (least, most) = if a < b { (a, b) } else { (b, a) };
@@ -229,6 +240,12 @@ impl Binary {
                 let near = greater(near, 0.0);
                 let least = lesser(a, b);
                 least - 0.25 * (near * near)
+            }
+            Self::RoundMin => {
+                let near = 1.0 - (a - b).abs();
+                let near = greater(near, 0.0);
+                let least = lesser(a, b);
+                least - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
             }
             Self::LogSumExp => {
                 let (least, most) = if a < b { (a, b) } else { (b, a) };

@@ -140,7 +140,7 @@ impl PruningBounds {
     /// maximum one without effect below.
     fn leaves_out(self, op: Binary, range: Interval) -> bool {
         match op {
-            Binary::Min | Binary::SmoothMin => range.lo() >= self.above,
+            Binary::Min | Binary::SmoothMin | Binary::RoundMin => range.lo() >= self.above,
             Binary::Max => range.hi() <= self.below,
             _ => false,
         }
@@ -209,8 +209,8 @@ fn operand_silences(
         // Strictly beyond: of equal numbers the second is taken, which may be the other zero.
         (Binary::Min, _) => [b, a].map(|other| silence.from(other.hi().next_up())),
         (Binary::Max, _) => [b, a].map(|other| silence.mirrored().from((-other.lo()).next_up()).mirrored()),
-        // `smin` is at most the minimum, so values without effect below stay so.
-        (Binary::SmoothMin, _) => [b, a]
+        // Both are at most the minimum, so values without effect below stay so.
+        (Binary::SmoothMin | Binary::RoundMin, _) => [b, a]
             .map(|other| PruningBounds { above: add_up(above, 1.25), below }.from(add_up(other.hi(), 1.0))),
         (Binary::Add, [None, Some(k)]) => [shifted(silence, k), PruningBounds::NONE],
         (Binary::Add, [Some(k), None]) => [PruningBounds::NONE, shifted(silence, k)],

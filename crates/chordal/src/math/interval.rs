@@ -228,6 +228,13 @@ impl Interval {
         self.combine(other, self.bare().smooth_min(other.bare()))
     }
 
+    /// The minimum of a number of each with a round kink; monotone in both.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn round_min(self, other: Self) -> Self {
+        self.combine(other, self.bare().round_min(other.bare()))
+    }
+
     /// `ln(eᵃ + eᵇ)`; monotone in both.
     #[inline(always)]
     #[must_use]

@@ -11,14 +11,16 @@ use crate::implicit::op::{Binary, Unary};
 const MOST_PIECES: usize = 128;
 /// The most nodes that are visited in search of one minimum or maximum. Chosen: chains of blends grow by one
 /// at a time, and each is visited again.
-const MOST_LOOKS: usize = 256;
+pub(super) const MOST_LOOKS: usize = 256;
 
 /// The values that must be kept; for all others the sign is enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ExactSign {
+pub(super) enum ExactSign {
     Positive,
     Negative,
     All,
+    /// None: the faces are wanted.
+    Faces,
 }
 
 impl ExactSign {
@@ -37,9 +39,9 @@ impl ExactSign {
 }
 
 /// A minimum or maximum of two expressions.
-struct Extremum {
-    is_min: bool,
-    parts: [Expr; 2],
+pub(super) struct Extremum {
+    pub is_min: bool,
+    pub parts: [Expr; 2],
 }
 
 impl Extremum {
@@ -87,7 +89,7 @@ fn distribute([a, b]: [&Expr; 2], blend: &dyn Fn(&Expr, &Expr) -> Expr, left: &m
 }
 
 /// An expression as a minimum or maximum: the same sign everywhere, the same value where that is kept.
-fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extremum> {
+pub(super) fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extremum> {
     *looks = looks.checked_sub(1)?;
     match expr.kind() {
         // The box or ball that limits a bound lies beyond its surface, and is not worth pieces of its own.
@@ -106,14 +108,19 @@ fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extr
         }
         ExprKind::Binary(Binary::SmoothMin, a, b) => {
             // A smooth minimum is above neither operand: where it is above 0 both are.
-            let of_parts = if kept == ExactSign::Positive { ExactSign::Positive } else { ExactSign::All };
+            let of_parts = match kept {
+                ExactSign::Positive => ExactSign::Positive,
+                _ => ExactSign::All,
+            };
             let blend = |part: &Expr, other: &Expr| Expr::binary(Binary::SmoothMin, part, other);
             match find_extremum(a, of_parts, looks) {
                 Some(of_a) => Some(of_a.map(|part| blend(part, b))),
                 None => Some(find_extremum(b, of_parts, looks)?.map(|part| blend(a, part))),
             }
         }
-        ExprKind::Binary(Binary::Add, root, inside) if kept == ExactSign::Negative => {
+        ExprKind::Binary(Binary::Add, root, inside)
+            if matches!(kept, ExactSign::Negative | ExactSign::Faces) =>
+        {
             match largest_side(root, inside) {
                 Some(largest) => find_extremum(largest, kept, looks),
                 None => with_constant(expr, kept, looks),

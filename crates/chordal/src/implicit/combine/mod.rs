@@ -7,12 +7,16 @@ mod bend;
 mod blend;
 mod clip;
 mod distribute_blend;
+mod face_pairs;
+mod fillet;
+mod loft;
 mod offset;
 mod profile;
 mod repeat;
 mod sweep;
 mod transform;
 
+pub use fillet::Seam;
 pub(super) use repeat::PeriodicPattern;
 pub use repeat::Repeat;
 

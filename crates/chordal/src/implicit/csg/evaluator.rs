@@ -402,7 +402,10 @@ fn is_pruned(tape: &Tape) -> bool {
     let chooses = |term: &Term| {
         matches!(
             term,
-            Term::Binary(Binary::Min | Binary::Max | Binary::SmoothMin | Binary::And | Binary::Or, ..)
+            Term::Binary(
+                Binary::Min | Binary::Max | Binary::SmoothMin | Binary::RoundMin | Binary::And | Binary::Or,
+                ..
+            )
         )
     };
     tape.len() >= LONG && !tape.has_leaves() && tape.graph().terms().iter().any(chooses)

@@ -10,7 +10,9 @@
 //! | [`gyroid`], [`schwarz_p`], [`diamond`] | a bound |
 //! | [`circle`], [`rectangle`], [`rounded_rectangle`], [`segment`] | exact, unbounded along z |
 //! | [`regular_polygon`], [`polygon`] | exact, unbounded along z |
-//! | [`prism`] | exact |
+//! | [`prism`], [`hull`] | exact |
+//! | [`planar_hull`] | exact, unbounded along z |
+//! | [`thread`] | a sign |
 //!
 //! Shapes are centred on the origin unless they are given by points. The numbers that a constructor derives
 //! from its arguments (half sizes, unit normals, sines) are rounded to f64, and the rounded numbers define
@@ -26,11 +28,13 @@ mod contours;
 mod contours_build;
 mod contours_gradient;
 mod half_planes;
+mod hull;
 mod periodic;
 mod planar;
 mod platonic;
 mod round;
 mod solid;
+mod thread;
 mod triangle;
 
 use super::expr::Expr;
@@ -39,12 +43,14 @@ use std::fmt;
 
 pub(super) use axis_distance::axis_distance;
 pub use contours::{ContourFill, Contours};
+pub use hull::{hull, planar_hull};
 pub use periodic::{diamond, gyroid, schwarz_p};
 pub use planar::{circle, polygon, prism, rectangle, regular_polygon, rounded_rectangle, segment};
 pub use platonic::{octahedron, tetrahedron};
 pub use round::{capsule, ellipsoid, sphere, torus};
 pub(super) use solid::unit;
 pub use solid::{capped_cone, cuboid, cylinder, plane, rounded_cuboid};
+pub use thread::{ThreadForm, thread};
 pub use triangle::triangle;
 
 /// Why a shape cannot be made, in one sentence.
