@@ -203,3 +203,57 @@ fn a_drawing_becomes_closed_lines() {
     run(&["mesh", &ball, "--tol", "0.01", "-o", &folder.text("ball.svg")])
         .fails_with(2, &["depend on z", "obj"]);
 }
+
+#[test]
+fn each_shape_of_a_dictionary_becomes_a_part_with_its_bound() {
+    let folder = Folder::new("script-bodies");
+    let text = "print('two', 2)\n{'case': box(4, 3, 2) - box(3, 2, 9), 'lid': move(sphere(1), 6, 0)}\n";
+    let file = folder.file("two.star", text);
+    let glb = folder.text("two.glb");
+    let made = run(&["mesh", &file, "--tol", "0.05", "-o", &glb, "--json"]);
+    made.succeeds();
+    let report = made.report();
+    assert_eq!(report["certificate"]["bound"]["evidence"], "proved", "{report}");
+    let notes = report["certificate"]["notes"].to_string();
+    assert!(notes.contains("'case': ") && notes.contains("'lid': ") && notes.contains("(proved)"), "{notes}");
+    let said = &report["certificate"]["input"]["warnings"][0];
+    assert_eq!((&said["code"], &said["message"]), (&"script-said".into(), &"two 2".into()));
+    let parts = run(&["inspect", &glb, "--json"]);
+    parts.succeeds();
+    let written = std::fs::read(&glb).expect("it is there");
+    for name in ["case", "lid"] {
+        let quoted = format!("\"name\":\"{name}\"");
+        assert!(written.windows(quoted.len()).any(|part| part == quoted.as_bytes()), "{name}");
+    }
+}
+
+#[test]
+fn files_beside_a_script_are_read_and_none_elsewhere() {
+    let outside = Folder::new("script-outside");
+    let secret = outside.file("secret.star", "r = 1\n");
+    let folder = Folder::new("script-beside");
+    folder.file("lib.star", "def post(h):\n    return cylinder(1, h)\n");
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg'><circle cx='0' cy='0' r='5'/></svg>";
+    folder.file("disc.svg", svg);
+    let text = "load('lib.star', 'post')\nextrude(svg('disc.svg', 0.01), 2) | post(8)\n";
+    let file = folder.file("both.star", text);
+    let made = run(&["inspect", &file, "--json"]);
+    made.succeeds();
+    let input = &made.report()["certificate"]["input"];
+    assert!(input["warnings"].to_string().contains("polygons within"), "{input}");
+    assert!(input.to_string().contains("disc.svg") && input.to_string().contains("lib.star"), "{input}");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(&secret, folder.path("link.star")).expect("a link");
+    for (text, said) in [
+        ("load('../secret.star', 'r')\nsphere(r)\n", "without '..'"),
+        ("load('/etc/passwd', 'r')\nsphere(r)\n", "is not the relative path"),
+        ("load('none.star', 'r')\nsphere(r)\n", "cannot be loaded: no such file"),
+        ("load('link.star', 'r')\nsphere(r)\n", "link"),
+        ("extrude(svg('lib.star', 1), 1)\n", "svg(): 'lib.star' cannot be used"),
+    ] {
+        let file = folder.file("wrong.star", text);
+        let wrong = run(&["inspect", &file]);
+        assert!(wrong.code == 3 && wrong.stderr.contains(said), "{text}: {wrong:?}");
+    }
+    assert!(!secret.is_empty());
+}
