@@ -109,6 +109,7 @@ from chordal._language import (
 from chordal._mesh import Mesh
 from chordal._polylines import Polyline, Polylines
 from chordal._shape import Shape, load, triangles
+from chordal._verify import verify
 from chordal._view import View
 from chordal._volume import Volume, volume
 
@@ -215,6 +216,7 @@ __all__ = [
     "triangles",
     "twist",
     "union",
+    "verify",
     "volume",
     "x",
     "y",

@@ -11,7 +11,7 @@ use crate::output::OutputTarget;
 use crate::output_format::volume_format;
 use crate::run_outcome;
 use crate::spelling::CommandLine;
-use crate::summary::SummaryLines;
+use crate::summary::{self, SummaryLines};
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::report::{DistanceGridFacts, Report, RunFacts};
@@ -39,6 +39,11 @@ pub struct BakeArgs {
     /// Distances only within so many cells of the surface, and the band's width with a sign elsewhere
     #[arg(long, value_name = "W", value_parser = band, allow_hyphen_values = true)]
     pub band: Option<f64>,
+
+    /// Prove how far the surface of the samples, where their interpolant vanishes, is from the triangles, so that the
+    /// bounds of what is made of the samples add to it
+    #[arg(long)]
+    pub bound: bool,
 
     #[command(flatten)]
     pub output: OutputArgs,
@@ -70,7 +75,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     load::refuse_files(&args.output.output, &args.input, &input)?;
     let input_triangles = input.shape.n_triangles();
     let name = source.name();
-    let spec = BakeSpec { cells: args.cells as usize, band: args.band };
+    let spec = BakeSpec { cells: args.cells as usize, band: args.band, is_bounded: args.bound };
     let outcome = bake(input, &spec, to, &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
@@ -89,6 +94,7 @@ fn summary_text(report: &Report) -> String {
     if let Some(facts) = &report.certificate.baked {
         add_grid(&mut lines, facts);
     }
+    lines.add_if("surface", report.certificate.bound.as_ref().map(summary::bound));
     lines.finish_run(&report.run)
 }
 

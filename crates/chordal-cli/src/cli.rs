@@ -9,6 +9,7 @@ use crate::mend::MendArgs;
 use crate::mesh::MeshArgs;
 use crate::render::RenderArgs;
 use crate::studio::StudioArgs;
+use crate::verify::VerifyArgs;
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -33,6 +34,7 @@ Exit codes:
     3  the input cannot be read or is not supported
     4  the output cannot be written
     5  the budget was not reached, or cannot be
+    6  a claim of a certificate was neither re-proved nor refuted
   130  interrupted
 
 Messages go to stderr, data to stdout. '-' is stdin or stdout. Colours obey NO_COLOR.";
@@ -48,6 +50,8 @@ pub enum Verb {
     Inspect(InspectArgs),
     /// Say how far two shapes are apart, proved from both sides
     Deviation(DeviationArgs),
+    /// Re-prove the certificate of a written file, without what made the file
+    Verify(VerifyArgs),
     /// Take away what `inspect` found, and say what was changed
     Mend(MendArgs),
     /// Sample the distance to triangles on a lattice, negative inside

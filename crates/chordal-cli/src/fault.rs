@@ -15,6 +15,8 @@ pub enum Exit {
     Output = 4,
     /// The budget was not reached, or cannot be.
     Budget = 5,
+    /// What was to be proved again was neither proved nor refuted.
+    NotProved = 6,
     /// Somebody asked to stop.
     Interrupted = 130,
 }

@@ -41,6 +41,7 @@ pub mod spelling;
 mod studio;
 mod summary;
 mod temp_output;
+mod verify;
 mod volume;
 mod volume_text;
 
@@ -78,6 +79,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsStr
         Verb::Lod(args) => lod::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Deviation(args) => deviation::run(&args),
+        Verb::Verify(args) => verify::run(&args),
         Verb::Mend(args) => mend::run(&args),
         Verb::Bake(args) => bake::run(&args),
         Verb::Convert(args) => convert::run(&args),
@@ -99,6 +101,7 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Lod(args) => args.console.json,
         Verb::Inspect(args) => args.console.json,
         Verb::Deviation(args) => args.console.json,
+        Verb::Verify(args) => args.console.json,
         Verb::Mend(args) => args.console.json,
         Verb::Bake(args) => args.console.json,
         Verb::Convert(args) => args.console.json,

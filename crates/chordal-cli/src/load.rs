@@ -12,7 +12,7 @@ use chordal::Job;
 use chordal::budget::RefusalCode;
 use chordal::budget::advice::Spell;
 use chordal_io::{Conformance, Format, Limits};
-use chordal_verbs::{FormatHint, Input, Shape, load_within};
+use chordal_verbs::{FormatHint, Input, Shape, load_within, sha256};
 use std::path::Path;
 
 /// Reads what `args` name on the threads of a job, tells its warnings, and adds what the user knows of its space.
@@ -63,6 +63,21 @@ pub fn read_other(args: &InputArgs, job: &Job, console: &Console) -> Result<Inpu
     let bytes = RawInput::read(args, job)?;
     let format = bytes.format(args);
     bytes.load(&applicable_args(args, format), console)
+}
+
+/// As [`read_other`]; what is said of polygons holds only where `is_cage` says so of the digest of the bytes.
+pub fn read_of_digest(
+    args: &InputArgs,
+    is_cage: impl Fn(&str) -> bool,
+    job: &Job,
+    console: &Console,
+) -> Result<Input, Fault> {
+    let bytes = RawInput::read(args, job)?;
+    let mut own = applicable_args(args, bytes.format(args));
+    if own.surface.is_some() && !is_cage(&sha256(&bytes.bytes)) {
+        own.surface = None;
+    }
+    bytes.load(&own, console)
 }
 
 /// Reads the two shapes of a verb that compares. What is said of fields or polygons holds for those of the

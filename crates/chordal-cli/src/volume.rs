@@ -69,6 +69,20 @@ impl VolumeArgs {
         }
     }
 
+    /// The same for any number of shapes.
+    ///
+    /// # Errors
+    /// When none is one and something is said of one.
+    pub fn apply_to_all<'a>(&self, shapes: impl Iterator<Item = &'a mut Shape>) -> Result<(), Fault> {
+        let n = shapes.filter_map(|shape| self.apply_where_volume(shape).then_some(())).count();
+        match self.named().filter(|_| n == 0) {
+            Some(name) => {
+                Err(Fault::usage(format!("{name} is for volumes, and none of the files holds one")))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The first argument that was given.
     pub fn named(&self) -> Option<&'static str> {
         let named = [

@@ -24,5 +24,6 @@ mod script;
 mod script_meshes;
 mod signals;
 mod studio;
+mod verify;
 mod volume;
 mod volume_budget;

@@ -172,7 +172,7 @@ impl Outcome {
 
     /// Distances to the triangles on a lattice, and the report.
     fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Source, String)> {
-        bake_input(py, self.named_input(py)?, BakeSpec { cells, band })
+        bake_input(py, self.named_input(py)?, BakeSpec { cells, band, is_bounded: false })
     }
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts. A glTF may be

@@ -189,7 +189,7 @@ impl Source {
 
     /// Distances to the triangles on a lattice, and the report.
     fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Self, String)> {
-        bake_input(py, self.named_input(), BakeSpec { cells, band })
+        bake_input(py, self.named_input(), BakeSpec { cells, band, is_bounded: false })
     }
 
     /// Triangles or polylines within a budget, as a file of that format would have them.

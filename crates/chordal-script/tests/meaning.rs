@@ -1,7 +1,7 @@
 //! What scripts mean: shapes, operators, parameters, formulas, and the sentences about what is wrong.
+use chordal::Job;
 use chordal::implicit::evaluation::ExprGraph;
 use chordal::implicit::{Distance, DistanceQuality};
-use chordal::Job;
 use chordal_script::{
     FileUse, OpenedFile, RunOptions, Script, ScriptError, ScriptFiles, language, run, run_with,
 };

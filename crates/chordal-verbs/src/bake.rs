@@ -1,11 +1,14 @@
 //! `bake`: a signed distance grid from triangles.
+use crate::geometry_digest::volume_digest;
 use crate::merged_parts;
-use crate::report::{Certificate, DistanceGridFacts};
+use crate::report::{BoundFacts, Certificate, DistanceGridFacts};
+use crate::zero_set::zero_set_deviation;
 use crate::{Input, MeshFailure, Shape, flatten, formats};
 use chordal::Mesh;
-use chordal::budget::{Job, RefusalCode, par_map};
-use chordal::convert::{DistanceGrid, mesh_to_grid};
+use chordal::budget::{Bound, Job, Reference, RefusalCode, par_map};
+use chordal::convert::mesh_to_grid;
 use chordal::explicit::query::Bvh;
+use chordal::implicit::Grid;
 use chordal::math::{add_up, greater, sub_up};
 use chordal_io::{Format, Volume, WriteError, write_volume};
 use std::io::Write;
@@ -18,7 +21,12 @@ pub struct BakeSpec {
     /// The narrow band in cells on either side of the surface; outside it samples are no distances. `None`:
     /// distances everywhere.
     pub band: Option<f64>,
+    /// Whether the distance between the triangles and where the interpolant of the samples vanishes is proved: some
+    /// tenths of a millisecond a triangle.
+    pub is_bounded: bool,
 }
+
+const UNBOUNDED: &str = "nothing was proved of how far the surface of the samples is from the triangles: take smaller cells, and mend holes";
 
 /// A distance grid with its certificate.
 #[derive(Clone, Debug)]
@@ -52,7 +60,7 @@ impl BakeOutcome {
 /// use chordal_verbs::{BakeSpec, FormatHint, bake, load};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 /// let input = load(obj, FormatHint { name: Some("corner.obj"), ..FormatHint::default() }, &Default::default())?;
-/// let outcome = bake(input, &BakeSpec { cells: 8, band: None }, Format::Nrrd, &Default::default())?;
+/// let outcome = bake(input, &BakeSpec { cells: 8, band: None, is_bounded: false }, Format::Nrrd, &Default::default())?;
 /// let facts = outcome.certificate.baked.unwrap();
 /// assert!(facts.solid.is_solid && facts.size == [15; 3] && facts.off_at_most < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -61,7 +69,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     if !to.holds_volumes() {
         return Err(MeshFailure::Usage(format!("{to} holds no lattice; npy and nrrd do").into()));
     }
-    let mut certificate = Certificate::from_input(&input);
+    let mut certificate = Certificate::from_input(&input).by("bake");
     let (kind, frame) = (input.shape.kind(), *input.shape.frame());
     let Shape::Scene(scene) = input.shape else {
         return Err(MeshFailure::Usage(formats::only_triangles("baked", kind)));
@@ -73,7 +81,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
         return Err(MeshFailure::refused(RefusalCode::Empty, "there are no triangles to be away from"));
     }
     let baked = mesh_to_grid(&mesh, spec.cells, spec.band, job).map_err(MeshFailure::from)?;
-    let off = add_up(off_at_most(&mesh, &baked, job)?, placed.moved_at_most);
+    let off = add_up(off_at_most(&mesh, (&baked.grid, baked.band), job)?, placed.moved_at_most);
     if !baked.solid.is_solid() {
         certificate.notes.push(baked.solid.to_string().into());
     }
@@ -81,14 +89,26 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
         certificate.notes.push("npy holds no place and no step: this report has both".into());
     }
     certificate.baked = Some(DistanceGridFacts::new(&baked, off));
-    Ok(BakeOutcome { volume: Volume { frame, ..Volume::from_grid(baked.grid) }, format: to, certificate })
+    let volume = Volume { frame, ..Volume::from_grid(baked.grid) };
+    let found = if spec.is_bounded { zero_set_deviation(&volume.grid, &mesh, job)? } else { None };
+    if spec.is_bounded && found.is_none() {
+        certificate.notes.push(UNBOUNDED.into());
+    }
+    // What transforms moved counts too.
+    let bound = found.map(|found| match placed.moved_at_most {
+        0.0 => found,
+        moved => Bound::proved(0.0, moved, Reference::InputTriangles).then(&found),
+    });
+    certificate.bound = bound.as_ref().map(BoundFacts::new);
+    // An array has no place and no step of its own.
+    certificate.conclude(("volume", to), (to != Format::Npy).then(|| volume_digest(&volume)));
+    Ok(BakeOutcome { volume, format: to, certificate })
 }
 
 /// The largest error of the samples that are distances: each is compared with a lower and an upper bound that
 /// rounding cannot break.
-fn off_at_most(mesh: &Mesh, baked: &DistanceGrid, job: &Job) -> Result<f64, MeshFailure> {
+pub(crate) fn off_at_most(mesh: &Mesh, (grid, band): (&Grid, f64), job: &Job) -> Result<f64, MeshFailure> {
     let bvh = Bvh::build(mesh, job).map_err(MeshFailure::from)?;
-    let grid = &baked.grid;
     let [nx, ny, nz] = grid.size();
     let layers: Vec<usize> = (0..nz).collect();
     let of_layer = |k: usize| {
@@ -96,7 +116,7 @@ fn off_at_most(mesh: &Mesh, baked: &DistanceGrid, job: &Job) -> Result<f64, Mesh
         for row in 0..nx * ny {
             let at = [row % nx, row / nx, k];
             let value = grid.sample(at).abs();
-            if job.is_cancelled() || value >= baked.band {
+            if job.is_cancelled() || value >= band {
                 continue;
             }
             let p = grid.affine().at(at.map(|i| i as f64));

@@ -1,6 +1,7 @@
 //! Cages: their limit surface within a budget, and their refined control meshes.
 use crate::file_rows::to_file_rows;
 use crate::format_rounding::{RoundingTarget, single_precision_note};
+use crate::geometry_digest::{written_digest, written_polygons_digest};
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
 use crate::{Input, MeshFailure, Normals, OutputForm, Shape, formats};
@@ -158,7 +159,7 @@ pub fn refine(
     let form: OutputForm = to.into();
     let to = form.format;
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::from_input(&input);
+    let mut certificate = Certificate::from_input(&input).by("refine");
     let Shape::Cage(polygons) = input.shape else {
         return Err(MeshFailure::Usage(not_a_cage_message(&input.shape, input.format)));
     };
@@ -181,6 +182,7 @@ pub fn refine(
         certificate.bound = bound.map(|bound| crate::report::BoundFacts::new(&bound));
         certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(Warning::counted));
         certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&refined.cage)));
+        certificate.conclude(("cage", to), Some(written_polygons_digest(&refined, to)?));
         return Ok(RefineOutcome { made: ControlMesh::Polygons(refined), format: to, certificate });
     }
     certificate.notes.push(format!("{to} holds triangles alone: polygons were cut into them").into());
@@ -188,6 +190,7 @@ pub fn refine(
     let counted = CountedTriangles::from_scene(&scene, to)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
+    certificate.conclude(("triangles", to), Some(written_digest(&scene, to)?));
     Ok(RefineOutcome { made: ControlMesh::Triangles(scene), format: to, certificate })
 }
 

@@ -1,5 +1,6 @@
 //! `convert`: the same shape in another format, with a note for everything that it does not hold.
 use crate::finish::finish_triangles;
+use crate::geometry_digest::{polylines_digest, volume_digest, written_digest, written_polygons_digest};
 use crate::pass_through::pass_through;
 use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts};
 use crate::request::MeshRequest;
@@ -121,9 +122,10 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
     let form: OutputForm = to.into();
     let to = form.format;
     check_format(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::from_input(&input);
+    let mut certificate = Certificate::from_input(&input).by("convert");
     certificate.notes.extend(polygons_note(&input, to));
-    certificate.notes.extend(left_out_certificate(&mut input.shape));
+    let left_out = left_out_certificate(&mut input.shape);
+    certificate.notes.extend(left_out.filter(|_| !certificate.has_earlier_steps()));
     let bounds = input.shape.bounds()?;
     let (made, bound) = match input.shape {
         Shape::Scene(scene) => {
@@ -179,6 +181,15 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
         certificate.output = Some(Output::Polylines(PolylineFacts::from_polylines(polylines)));
     }
     certificate.bound = Some(BoundFacts::new(&bound));
+    let (kind, geometry) = match &made {
+        ConvertedShape::Triangles(scene) => ("triangles", Some(written_digest(scene, to)?)),
+        ConvertedShape::Polygons(polygons) => ("cage", Some(written_polygons_digest(polygons, to)?)),
+        ConvertedShape::Polylines(lines @ Polylines::Plane(_)) => ("drawing", Some(polylines_digest(lines))),
+        ConvertedShape::Polylines(lines) => ("curves", Some(polylines_digest(lines))),
+        // An array has no place and no step of its own.
+        ConvertedShape::Volume(volume) => ("volume", (to != Format::Npy).then(|| volume_digest(volume))),
+    };
+    certificate.conclude((kind, to), geometry);
     Ok(ConvertOutcome { made, format: to, bound, certificate })
 }
 

@@ -27,6 +27,36 @@ pub fn sha256_of(reader: &mut dyn Read) -> io::Result<String> {
     }
 }
 
+/// A digest of numbers, gathered so that each call of the hash gets many.
+pub(crate) struct Sha256Stream {
+    hash: Sha256,
+    buffer: Vec<u8>,
+}
+
+impl Sha256Stream {
+    /// An empty one, for one kind of thing.
+    pub fn new(kind: &str) -> Self {
+        let mut hash = Sha256::new();
+        hash.update(kind.as_bytes());
+        Self { hash, buffer: Vec::with_capacity(PIECE) }
+    }
+
+    /// Adds numbers, the least byte of each first.
+    pub fn add(&mut self, numbers: &[u64]) {
+        numbers.iter().for_each(|number| self.buffer.extend_from_slice(&number.to_le_bytes()));
+        if self.buffer.len() >= PIECE {
+            self.hash.update(&self.buffer);
+            self.buffer.clear();
+        }
+    }
+
+    /// In hexadecimal.
+    pub fn finish(mut self) -> String {
+        self.hash.update(&self.buffer);
+        hexadecimal(&self.hash.finalize())
+    }
+}
+
 /// Bytes that are read at once; chosen, so that calls of the system cost little beside the digest.
 const PIECE: usize = 1 << 18;
 

@@ -2,6 +2,7 @@
 use crate::collapsed_faces::drop_collapsed_faces;
 use crate::file_rows::{to_file_rows, unsupported};
 use crate::format_rounding::{single_precision_note, storage_within};
+use crate::geometry_digest::{polylines_digest, written_digest};
 use crate::notes::packing_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output, PolylineFacts};
 use crate::request::MeshRequest;
@@ -47,6 +48,7 @@ pub(crate) fn finish_triangles(
     let triangles = counted.output.triangles;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
+    certificate.conclude(("triangles", to), Some(written_digest(&scene, to)?));
     let budget = &asked.budget;
     let met = lengths_are_met(asked, &bound)
         && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)
@@ -83,6 +85,8 @@ pub(crate) fn finish_polylines(
     certificate.output = Some(Output::Polylines(facts));
     let met =
         lengths_are_met(asked, &bound) && asked.budget.segments.is_none_or(|most| facts.segments <= most);
+    let kind = if matches!(polylines, Polylines::Plane(_)) { "drawing" } else { "curves" };
+    certificate.conclude((kind, asked.to), Some(polylines_digest(&polylines)));
     if !met {
         certificate.notes.push(NOT_MET.into());
     }

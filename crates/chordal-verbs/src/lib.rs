@@ -37,6 +37,8 @@ mod finish;
 mod flatten;
 mod format_rounding;
 pub mod formats;
+mod frame_nodes;
+mod geometry_digest;
 mod implicit;
 mod inspect;
 mod isosurface;
@@ -50,6 +52,7 @@ mod merged_parts;
 mod mesh;
 mod normals;
 mod notes;
+mod origin;
 mod outcome;
 mod output_form;
 mod pass_through;
@@ -63,6 +66,7 @@ mod rounded_mesh;
 mod script;
 #[cfg(feature = "script")]
 mod script_files;
+mod seal;
 mod shape;
 mod simplified_isosurface;
 mod simplify;
@@ -73,7 +77,9 @@ mod spell;
 mod straight;
 mod tessellate;
 mod too_fine;
+mod verify;
 mod volume;
+mod zero_set;
 
 pub use bake::{BakeOutcome, BakeSpec, bake};
 #[cfg(feature = "booleans")]
@@ -88,6 +94,7 @@ pub use deviation::{DeviationSpec, deviation};
 pub use digest::{sha256, sha256_of};
 pub use failure::MeshFailure;
 pub use file_extension::extension;
+pub use geometry_digest::geometry_digest;
 pub use implicit::{ImplicitShape, Parameter, ShapeBody};
 pub use inspect::{SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 pub use load::{FormatHint, Input, InputFile, load, load_with, load_within};
@@ -98,9 +105,11 @@ pub use normals::{InvalidNormals, Normals};
 pub use outcome::{MeshOutcome, Tessellation};
 pub use output_form::OutputForm;
 pub use render::{PictureTolerance, RenderOutcome, USUAL_SCREEN, render, render_against};
+pub use seal::seal_of;
 pub use shape::Shape;
 pub use smoothing_width::SmoothingWidth;
 pub use spec::BudgetSpec;
+pub use verify::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport, inputs_to_verify, verify};
 pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 
 /// Runs the example of the page in `docs/` with the tests.

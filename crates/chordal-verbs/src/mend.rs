@@ -98,7 +98,7 @@ pub fn mend(
         return Err(MeshFailure::Usage("no cure is asked for".into()));
     }
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::from_input(&input);
+    let mut certificate = Certificate::from_input(&input).by("mend");
     let bounds = input.shape.bounds()?;
     let kind = input.shape.kind();
     let Shape::Scene(mut scene) = input.shape else {

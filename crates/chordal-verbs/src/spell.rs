@@ -2,6 +2,7 @@
 use crate::report::{Certificate, FindingFacts, Report, WarningFacts};
 use crate::{
     BakeOutcome, ConvertOutcome, Input, LodOutcome, MeshFailure, MeshOutcome, RefineOutcome, RenderOutcome,
+    VerifyReport,
 };
 use chordal::budget::advice::{Spell, Spelling};
 
@@ -24,6 +25,11 @@ macro_rules! by_certificate {
 }
 
 by_certificate! { BakeOutcome ConvertOutcome LodOutcome MeshOutcome RefineOutcome RenderOutcome }
+
+/// It advises no setting.
+impl Spell for VerifyReport {
+    fn spell(&mut self, _: &dyn Spelling) {}
+}
 
 impl Spell for MeshFailure {
     fn spell(&mut self, spelling: &dyn Spelling) {

@@ -1,7 +1,7 @@
 //! `VolumeShape`: a volume with the choice of its surface, and the level that its samples suggest.
 use crate::smoothing_width::SmoothingWidth;
 use chordal::convert::{Border, Inside};
-use chordal::implicit::Samples;
+use chordal::implicit::{Grid, Samples};
 use chordal::math::{Box3, greater, lesser};
 use chordal_io::Volume;
 use std::collections::BTreeMap;
@@ -175,6 +175,20 @@ impl ValueRange {
     }
 }
 
+/// Whether samples at the border of a lattice are inside of the surface at a level, so that it reaches the border.
+pub(crate) fn reaches_border(grid: &Grid, level: f64, inside: Inside) -> bool {
+    let size = grid.size();
+    let is_border = |at: [usize; 3]| (0..3).any(|k| at[k] == 0 || at[k] + 1 == size[k]);
+    let is_inside = |x: f64| match inside {
+        Inside::Low => x <= level,
+        Inside::High => x >= level,
+    };
+    (0..grid.samples().len()).any(|row| {
+        let at = [row % size[0], row / size[0] % size[1], row / size[0] / size[1]];
+        is_border(at) && is_inside(grid.sample(at))
+    })
+}
+
 /// Bins of a histogram.
 const BOXES: usize = 256;
 
@@ -234,7 +248,7 @@ pub(crate) fn type_name(samples: &Samples) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chordal::implicit::{Affine3, Grid};
+    use chordal::implicit::Affine3;
 
     fn suggested(samples: &Samples) -> Option<SuggestedLevel> {
         let grid = Grid::new([samples.len(), 1, 1], samples.clone(), Affine3::IDENTITY).unwrap();

@@ -3,8 +3,10 @@ use super::LodOutcome;
 use super::level_mesh::LevelMesh;
 use super::outcome::LodLayout;
 use super::scene_levels::{SceneLevel, SceneLevels};
-use crate::placements;
-use crate::report::{BoundFacts, Certificate};
+use crate::geometry_digest::written_digest;
+use crate::report::{BoundFacts, Certificate, LevelFacts};
+use crate::seal::{SEAL, seal_of};
+use crate::{MeshFailure, placements};
 use chordal::budget::Bound;
 use chordal::lod::selection::SwitchDistances;
 use chordal::math::{greater, lesser};
@@ -45,9 +47,12 @@ impl LodOutcome {
                 "what is cut in space is a tileset, not one file".to_owned(),
             ));
         };
-        let extras =
-            |level: &SceneLevel| extras_of(&self.certificate, &level.bound, level.triangles, level.vertices);
-        let mut of_levels: Vec<Value> = levels.levels.iter().map(extras).collect();
+        let known = self.certificate.levels.as_ref().map_or(&[][..], |facts| &facts.levels);
+        let extras = |(level, facts): (&SceneLevel, &LevelFacts)| {
+            let counts = (level.triangles, level.vertices);
+            extras_of(&self.certificate, &level.bound, counts, facts.geometry.clone())
+        };
+        let mut of_levels: Vec<Value> = levels.levels.iter().zip(known).map(extras).collect();
         let is_one = of_levels.len() == 1 && levels.coarser.iter().all(Vec::is_empty);
         let certificate = if is_one { of_levels.remove(0) } else { json!({ "levels": of_levels }) };
         Ok((levels, self.coverages(levels), certificate))
@@ -99,15 +104,26 @@ fn gltf_levels<'a>(
 }
 
 /// The extras of one mesh in its file.
-pub(super) fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Value {
-    extras_of(certificate, &made.bound, made.triangles, made.vertices)
+pub(super) fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Result<Value, MeshFailure> {
+    let geometry = written_digest(&made.scene, Format::Glb)?;
+    Ok(extras_of(certificate, &made.bound, (made.triangles, made.vertices), Some(geometry)))
 }
 
-fn extras_of(certificate: &Certificate, bound: &Bound, triangles: u64, vertices: u64) -> Value {
-    json!({
+fn extras_of(
+    certificate: &Certificate,
+    bound: &Bound,
+    (triangles, vertices): (u64, u64),
+    geometry: Option<String>,
+) -> Value {
+    let bound = BoundFacts::new(bound);
+    let mut extras = json!({
         "version": certificate.version,
         "input": certificate.input,
-        "bound": BoundFacts::new(bound),
+        "frame": certificate.frame,
+        "bound": bound,
         "output": { "triangles": triangles, "vertices": vertices },
-    })
+        "history": certificate.history_to(&bound, ("triangles", Format::Glb), geometry),
+    });
+    extras[SEAL] = seal_of(&extras).into();
+    extras
 }

@@ -9,6 +9,7 @@ mod tile_hierarchy;
 mod tileset;
 
 use crate::format_rounding::single_precision_note;
+use crate::geometry_digest::written_digest;
 use crate::notes::packing_note;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output};
 use crate::too_fine::too_fine_note;
@@ -109,7 +110,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         let message = "limits on texture coordinates and normals are for triangles that have some";
         return Err(MeshFailure::refused(RefusalCode::Budget, message));
     }
-    let mut certificate = Certificate::from_input(&input);
+    let mut certificate = Certificate::from_input(&input).by("lod");
     let diagonal = input.shape.diagonal()?;
     let finest = finest(&input.shape, spec, &mut certificate)?;
     let budget = Budget { attributes: spec.attributes, ..Budget::length(finest) };
@@ -160,7 +161,17 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     certificate.notes.dedup();
     let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
     outcome.pack(spec.packing);
+    let mut levels = levels;
+    for (k, level) in levels.iter_mut().enumerate() {
+        level.geometry =
+            outcome.level(k).map(|(scene, _)| written_digest(&scene, Format::Glb)).transpose()?;
+    }
+    let geometry = match levels.first().and_then(|level| level.geometry.clone()) {
+        Some(geometry) => geometry,
+        None => written_digest(outcome.made.finest_scene(), Format::Glb)?,
+    };
     outcome.certificate.levels = Some(outcome.facts(levels));
+    outcome.certificate.conclude(("triangles", Format::Glb), Some(geometry));
     Ok(outcome)
 }
 

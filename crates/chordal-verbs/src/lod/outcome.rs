@@ -72,6 +72,7 @@ fn facts_of(level: &SceneLevel) -> LevelFacts {
         evidence: bound.evidence().as_str(),
         distance: None,
         tiles: 1,
+        geometry: None,
         attributes: attributes.clone(),
     }
 }

@@ -134,6 +134,7 @@ impl TileHierarchy {
                 evidence: self.finest.bound.evidence().as_str(),
                 distance: None,
                 tiles,
+                geometry: None,
                 attributes: Vec::new(),
             };
             if levels.last().is_none_or(|finer| at_most > finer.at_most && level.triangles < finer.triangles)

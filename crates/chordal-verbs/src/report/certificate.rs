@@ -1,18 +1,24 @@
 //! `Certificate`: what holds of a result whatever the machine and the time, for the report and for the file.
+use super::history::gap;
 use super::message_text::message_texts;
 use super::{
-    AttributeFacts, BooleanFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, InputFacts,
-    LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts, SmoothingFacts, ValidityFacts,
-    to_value,
+    AttributeFacts, BooleanFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, HistoryFacts,
+    InputFacts, LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts, SmoothingFacts, StepBound,
+    StepFacts, StepInput, StepOutput, ValidityFacts, to_value,
 };
+use crate::origin::InputOrigin;
+use crate::seal::seal_of;
 use crate::{Input, Shape};
 use chordal::budget::advice::{Cure, Message, Setting};
 use chordal_io::Format;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 /// The reproducible facts of a result, independent of the machine and the time.
+///
+/// Of a result that was made, the last key is its seal: see [`seal_of`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(remote = "Self")]
 pub struct Certificate {
     /// The version of Chordal.
     pub version: &'static str,
@@ -22,6 +28,12 @@ pub struct Certificate {
     pub frame: FrameFacts,
     /// The budget; `None` where there is none.
     pub budget: Option<BudgetFacts>,
+    /// The verb that makes the result.
+    #[serde(skip)]
+    verb: &'static str,
+    /// Where the input comes from.
+    #[serde(skip)]
+    origin: InputOrigin,
     /// The bound; `None` where nothing was made.
     pub bound: Option<BoundFacts>,
     /// The counts of the output; `None` where nothing was made.
@@ -55,6 +67,9 @@ pub struct Certificate {
     /// The shading cost on a graphics processor; only from a rendering that was asked for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overshade: Option<OvershadeFacts>,
+    /// The steps from the first input to this result; only of what was made to be written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<HistoryFacts>,
     /// Further notes for the reader, in sentences.
     #[serde(serialize_with = "message_texts")]
     pub notes: Vec<Message>,
@@ -69,6 +84,8 @@ impl Certificate {
             input: InputFacts::from_input(input),
             frame: FrameFacts::new(input.shape.frame()),
             budget: None,
+            verb: "mesh",
+            origin: InputOrigin::from_input(input),
             bound: None,
             output: None,
             valid: None,
@@ -81,6 +98,7 @@ impl Certificate {
             attributes: Vec::new(),
             levels: None,
             overshade: None,
+            history: None,
             notes: assumed_region(input).into_iter().collect(),
         }
     }
@@ -92,11 +110,83 @@ impl Certificate {
         self.mended.iter().any(|facts| facts.cure == split && !facts.changes.is_empty())
     }
 
+    /// The same for another verb than `mesh`.
+    pub(crate) fn by(self, verb: &'static str) -> Self {
+        Self { verb, ..self }
+    }
+
+    /// Adds the step that made a result to the history of the input: the kind and the format of what was written,
+    /// and the digest of its geometry.
+    pub(crate) fn conclude(&mut self, (kind, format): (&str, Format), geometry: Option<String>) {
+        let step = StepFacts {
+            verb: self.verb.to_owned(),
+            version: self.version.to_owned(),
+            inputs: match &self.boolean {
+                Some(facts) => facts.operands.iter().map(|operand| StepInput::new(&operand.input)).collect(),
+                None => vec![StepInput::new(&self.input)],
+            },
+            output: StepOutput { kind: kind.to_owned(), format: format.to_string(), geometry },
+            bound: self.bound.as_ref().map(StepBound::from_facts),
+        };
+        let InputOrigin { steps, begins } = &self.origin;
+        let (mut steps, mut begins) = (steps.clone(), begins.clone());
+        if let Some(broken) = steps.last().and_then(|before| gap(before, &step)) {
+            (steps, begins) = (Vec::new(), broken);
+        }
+        steps.push(step);
+        self.history = Some(HistoryFacts::new(begins, steps));
+    }
+
+    /// Whether the certificate of the input speaks of what was read, so that its steps may be added to.
+    pub(crate) fn has_earlier_steps(&self) -> bool {
+        !self.origin.steps.is_empty()
+    }
+
+    /// What a file holds that has a bound of its own, as a level of detail has: the same history up to the input.
+    pub(crate) fn history_to(
+        &self,
+        bound: &BoundFacts,
+        written: (&str, Format),
+        geometry: Option<String>,
+    ) -> Option<HistoryFacts> {
+        let mut own = Self { bound: Some(bound.clone()), ..self.clone() };
+        own.conclude(written, geometry);
+        own.history
+    }
+
     /// As JSON, with its keys in order.
     #[must_use]
     pub fn to_value(&self) -> Value {
         to_value(self)
     }
+}
+
+impl Serialize for Certificate {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.history.is_none() {
+            return Self::serialize(self, serializer);
+        }
+        let plain = Unsealed(self);
+        let seal = serde_json::to_value(&plain).map(|value| seal_of(&value)).unwrap_or_default();
+        Sealed { plain, seal }.serialize(serializer)
+    }
+}
+
+/// A certificate without its seal.
+struct Unsealed<'a>(&'a Certificate);
+
+impl Serialize for Unsealed<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Certificate::serialize(self.0, serializer)
+    }
+}
+
+/// A certificate with its seal.
+#[derive(Serialize)]
+struct Sealed<'a> {
+    #[serde(flatten)]
+    plain: Unsealed<'a>,
+    seal: String,
 }
 
 /// The note on the assumed region, where a format does not state the region of its field.

@@ -35,6 +35,9 @@ pub struct LevelFacts {
     pub distance: Option<f64>,
     /// The number of its files.
     pub tiles: u64,
+    /// The digest of its geometry; `None` where it is cut in space, into files with a digest each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub geometry: Option<String>,
     /// How far attributes are from those of the input, where they have limits.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub attributes: Vec<AttributeFacts>,

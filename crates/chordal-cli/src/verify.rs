@@ -1,0 +1,137 @@
+//! `chordal verify`
+use crate::args::{ConsoleArgs, InputArgs};
+use crate::console::{Console, StdoutUse};
+use crate::execution;
+use crate::fault::{Exit, Fault};
+use crate::input::InputSource;
+use crate::load;
+use crate::numbers::{RoundingDirection, short};
+use crate::run_outcome;
+use crate::spelling::CommandLine;
+use crate::summary::SummaryLines;
+use crate::volume::VolumeArgs;
+use chordal::budget::advice::Spell;
+use chordal_verbs::{ClaimFacts, ClaimVerdict, VerifyReport, inputs_to_verify, verify};
+use clap::Args;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// `chordal verify`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Exit codes: 0 when every claim was re-proved, 1 when one is wrong, 6 when one is neither.
+
+Examples:
+  chordal verify teapot.glb --against teapot.bpt
+  chordal verify small.glb --against cage.obj smooth.ply grid.nrrd again.ply
+  chordal verify part.stl --against part.3mf --certificate report.json --json")]
+pub struct VerifyArgs {
+    /// The file that IN was made of; where it took several steps, also the files between, in any order
+    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
+    pub against: Vec<PathBuf>,
+
+    /// The report that --json printed when IN was written, for formats that hold no certificate
+    #[arg(long, value_name = "REPORT")]
+    pub certificate: Option<PathBuf>,
+
+    /// Threads to use; 0 means all. The result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+
+    #[command(flatten)]
+    pub volume: VolumeArgs,
+
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub console: ConsoleArgs,
+}
+
+/// Reads all files, verifies, reports.
+pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
+    let console = Console::new(&args.console);
+    let job = execution::job(&args.input, None, &console).with_threads(args.threads);
+    let name = InputSource::from_arg(&args.input.input).name();
+    let given = args.certificate.as_deref().map(read_report).transpose()?;
+    // What polygons stand for is said of inputs that were read as cages, and of nothing that was made of them.
+    let plain = InputArgs { surface: None, ..args.input.clone() };
+    let mut out = load::read_other(&plain, &job, &console)?;
+    let named = inputs_to_verify(&out, given.as_ref());
+    let is_cage = |sha256: &str| named.iter().any(|of| of.sha256 == sha256 && of.kind == "cage");
+    let mut against = Vec::with_capacity(args.against.len());
+    for path in &args.against {
+        let own = InputArgs { input: path.clone(), from: None, ..args.input.clone() };
+        against.push(load::read_of_digest(&own, is_cage, &job, &console)?);
+    }
+    args.volume.apply_to_all(std::iter::once(&mut out).chain(&mut against).map(|input| &mut input.shape))?;
+    let report = verify(&out, given.as_ref(), &against, &job)
+        .spelled(&CommandLine)
+        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+    console.result(&report, &summary_text(&name, &report), StdoutUse::Free)?;
+    check(&name, &report)
+}
+
+/// The report of the run that wrote the file.
+fn read_report(path: &Path) -> Result<Value, Fault> {
+    let source = InputSource::File(path.to_owned());
+    let bytes = source.read(MOST_BYTES)?;
+    serde_json::from_slice(&bytes)
+        .map_err(|error| Fault::input("not-json", format!("{}: this is no report: {error}", source.name())))
+}
+
+/// The most bytes of a report; chosen: a thousand times those of a usual one.
+const MOST_BYTES: u64 = 64 << 20;
+
+fn check(name: &str, report: &VerifyReport) -> Result<(), Fault> {
+    let (exit, code, how) = match report.verdict {
+        ClaimVerdict::Proved => return Ok(()),
+        ClaimVerdict::Refuted => (Exit::CheckFailed, "refuted", "is wrong"),
+        ClaimVerdict::Open => (Exit::NotProved, "not-re-proved", "was not re-proved"),
+    };
+    let (claim, reason) = match report.worst() {
+        Some(worst) => (&worst.claim[..], worst.reason.as_deref().unwrap_or("no judge says why")),
+        None => ("certificate", "it claims nothing"),
+    };
+    let line = format!("{name}: the claim '{claim}' {how}: {reason}");
+    Err(Fault { reported: true, ..Fault::new(exit, code, line) })
+}
+
+/// The report for people.
+fn summary_text(name: &str, report: &VerifyReport) -> String {
+    let mut lines = SummaryLines::titled(name);
+    for claim in &report.claims {
+        lines.add(verdict_name(claim.verdict), claim_text(claim));
+    }
+    let all = match report.verdict {
+        ClaimVerdict::Proved => "every claim was re-proved",
+        ClaimVerdict::Open => "not every claim was re-proved",
+        ClaimVerdict::Refuted => "a claim is wrong",
+    };
+    lines.add("verdict", all);
+    lines.finish()
+}
+
+fn verdict_name(verdict: ClaimVerdict) -> &'static str {
+    match verdict {
+        ClaimVerdict::Proved => "re-proved",
+        ClaimVerdict::Open => "open",
+        ClaimVerdict::Refuted => "wrong",
+    }
+}
+
+fn claim_text(claim: &ClaimFacts) -> String {
+    let mut text = claim.claim.clone();
+    if let Some((least, Some(most))) = claim.found {
+        let ends = [(least, RoundingDirection::Down), (most, RoundingDirection::Up)];
+        let [least, most] = ends.map(|(end, to)| short(end, to));
+        text += &format!(": between {least} and {most}");
+        if let Some(claimed) = claim.claimed {
+            text += &format!(", at most {} claimed", short(claimed, RoundingDirection::Up));
+        }
+    }
+    if let Some(reason) = &claim.reason {
+        text += &format!(": {reason}");
+    }
+    text
+}

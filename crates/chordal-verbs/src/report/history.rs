@@ -1,0 +1,274 @@
+//! The history of a result: every step since the first file, each with its bound, and their sum.
+use super::{BoundFacts, InputFacts, InputFileFacts};
+use chordal::budget::{Bound, Evidence, Metric, Reference};
+use serde::{Deserialize, Serialize};
+
+/// The steps by which a result came about, as far back as the certificates of the inputs prove it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HistoryFacts {
+    /// Why there is no earlier step.
+    pub begins: HistoryStart,
+    /// The steps, the last of which made this result.
+    pub steps: Vec<StepFacts>,
+    /// The sum of the bounds of all steps: from the first input to this result; `None` where a step has none.
+    pub total: Option<StepBound>,
+}
+
+/// Why a history begins where it does.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HistoryStart {
+    /// "no-certificate" for an input of others; else why what the certificate of the input says does not add up with
+    /// this step: "unreadable", "no-history", "seal", "geometry", "unit", "kind", "surface", "bound", "several-inputs".
+    pub code: String,
+    /// The same in one sentence.
+    pub reason: String,
+}
+
+impl HistoryStart {
+    pub(crate) fn new(code: &str, reason: impl Into<String>) -> Self {
+        Self { code: code.to_owned(), reason: reason.into() }
+    }
+}
+
+/// One step of a history.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepFacts {
+    /// The verb.
+    pub verb: String,
+    /// The version of Chordal.
+    pub version: String,
+    /// What it read: one file, or several that were combined.
+    pub inputs: Vec<StepInput>,
+    /// What it wrote.
+    pub output: StepOutput,
+    /// How far the output is from the input; `None` where nothing is known of that.
+    pub bound: Option<StepBound>,
+}
+
+/// A file that a step read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepInput {
+    /// The kind of shape.
+    pub kind: String,
+    /// The format.
+    pub format: String,
+    /// The SHA-256 of the bytes.
+    pub sha256: String,
+    /// The SHA-256 of the bytes of the files beside it that were read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+}
+
+impl StepInput {
+    pub(crate) fn new(facts: &InputFacts) -> Self {
+        let of_file = |file: &InputFileFacts| file.sha256.clone();
+        Self {
+            kind: facts.kind.to_owned(),
+            format: facts.format.clone(),
+            sha256: facts.sha256.clone(),
+            files: facts.files.iter().map(of_file).collect(),
+        }
+    }
+}
+
+/// What a step wrote.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepOutput {
+    /// The kind of shape.
+    pub kind: String,
+    /// The format.
+    pub format: String,
+    /// The digest of its geometry in the frame of the certificate; `None` where the format does not hold all of it.
+    pub geometry: Option<String>,
+}
+
+/// The part of a bound that adds up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepBound {
+    /// The distance is at least this.
+    pub at_least: f64,
+    /// The distance is at most this; `None` without an upper bound.
+    pub at_most: Option<f64>,
+    /// "proved", "proved-if", "measured" or "estimated".
+    pub evidence: String,
+    /// The assumptions of a proof, for "proved-if".
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub assumptions: Vec<String>,
+    /// The number of samples, for "measured".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u64>,
+    /// The metric of the distance.
+    pub metric: String,
+    /// The reference: the true shape.
+    pub reference: String,
+}
+
+impl StepBound {
+    /// The part of a bound that adds up.
+    #[must_use]
+    pub fn new(bound: &Bound) -> Self {
+        Self::from_facts(&BoundFacts::new(bound))
+    }
+
+    pub(crate) fn from_facts(facts: &BoundFacts) -> Self {
+        Self {
+            at_least: facts.at_least,
+            at_most: facts.at_most,
+            evidence: facts.evidence.to_owned(),
+            assumptions: facts.assumptions.clone(),
+            samples: facts.samples,
+            metric: facts.metric.to_owned(),
+            reference: facts.reference.to_owned(),
+        }
+    }
+
+    /// The bound that it says, where it is one: a file may say anything.
+    #[must_use]
+    pub fn bound(&self) -> Option<Bound> {
+        let evidence = match (&self.evidence[..], &self.assumptions[..], self.samples) {
+            ("proved", [], None) => Evidence::Proved,
+            ("proved-if", [_, ..], None) => Evidence::ProvedIf(self.assumptions.clone()),
+            ("measured", [], Some(samples)) => Evidence::Measured { samples },
+            ("estimated", [], None) => Evidence::Estimated,
+            _ => return None,
+        };
+        let metrics = [Metric::Hausdorff, Metric::Parametric, Metric::OneSided, Metric::Solid];
+        let metric = metrics.into_iter().find(|metric| metric.as_str() == self.metric)?;
+        let references = [
+            Reference::Curves,
+            Reference::BezierPatches,
+            Reference::LimitSurface,
+            Reference::InputTriangles,
+            Reference::Field,
+            Reference::Trilinear,
+            Reference::Boolean,
+        ];
+        let reference = references.into_iter().find(|reference| reference.as_str() == self.reference)?;
+        let is_sound = self.at_least >= 0.0
+            && self.at_least.is_finite()
+            && self.at_most.is_some() == evidence.bounds_above()
+            && self.at_most.is_none_or(|most| self.at_least <= most && most.is_finite());
+        is_sound.then(|| {
+            let mut bound = Bound::with_evidence(self.at_least, self.at_most, evidence, reference);
+            bound.metric = metric;
+            bound
+        })
+    }
+}
+
+impl HistoryFacts {
+    /// The history of steps, with the sum of their bounds.
+    pub(crate) fn new(begins: HistoryStart, steps: Vec<StepFacts>) -> Self {
+        let total = sum(&steps);
+        Self { begins, steps, total }
+    }
+}
+
+/// The sum of the bounds of steps that chain: the upper ends add, and the weakest evidence stays.
+pub(crate) fn sum(steps: &[StepFacts]) -> Option<StepBound> {
+    let mut total: Option<Bound> = None;
+    for step in steps {
+        let next = step.bound.as_ref()?.bound()?;
+        total = Some(total.map_or(next.clone(), |total| total.then(&next)));
+    }
+    total.map(|total| StepBound::new(&total))
+}
+
+/// Why a step does not chain with the one before it, whatever the files are; `None` where it does.
+pub(crate) fn gap(before: &StepFacts, next: &StepFacts) -> Option<HistoryStart> {
+    let [input] = &next.inputs[..] else {
+        let n = next.inputs.len();
+        return Some(HistoryStart::new(
+            "several-inputs",
+            format!("{} combined {n} inputs, and no bound of one of them is one of the result", next.verb),
+        ));
+    };
+    if input.kind != before.output.kind {
+        let reason = format!(
+            "the file was written as {} and read as {}: the bounds are of different shapes",
+            before.output.kind, input.kind
+        );
+        return Some(HistoryStart::new("kind", reason));
+    }
+    let chains = match (&input.kind[..], next.bound.as_ref().map(|bound| &bound.reference[..])) {
+        ("triangles", Some("input triangles")) | ("volume", Some("trilinear interpolant")) => true,
+        // What outlines enclose may change by more than the outlines do.
+        ("drawing" | "curves", Some("curves")) => next.output.kind == input.kind,
+        (_, None) => true,
+        _ => false,
+    };
+    if !chains {
+        let reason = format!("the bound of {} is not against the {} of its input", next.verb, input.kind);
+        return Some(HistoryStart::new("bound", reason));
+    }
+    (before.bound.is_none() || next.bound.is_none()).then(|| {
+        let verb = if before.bound.is_none() { &before.verb } else { &next.verb };
+        HistoryStart::new(
+            "bound",
+            format!("nothing bounds the distance between the input and output of {verb}"),
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(at_most: f64, reference: Reference) -> StepFacts {
+        let input = StepInput {
+            kind: "triangles".into(),
+            format: "ply".into(),
+            sha256: String::new(),
+            files: Vec::new(),
+        };
+        StepFacts {
+            verb: "mesh".into(),
+            version: String::new(),
+            inputs: vec![input],
+            output: StepOutput { kind: "triangles".into(), format: "ply".into(), geometry: None },
+            bound: Some(StepBound::new(&Bound::proved(0.0, at_most, reference))),
+        }
+    }
+
+    #[test]
+    fn the_sum_is_that_of_bounds() {
+        let steps = [step(0.1, Reference::Field), step(0.2, Reference::InputTriangles)];
+        let total = sum(&steps).unwrap();
+        assert!(total.at_most >= Some(0.1 + 0.2) && total.at_most < Some(0.300_001));
+        assert_eq!((&total.reference[..], &total.evidence[..]), ("field", "proved"));
+        assert!(gap(&steps[0], &steps[1]).is_none());
+        // A bound against a field says nothing of triangles.
+        assert_eq!(gap(&steps[1], &steps[0]).unwrap().code, "bound");
+    }
+
+    #[test]
+    fn several_inputs_break_the_chain() {
+        let (first, mut next) = (step(0.1, Reference::Field), step(0.1, Reference::InputTriangles));
+        next.inputs.push(next.inputs[0].clone());
+        assert_eq!(gap(&first, &next).unwrap().code, "several-inputs");
+    }
+
+    #[test]
+    fn what_is_no_bound_is_none() {
+        let good = StepBound::new(&Bound::proved(0.1, 0.2, Reference::Field));
+        assert!(good.bound().is_some());
+        for bad in [
+            StepBound { at_least: -1.0, ..good.clone() },
+            StepBound { at_least: 0.3, ..good.clone() },
+            StepBound { at_most: None, ..good.clone() },
+            StepBound { evidence: "measured".into(), samples: Some(9), ..good.clone() },
+            StepBound { evidence: "proved-if".into(), ..good.clone() },
+            StepBound { evidence: "certain".into(), ..good.clone() },
+            StepBound { metric: "none".into(), ..good.clone() },
+            StepBound { reference: "".into(), ..good },
+        ] {
+            assert!(bad.bound().is_none(), "{bad:?}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! The seal of a certificate: a digest of all that it says. It finds an edit by mistake, and is no signature:
+//! whoever edits on purpose can seal again.
+use crate::digest::sha256;
+use serde_json::{Map, Value};
+
+/// The key of the seal in a certificate.
+pub(crate) const SEAL: &str = "seal";
+
+/// The SHA-256 of a certificate's canonical JSON without its seal: keys in order, no spaces, whole numbers without
+/// a point and others in their shortest form, so that tools that write the same values otherwise do not break it.
+///
+/// ```
+/// use chordal_verbs::seal_of;
+/// let of = |text: &str| seal_of(&serde_json::from_str(text).unwrap());
+/// assert_eq!(of(r#"{"a": 1.0, "b": [true, null]}"#), of(r#"{ "b":[true,null], "a":1, "seal":"x" }"#));
+/// assert_ne!(of(r#"{"a": 1.0}"#), of(r#"{"a": 1.0000000000000002}"#));
+/// ```
+#[must_use]
+pub fn seal_of(certificate: &Value) -> String {
+    let mut text = String::new();
+    match certificate {
+        Value::Object(map) => add_object(&mut text, map, &|key| key != SEAL),
+        other => add(&mut text, other),
+    }
+    sha256(text.as_bytes())
+}
+
+fn add(text: &mut String, value: &Value) {
+    match value {
+        Value::Object(map) => add_object(text, map, &|_| true),
+        Value::Array(items) => {
+            text.push('[');
+            for (i, item) in items.iter().enumerate() {
+                if i > 0 {
+                    text.push(',');
+                }
+                add(text, item);
+            }
+            text.push(']');
+        }
+        Value::Number(number) => match number.as_f64().filter(|x| is_whole(*x)) {
+            Some(whole) => text.push_str(&(whole as i64).to_string()),
+            None => text.push_str(&number.to_string()),
+        },
+        plain => text.push_str(&plain.to_string()),
+    }
+}
+
+fn add_object(text: &mut String, map: &Map<String, Value>, counts: &dyn Fn(&str) -> bool) {
+    let mut keys: Vec<&String> = map.keys().filter(|key| counts(key)).collect();
+    keys.sort_unstable();
+    text.push('{');
+    for (i, key) in keys.into_iter().enumerate() {
+        if i > 0 {
+            text.push(',');
+        }
+        text.push_str(&Value::from(key.as_str()).to_string());
+        text.push(':');
+        add(text, &map[key]);
+    }
+    text.push('}');
+}
+
+/// Whether a number is whole and exact as an i64: below 2⁵³, defined by doubles.
+fn is_whole(x: f64) -> bool {
+    x.fract() == 0.0 && x.abs() < 9_007_199_254_740_992.0
+}

@@ -1,0 +1,273 @@
+//! How far a result is from what it was made of, by judges that know nothing of how it was made.
+use super::claims::ClaimList;
+use crate::bake::off_at_most;
+use crate::frame_nodes::without_frame_nodes;
+use crate::seal::seal_of;
+use crate::volume::{ValueRange, VolumeShape};
+use crate::zero_set::level_field;
+use crate::{Input, MeshFailure, Shape, field, flatten, merged_parts};
+use chordal::budget::{Bound, JobError, Metric, Reference, Tolerance};
+use chordal::check::{self, Goal, OneSidedDistance};
+use chordal::convert::Inside;
+use chordal::convert::has_meshes;
+use chordal::explicit::Cage;
+use chordal::math::{add_up, greater, sub_down};
+use chordal::{Job, Mesh};
+use chordal_io::{Frame, Scene};
+use serde_json::Value;
+use std::collections::HashSet;
+
+/// A result and its reference.
+pub(super) struct BoundJudge<'a> {
+    pub reference: &'a Input,
+    pub result: &'a Input,
+    /// The frame of the lengths in the certificate of the result.
+    pub frame: &'a Frame,
+    pub job: &'a Job,
+}
+
+/// What a judge found.
+pub(super) enum JudgedBound {
+    /// The distance, enclosed.
+    Between(Bound),
+    /// There is no judge for these two, or it gave up; in one sentence.
+    Unable(String),
+}
+
+/// Triangles in the frame of a certificate, and how far transforms have moved them at most.
+struct JudgedMesh {
+    mesh: Mesh,
+    moved: f64,
+}
+
+impl JudgedMesh {
+    fn new(scene: Scene) -> Result<Self, MeshFailure> {
+        let placed = flatten::flatten(scene)?;
+        let mesh = merged_parts::one_mesh(&placed.scene)?.into_owned();
+        Ok(Self { mesh, moved: placed.moved_at_most })
+    }
+}
+
+impl BoundJudge<'_> {
+    /// The distance between the two, looked at closely enough to decide on a claim if possible.
+    pub fn judge(&self, said: &Bound) -> Result<JudgedBound, MeshFailure> {
+        let max = said.at_most().and_then(|most| Tolerance::new(most).ok());
+        if said.metric == Metric::Parametric {
+            return unable("the claim is of points of equal parameter, which the file does not hold");
+        }
+        if let (Shape::Scene(read), Shape::Volume(written)) = (&self.reference.shape, &self.result.shape) {
+            let mesh = JudgedMesh::new(read.clone())?;
+            return self.against_volume((&mesh, written), &Goal { max, ..Goal::default() }, said);
+        }
+        let Shape::Scene(written) = &self.result.shape else {
+            return unable(&format!(
+                "there is no judge of {} against {}",
+                self.result.shape.kind(),
+                self.reference.shape.kind()
+            ));
+        };
+        let mesh = self.result_triangles(written)?;
+        let goal = Goal { max, ..Goal::default() };
+        match &self.reference.shape {
+            Shape::Scene(read) => self.against_triangles(&mesh, read, said, &goal),
+            Shape::Patches { patches, .. } => {
+                let found = check::patch_deviation(&mesh.mesh, patches, &goal, self.job);
+                conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
+            }
+            Shape::Cage(polygons) => self.against_cage(&mesh, &polygons.cage, said, &goal),
+            Shape::Field(implicit) if !implicit.bodies.is_empty() => {
+                unable("there is no judge of several shapes of a script at once")
+            }
+            Shape::Field(implicit) => match field::finite(implicit) {
+                Ok(solid) if has_meshes(&solid) => unable("there is no judge of a field with meshes in it"),
+                Ok(solid) => {
+                    let found = check::field_deviation(&mesh.mesh, &solid, &goal, self.job);
+                    conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
+                }
+                Err(failure) => unable(&failure.to_string()),
+            },
+            Shape::Volume(sampled) => self.against_volume((&mesh, sampled), &goal, said),
+            Shape::Drawing(_) | Shape::Curves(_) => {
+                unable("there is no judge of triangles against the outlines that they fill")
+            }
+        }
+    }
+
+    /// The triangles of the result, as they were before a glTF turned and scaled them.
+    fn result_triangles(&self, scene: &Scene) -> Result<JudgedMesh, MeshFailure> {
+        JudgedMesh::new(without_frame_nodes(scene, self.result.format, self.frame).into_owned())
+    }
+
+    fn against_triangles(
+        &self,
+        mesh: &JudgedMesh,
+        read: &Scene,
+        said: &Bound,
+        goal: &Goal,
+    ) -> Result<JudgedBound, MeshFailure> {
+        let reference = JudgedMesh::new(read.clone())?;
+        let moved = if mesh.moved == 0.0 { reference.moved } else { add_up(mesh.moved, reference.moved) };
+        if is_part_of(&reference.mesh, &mesh.mesh)
+            && (said.metric == Metric::OneSided || is_part_of(&mesh.mesh, &reference.mesh))
+        {
+            return Ok(JudgedBound::Between(Bound::proved(0.0, moved, Reference::InputTriangles)));
+        }
+        // Faces that correspond: no point moves farther than the corners of its face.
+        let by_corners = corners_moved(&mesh.mesh, &reference.mesh);
+        if let Some(most) =
+            by_corners.map(|most| add_up(most, moved)).filter(|most| Some(*most) <= said.at_most())
+        {
+            return Ok(JudgedBound::Between(Bound::proved(0.0, most, Reference::InputTriangles)));
+        }
+        let found = check::deviation(&mesh.mesh, &reference.mesh, goal, self.job);
+        conclude(found.map(|found| (found.bound, found.backward)), moved, said)
+    }
+
+    fn against_cage(
+        &self,
+        mesh: &JudgedMesh,
+        cage: &Cage,
+        said: &Bound,
+        goal: &Goal,
+    ) -> Result<JudgedBound, MeshFailure> {
+        let found = check::cage_deviation(&mesh.mesh, cage, goal, self.job);
+        conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
+    }
+
+    /// Triangles and the surface that samples have at a level.
+    fn against_volume(
+        &self,
+        (mesh, sampled): (&JudgedMesh, &VolumeShape),
+        goal: &Goal,
+        said: &Bound,
+    ) -> Result<JudgedBound, MeshFailure> {
+        let Some((level, inside)) = level_of(sampled) else {
+            return unable(
+                "there is no judge of the surfaces of labels, smoothed masks and samples without a level",
+            );
+        };
+        let Some(solid) = level_field(&sampled.volume.grid, level, inside) else {
+            return unable("a sample is no number, or the surface reaches the border of the samples");
+        };
+        let found = check::field_deviation(&mesh.mesh, &solid, goal, self.job);
+        conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
+    }
+}
+
+/// The level of the surface that a volume stands for, and its inside, as `mesh` has them.
+fn level_of(sampled: &VolumeShape) -> Option<(f64, Inside)> {
+    let surface = &sampled.surface;
+    if surface.labels.is_some() || surface.smooth.is_some() {
+        return None;
+    }
+    let suggested = ValueRange::from_samples(sampled.volume.grid.samples()).suggest(&sampled.volume);
+    let level = surface.level.or(suggested.map(|found| found.level))?;
+    let usual = suggested.map_or(Inside::High, |found| found.inside);
+    Some((level, surface.inside.unwrap_or(usual)))
+}
+
+/// The distance in the metric of the claim, with what transforms moved.
+fn conclude(
+    found: Result<(Bound, OneSidedDistance), JobError>,
+    moved: f64,
+    said: &Bound,
+) -> Result<JudgedBound, MeshFailure> {
+    let (bound, backward) = match found {
+        Ok(found) => found,
+        Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+        Err(JobError::Refused(refusal)) => return unable(&refusal.message.to_string()),
+    };
+    let (least, most) = match said.metric {
+        // From the true shape to the result: the second of the two is the true shape.
+        Metric::OneSided => (backward.at_least, bound.at_most().map(|_| backward.at_most)),
+        _ => (bound.at_least(), bound.at_most()),
+    };
+    let least = if moved == 0.0 { least } else { greater(sub_down(least, moved), 0.0) };
+    let most = most.map(|most| if moved == 0.0 { most } else { add_up(most, moved) });
+    let mut judged = Bound::with_evidence(least, most, bound.evidence().clone(), bound.reference);
+    judged.metric = said.metric;
+    Ok(JudgedBound::Between(judged))
+}
+
+fn unable(why: &str) -> Result<JudgedBound, MeshFailure> {
+    Ok(JudgedBound::Unable(why.to_owned()))
+}
+
+/// Whether every face of the first is one of the second, wound either way.
+fn is_part_of(part: &Mesh, whole: &Mesh) -> bool {
+    let faces: HashSet<[[u64; 3]; 3]> =
+        (0..whole.faces().len()).map(|face| corner_bits(whole, face)).collect();
+    (0..part.faces().len()).all(|face| faces.contains(&corner_bits(part, face)))
+}
+
+/// The corners of a face by their bits, in order; both zeros are one.
+fn corner_bits(mesh: &Mesh, face: usize) -> [[u64; 3]; 3] {
+    let mut corners = mesh.corners(face).map(|corner| corner.map(|x| (x + 0.0).to_bits()));
+    corners.sort_unstable();
+    corners
+}
+
+/// The farthest that a corner is from the same corner of the same face; `None` where the faces differ in number.
+fn corners_moved(a: &Mesh, b: &Mesh) -> Option<f64> {
+    if a.faces().len() != b.faces().len() {
+        return None;
+    }
+    let mut most = 0.0;
+    for face in 0..a.faces().len() {
+        for (p, q) in a.corners(face).into_iter().zip(b.corners(face)) {
+            most = greater(distance_up(p, q), most);
+        }
+    }
+    Some(most)
+}
+
+fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
+    let sides: [f64; 3] = std::array::from_fn(|k| {
+        let (low, high) = (chordal::math::sub_down(p[k], q[k]), chordal::math::sub_up(p[k], q[k]));
+        greater(low.abs(), high.abs())
+    });
+    let squares = sides.map(|side| chordal::math::mul_up(side, side));
+    chordal::math::sqrt_up(add_up(add_up(squares[0], squares[1]), squares[2]))
+}
+
+/// Compares what a certificate says of a baked grid with its samples and with the triangles.
+pub(super) fn check_baked(
+    baked: &Value,
+    (read, written): (&Input, &Input),
+    claims: &mut ClaimList,
+    job: &Job,
+) -> Result<(), MeshFailure> {
+    let (Shape::Scene(scene), Shape::Volume(sampled)) = (&read.shape, &written.shape) else {
+        claims.refute(
+            "baked",
+            "the certificate speaks of a baked grid, and the file or its input is something else",
+        );
+        return Ok(());
+    };
+    let placed = flatten::flatten(scene.clone())?;
+    let mesh = merged_parts::one_mesh(&placed.scene)?;
+    let band = baked.get("band").and_then(Value::as_f64).unwrap_or(f64::INFINITY);
+    let said = baked.get("off_at_most").and_then(Value::as_f64);
+    let off = add_up(off_at_most(&mesh, (&sampled.volume.grid, band), job)?, placed.moved_at_most);
+    let holds = said.is_some_and(|said| off <= said);
+    claims.decide(
+        "baked/off_at_most",
+        holds,
+        "a sample is farther from the distance to the triangles than is claimed",
+    );
+    let grid = &sampled.volume.grid;
+    let facts = [
+        ("size", serde_json::to_value(grid.size()).unwrap_or_default()),
+        ("origin", serde_json::to_value(grid.affine().at([0.0; 3])).unwrap_or_default()),
+        ("spacing", grid.affine().rows()[0][0].into()),
+    ];
+    for (key, found) in facts {
+        let claim = format!("baked/{key}");
+        claims.decide(
+            &claim,
+            baked.get(key).is_some_and(|said| seal_of(said) == seal_of(&found)),
+            "the lattice of the file is another one",
+        );
+    }
+    Ok(())
+}

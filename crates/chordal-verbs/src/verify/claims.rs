@@ -1,0 +1,92 @@
+//! What `verify` says: every claim of a certificate with its verdict.
+use serde::Serialize;
+
+/// The name of this version of the report of `verify`, which `docs/schema/verify.schema.json` describes.
+pub const VERIFY_SCHEMA: &str = "chordal.verify/1";
+
+/// What is known of a claim. The worst of all claims is the verdict on the certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClaimVerdict {
+    /// It holds: it was proved again, or counted again.
+    #[serde(rename = "re-proved")]
+    Proved,
+    /// It was neither proved nor refuted.
+    #[serde(rename = "not re-proved")]
+    Open,
+    /// It is wrong.
+    Refuted,
+}
+
+/// A claim of a certificate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClaimFacts {
+    /// Which claim, as a path in the certificate or a word of `docs/verify.md`.
+    pub claim: String,
+    /// What is known of it.
+    pub verdict: ClaimVerdict,
+    /// Why it does not hold, or was not decided, in one sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// For a bound: the most that is claimed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub claimed: Option<f64>,
+    /// For a bound: the ends of the distance as they were proved again; the upper is `None` where nothing bounds it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub found: Option<(f64, Option<f64>)>,
+}
+
+/// The report of `verify`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VerifyReport {
+    /// [`VERIFY_SCHEMA`].
+    pub schema: &'static str,
+    /// The worst verdict.
+    pub verdict: ClaimVerdict,
+    /// All claims, in the order in which they were looked at.
+    pub claims: Vec<ClaimFacts>,
+}
+
+impl VerifyReport {
+    pub(super) fn new(ClaimList(claims): ClaimList) -> Self {
+        let verdict = claims.iter().map(|claim| claim.verdict).max().unwrap_or(ClaimVerdict::Open);
+        Self { schema: VERIFY_SCHEMA, verdict, claims }
+    }
+
+    /// The first of the worst claims: the one to tell of.
+    #[must_use]
+    pub fn worst(&self) -> Option<&ClaimFacts> {
+        self.claims.iter().find(|claim| claim.verdict == self.verdict)
+    }
+}
+
+/// The claims so far.
+#[derive(Debug, Default)]
+pub(super) struct ClaimList(Vec<ClaimFacts>);
+
+impl ClaimList {
+    pub fn add(&mut self, claim: ClaimFacts) {
+        self.0.push(claim);
+    }
+
+    pub fn prove(&mut self, claim: &str) {
+        self.say(claim, ClaimVerdict::Proved, None);
+    }
+
+    pub fn refute(&mut self, claim: &str, reason: impl Into<String>) {
+        self.say(claim, ClaimVerdict::Refuted, Some(reason.into()));
+    }
+
+    pub fn open(&mut self, claim: &str, reason: impl Into<String>) {
+        self.say(claim, ClaimVerdict::Open, Some(reason.into()));
+    }
+
+    /// A claim that is right or wrong.
+    pub fn decide(&mut self, claim: &str, holds: bool, reason: &str) {
+        if holds { self.prove(claim) } else { self.refute(claim, reason) }
+    }
+
+    fn say(&mut self, claim: &str, verdict: ClaimVerdict, reason: Option<String>) {
+        self.add(ClaimFacts { claim: claim.to_owned(), verdict, reason, claimed: None, found: None });
+    }
+}

@@ -1,0 +1,186 @@
+//! `verify`: re-proves the certificate of a written file, without what made the file.
+mod bound_judge;
+mod claims;
+mod counts;
+mod steps;
+
+pub use claims::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport};
+
+use crate::geometry_digest::digest_in_frame;
+use crate::origin::{embedded_certificate, stated_frame};
+use crate::report::{HistoryFacts, StepBound, StepFacts, StepInput};
+use crate::seal::{SEAL, seal_of};
+use crate::{Input, MeshFailure};
+use chordal::Job;
+use claims::ClaimList;
+use serde_json::Value;
+use steps::ProvedSteps;
+
+/// Re-proves what the certificate of `out` claims, from `out` itself and from the files that it was made of,
+/// `against`: its input, and for a history of several steps the files between, in any order.
+///
+/// The certificate is that in the file, or `given`: a report, or the certificate of one, for formats that hold none.
+/// Only the judges of `chordal::check` are asked; nothing is made again. Claims are: the seal over the certificate;
+/// the digest of the geometry; the counts of the output, and whether it is closed and manifold; that an input is the
+/// one that the certificate names; the bound of every step; and the sum of these. The verdict is
+/// [`ClaimVerdict::Proved`] where every claim holds, [`ClaimVerdict::Refuted`] where one is wrong, else
+/// [`ClaimVerdict::Open`].
+///
+/// Cost: that of [`crate::deviation()`] for each step.
+///
+/// # Errors
+/// [`MeshFailure::Usage`] where there is no certificate; [`MeshFailure::Cancelled`].
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{BudgetSpec, ClaimVerdict, FormatHint, load, mesh, verify};
+/// let read = |bytes: &[u8], name| load(bytes, FormatHint { name: Some(name), ..FormatHint::default() }, &Default::default());
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0.001\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+/// let spec = BudgetSpec { length: Some("0.01".parse()?), ..BudgetSpec::default() };
+/// let mut ply = Vec::new();
+/// mesh(read(obj, "a.obj")?, &spec, Format::Ply, &Default::default())?.write(&mut ply)?;
+/// let verified = verify(&read(&ply, "b.ply")?, None, &[read(obj, "a.obj")?], &Default::default())?;
+/// assert_eq!(verified.verdict, ClaimVerdict::Proved);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn verify(
+    out: &Input,
+    given: Option<&Value>,
+    against: &[Input],
+    job: &Job,
+) -> Result<VerifyReport, MeshFailure> {
+    let mut claims = ClaimList::default();
+    let embedded = embedded_certificate(&out.shape);
+    let given = given.map(in_report);
+    let Some(certificate) = given.or(embedded) else {
+        let message = "there is no certificate to verify: the file carries none, and no report was given";
+        return Err(MeshFailure::Usage(message.into()));
+    };
+    check_seal(certificate, &mut claims);
+    if let (Some(given), Some(embedded)) = (given, embedded) {
+        // Levels of detail in one file carry less than the report, and the same history.
+        let [given, embedded] = [given, embedded].map(|of| of.get("history").map(seal_of));
+        if given == embedded {
+            claims.prove("certificate");
+        } else {
+            claims.open("certificate", "the file carries another certificate than the one that was given");
+        }
+    }
+    counts::check(out, certificate, &mut claims)?;
+    match history(certificate) {
+        Ok(history) => {
+            check_geometry(out, certificate, &history, &mut claims)?;
+            check_last_step(certificate, &history, &mut claims);
+            ProvedSteps { out, certificate, history: &history, against, job }.check(&mut claims)?;
+        }
+        Err(why) => claims.open("history", why),
+    }
+    Ok(VerifyReport::new(claims))
+}
+
+/// The inputs that the certificate of `out`, or the report that is `given` in its place, names: which files to verify
+/// against, and as which kinds of shapes they were read.
+///
+/// ```
+/// use chordal_verbs::{FormatHint, inputs_to_verify, load};
+/// let plain = load(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", FormatHint::default(), &Default::default())?;
+/// assert!(inputs_to_verify(&plain, None).is_empty());
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+#[must_use]
+pub fn inputs_to_verify(out: &Input, given: Option<&Value>) -> Vec<StepInput> {
+    let certificate = given.map(in_report).or(embedded_certificate(&out.shape));
+    let steps = certificate.and_then(|certificate| history(certificate).ok()).map(|history| history.steps);
+    steps.into_iter().flatten().flat_map(|step| step.inputs).collect()
+}
+
+/// The certificate in a report, or what is one itself.
+fn in_report(report: &Value) -> &Value {
+    report.get("certificate").unwrap_or(report)
+}
+
+fn check_seal(certificate: &Value, claims: &mut ClaimList) {
+    match certificate.get(SEAL).and_then(Value::as_str) {
+        None => claims.refute("seal", "the certificate has no seal"),
+        Some(seal) => claims.decide(
+            "seal",
+            seal == seal_of(certificate),
+            "the certificate was edited: its seal is not that of its content",
+        ),
+    }
+}
+
+/// The history in a certificate, if it can be read.
+fn history(certificate: &Value) -> Result<HistoryFacts, &'static str> {
+    let history = certificate.get("history").filter(|history| !history.is_null());
+    let history = history.ok_or("the certificate has no history, as those of earlier versions have none")?;
+    let history: HistoryFacts =
+        serde_json::from_value(history.clone()).map_err(|_| "the history cannot be read")?;
+    if history.steps.is_empty() { Err("the history has no step") } else { Ok(history) }
+}
+
+fn check_geometry(
+    out: &Input,
+    certificate: &Value,
+    history: &HistoryFacts,
+    claims: &mut ClaimList,
+) -> Result<(), MeshFailure> {
+    let said = history.steps.last().and_then(|step| step.output.geometry.as_ref());
+    let frame = stated_frame(certificate);
+    let found = digest_in_frame(&out.shape, out.format, &frame)?;
+    match (said, found) {
+        (Some(said), Some(found)) => claims.decide(
+            "geometry",
+            *said == found,
+            "the file holds another geometry than the certificate speaks of: it was changed afterwards",
+        ),
+        (None, _) => claims.open(
+            "geometry",
+            format!("the certificate has no digest: {} does not hold all of the geometry", out.format),
+        ),
+        (_, None) => {
+            claims.refute("geometry", format!("the file holds {}, which has no digest", out.shape.kind()))
+        }
+    }
+    Ok(())
+}
+
+/// The last step and the certificate say the same in two places.
+fn check_last_step(certificate: &Value, history: &HistoryFacts, claims: &mut ClaimList) {
+    let Some(last) = history.steps.last() else { return };
+    let own = |at: &str| certificate.pointer(at).cloned().unwrap_or(Value::Null);
+    let is_same_bound = match (&last.bound, own("/bound")) {
+        (None, Value::Null) => true,
+        (Some(bound), facts) => is_same_bound(bound, &facts),
+        _ => false,
+    };
+    claims.decide(
+        "history/last/bound",
+        is_same_bound,
+        "the last step of the history has another bound than the certificate",
+    );
+    if let [input] = &last.inputs[..] {
+        let is_same = own("/input/sha256") == input.sha256.as_str()
+            && own("/input/kind") == input.kind.as_str()
+            && own("/input/format") == input.format.as_str();
+        claims.decide(
+            "history/last/input",
+            is_same,
+            "the last step of the history has another input than the certificate",
+        );
+    }
+}
+
+/// Whether a step's bound says what the facts of a certificate's bound say.
+fn is_same_bound(bound: &StepBound, facts: &Value) -> bool {
+    let said = serde_json::to_value(bound).unwrap_or_default();
+    let is_same =
+        |(key, value): (&String, &Value)| facts.get(key).is_some_and(|fact| seal_of(fact) == seal_of(value));
+    said.as_object().is_some_and(|said| said.iter().all(is_same))
+}
+
+/// A step in words.
+fn words_of(step: &StepFacts) -> String {
+    let inputs: Vec<&str> = step.inputs.iter().map(|input| &input.kind[..]).collect();
+    format!("{} from {} to {}", step.verb, inputs.join(" and "), step.output.kind)
+}

@@ -1,0 +1,71 @@
+//! Where samples on a lattice are at a level: as a field, and how far that surface is from triangles.
+use crate::volume::reaches_border;
+use crate::{ImplicitShape, MeshFailure};
+use chordal::budget::{Bound, JobError, Reference, Tolerance};
+use chordal::check::{self, Goal};
+use chordal::convert::Inside;
+use chordal::implicit::evaluation::Trilinear;
+use chordal::implicit::{Expr, Field, Grid};
+use chordal::math::{Box3, greater};
+use chordal::{Job, Mesh};
+use chordal_io::Frame;
+use std::sync::Arc;
+
+/// The interpolant of samples as a field, negative inside of the surface at a level; `None` where a sample is no
+/// number or the surface reaches the border, beyond which the samples say nothing.
+pub(crate) fn level_field(grid: &Grid, level: f64, inside: Inside) -> Option<Field> {
+    if grid.samples().count_not_finite() != [0; 2] || reaches_border(grid, level, inside) {
+        return None;
+    }
+    let leaf = Expr::leaf(Arc::new(Trilinear::new(grid.clone())), Expr::axes());
+    let expr = match inside {
+        Inside::Low if level == 0.0 => leaf,
+        Inside::Low => leaf - level,
+        Inside::High => -leaf + level,
+    };
+    let last = grid.size().map(|n| (n - 1) as f64);
+    let corner = |corner: usize| {
+        grid.affine().at(std::array::from_fn(|k| if corner >> k & 1 == 1 { last[k] } else { 0.0 }))
+    };
+    let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
+    // All that is inside is within the box, so that cutting the field off there changes nothing, and makes it known.
+    let region = Some(Box3::from_points(&corners));
+    let implicit = ImplicitShape {
+        field: Field::new(expr),
+        region,
+        frame: Frame::default(),
+        parameters: Vec::new(),
+        bodies: Vec::new(),
+    };
+    Some(implicit.solid())
+}
+
+/// The distance between triangles and where the interpolant of samples vanishes, both ways, judged without knowing
+/// how the samples were made; `None` where nothing can be proved.
+///
+/// A limit is asked for and not the distance itself, which would take some fifty times as long: the first of a few
+/// shares of the spacing that holds.
+pub(crate) fn zero_set_deviation(grid: &Grid, mesh: &Mesh, job: &Job) -> Result<Option<Bound>, MeshFailure> {
+    let Some(field) = level_field(grid, 0.0, Inside::Low) else { return Ok(None) };
+    let rows = grid.affine().rows();
+    let spacing =
+        [rows[0][0], rows[1][1], rows[2][2]].into_iter().fold(0.0, |most, x| greater(x.abs(), most));
+    for share in SHARES {
+        let Ok(max) = Tolerance::new(share * spacing) else { continue };
+        let goal = Goal { max: Some(max), ..Goal::default() };
+        match check::field_deviation(mesh, &field, &goal, job) {
+            Ok(found) if found.bound.at_most().is_some_and(|most| most <= max.get()) => {
+                let mut bound = found.bound;
+                bound.reference = Reference::InputTriangles;
+                return Ok(Some(bound));
+            }
+            Ok(_) | Err(JobError::Refused(_)) => {}
+            Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+        }
+    }
+    Ok(None)
+}
+
+/// Shares of the spacing of samples: smooth surfaces are within the first, and the last is the most that the
+/// interpolant of true distances can be off on its own surface, √3/2 of it, rounded up. Chosen, but for the last.
+const SHARES: [f64; 3] = [0.125, 0.5, 0.875];

@@ -1,0 +1,41 @@
+"""`verify`: the certificate of a written file, proved again."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
+from typing import Any
+
+from chordal._errors import ReadError
+
+__all__ = ["verify"]
+
+# The exit codes of the command with a verdict in its report.
+_JUDGED = (0, 1, 6)
+
+
+def verify(
+    path: str | PathLike[str],
+    against: Sequence[str | PathLike[str]],
+    *,
+    certificate: str | PathLike[str] | None = None,
+    options: Mapping[str, str] | None = None,
+) -> dict[str, Any]:
+    """Prove the certificate of the file at `path` again, from the files that it was made of.
+
+    `certificate` is a report for formats that hold none, and `options` are more options of the command by their
+    names, as in `{"surface": "catmull-clark"}`. The verdict is "re-proved", "not re-proved" or "refuted"; every claim
+    has one of its own. It runs the command in a process of its own, since judges may take long.
+    """
+    words = [sys.executable, "-m", "chordal", "verify", fspath(path), "--json"]
+    for name, value in (options or {}).items():
+        words.append(f"--{name}={value}")
+    if certificate is not None:
+        words += ["--certificate", fspath(certificate)]
+    words += ["--against", *map(fspath, against)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode not in _JUDGED:
+        raise ReadError("unverifiable", None, done.stderr.strip().removeprefix("chordal: "))
+    report: dict[str, Any] = json.loads(done.stdout)
+    return report
