@@ -106,6 +106,30 @@ fn other_shapes_are_meshed_within_the_budget_first() {
 }
 
 #[test]
+fn an_open_scan_less_a_field_is_a_solid_that_prints() {
+    let folder = Folder::new("boolean-open");
+    // A box without its lid, and a ball that takes a bite out of its floor.
+    let whole = cuboid([-1.0; 3], [1.0; 3], "red");
+    let lidless: Vec<&str> = whole.lines().filter(|line| !["f 5 6 8", "f 5 8 7"].contains(line)).collect();
+    let open = folder.file("open.obj", lidless.join("\n"));
+    let ball = folder.file("ball.star", "move(sphere(0.5), 0, 0, -1)\n");
+    let out = folder.text("out.stl");
+    run(&["mesh", &open, "--minus", &ball, "-o", &out])
+        .fails_with(3, &["the input", "4 edges have one", "a length"]);
+    let made = run(&["mesh", &open, "--minus", &ball, "--tol", "0.1", "-o", &out, "--json"]);
+    made.succeeds();
+    let report = made.report();
+    let valid = &report["certificate"]["valid"];
+    for what in ["closed", "edge_manifold", "vertex_manifold", "oriented"] {
+        assert_eq!(valid[what], true, "{what}: {report:#}");
+    }
+    assert_eq!(report["certificate"]["bound"]["evidence"], "proved-if");
+    assert!(number(&report, "/certificate/bound/at_most") <= 0.1);
+    let notes = report["certificate"]["notes"].to_string();
+    assert!(notes.contains("winding number is above a half"), "{notes}");
+}
+
+#[test]
 fn bad_operands_are_sentences() {
     let folder = Folder::new("boolean-bad");
     let whole = folder.file("whole.obj", CLOSED_OBJ);

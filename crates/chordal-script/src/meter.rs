@@ -1,7 +1,7 @@
 //! `Meter`: resource use of a script, beyond what the interpreter counts itself.
 use crate::files::{FileUse, MOST_FILES, OpenedFile, OpenedShapes, ScriptFiles};
 use crate::language::Arg;
-use crate::{Limits, Parameter, RunOptions};
+use crate::{Limits, Parameter};
 use chordal::Job;
 use chordal::implicit::Field;
 use starlark::any::ProvidesStaticType;
@@ -54,13 +54,17 @@ impl fmt::Display for LimitError {
 impl std::error::Error for LimitError {}
 
 impl<'e> Meter<'e> {
-    pub fn new(options: &RunOptions, (files, job): (&'e dyn ScriptFiles, &'e Job), n_cuts: usize) -> Self {
+    pub fn new(
+        (limits, set): (Limits, BTreeMap<String, f64>),
+        (files, job): (&'e dyn ScriptFiles, &'e Job),
+        n_cuts: usize,
+    ) -> Self {
         Self {
-            limits: options.limits,
+            limits,
             files,
             job,
             bounded: RefCell::default(),
-            set: options.set.clone(),
+            set,
             parameters: RefCell::default(),
             cuts: RefCell::new(vec![false; n_cuts]),
             said: RefCell::default(),

@@ -79,7 +79,7 @@ pub fn run_with(
     if job.is_cancelled() {
         return Err(cancelled());
     }
-    let meter = Meter::new(options, (files, job), library.n_cuts);
+    let meter = Meter::new((options.limits, options.set.clone()), (files, job), library.n_cuts);
     let (evaluated, cuts) = evaluate(library, &meter, job)?;
     script_of(evaluated, cuts, meter, options)
 }

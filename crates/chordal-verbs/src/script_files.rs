@@ -1,7 +1,7 @@
 //! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a shell.
 use crate::file_extension::extension;
 use crate::filled_regions::FilledRegions;
-use crate::{FormatHint, Shape, flatten, merged_parts};
+use crate::{Shape, flatten, merged_parts};
 use chordal::convert::{mesh_to_field, outline_to_field};
 use chordal::implicit::Field;
 use chordal::math::greater;
@@ -55,8 +55,7 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
         let by_name = extension(path).and_then(Format::from_packed_extension);
         let content =
             chordal_io::unpacked(&bytes, by_name, self.limits).map_err(|error| error.to_string())?;
-        let hint = FormatHint { name: Some(path), ..FormatHint::default() };
-        let format = hint.format_of(&content).filter(|format| *format != Format::Star);
+        let format = by_name.or_else(|| Format::sniff(&content)).filter(|format| *format != Format::Star);
         let format = format.ok_or_else(|| "this is no file of triangles".to_owned())?;
         // Polygons are taken as their triangles.
         let limits = Limits { surface: None, ..*self.limits };

@@ -315,10 +315,10 @@ fn signs_are_those_of_rays() {
     }
 }
 
-/// Two boxes that overlap: inside, the value of the union is the distance to walls that are covered.
+/// Two boxes that overlap a little: inside, the value of the union is the distance to walls that are covered.
 fn overlapping() -> Field {
-    let a = cuboid([2.0, 1.0, 1.0]).unwrap().moved([-0.5, 0.0, 0.0]).unwrap();
-    a.union(&cuboid([2.0, 1.0, 1.0]).unwrap().moved([0.5, 0.0, 0.0]).unwrap())
+    let a = cuboid([1.6, 1.0, 1.0]).unwrap().moved([-0.7, 0.0, 0.0]).unwrap();
+    a.union(&cuboid([1.6, 1.0, 1.0]).unwrap().moved([0.7, 0.0, 0.0]).unwrap())
 }
 
 /// The true distance to the bar that these are.
@@ -332,8 +332,8 @@ fn to_bar(p: Point) -> f64 {
 fn a_distance_after_a_union_is_true_again_within_its_bound() {
     let job = Job::default();
     let union = overlapping();
-    let mesh_union = mesh_to_field(&box_mesh([-1.5, -0.5, -0.5], [0.5, 0.5, 0.5]), &job).unwrap().field;
-    let mesh_union = mesh_union.union(&cuboid([2.0, 1.0, 1.0]).unwrap().moved([0.5, 0.0, 0.0]).unwrap());
+    let mesh_union = mesh_to_field(&box_mesh([-1.5, -0.5, -0.5], [0.1, 0.5, 0.5]), &job).unwrap().field;
+    let mesh_union = mesh_union.union(&cuboid([1.6, 1.0, 1.0]).unwrap().moved([0.7, 0.0, 0.0]).unwrap());
     let mut random = Random::new(5);
     for field in [union, mesh_union] {
         let Bounded { shape: made, bound } =

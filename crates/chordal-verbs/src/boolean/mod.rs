@@ -98,7 +98,18 @@ pub fn mesh_boolean(
     }
     // 3. The cut, rounded before it is checked.
     let target = RoundingTarget::new(form.format, request.lattice);
-    let made = cut(&operands, &ops, target, &names, job)?;
+    let made = loop {
+        match cut(&operands, &ops, target, job) {
+            Err(CutFailure::NotClosed { operand, boundary_edges }) => {
+                let name = &names[operand];
+                let within = within.ok_or_else(|| not_closed(name, boundary_edges))?;
+                let open = operands.remove(operand);
+                operands.insert(operand, open.closed(within, (name, &mut certificate.notes), job)?);
+            }
+            Err(CutFailure::Other(failure)) => return Err(failure),
+            Ok(made) => break made,
+        }
+    };
     if made.mesh.faces().is_empty() {
         let message = "nothing would be left: no point is inside the result";
         return Err(MeshFailure::refused(RefusalCode::Empty, message));
@@ -176,9 +187,8 @@ fn cut(
     operands: &[SolidOperand],
     ops: &[BooleanOp],
     target: RoundingTarget,
-    names: &[String],
     job: &Job,
-) -> Result<BooleanMesh, MeshFailure> {
+) -> Result<BooleanMesh, CutFailure> {
     let steps: Vec<BooleanStep> = ops
         .iter()
         .zip(&operands[1..])
@@ -202,26 +212,35 @@ fn cut(
     };
     let made = boolean_snapped(&operands[0].mesh, &steps, &snap, job);
     if let Some(why) = overflow.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-        return Err(MeshFailure::TooWide(why));
+        return Err(CutFailure::Other(MeshFailure::TooWide(why)));
     }
     made.map_err(|error| match error {
-        BooleanError::Stopped(stopped) => stopped.into(),
-        BooleanError::NotClosed { operand, boundary_edges } => not_closed(&names[operand], boundary_edges),
+        BooleanError::Stopped(stopped) => CutFailure::Other(stopped.into()),
+        BooleanError::NotClosed { operand, boundary_edges } => {
+            CutFailure::NotClosed { operand, boundary_edges }
+        }
     })
 }
 
+/// Why there is no cut yet.
+enum CutFailure {
+    /// An operand has to be closed first.
+    NotClosed {
+        operand: usize,
+        boundary_edges: u64,
+    },
+    Other(MeshFailure),
+}
+
 fn not_closed(name: &str, boundary_edges: u64) -> MeshFailure {
-    let message = if boundary_edges == 0 {
-        Message::from(format!("{name}: it bounds no solid, since neighbours are wound against each other; "))
-            .setting(Setting::Cure(Cure::Orient))
-            .words(" of mend turns them")
+    let (why, cure) = if boundary_edges == 0 {
+        ("neighbours are wound against each other".to_owned(), Cure::Orient)
     } else {
-        Message::from(format!("{name}: it bounds no solid: {boundary_edges} edges have one triangle only; "))
-            .setting(Setting::Cure(Cure::Weld))
-            .words(" and ")
-            .setting(Setting::Cure(Cure::FillHoles))
-            .words(" of mend may close it")
+        (format!("{boundary_edges} edges have one triangle only"), Cure::FillHoles)
     };
+    let message = Message::from(format!("{name}: it bounds no solid, since {why}: mend it ("))
+        .setting(Setting::Cure(cure))
+        .words("), or give a length, within which its surface is made anew by winding numbers");
     MeshFailure::refused(RefusalCode::Unsupported, message)
 }
 

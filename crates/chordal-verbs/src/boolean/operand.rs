@@ -4,15 +4,16 @@ use crate::file_rows::unsupported;
 use crate::merge::merge;
 use crate::placements::part_placements;
 use crate::tessellate::tessellate;
-use crate::{Input, MeshFailure, Shape};
+use crate::{ImplicitShape, Input, MeshFailure, Shape};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode, Tolerance};
 use chordal::check::{Facing, components};
+use chordal::convert::mesh_to_field;
 use chordal::explicit::{Semantic, Topology};
 use chordal::math::greater;
 use chordal::mend::orient;
 use chordal::{Job, Mesh};
-use chordal_io::{Scene, SceneAssets};
+use chordal_io::{Frame, Scene, SceneAssets};
 use std::collections::BTreeMap;
 
 /// A shape as one mesh.
@@ -86,6 +87,46 @@ impl SolidOperand {
             .fold(0.0, |most, place| greater(place.rounding(&scene.parts[place.part]), most));
         let bound = (moved > 0.0).then(|| Bound::proved(0.0, moved, Reference::InputTriangles));
         Ok(Self { mesh, bound, groups: scene.groups, assets: *scene.assets })
+    }
+}
+
+impl SolidOperand {
+    /// The surface where the winding number of open triangles is a half, as closed triangles within a length. They
+    /// carry nothing: the surface is no longer made of the faces that did.
+    ///
+    /// # Errors
+    /// As for a field.
+    pub fn closed(
+        self,
+        within: Tolerance,
+        (name, notes): (&str, &mut Vec<Message>),
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        let made = mesh_to_field(&self.mesh, job)?;
+        let implicit = ImplicitShape {
+            field: made.field,
+            region: None,
+            frame: Frame::default(),
+            parameters: Vec::new(),
+            bodies: Vec::new(),
+        };
+        let bounds = implicit.bounds();
+        let mut words = Vec::new();
+        let closed = tessellate(&Shape::Field(implicit), within, bounds, &mut words, job)?;
+        notes.push(
+            format!(
+                "{name}: it bounds no solid, and stands for the points where its winding number is above a half; its \
+                 attributes were left out"
+            )
+            .into(),
+        );
+        let bound = self.bound.map_or(closed.bound.clone(), |placed| placed.then(&closed.bound));
+        Ok(Self {
+            mesh: closed.shape,
+            bound: Some(bound),
+            groups: BTreeMap::new(),
+            assets: SceneAssets::default(),
+        })
     }
 }
 
