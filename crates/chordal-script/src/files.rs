@@ -46,6 +46,9 @@ impl ScriptFiles for NoFiles {
     }
 }
 
+/// The name of the script itself, which no file can have.
+pub(crate) const MAIN: &str = "";
+
 /// The most files that one script opens, those of its files included. Chosen.
 pub(crate) const MOST_FILES: usize = 64;
 

@@ -1,5 +1,5 @@
 //! The files that a script loads, parsed in the order in which they are evaluated.
-use crate::files::{FileUse, MOST_FILES, OpenedFile, ScriptFiles, check_name};
+use crate::files::{FileUse, MAIN, MOST_FILES, OpenedFile, ScriptFiles, check_name};
 use crate::grammar::{Program, parse};
 use crate::{Limits, ScriptError};
 use chordal::Job;
@@ -10,9 +10,6 @@ pub(crate) struct Library {
     /// How many differences are right operands of a `|`, in all of them.
     pub n_cuts: usize,
 }
-
-/// The name of the script itself, which no file can have.
-pub(crate) const MAIN: &str = "";
 
 impl Library {
     pub fn new(

@@ -1,10 +1,10 @@
 //! `run`: evaluates a script to the field of its last expression.
 use crate::Parameter;
 use crate::builtins::builtins;
-use crate::files::{NoFiles, ScriptFiles};
+use crate::files::{MAIN, NoFiles, ScriptFiles};
 use crate::grammar::Program;
 use crate::language::{Arg, CallError, functions};
-use crate::library::{Library, MAIN};
+use crate::library::Library;
 use crate::meter::{LimitError, Meter};
 use crate::operators::{OPERATORS, StarlarkOperator};
 use crate::script_source::ScriptSource;

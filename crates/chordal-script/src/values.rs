@@ -1,6 +1,6 @@
 //! Starlark values of the language: shapes, formulas and functions.
+use crate::files::MAIN;
 use crate::language::{Arg, CallError, Function, operate};
-use crate::library::MAIN;
 use crate::meter::Meter;
 use allocative::Allocative;
 use starlark::eval::{Arguments, Evaluator};

@@ -1,7 +1,7 @@
 //! The digest of a geometry: which file a certificate speaks of, whatever else is in that file.
+use crate::Shape;
 use crate::digest::Sha256Stream;
 use crate::frame_nodes::without_frame_nodes;
-use crate::{MeshFailure, Shape};
 use chordal::Mesh;
 use chordal::explicit::{Cage, Curve, CurveSegment, Semantic};
 use chordal_io::{
@@ -54,9 +54,9 @@ pub(crate) fn digest_in_frame(
 
 /// The digest of a scene that is about to be written. Where its file will not hold the same faces in the same order
 /// with the same coordinates, it is written and read.
-pub(crate) fn written_digest(scene: &Scene, to: Format) -> Result<String, MeshFailure> {
+pub(crate) fn written_digest(scene: &Scene, to: Format) -> Result<String, WriteError> {
     if is_kept_as_it_is(scene, to) {
-        return Ok(scene_digest(scene)?);
+        return scene_digest(scene);
     }
     let mut bytes = Vec::new();
     write(scene, None, to, &mut bytes)?;
@@ -64,19 +64,19 @@ pub(crate) fn written_digest(scene: &Scene, to: Format) -> Result<String, MeshFa
 }
 
 /// The same of polygons, which many readers cut into triangles.
-pub(crate) fn written_polygons_digest(polygons: &Polygons, to: Format) -> Result<String, MeshFailure> {
+pub(crate) fn written_polygons_digest(polygons: &Polygons, to: Format) -> Result<String, WriteError> {
     let mut bytes = Vec::new();
     write_polygons(polygons, None, to, &mut bytes)?;
     read_digest(bytes, to, &polygons.frame)
 }
 
 /// The digest of what a reader finds in a file.
-fn read_digest(bytes: Vec<u8>, to: Format, frame: &Frame) -> Result<String, MeshFailure> {
+fn read_digest(bytes: Vec<u8>, to: Format, frame: &Frame) -> Result<String, WriteError> {
     let unread = |why: String| WriteError::Unsupported(format!("what was written does not read back: {why}"));
     let content = read(&bytes, to, &Limits::default()).map_err(|error| unread(error.to_string()))?.content;
     drop(bytes);
     let digest = digest_in_frame(&content.into(), to, frame)?;
-    Ok(digest.ok_or_else(|| unread("it holds no surface".to_owned()))?)
+    digest.ok_or_else(|| unread("it holds no surface".to_owned()))
 }
 
 /// Whether readers get the faces of a scene in their order with the same coordinates: nothing is placed, stored in

@@ -27,6 +27,7 @@ mod collapsed_faces;
 mod convert;
 mod deviation;
 mod digest;
+mod drawing_regions;
 mod drop_attributes;
 mod failure;
 mod field;

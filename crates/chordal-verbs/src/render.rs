@@ -1,8 +1,8 @@
 //! `render`: a picture of any shape. Smooth shapes are meshed first, finely enough for the picture; fields
 //! are ray traced directly.
 use crate::deviation::ComparedPair;
+use crate::drawing_regions::FilledRegions;
 use crate::field;
-use crate::filled_regions::FilledRegions;
 use crate::isosurface::surface_of;
 use crate::merged_parts;
 use crate::report::{
@@ -284,7 +284,8 @@ fn draw_filled_regions(
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    let filling = FilledRegions::from_drawing(drawing, &mut certificate.notes)?;
+    let filling =
+        FilledRegions::from_drawing(drawing, &mut certificate.notes).map_err(MeshFailure::Refused)?;
     let camera = match asked.options.viewpoint {
         Viewpoint::Camera(camera) => camera,
         Viewpoint::Automatic(screen) => camera_above(&filling.bounds, screen),

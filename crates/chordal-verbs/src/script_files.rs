@@ -1,6 +1,6 @@
 //! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a shell.
+use crate::drawing_regions::FilledRegions;
 use crate::file_extension::extension;
-use crate::filled_regions::FilledRegions;
 use crate::{Shape, flatten, merged_parts};
 use chordal::convert::{mesh_to_field, outline_to_field};
 use chordal::implicit::Field;

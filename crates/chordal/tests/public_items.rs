@@ -9,7 +9,7 @@ use syn::{Item, UseTree, Visibility};
 /// The list, beside this file; `CHORDAL_WRITE_PUBLIC_ITEMS=1` writes it anew.
 const LIST: &str = "crates/chordal/tests/public_items.txt";
 /// The most types that stand in the modules themselves, and not in one of their submodules; a decision.
-const MOST_IN_FRONT: usize = 93;
+const MOST_IN_FRONT: usize = 94;
 
 /// The names that a tree of `use` brings in.
 fn leaves(tree: &UseTree, out: &mut Vec<String>) {

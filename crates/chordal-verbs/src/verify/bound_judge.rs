@@ -15,7 +15,7 @@ use chordal::math::{add_up, greater, sub_down};
 use chordal::{Job, Mesh};
 use chordal_io::{Frame, Scene};
 use serde_json::Value;
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 /// A result and its reference.
 pub(super) struct BoundJudge<'a> {
@@ -195,7 +195,7 @@ fn unable(why: &str) -> Result<JudgedBound, MeshFailure> {
 
 /// Whether every face of the first is one of the second, wound either way.
 fn is_part_of(part: &Mesh, whole: &Mesh) -> bool {
-    let faces: HashSet<[[u64; 3]; 3]> =
+    let faces: BTreeSet<[[u64; 3]; 3]> =
         (0..whole.faces().len()).map(|face| corner_bits(whole, face)).collect();
     (0..part.faces().len()).all(|face| faces.contains(&corner_bits(part, face)))
 }

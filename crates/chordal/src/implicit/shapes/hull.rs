@@ -292,6 +292,7 @@ impl Leaf for ConvexHull {
         for (bounds, range) in boxes.iter().zip(out) {
             let p = bounds.centre();
             let reach = add_up(0.5 * bounds.diagonal(), self.rounding(p));
+            // The centre is rounded.
             let reach = add_up(reach, f64::EPSILON * p.iter().fold(0.0, |all, x| all + x.abs()));
             *range = if reach.is_finite() {
                 // The exact distance is continuous and 1-Lipschitz.

@@ -96,7 +96,8 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     let r = axis_distance();
     // Points turned back by their height, so that the crest is at the positive x axis.
     let angle = &z * (std::f64::consts::TAU / pitch);
-    let across = angle.cos() * &x + angle.sin() * &y;
+    let [along_x, along_y] = [Unary::Cos, Unary::Sin].map(|turn| Expr::unary(turn, &angle));
+    let across = along_x * &x + along_y * &y;
     let cosine = (across / &r).min(&1.0.into()).max(&(-1.0).into());
     // How far along z the crest is, and the flank, which rises by √3 of it: 60° between both. It was shifted by
     // twice the clearance along r, which is once across it, of which the radii have one.
