@@ -218,13 +218,13 @@ fn levels_of_detail_carry_their_histories_too() {
     let levels = report["certificate"]["levels"]["levels"].as_array().unwrap();
     assert!(levels.len() > 1 && levels.iter().all(|level| level["geometry"].is_string()), "{levels:#?}");
     made(&["lod", &field, "--tol", "1%", "-o", &tiles]);
-    for k in 0..levels.len() {
+    for (k, level) in levels.iter().enumerate() {
         let tile = format!("{tiles}/level_{k}.glb");
         let found = run(&["verify", &tile, "--against", &field, "--json"]);
         assert_eq!(found.code, 0, "{found:?}");
         let steps = run(&["inspect", &tile, "--json"]).report();
         let own = &steps["inspection"]["found"]["certificate"]["history"]["steps"][0];
-        assert_eq!(own["output"]["geometry"], levels[k]["geometry"], "level {k}");
+        assert_eq!(own["output"]["geometry"], level["geometry"], "level {k}");
     }
 }
 

@@ -159,7 +159,6 @@ fn load_from(
         };
         (loaded.content.into(), loaded.warnings)
     };
-    drop(open);
     match (&mut shape, hint.region) {
         (_, None) => {}
         (Shape::Field(implicit), region) => implicit.region = region,

@@ -105,13 +105,8 @@ fn boxes_on_a_lattice_combine_exactly_whatever_they_share() {
     let n_rounds = if is_long() { 1000 } else { 150 };
     for round in 0..n_rounds {
         let mut cell = || -> [[f64; 3]; 2] {
-            let mut ends = [[0.0; 3]; 2];
-            for k in 0..3 {
-                let low = random.below(4);
-                ends[0][k] = low as f64;
-                ends[1][k] = (low + 1 + random.below(3)) as f64;
-            }
-            ends
+            let sides = [0, 1, 2].map(|_| (random.below(4) as f64, (1 + random.below(3)) as f64));
+            [sides.map(|(low, _)| low), sides.map(|(low, size)| low + size)]
         };
         let [p, q] = [cell(), cell()];
         let (a, b) = (cuboid(p[0], p[1]), cuboid(q[0], q[1]));

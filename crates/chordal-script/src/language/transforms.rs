@@ -180,7 +180,8 @@ pub(super) const CHANGE: &[Function] = &[
                     given.fault("needs an exact distance outside, and this shape has none: see offset()")
                 );
             }
-            if !(given.number(1)? >= 0.0) {
+            let by = given.number(1)?;
+            if by < 0.0 || by.is_nan() {
                 return Err(given.fault("needs a radius of 0 or above"));
             }
             given.shape_result(solid.field.offset(given.number(1)?), &[solid])

@@ -123,10 +123,9 @@ fn exported(made: &Manifold, operands: &[Operand]) -> CutSurface {
     for (run, operand) in out.run_original_id.iter().enumerate() {
         let end = out.run_index.get(run + 1).map_or(faces.len(), |end| *end as usize / 3);
         let start = out.run_index.get(run).map_or(0, |start| *start as usize / 3);
-        for face in start..end {
-            let own = out.face_id[face] as usize;
-            sources[face] =
-                BooleanSource { operand: *operand, face: operands[*operand as usize].face_of[own] };
+        for (source, own) in sources[start..end].iter_mut().zip(&out.face_id[start..end]) {
+            let face = operands[*operand as usize].face_of[*own as usize];
+            *source = BooleanSource { operand: *operand, face };
         }
     }
     CutSurface { positions, faces, sources }

@@ -113,6 +113,9 @@ pub fn boolean(first: &Mesh, steps: &[BooleanStep], job: &Job) -> Result<Boolean
     boolean_snapped(first, steps, &|_| Ok(()), job)
 }
 
+/// Rounds positions to what a file holds.
+type SnapPositions<'a> = dyn Fn(&mut [[f64; 3]]) -> Result<(), JobError> + 'a;
+
 /// [`boolean()`] for a file that holds fewer digits: `snap` rounds the positions of the result before it is
 /// checked, so that the bound is that of the rounded mesh.
 ///
@@ -121,7 +124,7 @@ pub fn boolean(first: &Mesh, steps: &[BooleanStep], job: &Job) -> Result<Boolean
 pub fn boolean_snapped(
     first: &Mesh,
     steps: &[BooleanStep],
-    snap: &dyn Fn(&mut [[f64; 3]]) -> Result<(), JobError>,
+    snap: &SnapPositions,
     job: &Job,
 ) -> Result<BooleanMesh, BooleanError> {
     let meshes: Vec<&Mesh> = std::iter::once(first).chain(steps.iter().map(|step| step.mesh)).collect();

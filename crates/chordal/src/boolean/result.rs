@@ -77,7 +77,7 @@ pub(super) fn checked(
     let mut at = None;
     for (face_off, corners) in offs {
         // A distance that is no number is no bound.
-        if !(face_off <= off) {
+        if face_off > off || face_off.is_nan() {
             off = face_off;
             at = Some(corners[0]);
         }

@@ -192,7 +192,7 @@ impl ConvexHull {
     }
 
     /// The vector from the nearest point of the hull, and the signed distance.
-    fn from_nearest(&self, p: [f64; 3]) -> ([f64; 3], f64) {
+    fn nearest_offset(&self, p: [f64; 3]) -> ([f64; 3], f64) {
         let deepest = self.planes.iter().map(|plane| (plane.at(p), plane.normal));
         let deepest = deepest.reduce(|a, b| if b.0 > a.0 { b } else { a });
         if let Some((depth, normal)) = deepest.filter(|(depth, _)| *depth <= 0.0) {
@@ -245,14 +245,14 @@ fn from_triangle(p: [f64; 3], [a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
 impl Leaf for ConvexHull {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         for (p, value) in points.iter().zip(out) {
-            *value = if p.iter().all(|x| x.is_finite()) { self.from_nearest(*p).1 } else { f64::NAN };
+            *value = if p.iter().all(|x| x.is_finite()) { self.nearest_offset(*p).1 } else { f64::NAN };
         }
         Ok(())
     }
 
     fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
         for (p, gradient) in points.iter().zip(out) {
-            let (away, distance) = self.from_nearest(*p);
+            let (away, distance) = self.nearest_offset(*p);
             *gradient = if distance > 0.0 { away.map(|x| x / distance) } else { away };
         }
         Ok(LeafAnswer::Given)
@@ -271,13 +271,13 @@ impl Leaf for ConvexHull {
             if !reach.is_finite() {
                 continue;
             }
-            let (away, distance) = self.from_nearest(p);
+            let (away, distance) = self.nearest_offset(p);
             let least = sub_down(distance, reach);
             if least > 0.0 {
                 let length = Interval::new(least, add_up(distance, reach)).unwrap_or(Interval::ENTIRE);
                 for k in 0..3 {
                     let part = Interval::new(add_down(away[k], -reach), add_up(away[k], reach));
-                    *(&mut gradient[k]) = (part.unwrap_or(Interval::ENTIRE) / length).intersection(any);
+                    gradient[k] = (part.unwrap_or(Interval::ENTIRE) / length).intersection(any);
                 }
             }
         }
@@ -296,7 +296,7 @@ impl Leaf for ConvexHull {
             let reach = add_up(reach, f64::EPSILON * p.iter().fold(0.0, |all, x| all + x.abs()));
             *range = if reach.is_finite() {
                 // The exact distance is continuous and 1-Lipschitz.
-                Interval::point(self.from_nearest(p).1)
+                Interval::point(self.nearest_offset(p).1)
                     + Interval::new(-reach, reach).unwrap_or(Interval::UNKNOWN)
             } else {
                 Interval::ENTIRE

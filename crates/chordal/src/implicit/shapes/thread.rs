@@ -87,7 +87,7 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     // Defined by ISO 68-1: the triangle is √3/2 of the pitch high, and the thread 5/8 of that deep.
     let triangle = 0.5 * 3.0_f64.sqrt() * pitch;
     let minor = major - 0.625 * triangle;
-    if !(minor > 0.0) {
+    if minor <= 0.0 || minor.is_nan() {
         return Err(InvalidShape::Number(format!(
             "a thread has a radius of {minor} at its root, and must have some"
         )));
@@ -103,7 +103,8 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     // twice the clearance along r, which is once across it, of which the radii have one.
     let apart = Expr::unary(Unary::Acos, &cosine) * (pitch / std::f64::consts::TAU);
     let at_crest = pitch / 16.0 - clearance / 3.0_f64.sqrt();
-    if !(at_crest + (major - minor) / 3.0_f64.sqrt() > 0.0) {
+    let at_root = at_crest + (major - minor) / 3.0_f64.sqrt();
+    if at_root <= 0.0 || at_root.is_nan() {
         return Err(InvalidShape::Number("a thread's clearance leaves nothing of its ridge".into()));
     }
     let flank = (&r - major) + (apart - at_crest) * 3.0_f64.sqrt();
