@@ -51,6 +51,11 @@ impl Console {
         }
     }
 
+    /// A sentence, unless quiet.
+    pub fn say(&self, text: &str) {
+        self.message(Verbosity::Usual, text);
+    }
+
     /// Something that went wrong while other things go on.
     pub fn failure(&self, text: &str) {
         self.message(Verbosity::Errors, text);

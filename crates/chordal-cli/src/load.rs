@@ -158,7 +158,10 @@ impl RawInput {
 
     /// Tells the warnings.
     fn tell(&self, input: Input, console: &Console) -> Input {
-        console.warn(&self.name, &input.warnings);
+        // What a script says is no warning.
+        let (said, warnings): (Vec<_>, Vec<_>) = input.warnings.iter().partition(|w| w.code == "script-said");
+        console.warn(&self.name, &warnings);
+        said.iter().for_each(|line| console.say(&format!("{}: {}", self.name, line.message)));
         input
     }
 

@@ -211,7 +211,7 @@ fn each_shape_of_a_dictionary_becomes_a_part_with_its_bound() {
     let file = folder.file("two.star", text);
     let glb = folder.text("two.glb");
     let made = run(&["mesh", &file, "--tol", "0.05", "-o", &glb, "--json"]);
-    made.succeeds();
+    made.succeeds_saying("two.star: two 2\n");
     let report = made.report();
     assert_eq!(report["certificate"]["bound"]["evidence"], "proved", "{report}");
     let notes = report["certificate"]["notes"].to_string();
@@ -238,7 +238,7 @@ fn files_beside_a_script_are_read_and_none_elsewhere() {
     let text = "load('lib.star', 'post')\nextrude(svg('disc.svg', 0.01), 2) | post(8)\n";
     let file = folder.file("both.star", text);
     let made = run(&["inspect", &file, "--json"]);
-    made.succeeds();
+    made.succeeds_saying("polygons within");
     let input = &made.report()["certificate"]["input"];
     assert!(input["warnings"].to_string().contains("polygons within"), "{input}");
     assert!(input.to_string().contains("disc.svg") && input.to_string().contains("lib.star"), "{input}");

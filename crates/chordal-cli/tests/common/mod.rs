@@ -67,6 +67,19 @@ impl Run {
         }
     }
 
+    /// Ended with `code`, and a sentence with the line that it is about below it.
+    pub fn fails_showing(&self, code: i32, parts: &[&str]) {
+        assert_eq!(self.code, code, "{self:?}");
+        let sentence = self.stderr.lines().next().unwrap_or_default();
+        assert!(sentence.starts_with("chordal: ") && self.stderr.lines().count() == 3, "{self:?}");
+        parts.iter().for_each(|part| assert!(sentence.contains(part), "no '{part}' in {self:?}"));
+    }
+
+    /// Ended well, and said this on the way.
+    pub fn succeeds_saying(&self, part: &str) {
+        assert!(self.code == 0 && self.stderr.contains(part), "no '{part}' in {self:?}");
+    }
+
     /// Ended well, and quietly.
     pub fn succeeds(&self) {
         assert_eq!((self.code, self.stderr.as_str()), (0, ""), "{self:?}");

@@ -89,10 +89,15 @@ impl Function {
         };
         let (Some(Arg::Shape(solid)), Some(Arg::Number(by))) = (arg(0), arg(1)) else { return false };
         let distance = solid.field.distance();
-        let is_bound = |quality: DistanceQuality| quality == DistanceQuality::Bound;
+        // Exact on one side alone is what min and max leave of a distance; a bound on both sides is meant as one.
+        let is_bound = |one: DistanceQuality, other: DistanceQuality| {
+            one == DistanceQuality::Bound && other == DistanceQuality::Exact
+        };
+        let (outside, inside) = (distance.outside, distance.inside);
         match self.name {
-            "offset" => is_bound(if *by > 0.0 { distance.outside } else { distance.inside }),
-            "shell" => is_bound(distance.outside) || is_bound(distance.inside),
+            "offset" if *by > 0.0 => is_bound(outside, inside),
+            "offset" => is_bound(inside, outside),
+            "shell" => is_bound(outside, inside) || is_bound(inside, outside),
             _ => false,
         }
     }

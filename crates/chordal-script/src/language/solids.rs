@@ -1,9 +1,9 @@
 //! Primitive solids and plane shapes.
 use super::bind::{BoundArgs, Function, optional, required};
-use super::{Arg, CallError};
+use super::{Arg, CallError, Solid};
 use chordal::convert::curve_to_field;
 use chordal::explicit::{Curve, CurveEnds, CurveSegment};
-use chordal::implicit::shapes;
+use chordal::implicit::{Field, shapes};
 use chordal::{Budget, Job, Tolerance};
 
 const EXACT: &str = "exact";
@@ -222,11 +222,26 @@ pub(super) const FLAT: &[Function] = &[
 /// The most points of a path. Defined: what a script may hold anyway.
 const MOST_POINTS: usize = 100_000;
 
+/// The most points of a path whose parts are shapes of their own. Chosen: a coil of some turns.
+const MOST_CAPSULES: usize = 513;
+
 fn sweep(given: &BoundArgs) -> Result<Arg, CallError> {
     let (points, radius) = (given.points::<3>(0)?, given.number(1)?);
     let Some((first, others)) = points.split_first().filter(|_| points.len() <= MOST_POINTS) else {
         return Err(given.fault(&format!("needs 1 to {MOST_POINTS} points, not {}", points.len())));
     };
+    // As a union of its parts, whose creases are known; many are one leaf, which finds the nearest at once.
+    if (2..=MOST_CAPSULES).contains(&points.len()) {
+        let parts: Result<Vec<Field>, _> =
+            points.windows(2).map(|two| shapes::capsule(two[0], two[1], radius)).collect();
+        let n_parts = points.len() as u64;
+        let made = given.shape_result(parts.map(|parts| Field::union_of(&parts)), &[])?;
+        return Ok(match made {
+            // Each capsule has some dozen terms.
+            Arg::Shape(solid) => Arg::Shape(Solid { weight: 80 * n_parts, own: 80 * n_parts, ..solid }),
+            other => other,
+        });
+    }
     let ends = [*first].into_iter().chain(others.iter().copied());
     let lines = ends.zip(others).map(|(a, b)| CurveSegment::Line([a, *b])).collect::<Vec<_>>();
     let curve =

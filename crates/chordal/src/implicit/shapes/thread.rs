@@ -1,8 +1,11 @@
 //! Screw threads.
 use super::{InvalidShape, axis_distance, finite, positive};
-use crate::implicit::op::Unary;
-use crate::implicit::{Distance, Expr, Field};
-use crate::math::{Box3, greater};
+use crate::budget::Evidence;
+use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
+use crate::math::{
+    Box3, Interval, add_down, add_up, div_up, elementary, greater, lesser, mul_up, sqrt_down, sqrt_up,
+};
+use std::sync::Arc;
 
 /// A screw thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,14 +97,9 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     }
     let [x, y, z] = Expr::axes();
     let r = axis_distance();
-    // Points turned back by their height, so that the crest is at the positive x axis.
-    let angle = &z * (std::f64::consts::TAU / pitch);
-    let [along_x, along_y] = [Unary::Cos, Unary::Sin].map(|turn| Expr::unary(turn, &angle));
-    let across = along_x * &x + along_y * &y;
-    let cosine = (across / &r).min(&1.0.into()).max(&(-1.0).into());
     // How far along z the crest is, and the flank, which rises by √3 of it: 60° between both. It was shifted by
     // twice the clearance along r, which is once across it, of which the radii have one.
-    let apart = Expr::unary(Unary::Acos, &cosine) * (pitch / std::f64::consts::TAU);
+    let apart = Expr::leaf(Arc::new(HelixRise { pitch }), [x, y, z.clone()]);
     let at_crest = pitch / 16.0 - clearance / 3.0_f64.sqrt();
     let at_root = at_crest + (major - minor) / 3.0_f64.sqrt();
     if at_root <= 0.0 || at_root.is_nan() {
@@ -114,4 +112,110 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     let wide = greater(major, minor);
     let bounds = Box3 { min: [-wide, -wide, -half], max: [wide, wide, half] };
     Ok(Field::new(value).known_distance(Distance::SIGN).known_bounds(bounds))
+}
+
+/// How far along z the helix is that starts on the positive x axis: 0 on it, half of the pitch between two turns.
+#[derive(Clone, Copy, Debug)]
+struct HelixRise {
+    pitch: f64,
+}
+
+impl HelixRise {
+    /// The rise from the helix to the point, from minus to plus half of the pitch.
+    fn rise(self, [x, y, z]: [f64; 3]) -> f64 {
+        let turns = z / self.pitch - elementary::atan2(y, x) / std::f64::consts::TAU;
+        (turns - turns.round()) * self.pitch
+    }
+
+    /// A bound on its rounding: quotients of the height, and an angle of some units, as parts of the pitch.
+    fn rounding(self, z: f64) -> f64 {
+        32.0 * f64::EPSILON * (z.abs() + self.pitch)
+    }
+
+    /// The distances of a box from the axis, and what is known of the rise in it: its centre's, and how far from it
+    /// others are. None on the axis.
+    fn around(self, bounds: &Box3) -> Option<(Interval, f64, f64)> {
+        let [x, y] = [0, 1].map(|k| Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::ENTIRE));
+        let square = x.square() + y.square();
+        if !(square.lo() > 0.0 && bounds.diagonal().is_finite()) {
+            return None;
+        }
+        let radii = Interval::new(sqrt_down(square.lo()), sqrt_up(square.hi())).ok()?;
+        let centre = bounds.centre();
+        // A step turns by its length over the radius at most, and rises by its own height.
+        let turned = div_up(self.pitch, mul_up(6.0, radii.lo()));
+        let size = |k: usize| 0.5 * (bounds.max[k] - bounds.min[k]).next_up();
+        let flat = sqrt_up(add_up(mul_up(size(0), size(0)), mul_up(size(1), size(1))));
+        let reach =
+            add_up(add_up(mul_up(turned, flat), size(2)), self.rounding(greater(centre[2].abs(), size(2))));
+        Some((radii, self.rise(centre), add_up(reach, f64::EPSILON * (centre[0].abs() + centre[1].abs()))))
+    }
+}
+
+impl Leaf for HelixRise {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        points.iter().zip(out).for_each(|(p, value)| *value = self.rise(*p).abs());
+        Ok(())
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
+        for (p, gradient) in points.iter().zip(out) {
+            let square = p[0] * p[0] + p[1] * p[1];
+            let turn = self.pitch / (std::f64::consts::TAU * square);
+            let sign = if self.rise(*p) < 0.0 { -1.0 } else { 1.0 };
+            *gradient = if square > 0.0 { [sign * turn * p[1], -sign * turn * p[0], sign] } else { [0.0; 3] };
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
+        let half = (0.5 * self.pitch).next_up();
+        for (bounds, range) in boxes.iter().zip(out) {
+            let all = Interval::new(0.0, half).unwrap_or(Interval::UNKNOWN);
+            *range = match self.around(bounds) {
+                Some((_, rise, reach)) => {
+                    let (low, high) = (add_down(rise.abs(), -reach), add_up(rise.abs(), reach));
+                    // Beyond the middle between two turns the next one is nearer.
+                    let back = add_down(self.pitch, -high);
+                    let low = lesser(low, back);
+                    let ends = Interval::new(greater(low, 0.0), lesser(high, half));
+                    ends.unwrap_or(all)
+                }
+                // On the axis it jumps.
+                None => all.undefined(),
+            };
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
+        let half = 0.5 * self.pitch;
+        for (bounds, gradient) in boxes.iter().zip(out) {
+            *gradient = [Interval::UNKNOWN; 3];
+            let Some((radii, rise, reach)) = self.around(bounds) else { continue };
+            let crosses = rise.abs() <= reach || add_up(rise.abs(), reach) >= half;
+            let sign = if crosses {
+                Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE)
+            } else {
+                Interval::point(if rise < 0.0 { -1.0 } else { 1.0 })
+            };
+            let [x, y] =
+                [0, 1].map(|k| Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::ENTIRE));
+            let tau =
+                Interval::point(std::f64::consts::TAU).hull(Interval::point(std::f64::consts::TAU.next_up()));
+            let turn = Interval::point(self.pitch) / (tau * radii);
+            let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
+            let cosine = |side: Interval| (side / radii).intersection(unit);
+            *gradient = [sign * turn * cosine(y), -(sign * turn * cosine(x)), sign];
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn lipschitz(&self) -> Option<Lipschitz> {
+        None
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Proved
+    }
 }
