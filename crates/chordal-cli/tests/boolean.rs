@@ -114,8 +114,7 @@ fn an_open_scan_less_a_field_is_a_solid_that_prints() {
     let open = folder.file("open.obj", lidless.join("\n"));
     let ball = folder.file("ball.star", "move(sphere(0.5), 0, 0, -1)\n");
     let out = folder.text("out.stl");
-    run(&["mesh", &open, "--minus", &ball, "-o", &out])
-        .fails_with(5, &["ball.star", "within a length"]);
+    run(&["mesh", &open, "--minus", &ball, "-o", &out]).fails_with(5, &["ball.star", "within a length"]);
     let made = run(&["mesh", &open, "--minus", &ball, "--tol", "0.1", "-o", &out, "--json"]);
     made.succeeds();
     let report = made.report();
@@ -140,7 +139,8 @@ fn bad_operands_are_sentences() {
     run(&["mesh", &whole, "--minus", &whole, "-o", &out]).fails_with(3, &["nothing would be left"]);
     run(&["mesh", &whole, "--minus", &drawing, "-o", &out]).fails_with(2, &["line.svg", "bound no solid"]);
     run(&["mesh", &whole, "--minus", "missing.stl", "-o", &out]).fails_with(3, &["missing.stl"]);
-    run(&["mesh", &whole, "--minus", &open, "-o", &out]).fails_with(3, &["open.obj", "3 edges have one", "a length"]);
+    run(&["mesh", &whole, "--minus", &open, "-o", &out])
+        .fails_with(3, &["open.obj", "3 edges have one", "a length"]);
     run(&["mesh", &whole, "--minus", &open, "-o", &open, "--force"])
         .fails_with(4, &["the output is the input"]);
     run(&["mesh", TEAPOT, "--minus", &whole, "-o", &out]).fails_with(5, &["within a length"]);

@@ -29,7 +29,8 @@ fn only_files_below_the_folder_of_the_script_or_an_allowed_one_are_read() {
     std::fs::create_dir_all(folder.path("parts")).unwrap();
     folder.file("parts/part.obj", CLOSED_OBJ);
     let script = folder.file("scripts/cut.star", "a = 1\nmesh('part.obj')\n");
-    run(&["inspect", &script]).fails_showing(3, &["line 2, column 1: mesh(): 'part.obj' cannot be used: no such file"]);
+    run(&["inspect", &script])
+        .fails_showing(3, &["line 2, column 1: mesh(): 'part.obj' cannot be used: no such file"]);
     let parts = folder.path("parts");
     run(&["inspect", &script, "--allow", parts.to_str().unwrap()]).succeeds();
     for (name, why) in [

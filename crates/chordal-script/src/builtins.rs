@@ -1,6 +1,6 @@
 //! Python's common built-in functions, metered against the script's limits.
 use crate::compare::{is_key, order};
-use crate::files::{FileUse, check_name};
+use crate::files::{FileError, FileUse, check_name};
 use crate::language::{Arg, CallError, operate};
 use crate::meter::Meter;
 use crate::operators::of_numbers;
@@ -60,6 +60,11 @@ fn as_integer(value: Value) -> starlark::Result<i32> {
         .ok_or_else(|| fault(CallError(format!("a whole number is needed, not {}", arg_of(value).kind()))))
 }
 
+/// The fault of a file that a function names.
+fn unusable(function: &str, name: &str, why: &str) -> starlark::Error {
+    starlark::Error::new_other(FileError(format!("{function}(): '{name}' cannot be used: {why}")))
+}
+
 #[starlark_module]
 pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     const pi: f64 = std::f64::consts::PI;
@@ -110,7 +115,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         check_name(name).map_err(|why| fault(CallError(format!("mesh(): {why}"))))?;
         let field = Meter::from_eval(eval).shape_of(name, FileUse::Mesh);
         let field =
-            field.map_err(|why| fault(CallError(format!("mesh(): '{name}' cannot be used: {why}"))))?;
+            field.map_err(|why| unusable("mesh", name, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
 
@@ -185,7 +190,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let wanted = FileUse::Drawing { tolerance: length };
         let field = Meter::from_eval(eval).shape_of(name, wanted);
         let field =
-            field.map_err(|why| fault(CallError(format!("svg(): '{name}' cannot be used: {why}"))))?;
+            field.map_err(|why| unusable("svg", name, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
 

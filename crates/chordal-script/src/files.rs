@@ -2,6 +2,7 @@
 use chordal::Job;
 use chordal::implicit::Field;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// What a script wants of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +49,18 @@ impl ScriptFiles for NoFiles {
 
 /// The name of the script itself, which no file can have.
 pub(crate) const MAIN: &str = "";
+
+/// A file cannot be had.
+#[derive(Debug)]
+pub(crate) struct FileError(pub String);
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for FileError {}
 
 /// The most files that one script opens, those of its files included. Chosen.
 pub(crate) const MOST_FILES: usize = 64;

@@ -1,7 +1,7 @@
 //! `run`: evaluates a script to the field of its last expression.
 use crate::Parameter;
 use crate::builtins::builtins;
-use crate::files::{MAIN, NoFiles, ScriptFiles};
+use crate::files::{FileError, MAIN, NoFiles, ScriptFiles};
 use crate::grammar::Program;
 use crate::language::{Arg, CallError, functions};
 use crate::library::Library;
@@ -295,6 +295,9 @@ fn translated_in(source: &ScriptSource, error: &starlark::Error, limits: &Limits
     let said = error.without_diagnostic().to_string();
     let limit = match error.kind() {
         ErrorKind::Other(cause) if cause.is::<LimitError>() => None,
+        ErrorKind::Other(cause) if cause.is::<FileError>() => {
+            return source.translate_error("script-file", error);
+        }
         ErrorKind::Other(cause) if cause.is::<CallError>() => {
             return source.translate_error("script-error", error);
         }
