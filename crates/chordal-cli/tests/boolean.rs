@@ -115,15 +115,15 @@ fn an_open_scan_less_a_field_is_a_solid_that_prints() {
     let ball = folder.file("ball.star", "move(sphere(0.5), 0, 0, -1)\n");
     let out = folder.text("out.stl");
     run(&["mesh", &open, "--minus", &ball, "-o", &out]).fails_with(5, &["ball.star", "within a length"]);
-    let made = run(&["mesh", &open, "--minus", &ball, "--tol", "0.1", "-o", &out, "--json"]);
+    let made = run(&["mesh", &open, "--minus", &ball, "--tol", "0.4", "-o", &out, "--json"]);
     made.succeeds();
     let report = made.report();
     let valid = &report["certificate"]["valid"];
-    for what in ["closed", "edge_manifold", "vertex_manifold", "oriented"] {
+    for what in ["closed", "manifold", "oriented"] {
         assert_eq!(valid[what], true, "{what}: {report:#}");
     }
     assert_eq!(report["certificate"]["bound"]["evidence"], "proved-if");
-    assert!(number(&report, "/certificate/bound/at_most") <= 0.1);
+    assert!(number(&report, "/certificate/bound/at_most") <= 0.4);
     let notes = report["certificate"]["notes"].to_string();
     assert!(notes.contains("winding number is above a half"), "{notes}");
 }

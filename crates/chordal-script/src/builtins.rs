@@ -114,8 +114,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         };
         check_name(name).map_err(|why| fault(CallError(format!("mesh(): {why}"))))?;
         let field = Meter::from_eval(eval).shape_of(name, FileUse::Mesh);
-        let field =
-            field.map_err(|why| unusable("mesh", name, &why))?;
+        let field = field.map_err(|why| unusable("mesh", name, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
 
@@ -133,14 +132,14 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         as_integer(index).map(|_| index)
     }
 
-    fn key__<'v>(#[starlark(require = pos)] key: Value<'v>) -> starlark::Result<Value<'v>> {
-        if is_key(key) {
-            return Ok(key);
-        }
-        Err(fault(CallError(format!(
-            "the key of a dictionary is a text or a number, not {}",
-            arg_of(key).kind()
-        ))))
+    fn key__<'v>(#[starlark(args)] key: UnpackTuple<Value<'v>>) -> starlark::Result<Value<'v>> {
+        // The items of a tuple arrive one by one, since its parentheses are those of the call.
+        let found = match key.items[..] {
+            [key] if is_key(key) => return Ok(key),
+            [key] => arg_of(key).kind(),
+            _ => "a list",
+        };
+        Err(fault(CallError(format!("the key of a dictionary is a text or a number, not {found}"))))
     }
 
     fn print<'v>(
@@ -189,8 +188,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         check_name(name).map_err(|why| fault(CallError(format!("svg(): {why}"))))?;
         let wanted = FileUse::Drawing { tolerance: length };
         let field = Meter::from_eval(eval).shape_of(name, wanted);
-        let field =
-            field.map_err(|why| unusable("svg", name, &why))?;
+        let field = field.map_err(|why| unusable("svg", name, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
 

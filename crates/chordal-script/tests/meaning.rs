@@ -200,7 +200,7 @@ fn what_is_wrong_is_said_with_its_place() {
         (
             "sphere(1)\n{(1, 2): 2}",
             "script-error",
-            "line 2, column 2: the key of a dictionary is a text or a number",
+            "line 2, column 3: the key of a dictionary is a text or a number",
         ),
         (
             "union(sphere(1), fillet=1, chamfer=1)",
