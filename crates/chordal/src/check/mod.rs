@@ -65,6 +65,7 @@ pub(crate) use t_junctions::vertices_in_edges;
 pub use thin::{SLIVER_ASPECT, is_sliver};
 pub(crate) use triangle_intersection::triangles_intersect;
 pub use validity::{Validity, validity};
+#[cfg(feature = "booleans")]
 pub(crate) use winding::{RayCrossing, crossing};
 
 /// Joins, gaps and curvature of paths.

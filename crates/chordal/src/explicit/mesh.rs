@@ -178,6 +178,7 @@ impl Mesh {
     }
 
     /// The coordinates and the indices, without what else the mesh knows.
+    #[cfg(feature = "booleans")]
     pub(crate) fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         (self.positions, self.faces)
     }

@@ -34,10 +34,11 @@ mod twins;
 pub use arc::Arc;
 pub use bezier::Bezier;
 pub(crate) use bezier::bernstein;
+#[cfg(feature = "booleans")]
+pub(crate) use bvh::is_closed;
 pub(crate) use bvh::{Bvh, Enclosure, HitSides, PointLocation, Ray};
 pub(crate) use bvh::{
     PackedBoxes, WindingMoments, closest_on_triangle, distance_sq_to_triangle, distance_to_triangle_down,
-    is_closed,
 };
 pub(crate) use cage::limit::{LimitSheet, LimitSurface};
 pub use cage::{Cage, InvalidCage};

@@ -18,8 +18,10 @@ use crate::math::Box3;
 use frame::BvhFrame;
 
 pub use closest::MeshClosestPoint;
+pub(crate) use inside::WindingMoments;
+#[cfg(feature = "booleans")]
+pub(crate) use inside::is_closed;
 pub use inside::{Containment, Enclosure, PointLocation};
-pub(crate) use inside::{WindingMoments, is_closed};
 pub(crate) use packed_boxes::PackedBoxes;
 pub use ray::{Hit, HitSides, Ray};
 pub use winding::WindingNumber;
