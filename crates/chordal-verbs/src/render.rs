@@ -395,9 +395,9 @@ fn camera_for(shape: &Shape, options: &RenderOptions, job: &Job) -> Result<Camer
 
 /// A fraction of the diagonal: fine enough to frame a shape in a picture with a margin, and fast to mesh.
 const COARSE: f64 = 0.002;
-/// The fraction of the diagonal within which a field with meshes is meshed for a picture, unless said: a pixel or two of the
+/// The fraction of the diagonal within which a field with meshes is meshed for a picture, unless said: some pixels of the
 /// usual screen.
-const MESHED: f64 = 0.002;
+const MESHED: f64 = 0.005;
 /// The triangle budget of a shape so small that it has no diagonal.
 const FEW: u64 = 10_000;
 /// An error in pixels that is invisible at the edges of an antialiased picture.
