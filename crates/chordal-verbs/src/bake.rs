@@ -26,7 +26,8 @@ pub struct BakeSpec {
     pub is_bounded: bool,
 }
 
-const UNBOUNDED: &str = "nothing was proved of how far the surface of the samples is from the triangles: take smaller cells, and mend holes";
+const UNBOUNDED: &str = "nothing was proved of how far the surface of the samples is from the triangles: take smaller \
+                         cells, and mend holes";
 
 /// A distance grid with its certificate.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ pub use claims::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport};
 
 use crate::geometry_digest::digest_in_frame;
 use crate::origin::{embedded_certificate, stated_frame};
-use crate::report::{HistoryFacts, StepBound, StepFacts, StepInput};
+use crate::report::{HistoryFacts, StepBound, StepInput};
 use crate::seal::{SEAL, seal_of};
 use crate::{Input, MeshFailure};
 use chordal::Job;
@@ -177,10 +177,4 @@ fn is_same_bound(bound: &StepBound, facts: &Value) -> bool {
     let is_same =
         |(key, value): (&String, &Value)| facts.get(key).is_some_and(|fact| seal_of(fact) == seal_of(value));
     said.as_object().is_some_and(|said| said.iter().all(is_same))
-}
-
-/// A step in words.
-fn words_of(step: &StepFacts) -> String {
-    let inputs: Vec<&str> = step.inputs.iter().map(|input| &input.kind[..]).collect();
-    format!("{} from {} to {}", step.verb, inputs.join(" and "), step.output.kind)
 }

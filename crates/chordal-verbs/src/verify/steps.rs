@@ -1,7 +1,6 @@
 //! The steps of a history, proved again one by one, and their sum.
 use super::bound_judge::{BoundJudge, JudgedBound};
 use super::claims::{ClaimFacts, ClaimList, ClaimVerdict};
-use super::words_of;
 use crate::geometry_digest::digest_in_frame;
 use crate::origin::{embedded_certificate, stated_frame};
 use crate::report::{HistoryFacts, StepBound, StepFacts, StepInput, gap, sum};
@@ -263,4 +262,10 @@ fn compare(said: &Bound, judged: &Bound) -> (ClaimVerdict, Option<String>) {
         return open("the judge's proof rests on promises that the certificate does not name");
     }
     (ClaimVerdict::Proved, None)
+}
+
+/// A step in words.
+fn words_of(step: &StepFacts) -> String {
+    let inputs: Vec<&str> = step.inputs.iter().map(|input| &input.kind[..]).collect();
+    format!("{} from {} to {}", step.verb, inputs.join(" and "), step.output.kind)
 }
