@@ -163,13 +163,13 @@ class Field(Shape):
         """The same shape, cut off at a box for whatever is made of it."""
         return Field(self._value, self._value.source(_box("box", (low, high))))
 
-    def __or__(self, other: Field) -> Field:
+    def __or__(self, other: Field) -> Field:  # type: ignore[override]
         return _operated("|", self, other)  # type: ignore[no-any-return]
 
-    def __and__(self, other: Field) -> Field:
+    def __and__(self, other: Field) -> Field:  # type: ignore[override]
         return _operated("&", self, other)  # type: ignore[no-any-return]
 
-    def __sub__(self, other: Field) -> Field:
+    def __sub__(self, other: Field) -> Field:  # type: ignore[override]
         return _operated("-", self, other)  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:

@@ -102,7 +102,9 @@ class Mesh(Made):
 
     def _operated(self, operation: Operation, other: Shape | Mesh) -> Mesh:
         if not is_triangles(self) or not is_triangles(other):
-            return NotImplemented
+            raise TypeError(
+                "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"
+            )
         return combined(self, ((operation, other),), tol=None, rel=None, progress=None)
 
     def bake(self, *, cells: SupportsIndex, band: SupportsFloat | None = None) -> Volume:

@@ -247,7 +247,9 @@ class Shape:
 
     def _operated(self, operation: Operation, other: Shape | Mesh) -> Mesh:
         if not is_triangles(self) or not is_triangles(other):
-            return NotImplemented
+            raise TypeError(
+                "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"
+            )
         return combined(self, ((operation, other),), tol=None, rel=None, progress=None)
 
     def cage(self) -> Cage:

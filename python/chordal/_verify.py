@@ -33,7 +33,7 @@ def verify(
         words.append(f"--{name}={value}")
     if certificate is not None:
         words += ["--certificate", fspath(certificate)]
-    words += ["--against", *map(fspath, against)]
+    words += ["--against", *(fspath(file) for file in against)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode not in _JUDGED:
         raise ReadError("unverifiable", None, done.stderr.strip().removeprefix("chordal: "))

@@ -1,11 +1,15 @@
 """Solids combined as triangles."""
 
+from __future__ import annotations
+
 import chordal
 import numpy as np
 import pytest
 
+Corner = tuple[float, float, float]
 
-def cuboid(low, high, turned=False):
+
+def cuboid(low: Corner, high: Corner, turned: bool = False) -> chordal.Shape:
     """A box as triangles."""
     corners = [[(low, high)[i >> k & 1][k] for k in range(3)] for i in range(8)]
     sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -13,42 +17,42 @@ def cuboid(low, high, turned=False):
     return chordal.triangles(corners, faces[:, ::-1] if turned else faces)
 
 
-def volume(mesh):
+def volume(mesh: chordal.Mesh) -> float:
     """The signed volume by the determinants of all triangles."""
     corners = mesh.vertices[mesh.faces]
-    return np.linalg.det(corners).sum() / 6
+    return float(np.linalg.det(corners).sum() / 6)
 
 
 A, B = cuboid((0, 0, 0), (2, 2, 2)), cuboid((1, 1, 1), (3, 3, 3))
 
 
-def test_operators_are_union_difference_and_intersection():
+def test_operators_are_union_difference_and_intersection() -> None:
     """Volumes of boxes, and chains that go on with what was made."""
     assert volume(A | B) == pytest.approx(15)
     assert volume(A - B) == pytest.approx(7)
     made = A & B
     assert volume(made) == pytest.approx(1)
     assert volume((A - B) | made) == pytest.approx(8)
-    assert made.bound.evidence == "proved-if" and made.bound.at_most < 1e-14
+    assert made.bound.evidence == "proved-if" and (made.bound.at_most or 0) < 1e-14
     assert made.report["certificate"]["boolean"]["method"] == "floating-point"
 
 
-def test_steps_go_from_left_to_right_and_other_shapes_take_a_length():
+def test_steps_go_from_left_to_right_and_other_shapes_take_a_length() -> None:
     """As on the command line."""
     ball = chordal.sphere(0.5)
     with pytest.raises(chordal.Refused, match="within a length"):
         A.combine(("difference", ball))
     made = A.combine(("union", B), ("difference", ball), tol=0.01)
     assert volume(made) == pytest.approx(15 - np.pi * 0.5**3 / 6, abs=0.01)
-    assert made.bound.metric == "solid" and 0 < made.bound.at_most <= 0.01
+    assert made.bound.metric == "solid" and 0 < (made.bound.at_most or 0) <= 0.01
 
 
-def test_what_is_wrong_is_said():
+def test_what_is_wrong_is_said() -> None:
     """Types, names, open meshes, and nothing left."""
     with pytest.raises(TypeError):
-        A | 3
+        A | 3  # type: ignore[operator]
     with pytest.raises(ValueError, match="union, difference, intersection"):
-        A.combine(("xor", B))
+        A.combine(("xor", B))  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="at least one"):
         A.combine()
     with pytest.raises(chordal.Refused, match="one triangle only"):

@@ -134,12 +134,14 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
 
     fn key__<'v>(#[starlark(args)] key: UnpackTuple<Value<'v>>) -> starlark::Result<Value<'v>> {
         // The items of a tuple arrive one by one, since its parentheses are those of the call.
-        let found = match key.items[..] {
-            [key] if is_key(key) => return Ok(key),
-            [key] => arg_of(key).kind(),
-            _ => "a list",
+        let wrong = |found: &str| {
+            fault(CallError(format!("the key of a dictionary is a text or a number, not {found}")))
         };
-        Err(fault(CallError(format!("the key of a dictionary is a text or a number, not {found}"))))
+        match key.items[..] {
+            [key] if is_key(key) => Ok(key),
+            [key] => Err(wrong(arg_of(key).kind())),
+            _ => Err(wrong("a list")),
+        }
     }
 
     fn print<'v>(
