@@ -5,7 +5,7 @@ from typing import Any, Final, TypedDict, final, type_check_only
 
 from chordal._budget import BudgetArguments
 
-__all__ = ["Array", "Cage", "MOST_BYTES", "Outcome", "ScriptValue", "Source", "VERSION", "command", "language", "script", "view"]
+__all__ = ["Array", "Cage", "MOST_BYTES", "Outcome", "ScriptValue", "Source", "VERSION", "combine", "command", "language", "script", "view"]
 
 VERSION: Final[str]
 MOST_BYTES: Final[int]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from chordal import _chordal
 from chordal._arguments import function
@@ -13,10 +13,8 @@ if TYPE_CHECKING:
     from chordal._mesh import Mesh
     from chordal._shape import Shape
 
-#: How one solid is combined with those before it.
-Operation = Literal["union", "difference", "intersection"]
 #: The names of all of them.
-OPERATIONS: tuple[Operation, ...] = ("union", "difference", "intersection")
+OPERATIONS: tuple[str, ...] = ("union", "difference", "intersection")
 
 
 def is_triangles(thing: object) -> bool:
@@ -29,7 +27,7 @@ def is_triangles(thing: object) -> bool:
 
 def combined(
     first: Shape | Mesh,
-    steps: tuple[tuple[Operation, Shape | Mesh], ...],
+    steps: tuple[tuple[str, Shape | Mesh], ...],
     *,
     tol: Length | None,
     rel: Share | None,

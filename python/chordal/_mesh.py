@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from operator import index
-from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, Literal, SupportsFloat, SupportsIndex
 
 from chordal._budget import Length, Share
-from chordal._combine import Operation, combined, is_triangles
+from chordal._combine import combined, is_triangles
 from chordal._deviation import Deviation, measured
 from chordal._made import Made, counted
 
@@ -72,7 +72,7 @@ class Mesh(Made):
 
     def combine(
         self,
-        *steps: tuple[Operation, Shape | Mesh],
+        *steps: tuple[Literal["union", "difference", "intersection"], Shape | Mesh],
         tol: Length | None = None,
         rel: Share | None = None,
         progress: Callable[[str, int, int], object] | None = None,
@@ -100,7 +100,7 @@ class Mesh(Made):
         """What is in both of two closed triangle meshes: `combine`."""
         return self._operated("intersection", other)
 
-    def _operated(self, operation: Operation, other: Shape | Mesh) -> Mesh:
+    def _operated(self, operation: str, other: Shape | Mesh) -> Mesh:
         if not is_triangles(self) or not is_triangles(other):
             raise TypeError(
                 "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"

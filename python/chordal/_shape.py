@@ -12,7 +12,7 @@ from chordal import _chordal, _files
 from chordal._arguments import function, text
 from chordal._arrays import coordinates, indices
 from chordal._budget import Length, Share, budget_arguments
-from chordal._combine import Operation, combined, is_triangles
+from chordal._combine import combined, is_triangles
 from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
 from chordal._mesh import Mesh
@@ -209,7 +209,7 @@ class Shape:
 
     def combine(
         self,
-        *steps: tuple[Operation, Shape | Mesh],
+        *steps: tuple[Literal["union", "difference", "intersection"], Shape | Mesh],
         tol: Length | None = None,
         rel: Share | None = None,
         progress: Progress | None = None,
@@ -245,7 +245,7 @@ class Shape:
         """What is in both of two closed triangle meshes: `combine`."""
         return self._operated("intersection", other)
 
-    def _operated(self, operation: Operation, other: Shape | Mesh) -> Mesh:
+    def _operated(self, operation: str, other: Shape | Mesh) -> Mesh:
         if not is_triangles(self) or not is_triangles(other):
             raise TypeError(
                 "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"
