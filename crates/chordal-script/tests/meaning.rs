@@ -214,7 +214,7 @@ fn what_is_wrong_is_said_with_its_place() {
             "line 1, column 1: minkowski() needs an exact distance outside",
         ),
         ("open('a')", "script-error", "line 1, column 1: Variable `open` not found"),
-        ("print(1)", "script-error", "line 1, column 1: Variable `print` not found"),
+        ("print(1)", "script-value", "the script's value must be a shape, and is nothing"),
         ("{1: 2}", "script-value", "1: the script's value must be a shape, and is something else"),
         (
             "'a'.join([])",
