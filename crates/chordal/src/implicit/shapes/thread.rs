@@ -148,6 +148,7 @@ impl HelixRise {
         let flat = sqrt_up(add_up(mul_up(size(0), size(0)), mul_up(size(1), size(1))));
         let reach =
             add_up(add_up(mul_up(turned, flat), size(2)), self.rounding(greater(centre[2].abs(), size(2))));
+        // Derived: a few roundings, each of less than a step of the number.
         Some((radii, self.rise(centre), add_up(reach, f64::EPSILON * (centre[0].abs() + centre[1].abs()))))
     }
 }
