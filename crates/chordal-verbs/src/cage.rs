@@ -182,7 +182,7 @@ pub fn refine(
         certificate.bound = bound.map(|bound| crate::report::BoundFacts::new(&bound));
         certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(Warning::counted));
         certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&refined.cage)));
-        certificate.conclude(("cage", to), Some(written_polygons_digest(&refined, to)?));
+        certificate.conclude(("cage", to), written_polygons_digest(&refined, to));
         return Ok(RefineOutcome { made: ControlMesh::Polygons(refined), format: to, certificate });
     }
     certificate.notes.push(format!("{to} holds triangles alone: polygons were cut into them").into());
@@ -190,7 +190,7 @@ pub fn refine(
     let counted = CountedTriangles::from_scene(&scene, to)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
-    certificate.conclude(("triangles", to), Some(written_digest(&scene, to)?));
+    certificate.conclude(("triangles", to), written_digest(&scene, to));
     Ok(RefineOutcome { made: ControlMesh::Triangles(scene), format: to, certificate })
 }
 

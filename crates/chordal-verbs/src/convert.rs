@@ -182,8 +182,8 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
     }
     certificate.bound = Some(BoundFacts::new(&bound));
     let (kind, geometry) = match &made {
-        ConvertedShape::Triangles(scene) => ("triangles", Some(written_digest(scene, to)?)),
-        ConvertedShape::Polygons(polygons) => ("cage", Some(written_polygons_digest(polygons, to)?)),
+        ConvertedShape::Triangles(scene) => ("triangles", written_digest(scene, to)),
+        ConvertedShape::Polygons(polygons) => ("cage", written_polygons_digest(polygons, to)),
         ConvertedShape::Polylines(lines @ Polylines::Plane(_)) => ("drawing", Some(polylines_digest(lines))),
         ConvertedShape::Polylines(lines) => ("curves", Some(polylines_digest(lines))),
         // An array has no place and no step of its own.

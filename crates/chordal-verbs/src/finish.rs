@@ -48,7 +48,7 @@ pub(crate) fn finish_triangles(
     let triangles = counted.output.triangles;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
-    certificate.conclude(("triangles", to), Some(written_digest(&scene, to)?));
+    certificate.conclude(("triangles", to), written_digest(&scene, to));
     let budget = &asked.budget;
     let met = lengths_are_met(asked, &bound)
         && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)

@@ -4,9 +4,9 @@ use super::level_mesh::LevelMesh;
 use super::outcome::LodLayout;
 use super::scene_levels::{SceneLevel, SceneLevels};
 use crate::geometry_digest::written_digest;
+use crate::placements;
 use crate::report::{BoundFacts, Certificate, LevelFacts};
 use crate::seal::{SEAL, seal_of};
-use crate::{MeshFailure, placements};
 use chordal::budget::Bound;
 use chordal::lod::selection::SwitchDistances;
 use chordal::math::{greater, lesser};
@@ -104,9 +104,9 @@ fn gltf_levels<'a>(
 }
 
 /// The extras of one mesh in its file.
-pub(super) fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Result<Value, MeshFailure> {
-    let geometry = written_digest(&made.scene, Format::Glb)?;
-    Ok(extras_of(certificate, &made.bound, (made.triangles, made.vertices), Some(geometry)))
+pub(super) fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Value {
+    let geometry = written_digest(&made.scene, Format::Glb);
+    extras_of(certificate, &made.bound, (made.triangles, made.vertices), geometry)
 }
 
 fn extras_of(

@@ -163,15 +163,12 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     outcome.pack(spec.packing);
     let mut levels = levels;
     for (k, level) in levels.iter_mut().enumerate() {
-        level.geometry =
-            outcome.level(k).map(|(scene, _)| written_digest(&scene, Format::Glb)).transpose()?;
+        level.geometry = outcome.level(k).and_then(|(scene, _)| written_digest(&scene, Format::Glb));
     }
-    let geometry = match levels.first().and_then(|level| level.geometry.clone()) {
-        Some(geometry) => geometry,
-        None => written_digest(outcome.made.finest_scene(), Format::Glb)?,
-    };
+    let finest = || written_digest(outcome.made.finest_scene(), Format::Glb);
+    let geometry = levels.first().and_then(|level| level.geometry.clone()).or_else(finest);
     outcome.certificate.levels = Some(outcome.facts(levels));
-    outcome.certificate.conclude(("triangles", Format::Glb), Some(geometry));
+    outcome.certificate.conclude(("triangles", Format::Glb), geometry);
     Ok(outcome)
 }
 

@@ -95,7 +95,7 @@ impl LodOutcome {
     ) -> Result<Box3, MeshFailure> {
         let mut bytes = Vec::new();
         let scene = tile_scene(&level.scene).map_err(unsupported)?;
-        glb::write(&scene, Some(&file_extras(&self.certificate, level)?), &mut bytes)?;
+        glb::write(&scene, Some(&file_extras(&self.certificate, level)), &mut bytes)?;
         files.shown.extend(scene.assets.images.iter().filter_map(|image| match &image.content {
             ImageContent::Uri(uri) => Some(uri.clone()),
             ImageContent::Bytes(_) => None,
