@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from chordal import _chordal
 from chordal._arguments import function
@@ -17,7 +17,58 @@ if TYPE_CHECKING:
 OPERATIONS: tuple[str, ...] = ("union", "difference", "intersection")
 
 
-def is_triangles(thing: object) -> bool:
+class Combinable:
+    """What can be combined as a solid: shapes and meshes."""
+
+    __slots__ = ()
+
+    def combine(
+        self,
+        *steps: tuple[Literal["union", "difference", "intersection"], Shape | Mesh],
+        tol: Length | None = None,
+        rel: Share | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> Mesh:
+        """The solid combined with others from left to right, as triangles: each step is "union", "difference" or
+        "intersection", and the other solid.
+
+        Closed triangles are cut as they are. Open ones and other shapes become closed triangles first, within `tol` or
+        `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side.
+
+        Raises `Refused` where a shape bounds no solid or nothing is left, and `BudgetUnmet` with the best result where
+        the check of the result or the budget fails. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`.
+
+        >>> import chordal
+        >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        >>> faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+        >>> one = chordal.triangles(corners, faces)
+        >>> two = chordal.triangles([(x + 0.25, y, z) for x, y, z in corners], faces)
+        >>> one.combine(("difference", two)).report["certificate"]["valid"]["closed"]
+        True
+        """
+        return _combined(self, steps, tol=tol, rel=rel, progress=progress)
+
+    def __or__(self, other: Shape | Mesh) -> Mesh:
+        """The union of closed triangles: `combine`."""
+        return self._operated("union", other)
+
+    def __sub__(self, other: Shape | Mesh) -> Mesh:
+        """These closed triangles without others: `combine`."""
+        return self._operated("difference", other)
+
+    def __and__(self, other: Shape | Mesh) -> Mesh:
+        """What is in both of two closed triangle meshes: `combine`."""
+        return self._operated("intersection", other)
+
+    def _operated(self, operation: str, other: Shape | Mesh) -> Mesh:
+        if not _is_triangles(self) or not _is_triangles(other):
+            raise TypeError(
+                "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"
+            )
+        return _combined(self, ((operation, other),), tol=None, rel=None, progress=None)
+
+
+def _is_triangles(thing: object) -> bool:
     """Whether operators combine it without a budget: triangles that were read, given or made."""
     from chordal._mesh import Mesh
     from chordal._shape import Shape
@@ -25,8 +76,8 @@ def is_triangles(thing: object) -> bool:
     return isinstance(thing, Mesh) or (isinstance(thing, Shape) and thing.kind == "triangles")
 
 
-def combined(
-    first: Shape | Mesh,
+def _combined(
+    first: Combinable,
     steps: tuple[tuple[str, Shape | Mesh], ...],
     *,
     tol: Length | None,

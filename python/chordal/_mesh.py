@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from operator import index
-from typing import TYPE_CHECKING, Literal, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
-from chordal._budget import Length, Share
-from chordal._combine import combined, is_triangles
+from chordal._budget import Length
+from chordal._combine import Combinable
 from chordal._deviation import Deviation, measured
 from chordal._made import Made, counted
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from chordal._volume import Volume
 
 
-class Mesh(Made):
+class Mesh(Made, Combinable):
     """Triangles with their bound. `Shape.mesh` makes it; it does not change.
 
     >>> import chordal
@@ -69,43 +69,6 @@ class Mesh(Made):
         return measured(
             self._outcome, other, relative=relative, absolute=absolute, max=max, progress=progress
         )
-
-    def combine(
-        self,
-        *steps: tuple[Literal["union", "difference", "intersection"], Shape | Mesh],
-        tol: Length | None = None,
-        rel: Share | None = None,
-        progress: Callable[[str, int, int], object] | None = None,
-    ) -> Mesh:
-        """The solid combined with others from left to right, as triangles: each step is "union", "difference" or
-        "intersection", and the other solid.
-
-        Triangles are cut as they are, and have to be closed. Other shapes become triangles first, within `tol` or
-        `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side.
-
-        Raises `Refused` where a shape bounds no solid or nothing is left, and `BudgetUnmet` with the best result where
-        the check of the result or the budget fails. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`.
-        """
-        return combined(self, steps, tol=tol, rel=rel, progress=progress)
-
-    def __or__(self, other: Shape | Mesh) -> Mesh:
-        """The union of closed triangles: `combine`."""
-        return self._operated("union", other)
-
-    def __sub__(self, other: Shape | Mesh) -> Mesh:
-        """These closed triangles without others: `combine`."""
-        return self._operated("difference", other)
-
-    def __and__(self, other: Shape | Mesh) -> Mesh:
-        """What is in both of two closed triangle meshes: `combine`."""
-        return self._operated("intersection", other)
-
-    def _operated(self, operation: str, other: Shape | Mesh) -> Mesh:
-        if not is_triangles(self) or not is_triangles(other):
-            raise TypeError(
-                "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"
-            )
-        return combined(self, ((operation, other),), tol=None, rel=None, progress=None)
 
     def bake(self, *, cells: SupportsIndex, band: SupportsFloat | None = None) -> Volume:
         """The distance to the triangles on a lattice, as for `Shape.bake`."""

@@ -12,7 +12,7 @@ from chordal import _chordal, _files
 from chordal._arguments import function, text
 from chordal._arrays import coordinates, indices
 from chordal._budget import Length, Share, budget_arguments
-from chordal._combine import combined, is_triangles
+from chordal._combine import Combinable
 from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
 from chordal._mesh import Mesh
@@ -100,7 +100,7 @@ def triangles(vertices: ArrayLike, faces: ArrayLike, *, unit: str | None = None)
     return Shape(_chordal.Source.triangles(points.tobytes(), rows.tobytes(), text("unit", unit)))
 
 
-class Shape:
+class Shape(Combinable):
     """What a file holds: patches, triangles, a drawing, or curves in space. `load` makes it; it does not change."""
 
     __slots__ = ("_source",)
@@ -206,51 +206,6 @@ class Shape:
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
         return Mesh.of(self._source.mesh(budget, "ply", function("progress", progress)))
-
-    def combine(
-        self,
-        *steps: tuple[Literal["union", "difference", "intersection"], Shape | Mesh],
-        tol: Length | None = None,
-        rel: Share | None = None,
-        progress: Progress | None = None,
-    ) -> Mesh:
-        """The solid combined with others from left to right, as triangles: each step is "union", "difference" or
-        "intersection", and the other solid.
-
-        Triangles are cut as they are, and have to be closed. Other shapes become triangles first, within `tol` or
-        `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side.
-
-        Raises `Refused` where a shape bounds no solid or nothing is left, and `BudgetUnmet` with the best result where
-        the check of the result or the budget fails. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`.
-
-        >>> import chordal
-        >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-        >>> faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
-        >>> one = chordal.triangles(corners, faces)
-        >>> two = chordal.triangles([(x + 0.25, y, z) for x, y, z in corners], faces)
-        >>> one.combine(("difference", two)).report["certificate"]["valid"]["closed"]
-        True
-        """
-        return combined(self, steps, tol=tol, rel=rel, progress=progress)
-
-    def __or__(self, other: Shape | Mesh) -> Mesh:
-        """The union of closed triangles: `combine`."""
-        return self._operated("union", other)
-
-    def __sub__(self, other: Shape | Mesh) -> Mesh:
-        """These closed triangles without others: `combine`."""
-        return self._operated("difference", other)
-
-    def __and__(self, other: Shape | Mesh) -> Mesh:
-        """What is in both of two closed triangle meshes: `combine`."""
-        return self._operated("intersection", other)
-
-    def _operated(self, operation: str, other: Shape | Mesh) -> Mesh:
-        if not is_triangles(self) or not is_triangles(other):
-            raise TypeError(
-                "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"
-            )
-        return combined(self, ((operation, other),), tol=None, rel=None, progress=None)
 
     def cage(self) -> Cage:
         """The polygons of a cage. Raises `Refused` for anything else.

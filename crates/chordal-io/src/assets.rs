@@ -190,7 +190,8 @@ pub(crate) fn collect_of_members(members: &Map<String, Value>, names: &mut Vec<S
 
 /// The material that the writer gives to meshes without one: glTF's default is a metal, which viewers without
 /// an environment show black. `open` where triangles are seen from behind.
-pub(crate) fn plain_material(open: bool) -> Value {
+#[must_use]
+pub fn plain_material(open: bool) -> Value {
     let mut plain = json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } });
     if open {
         plain["doubleSided"] = json!(true);

@@ -74,7 +74,7 @@ mod xml_elements;
 mod xml_text;
 mod zip;
 
-pub use assets::{FaceKind, ImageContent, MATERIAL, PackedAccessor, SceneAssets, SceneImage};
+pub use assets::{FaceKind, ImageContent, MATERIAL, PackedAccessor, SceneAssets, SceneImage, plain_material};
 pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
 pub use files::FileOpener;

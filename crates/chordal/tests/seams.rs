@@ -61,15 +61,21 @@ fn values_change_no_faster_than_one_moves_and_have_the_sign_of_their_second_expr
     let mut random = Random::new(41);
     for (k, field) in seamed().iter().chain(&others()).enumerate() {
         let mut inside = 0;
-        for _ in 0..3000 {
-            let p: [f64; 3] = random.point_within(2.5);
-            let step = random.power(1e-4, 1.0);
-            let way: [f64; 3] = random.direction();
-            let q: [f64; 3] = std::array::from_fn(|k| p[k] + step * way[k]);
-            let (a, b) = (at(field, p), at(field, q));
+        let pairs: Vec<[[f64; 3]; 2]> = (0..3000)
+            .map(|_| {
+                let p: [f64; 3] = random.point_within(2.5);
+                let step = random.power(1e-4, 1.0);
+                let way: [f64; 3] = random.direction();
+                [p, std::array::from_fn(|k| p[k] + step * way[k])]
+            })
+            .collect();
+        let (mut values, mut signs) = (vec![0.0; 2 * pairs.len()], vec![0.0; 2 * pairs.len()]);
+        field.tape().at(pairs.as_flattened(), &mut values).unwrap();
+        Tape::new(field.sign()).at(pairs.as_flattened(), &mut signs).unwrap();
+        for ((&[p, q], values), signs) in pairs.iter().zip(values.chunks(2)).zip(signs.chunks(2)) {
+            let (a, b, sign) = (values[0], values[1], signs[0]);
             let length = (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum::<f64>().sqrt();
             assert!((a - b).abs() <= length * (1.0 + 1e-9) + 1e-12, "{k} {p:?} {q:?}: {a} {b}");
-            let sign = field.sign().at(p).unwrap();
             assert!((a < 0.0) == (sign < 0.0) || a.abs() < 1e-12, "{k} {p:?}: {a} {sign}");
             if a < 0.0 {
                 inside += 1;
@@ -83,7 +89,10 @@ fn values_change_no_faster_than_one_moves_and_have_the_sign_of_their_second_expr
 #[test]
 fn intervals_contain_values_and_slopes_those_of_differences() {
     let mut random = Random::new(42);
-    for (k, field) in seamed().iter().chain(&others()).enumerate() {
+    // A thread turns about the axis, so that boxes on it and at its seam are among them.
+    let threads =
+        ["M1x0.25", "M4", "M4x1"].map(|name| thread(ThreadForm::from_name(name).unwrap(), 4.0).unwrap());
+    for (k, field) in seamed().iter().chain(&others()).chain(&threads).enumerate() {
         for expr in [field.expr(), field.sign()] {
             let tape = Tape::new(expr);
             for _ in 0..120 {

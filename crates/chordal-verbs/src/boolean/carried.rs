@@ -7,8 +7,7 @@ use chordal::Mesh;
 use chordal::boolean::BooleanMesh;
 use chordal::budget::advice::Message;
 use chordal::explicit::{InvalidMesh, Semantic};
-use chordal_io::{Frame, MATERIAL, Scene, SceneAssets};
-use serde_json::json;
+use chordal_io::{Frame, MATERIAL, Scene, SceneAssets, plain_material};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One part with all that the faces of the operands carry.
@@ -50,7 +49,11 @@ fn join_groups(
             // A material that is only a name gets a plain look, so that numbers and materials agree.
             let names = operand.groups.get(MATERIAL).map_or(&[][..], |names| names);
             if operand.assets.materials.is_empty() && names.len() > 1 {
-                let plain = |name: &String| json!({ "name": name, "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } });
+                let plain = |name: &String| {
+                    let mut look = plain_material(false);
+                    look["name"] = name.as_str().into();
+                    look
+                };
                 operand.assets.materials = names[1..].iter().map(plain).collect();
             }
         }

@@ -251,7 +251,11 @@ fn whole_bound(made: &BooleanMesh, operands: &[SolidOperand]) -> Bound {
     if own.is_empty() {
         return made.bound.clone();
     }
-    let evidence = own.iter().fold(made.bound.evidence().clone(), |all, bound| all.weaker(bound.evidence()));
+    // A distance between surfaces says nothing of their sides.
+    let sides = "what is farther from a shape than the bound of its triangles is on the same side of both";
+    let sides = Evidence::ProvedIf(vec![sides.to_owned()]);
+    let all = made.bound.evidence().weaker(&sides);
+    let evidence = own.iter().fold(all, |all, bound| all.weaker(bound.evidence()));
     let largest =
         own.iter().map(|bound| bound.at_most()).try_fold(0.0, |most, own| Some(greater(own?, most)));
     let at_most = made.bound.at_most().zip(largest).map(|(cut, own)| add_up(cut, own));

@@ -95,7 +95,7 @@ pub struct BooleanStep<'a> {
 /// operands, which are exact, are compared at points beside the triangles of both, at most 2,048 of them. The
 /// evidence is [`ProvedIf`](crate::Evidence::ProvedIf): no region is wrong that has none of these points. The metric is
 /// [`Solid`](crate::budget::Metric::Solid): a point farther than `at_most` from the operands' triangles is on the side
-/// where it should be. Where no vertex had to be rounded it is the Hausdorff distance of the surfaces, and 0.
+/// where it should be. It is 0 where no vertex had to be rounded.
 /// Where the check found a point on the wrong side the evidence is [`Estimated`](crate::Evidence::Estimated).
 ///
 /// Positions and faces alone count: for attributes see [`BooleanMesh::with_attributes`].

@@ -96,10 +96,9 @@ pub(super) fn checked(
                 "no region is on the wrong side that has none of the {n_points} points whose winding numbers were \
                  compared"
             );
-            let metric = if off == 0.0 { Metric::Hausdorff } else { Metric::Solid };
             let evidence = Evidence::ProvedIf(vec![what]);
             let mut bound = Bound::with_evidence(0.0, Some(off), evidence, Reference::Boolean);
-            (bound.metric, bound.at) = (metric, at);
+            (bound.metric, bound.at) = (Metric::Solid, at);
             bound
         }
         SideVerdict::Wrong { at } => {

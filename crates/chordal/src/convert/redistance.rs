@@ -1,7 +1,7 @@
 //! The arrow from a field to a field that is a true distance.
 use super::field_to_mesh::field_to_mesh;
 use super::mesh_to_field::mesh_standing_for;
-use crate::budget::{Bounded, Budget, Failure, Job, JobError, Tolerance};
+use crate::budget::{Bounded, Budget, Failure, Job, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::{DistanceQuality, Field};
 
@@ -37,11 +37,7 @@ use crate::implicit::{DistanceQuality, Field};
 /// ```
 pub fn redistance(field: &Field, within: Tolerance, job: &Job) -> Result<Bounded<Field>, Failure<Mesh>> {
     let made = field_to_mesh(field, &Budget::length(within), job)?;
-    let solid =
-        mesh_standing_for(&made.shape, Some(made.bound.clone()), job).map_err(|error| match error {
-            JobError::Refused(why) => Failure::Refused(why),
-            JobError::Cancelled => Failure::Cancelled,
-        })?;
+    let solid = mesh_standing_for(&made.shape, Some(made.bound.clone()), job)?;
     // A mesh of a field is closed; where it touches itself its inner walls are thinner than rounding.
     debug_assert!(solid.field.distance().weakest() != DistanceQuality::Sign);
     Ok(Bounded { shape: solid.field, bound: made.bound })

@@ -3,7 +3,7 @@
 //! Blocks of samples whose range has one sign, all around them to the next samples, hold no surface in any of
 //! their cells. The others are halved down to blocks of 2³ samples; what is left of those covers the surface.
 use super::leaf_failure;
-use crate::budget::{Failure, Job, JobError, RefusalCode, par_map};
+use crate::budget::{Failure, Job, RefusalCode, par_map};
 use crate::convert::Polygonize;
 use crate::convert::cubes::marching_cubes::{Isosurface, march};
 use crate::convert::cubes::source::SampleSource;
@@ -75,7 +75,7 @@ impl SignLattice {
     pub(super) fn sample(field: &Field, step: f64, job: &Job) -> Result<Self, Failure<Mesh>> {
         let rule = Polygonize::below(0.0);
         let lattice = lattice_around(&field.bounds(), step)?;
-        check(lattice.size, &lattice.affine, &rule).map_err(job_failure)?;
+        check(lattice.size, &lattice.affine, &rule)?;
         let n_bricks = lattice.size.map(|n| n.div_ceil(BRICK));
         let n_entries: usize = n_bricks.iter().product();
         // The directory, and the bits that are marched.
@@ -240,8 +240,7 @@ impl SignLattice {
 
     /// The triangles between the signs: closed, at least by indices.
     pub(super) fn polygonize(&self, job: &Job) -> Result<Mesh, Failure<Mesh>> {
-        let made: Isosurface<f64> =
-            march(self, &self.lattice.affine, &self.rule, job).map_err(job_failure)?;
+        let made: Isosurface<f64> = march(self, &self.lattice.affine, &self.rule, job)?;
         if made.faces.is_empty() {
             return Err(Failure::refused(
                 RefusalCode::Empty,
@@ -362,13 +361,6 @@ pub(super) fn too_large(bytes: u64, job: &Job) -> Result<(), Failure<Mesh>> {
     }
     let message = format!("cells that small need {bytes} bytes; the limit is {}", job.memory_limit);
     Err(Failure::refused(RefusalCode::TooMuchMemory, message))
-}
-
-fn job_failure(error: JobError) -> Failure<Mesh> {
-    match error {
-        JobError::Refused(why) => Failure::Refused(why),
-        JobError::Cancelled => Failure::Cancelled,
-    }
 }
 
 /// In single precision; what is below 0 stays below.

@@ -11,7 +11,7 @@ use super::leaf_failure;
 use super::sign_lattice::{
     N_BLOCKS, RangeSide, SignLattice, block_at, half_diagonal, range_sides, too_large,
 };
-use crate::budget::{Failure, Job, JobError, par_map};
+use crate::budget::{Failure, Job, par_map};
 use crate::convert::lattice::BRICK;
 use crate::explicit::{Bvh, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
@@ -52,10 +52,7 @@ pub(super) fn farthest(
     goal: &CoverGoal,
     job: &Job,
 ) -> Result<FarthestPart, Failure<Mesh>> {
-    let bvh = Bvh::build(mesh, job).map_err(|error| match error {
-        JobError::Refused(why) => Failure::Refused(why),
-        JobError::Cancelled => Failure::Cancelled,
-    })?;
+    let bvh = Bvh::build(mesh, job)?;
     let CoverGoal { enough, has_walls } = *goal;
     let most_halvings = if has_walls { WALL_HALVINGS } else { MOST_HALVINGS };
     let tape = Tape::new(field.sign());
