@@ -81,12 +81,16 @@ impl BooleanArgs {
         self.operands
             .iter()
             .map(|(op, path)| {
-                let own = InputArgs { input: path.clone(), from: None, ..args.clone() };
+                let own = InputArgs { input: path.clone(), from: None, unit: None, up: None, ..args.clone() };
                 let source = InputSource::from_arg(path);
                 if matches!(source, InputSource::Stdin) {
                     return Err(Fault::usage("only the input itself can be stdin"));
                 }
-                let input = load::read_other(&own, job, console)?;
+                let mut input = load::read_other(&own, job, console)?;
+                // What is said of the space of the input is no other file's, unless that says nothing itself.
+                let frame = input.shape.frame_mut();
+                frame.metres_per_unit = frame.metres_per_unit.or(args.unit.map(|unit| unit.metres()));
+                frame.up = frame.up.or(args.up);
                 Ok(BooleanOperand { op: *op, name: source.name(), input })
             })
             .collect()

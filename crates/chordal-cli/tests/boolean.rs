@@ -143,6 +143,13 @@ fn bad_operands_are_sentences() {
         .fails_with(3, &["open.obj", "3 edges have one", "a length"]);
     run(&["mesh", &whole, "--minus", &open, "-o", &open, "--force"])
         .fails_with(4, &["the output is the input"]);
+    let [metres, inches] = [folder.text("metres.glb"), folder.text("inches.3mf")];
+    run(&["convert", &whole, &metres]).succeeds();
+    run(&["convert", &whole, &inches, "--unit", "in", "-q"]).succeeds();
+    for words in [&[&*metres][..], &[&*whole, "--unit", "mm"]] {
+        let found = run(&[&["mesh"], words, &["--union", &inches, "-o", &out]].concat());
+        found.fails_with(2, &["inches.3mf: a unit is 0.0254 m there", "--unit"]);
+    }
     run(&["mesh", TEAPOT, "--minus", &whole, "-o", &out]).fails_with(5, &["within a length"]);
     let triangles = run(&["mesh", &whole, "--minus", &open, "--triangles", "9", "-o", &out]);
     assert_eq!(triangles.code, 2, "{triangles:?}");
