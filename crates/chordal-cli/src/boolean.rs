@@ -76,6 +76,20 @@ impl BooleanArgs {
         self.operands.iter().try_for_each(|(_, path)| refuse_input(output, &InputSource::from_arg(path)))
     }
 
+    /// Their names.
+    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.operands.iter().map(|(_, path)| path)
+    }
+
+    /// Where the files stand that they named, or may stand.
+    pub fn files_beside(&self, args: &InputArgs, others: &[BooleanOperand]) -> Vec<PathBuf> {
+        let of = |(path, other): (&PathBuf, &BooleanOperand)| {
+            let own = InputArgs { input: path.clone(), ..args.clone() };
+            load::files_beside(&own, &other.input).collect::<Vec<_>>()
+        };
+        self.paths().zip(others).flat_map(of).collect()
+    }
+
     /// Reads them.
     pub fn read(&self, args: &InputArgs, job: &Job, console: &Console) -> Result<Vec<BooleanOperand>, Fault> {
         self.operands

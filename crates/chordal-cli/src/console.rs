@@ -1,9 +1,11 @@
 //! What is said while working and afterwards: messages and progress on stderr, reports on stdout.
 use crate::args::ConsoleArgs;
 use crate::fault::{Fault, plainly};
+use crate::signal;
 use chordal::Job;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
+use serde_json::json;
 use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -134,6 +136,18 @@ pub fn print(text: &str) -> Result<(), Fault> {
         .write_all(text.as_bytes())
         .and_then(|()| stdout.flush())
         .map_err(|error| Fault::output("unwritable", format!("stdout: {}", plainly(&error))))
+}
+
+/// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there
+/// already.
+pub fn fail(fault: &Fault, json: bool) -> u8 {
+    let _ = signal::without_interruption(|| write!(std::io::stderr(), "{}", printable(&fault.to_string())));
+    if json && !fault.reported {
+        let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
+        let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });
+        let _ = writeln!(std::io::stdout(), "{report:#}");
+    }
+    fault.exit as u8
 }
 
 /// The text without what terminals obey: names of files may hold escape sequences.

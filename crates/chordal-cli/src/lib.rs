@@ -44,15 +44,14 @@ mod temp_output;
 mod verify;
 mod volume;
 mod volume_text;
+mod watch;
 
 use batch::BatchCommand;
 pub use beside::read_beside;
 use clap::Parser;
 use clap::error::ErrorKind;
 use cli::{Cli, Verb};
-use console::printable;
 use fault::{Exit, Fault};
-use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
 
@@ -75,6 +74,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsStr
     signal::end_aborts_with_a_code();
     let json = wants_json(&cli.verb);
     let done = match cli.verb {
+        Verb::Mesh(args) if args.watch => watch::run(&args),
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Lod(args) => lod::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
@@ -91,7 +91,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsStr
     };
     match done {
         Ok(()) => 0,
-        Err(fault) => fail(&fault, json),
+        Err(fault) => console::fail(&fault, json),
     }
 }
 
@@ -109,18 +109,6 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Render(args) => args.console.json,
         Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }
-}
-
-/// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there
-/// already.
-fn fail(fault: &Fault, json: bool) -> u8 {
-    let _ = signal::without_interruption(|| write!(std::io::stderr(), "{}", printable(&fault.to_string())));
-    if json && !fault.reported {
-        let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
-        let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });
-        let _ = writeln!(std::io::stdout(), "{report:#}");
-    }
-    fault.exit as u8
 }
 
 /// Help goes to stdout with 0; anything else is one sentence and 2.
@@ -151,10 +139,14 @@ fn sentence_of(error: &clap::Error) -> String {
 
 /// Refuses words that are no command line.
 fn check_words(words: Vec<OsString>) -> Result<(), Fault> {
-    Cli::try_parse_from(words).map(drop).map_err(|error| match error.kind() {
+    let cli = Cli::try_parse_from(words).map_err(|error| match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             Fault::usage("--help and --version are no options for a batch: ask the verb for them")
         }
         _ => Fault::usage(sentence_of(&error)),
-    })
+    })?;
+    match cli.verb {
+        Verb::Mesh(args) if args.watch => Err(Fault::usage("--watch never ends, and is no option for a batch")),
+        _ => Ok(()),
+    }
 }

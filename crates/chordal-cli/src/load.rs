@@ -13,7 +13,7 @@ use chordal::budget::RefusalCode;
 use chordal::budget::advice::Spell;
 use chordal_io::{Conformance, Format, Limits};
 use chordal_verbs::{FormatHint, Input, Shape, load_within, sha256};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reads what `args` name on the threads of a job, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fault> {
@@ -25,15 +25,19 @@ pub fn read(args: &InputArgs, job: &Job, console: &Console) -> Result<Input, Fau
 /// # Errors
 /// Then.
 pub fn refuse_files(output: &Path, args: &InputArgs, input: &Input) -> Result<(), Fault> {
-    let beside = parent(&args.input);
-    let folders = || std::iter::once(beside).chain(args.allow.iter().map(|folder| &**folder));
-    let is_read =
-        input.files.iter().any(|file| folders().any(|folder| is_same_file(&folder.join(&file.path), output)));
+    let is_read = files_beside(args, input).any(|file| is_same_file(&file, output));
     if !is_read {
         return Ok(());
     }
     let message = format!("{}: the output is a file that the input names", output.display());
     Err(Fault::output("output-is-input", message))
+}
+
+/// Where the files stand that an input named, or may stand: beside it, or below a folder that is allowed.
+pub fn files_beside(args: &InputArgs, input: &Input) -> impl Iterator<Item = PathBuf> {
+    let folders =
+        move || std::iter::once(parent(&args.input)).chain(args.allow.iter().map(|folder| &**folder));
+    input.files.iter().flat_map(move |file| folders().map(|folder| folder.join(&file.path)))
 }
 
 /// Reads what `args` name for a format that may hold polygons: those that were cut into triangles are read

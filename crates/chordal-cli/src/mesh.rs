@@ -11,10 +11,12 @@ use crate::output::OutputTarget;
 use crate::output_format::output_format;
 use crate::output_set::OutputSetArgs;
 use crate::output_set_write::SetPlace;
+use crate::overwrite::OverwritePolicy;
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary;
 use crate::volume::VolumeArgs;
+use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
@@ -24,6 +26,7 @@ use chordal_verbs::{
 };
 use clap::{ArgGroup, Args, ValueEnum};
 use std::io::Write;
+use std::path::PathBuf;
 
 /// `chordal mesh`
 #[derive(Args, Debug)]
@@ -40,7 +43,8 @@ Examples:
   chordal mesh liver_mask.nii.gz --smooth 0.8vox --tol 3mm -o liver.glb
   chordal mesh organs.nii.gz --labels all --tol 2mm -o organs.glb
   chordal mesh cage.obj --level 2 -o refined.obj
-  chordal mesh part.stl --minus hole.stl --union rib.glb -o whole.stl")]
+  chordal mesh part.stl --minus hole.stl --union rib.glb -o whole.stl
+  chordal mesh part.star --tol 0.1% -o part.stl --watch")]
 pub struct MeshArgs {
     #[command(flatten)]
     pub output: OutputArgs,
@@ -59,6 +63,11 @@ pub struct MeshArgs {
 
     #[command(flatten)]
     pub volume: VolumeArgs,
+
+    /// Mesh again whenever the input changes, or a file that it names: of a script first a preview, whose distance is
+    /// measured, and then the proved mesh, unless --require says which. Ctrl-C ends
+    #[arg(long)]
+    pub watch: bool,
 
     #[command(flatten)]
     pub input: InputArgs,
@@ -158,16 +167,35 @@ pub enum EffortArg {
     Fast,
 }
 
+/// How the work is done, this time.
+pub struct MeshRound<'a> {
+    /// The conditions.
+    pub job: &'a Job,
+    /// What happens to a file that has the output's name.
+    pub existing: OverwritePolicy,
+    /// The evidence that is asked for.
+    pub require: Option<RequiredEvidence>,
+    /// Told where the files stand that were read beside the input.
+    pub on_files: &'a dyn Fn(Vec<PathBuf>),
+}
+
 /// Reads, meshes, writes, reports.
 pub fn run(args: &MeshArgs) -> Result<(), Fault> {
+    let job = execution::job(&args.input, Some(&args.output), &Console::new(&args.console));
+    let existing = execution::existing(&args.output);
+    run_once(args, &MeshRound { job: &job, existing, require: args.budget.require, on_files: &|_| () })
+}
+
+/// The same as one of several times.
+pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    let spec = spec(args)?;
+    let spec = BudgetSpec { require: round.require, ..spec(args)? };
     let to = output_format(&args.output.output, args.result.to)?;
     let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
-    let job = execution::job(&args.input, Some(&args.output), &console);
-    let target = OutputTarget::prepare(&args.output.output, execution::existing(&args.output), &source)?;
+    let job = round.job;
+    let target = OutputTarget::prepare(&args.output.output, round.existing, &source)?;
     args.boolean.refuse_output(&args.output.output)?;
     args.set.check(&target, to)?;
     let place = |names_files: bool| SetPlace {
@@ -176,20 +204,22 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         console: &console,
         names_files,
     };
-    let mut input = load::read(&args.input, &job, &console)?;
+    let mut input = load::read(&args.input, job, &console)?;
     load::refuse_files(&args.output.output, &args.input, &input)?;
+    (round.on_files)(load::files_beside(&args.input, &input).collect());
     args.volume.apply(&mut input.shape)?;
     let input_triangles = input.shape.n_triangles();
     if let Some(level) = args.result.level {
-        let made = refine(input, (level, args.result.normals), args.set.form(to), &job).spelled(&CommandLine);
+        let made = refine(input, (level, args.result.normals), args.set.form(to), job).spelled(&CommandLine);
         let outcome = made.map_err(|failure| run_outcome::fault(&source.name(), &failure, ""))?;
         let one = &mut |out: &mut dyn Write| outcome.write(out);
         let place = place(outcome.names_files());
         let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
         let run = run_outcome::facts("mesh", source.name(), target.name(), bytes);
-        return print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout);
+        return print_summary(outcome.certificate, clock.fill(run, job), &console, stdout);
     }
-    let others = args.boolean.read(&args.input, &job, &console)?;
+    let others = args.boolean.read(&args.input, job, &console)?;
+    (round.on_files)(args.boolean.files_beside(&args.input, &others));
     if others.is_empty() && !spec.has_limit() && needs_budget(&input.shape, args.result.normals) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
@@ -197,9 +227,9 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let name = source.name();
     let form = args.set.form(to);
     let made = if others.is_empty() {
-        mesh(input, &spec, form, &job)
+        mesh(input, &spec, form, job)
     } else {
-        mesh_boolean(input, others, &spec, form, &job)
+        mesh_boolean(input, others, &spec, form, job)
     };
     let (outcome, unmet) = match made.spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
@@ -216,7 +246,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let bytes = args.set.write(&place, &outcome.certificate, one, |stem| outcome.write_files(stem))?;
 
     let run = RunFacts { input_triangles, ..run_outcome::facts("mesh", name, target.name(), bytes) };
-    print_summary(outcome.certificate, clock.fill(run, &job), &console, stdout)?;
+    print_summary(outcome.certificate, clock.fill(run, job), &console, stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 

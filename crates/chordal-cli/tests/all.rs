@@ -27,3 +27,4 @@ mod studio;
 mod verify;
 mod volume;
 mod volume_budget;
+mod watch;

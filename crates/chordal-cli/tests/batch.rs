@@ -326,6 +326,7 @@ fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_starts() {
     refuses(&["mesh", "a.obj", "-o", "out", "--", "--tol", "wide"], 2, &["wide"]);
     refuses(&["convert", "a.obj", "-o", "out", "--", "--to", "ply"], 2, &["--to", "before the '--'"]);
     refuses(&["convert", "a.obj", "-o", "out", "--", "more.obj"], 2, &["cannot be used"]);
+    refuses(&["mesh", "a.obj", "-o", "out", "--", "--tol", "1", "--watch"], 2, &["--watch"]);
     refuses(&["studio", "a.obj", "-o", "out"], 2, &["studio"]);
     refuses(&["convert", "a.obj", "-o", "a.obj"], 4, &["a.obj"]);
     refuses(&["convert", "a.obj", "-o", "out", "--base", "x"], 2, &["--base x"]);
