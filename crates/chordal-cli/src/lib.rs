@@ -146,7 +146,9 @@ fn check_words(words: Vec<OsString>) -> Result<(), Fault> {
         _ => Fault::usage(sentence_of(&error)),
     })?;
     match cli.verb {
-        Verb::Mesh(args) if args.watch => Err(Fault::usage("--watch never ends, and is no option for a batch")),
+        Verb::Mesh(args) if args.watch => {
+            Err(Fault::usage("--watch never ends, and is no option for a batch"))
+        }
         _ => Ok(()),
     }
 }
