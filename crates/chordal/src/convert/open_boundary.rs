@@ -4,7 +4,7 @@
 //! Between triangles the winding number is smooth. Its gradient depends on the open edges alone: by Stokes'
 //! theorem the solid angle of a surface changes like the Biot–Savart integral over its border,
 //! `∇w = 1/4π · ∮ (x − p) × dx / |x − p|³`, which is at most `1/4π · Σ length / distance²`.
-use crate::explicit::{Mesh, Topology};
+use crate::explicit::{Mesh, OpenEdge, open_edges};
 use crate::math::{add_up, difference, greater, length};
 
 /// A ball of edges is opened where it is nearer than so many of its radii. Chosen: there its bound is off by
@@ -36,29 +36,9 @@ pub(super) struct OpenBoundary {
 impl OpenBoundary {
     /// The edges that, by position, run one way more often than the other. O(n log n).
     pub(super) fn new(mesh: &Mesh) -> Self {
-        let Some(ids) = Topology::Positions.ids(mesh) else { return Self::default() };
-        let mut halves: Vec<(u32, u32, i32)> = Vec::with_capacity(3 * mesh.faces().len());
-        for face in mesh.faces() {
-            for k in 0..3 {
-                let (a, b) = (ids[face[k] as usize], ids[face[(k + 1) % 3] as usize]);
-                if a != b {
-                    halves.push(if a < b { (a, b, 1) } else { (b, a, -1) });
-                }
-            }
-        }
-        halves.sort_unstable();
-        let mut place = vec![u32::MAX; mesh.positions().len()];
-        for (row, id) in ids.iter().enumerate().rev() {
-            place[*id as usize] = row as u32;
-        }
-        let mut edges = Vec::new();
-        for same in halves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let net: i32 = same.iter().map(|half| half.2).sum();
-            if net != 0 {
-                let at = |id: u32| mesh.positions()[place[id as usize] as usize];
-                edges.push(EdgeBall::around([at(same[0].0), at(same[0].1)], f64::from(net.unsigned_abs())));
-            }
-        }
+        let at = |row: u32| mesh.positions()[row as usize];
+        let ball = |edge: &OpenEdge| EdgeBall::around(edge.rows.map(at), f64::from(edge.times));
+        let mut edges: Vec<EdgeBall> = open_edges(mesh).iter().map(ball).collect();
         let mut made = Self::default();
         if !edges.is_empty() {
             made.root = Some(made.add(&mut edges));

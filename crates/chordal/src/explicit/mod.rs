@@ -38,7 +38,8 @@ pub(crate) use bezier::bernstein;
 pub(crate) use bvh::is_closed;
 pub(crate) use bvh::{Bvh, Enclosure, HitSides, PointLocation, Ray};
 pub(crate) use bvh::{
-    PackedBoxes, WindingMoments, closest_on_triangle, distance_sq_to_triangle, distance_to_triangle_down,
+    OpenEdge, PackedBoxes, WindingMoments, closest_on_triangle, distance_sq_to_triangle,
+    distance_to_triangle_down, open_edges,
 };
 pub(crate) use cage::limit::{LimitSheet, LimitSurface};
 pub use cage::{Cage, InvalidCage};

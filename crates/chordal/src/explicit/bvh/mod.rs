@@ -5,6 +5,7 @@ mod closest;
 mod column;
 mod frame;
 mod inside;
+mod lids;
 mod neighbours;
 mod packed_boxes;
 mod ray;
@@ -22,6 +23,7 @@ pub(crate) use inside::WindingMoments;
 #[cfg(feature = "booleans")]
 pub(crate) use inside::is_closed;
 pub use inside::{Containment, Enclosure, PointLocation};
+pub(crate) use lids::{OpenEdge, open_edges};
 pub(crate) use packed_boxes::PackedBoxes;
 pub use ray::{Hit, HitSides, Ray};
 pub use winding::WindingNumber;
