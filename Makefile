@@ -225,6 +225,12 @@ pictures: need-rust ## take the pictures of the docs again
 		part vase "fov=35 eye=70,-140,130 target=0,0,44"
 	$(CHORDAL) render examples/cube.obj --show zebra --size 480x360 -o docs/pictures/zebra.png --force -q
 	$(CHORDAL) render examples/teapot.bpt --show overshade --cull back --size 480x360 -o docs/pictures/overshade.png --force -q
+	echo '(sphere(1) | torus(1.3, 0.2)) - cylinder(0.45, 4)' > $(TARGET)/two-shores.star
+	$(CHORDAL) mesh $(TARGET)/two-shores.star --tol 0.01 -o $(TARGET)/two-shores.ply --force -q
+	for of in "two-shores.star shaded field" "two-shores.ply wire mesh"; do set -- $$of; \
+		$(CHORDAL) render $(TARGET)/$$1 --show $$2 --view "480x360 fov=30 eye=1,-5,3.5 target=0,0,-0.1" \
+			-o docs/pictures/two-shores-$$3.png --force -q; \
+	done
 	$(CHORDAL) render examples/cube.obj --show wire --tol 1% --size 480x360 -o docs/pictures/cube.png --force -q
 
 install: need-rust ## put chordal where cargo puts programs
