@@ -5,6 +5,7 @@ mod cells;
 mod cells_at_vertices;
 mod corner_gradients;
 mod extract;
+mod face_materials;
 mod field_sampler;
 mod grid;
 mod growth;
@@ -19,6 +20,7 @@ mod vertex_values;
 #[cfg(test)]
 mod tests;
 
+pub(super) use face_materials::FaceMaterials;
 pub(super) use field_sampler::FieldSampler;
 pub(super) use mesher::FieldMeshGoal;
 pub(super) use search::search;
