@@ -4,8 +4,7 @@ use super::mesher::leaf_failure;
 use crate::budget::{Bounded, Failure, Job, par_map};
 use crate::explicit::{Attribute, Domain, Mesh, Semantic};
 use crate::implicit::csg::{BlendPart, CsgMaterials, MaterialChoice};
-use crate::implicit::{Csg, CsgNode, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::Box3;
+use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
 
 /// The kind of the group of faces that names their materials.
 const MATERIAL: &str = "material";
