@@ -1,7 +1,8 @@
 //! `FaceMaterials`: gives the faces of a field's mesh the numbers of their materials.
 use super::improve::FaceLabel;
+use super::material_borders::{BorderedMesh, cut_at_borders};
 use super::mesher::leaf_failure;
-use crate::budget::{Bounded, Failure, Job, par_map};
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, Tolerance, par_map};
 use crate::explicit::{Attribute, Domain, Mesh, Semantic};
 use crate::implicit::csg::{BlendPart, CsgMaterials, MaterialChoice};
 use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
@@ -12,6 +13,8 @@ const MATERIAL: &str = "material";
 const LABEL: &str = "primitive";
 /// Faces in one task.
 const CHUNK: usize = 1024;
+/// Borders are this share of the diagonal off where the budget has no length and nothing is known. Chosen.
+const COARSE: f64 = 1.0 / 1024.0;
 
 /// The mesh with the labels of its faces, for [`FaceMaterials::paint`].
 pub(super) fn with_labels(mesh: Mesh, labels: &[FaceLabel]) -> Mesh {
@@ -30,22 +33,38 @@ fn with_group(mesh: Mesh, kind: &str, numbers: &[u32]) -> Mesh {
 
 /// The materials of a CSG tree, for the faces of its mesh.
 pub(in crate::convert) struct FaceMaterials<'a> {
-    csg: &'a Csg,
+    pub(super) csg: &'a Csg,
+    pub(super) job: &'a Job,
     materials: &'a CsgMaterials,
-    job: &'a Job,
+    /// By label: what holds wherever a face is.
+    everywhere: Vec<MaterialChoice>,
 }
 
 impl<'a> FaceMaterials<'a> {
     /// None if the tree has none.
     pub fn new(csg: &'a Csg, job: &'a Job) -> Option<Self> {
-        csg.materials().map(|materials| Self { csg, materials, job })
+        let materials = csg.materials()?;
+        let mut own = Self { csg, job, materials, everywhere: Vec::new() };
+        let labels = 0..2 * csg.primitives().len() as FaceLabel;
+        own.everywhere = labels.map(|label| own.choice(label, |_| Membership::Unknown, None)).collect();
+        Some(own)
     }
 
-    /// As [`Self::paint`], of the mesh of a result.
-    pub fn paint_result(&self, made: Result<Bounded<Mesh>, Failure<Mesh>>) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    /// The mesh of a result with the numbers of the materials of its faces, 0 for none, as the group `material`, in
+    /// their order. Faces that several materials share are cut within a length.
+    pub fn paint(
+        &self,
+        made: Result<Bounded<Mesh>, Failure<Mesh>>,
+        length: Option<Tolerance>,
+    ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
         let paint = |made: Bounded<Mesh>| {
-            let shape = self.paint(&made.shape).map_err(leaf_failure)?;
-            Ok(Bounded { shape, ..made })
+            let at_most = made.bound.at_most().filter(|most| *most > 0.0);
+            let coarse = COARSE * made.shape.bounds().diagonal();
+            let tol = length.map(Tolerance::get).or(at_most).unwrap_or(coarse);
+            let (shape, moved) = self.paint_mesh(&made.shape, tol).map_err(leaf_failure)?;
+            let step = Bound::proved(0.0, moved, Reference::InputTriangles);
+            let bound = if moved > 0.0 { made.bound.then(&step) } else { made.bound };
+            Ok(Bounded { shape, bound })
         };
         match made {
             Ok(made) => paint(made),
@@ -54,21 +73,35 @@ impl<'a> FaceMaterials<'a> {
         }
     }
 
-    /// The mesh with the numbers of the materials of its faces, 0 for none, as the group `material`. Where its
-    /// faces have no labels, each belongs to the primitive that has the value of the whole in its middle.
-    fn paint(&self, mesh: &Mesh) -> Result<Mesh, LeafError> {
-        let n_primitives = self.csg.primitives().len();
-        let labels = mesh.attribute(&Semantic::Group(LABEL.to_owned()));
-        let labels = labels.map(|labels| labels.values.iter().map(|x| *x as FaceLabel).collect::<Vec<_>>());
-        // What holds for a primitive wherever it is.
-        let everywhere: Vec<MaterialChoice> =
-            (0..2 * n_primitives as u32).map(|label| self.choice(label, |_| Membership::Unknown, None)).collect();
-        let known = |face: usize| match labels.as_ref().map(|labels| everywhere[labels[face] as usize]) {
-            Some(MaterialChoice::One(number)) => Some(number),
-            _ => None,
+    /// The mesh, and how far it was moved at most. Where its faces have no labels, each belongs to the primitive
+    /// that has the value of the whole in its middle.
+    fn paint_mesh(&self, mesh: &Mesh, tol: f64) -> Result<(Mesh, f64), LeafError> {
+        let Some(labels) = mesh.attribute(&Semantic::Group(LABEL.to_owned())) else {
+            let numbers = self.by_middles(mesh, None, vec![None; mesh.faces().len()])?;
+            return Ok((with_group(mesh.clone(), MATERIAL, &numbers), 0.0));
         };
-        let mut numbers: Vec<Option<u32>> = (0..mesh.faces().len()).map(known).collect();
-        let open: Vec<usize> = (0..numbers.len()).filter(|face| numbers[*face].is_none()).collect();
+        let labels: Vec<FaceLabel> = labels.values.iter().map(|x| *x as FaceLabel).collect();
+        let BorderedMesh { positions, faces, labels, materials, moved } =
+            cut_at_borders(mesh, labels, self, tol)?;
+        let whole = Mesh::new(positions, faces).expect("its vertices are those of a mesh, or on its edges");
+        let numbers = self.by_middles(&whole, Some(&labels), materials)?;
+        let mut order: Vec<usize> = (0..numbers.len()).collect();
+        order.sort_by_key(|face| numbers[*face]);
+        let faces = order.iter().map(|face| whole.faces()[*face]).collect();
+        let sorted = Mesh::new(whole.positions().to_vec(), faces).expect("it has the same faces");
+        let numbers: Vec<u32> = order.into_iter().map(|face| numbers[face]).collect();
+        Ok((with_group(sorted, MATERIAL, &numbers), moved))
+    }
+
+    /// The materials of faces; those that are not known by the sides in their middles.
+    fn by_middles(
+        &self,
+        mesh: &Mesh,
+        labels: Option<&[FaceLabel]>,
+        mut known: Vec<Option<u32>>,
+    ) -> Result<Vec<u32>, LeafError> {
+        let open: Vec<usize> = (0..known.len()).filter(|face| known[*face].is_none()).collect();
+        let n_primitives = self.csg.primitives().len();
         let mut evaluator = PrimitiveEvaluator::new(self.csg, &mesh.bounds(), self.job);
         for faces in open.chunks(CHUNK) {
             let middles: Vec<[f64; 3]> = faces.iter().map(|face| middle(mesh.corners(*face))).collect();
@@ -77,27 +110,29 @@ impl<'a> FaceMaterials<'a> {
             let values = evaluator.values(&asks)?;
             let rows: Vec<(usize, &[f64])> = faces.iter().copied().zip(values.chunks(n_primitives)).collect();
             let found = par_map(self.job, &rows, |k, (face, values)| {
-                let label = labels.as_ref().map_or_else(|| self.nearest_label(values), |labels| labels[*face]);
+                let label = labels.map_or_else(|| self.nearest_label(values), |labels| labels[*face]);
                 let side = |p: u32| Membership::from_value(values[p as usize]);
-                match self.choice(label, side, Some(middles[k])) {
-                    MaterialChoice::One(number) => number,
-                    // Near a border, where the middle of a face is off the surface.
-                    _ => match everywhere[label as usize] {
-                        MaterialChoice::One(number) => number,
-                        _ => 0,
-                    },
-                }
+                let at = Some(middles[k]);
+                // Near another primitive the middle of a face may be on its wrong side.
+                let tried = [self.choice(label, side, at), self.choice(label, |_| Membership::Unknown, at)];
+                let number = tried.into_iter().find_map(|choice| match choice {
+                    MaterialChoice::One(number) => Some(number),
+                    _ => None,
+                });
+                number.unwrap_or_else(|| self.first(label, middles[k]))
             });
-            faces.iter().zip(found).for_each(|(face, number)| numbers[*face] = Some(number));
+            faces.iter().zip(found).for_each(|(face, number)| known[*face] = Some(number));
         }
-        let numbers: Vec<u32> = numbers.into_iter().map(Option::unwrap_or_default).collect();
-        let others = mesh.attributes().iter().filter(|one| one.semantic != Semantic::Group(LABEL.to_owned()));
-        let plain = mesh.with_only(others.cloned()).expect("it had these attributes");
-        Ok(with_group(plain, MATERIAL, &numbers))
+        Ok(known.into_iter().map(Option::unwrap_or_default).collect())
     }
 
-    /// The material of a face; of blends at a point, if there is one.
-    fn choice(
+    /// What holds for a label wherever a face is.
+    pub(super) fn everywhere(&self, label: FaceLabel) -> MaterialChoice {
+        self.everywhere[label as usize]
+    }
+
+    /// The materials of a face, by the sides of the other primitives; of blends at a point, if there is one.
+    pub(super) fn choice(
         &self,
         label: FaceLabel,
         side: impl FnMut(u32) -> Membership,
@@ -107,15 +142,28 @@ impl<'a> FaceMaterials<'a> {
             Some(at) => nearest_part(parts, at),
             None => MaterialChoice::Several,
         };
-        self.materials.of_face(self.csg.tree(), (label / 2, label % 2 == 1), side, nearest)
+        self.materials.of_face(self.csg.tree(), primitive(label), side, nearest)
+    }
+
+    /// The material where the primitive occurs first.
+    fn first(&self, label: FaceLabel, at: [f64; 3]) -> u32 {
+        let nearest = |parts: &[BlendPart]| nearest_part(parts, at);
+        match self.materials.first(self.csg.tree(), primitive(label), nearest) {
+            MaterialChoice::One(number) => number,
+            _ => 0,
+        }
     }
 
     /// The primitive that has the value of the whole.
     fn nearest_label(&self, values: &[f64]) -> FaceLabel {
-        let ranges = |p: u32| [values[p as usize]; 2];
-        let active = self.csg.tree().active(ranges);
+        let active = self.csg.tree().active(|p| [values[p as usize]; 2]);
         active.first().map_or(0, |(p, is_complement)| 2 * p + u32::from(*is_complement))
     }
+}
+
+/// The primitive of a label, and whether it occurs as its complement.
+fn primitive(label: FaceLabel) -> (u32, bool) {
+    (label / 2, label % 2 == 1)
 }
 
 /// The material of the part of a blend whose own surface is nearest, by its value.

@@ -10,6 +10,7 @@ mod field_sampler;
 mod grid;
 mod growth;
 mod improve;
+mod material_borders;
 mod mesher;
 mod polygon_triangulation;
 mod search;

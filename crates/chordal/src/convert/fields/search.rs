@@ -64,7 +64,7 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
         (None, None) => Err(Failure::refused(RefusalCode::Budget, "the budget has no length and no count")),
     };
     match FaceMaterials::new(&solid, job) {
-        Some(materials) => materials.paint_result(made),
+        Some(materials) => materials.paint(made, wanted.length),
         None => made,
     }
 }

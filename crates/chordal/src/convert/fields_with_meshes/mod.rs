@@ -59,7 +59,7 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
     let made = search_plain(field, wanted, job);
     let csg = Csg::from_expr(field.sign());
     match FaceMaterials::new(&csg, job) {
-        Some(materials) => materials.paint_result(made),
+        Some(materials) => materials.paint(made, wanted.length),
         None => made,
     }
 }

@@ -168,10 +168,7 @@ impl CsgMaterials {
                 CsgNode::Primitive(p) => (p, false),
                 CsgNode::Complement(p) => (p, true),
             };
-            let own = match &material.face {
-                FaceMaterial::Whole(number) => MaterialChoice::One(*number),
-                FaceMaterial::Blend(parts) => nearest(parts),
-            };
+            let own = material.face.choice(&mut nearest);
             let volume = material.volume.map_or(own, MaterialChoice::One);
             let sides = match (p == primitive, falls == is_complement) {
                 (true, true) => NodeAtFace::FACE,
@@ -182,6 +179,28 @@ impl CsgMaterials {
             stack.push(NodeAtFace { sides, face, volume });
         }
         stack.pop().map_or(MaterialChoice::Never, |whole| whole.face)
+    }
+
+    /// The material of a primitive, or of its complement, where it occurs first.
+    #[must_use]
+    pub fn first(
+        &self,
+        tree: &CsgTree,
+        (primitive, is_complement): (u32, bool),
+        mut nearest: impl FnMut(&[BlendPart]) -> MaterialChoice,
+    ) -> MaterialChoice {
+        let wanted = if is_complement { CsgNode::Complement(primitive) } else { CsgNode::Primitive(primitive) };
+        let first = tree.nodes().iter().position(|node| *node == wanted);
+        first.map_or(MaterialChoice::Never, |at| self.nodes[at].face.choice(&mut nearest))
+    }
+}
+
+impl FaceMaterial {
+    fn choice(&self, nearest: &mut impl FnMut(&[BlendPart]) -> MaterialChoice) -> MaterialChoice {
+        match self {
+            Self::Whole(number) => MaterialChoice::One(*number),
+            Self::Blend(parts) => nearest(parts),
+        }
     }
 }
 
