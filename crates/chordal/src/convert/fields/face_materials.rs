@@ -1,4 +1,5 @@
 //! `FaceMaterials`: gives the faces of a field's mesh the numbers of their materials.
+use super::border_functions::PartPairs;
 use super::improve::FaceLabel;
 use super::material_borders::{BorderedMesh, cut_at_borders};
 use super::mesher::leaf_failure;
@@ -35,6 +36,7 @@ fn with_group(mesh: Mesh, kind: &str, numbers: &[u32]) -> Mesh {
 pub(in crate::convert) struct FaceMaterials<'a> {
     pub(super) csg: &'a Csg,
     pub(super) job: &'a Job,
+    pub(super) pairs: PartPairs<'a>,
     materials: &'a CsgMaterials,
     /// By label: what holds wherever a face is.
     everywhere: Vec<MaterialChoice>,
@@ -44,7 +46,8 @@ impl<'a> FaceMaterials<'a> {
     /// None if the tree has none.
     pub fn new(csg: &'a Csg, job: &'a Job) -> Option<Self> {
         let materials = csg.materials()?;
-        let mut own = Self { csg, job, materials, everywhere: Vec::new() };
+        let pairs = PartPairs::new(csg, materials);
+        let mut own = Self { csg, job, pairs, materials, everywhere: Vec::new() };
         let labels = 0..2 * csg.primitives().len() as FaceLabel;
         own.everywhere = labels.map(|label| own.choice(label, |_| Membership::Unknown, None)).collect();
         Some(own)
@@ -131,18 +134,19 @@ impl<'a> FaceMaterials<'a> {
         self.everywhere[label as usize]
     }
 
-    /// The materials of a face, by the sides of the other primitives; of blends at a point, if there is one.
+    /// The materials of a face, by the sides of the other primitives; of blends at a point, if there is one, else by
+    /// the sides of their pairs of parts.
     pub(super) fn choice(
         &self,
         label: FaceLabel,
-        side: impl FnMut(u32) -> Membership,
+        side: impl Fn(u32) -> Membership,
         at: Option<[f64; 3]>,
     ) -> MaterialChoice {
         let nearest = |parts: &[BlendPart]| match at {
             Some(at) => nearest_part(parts, at),
-            None => MaterialChoice::Several,
+            None => self.pairs.nearest(parts, &side),
         };
-        self.materials.of_face(self.csg.tree(), primitive(label), side, nearest)
+        self.materials.of_face(self.csg.tree(), primitive(label), &side, nearest)
     }
 
     /// The material where the primitive occurs first.

@@ -1,14 +1,16 @@
 //! Cuts faces that several materials share along the borders of these.
 //!
 //! Where two parts meet at a crease, each face has one material already. Where they share a surface, such as the
-//! tops of a plate and of an inlay, the border is where other primitives vanish. Faces there are bisected until
+//! tops of a plate and of an inlay, the border is where other primitives vanish; in a blend, where two
+//! parts are as near. Faces there are bisected until
 //! at most two of these cross each and run nearly straight, and are cut along them. New vertices lie on old
 //! edges, so the surface stays where it is, but for rounding.
+use super::border_functions::BorderFunctions;
 use super::face_materials::FaceMaterials;
 use super::improve::FaceLabel;
 use crate::explicit::Mesh;
 use crate::implicit::csg::MaterialChoice;
-use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
+use crate::implicit::{Dual, LeafError, Membership};
 use crate::math::{Box3, greater, lesser};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -64,16 +66,16 @@ pub(super) fn cut_at_borders(
     own: &FaceMaterials,
     tol: f64,
 ) -> Result<BorderedMesh, LeafError> {
-    let unknown = Rc::new(vec![Membership::Unknown; own.csg.primitives().len()]);
+    let unknown = Rc::new(vec![Membership::Unknown; own.pairs.n_functions()]);
     let state = |label: &FaceLabel| match own.everywhere(*label) {
         MaterialChoice::One(number) => FaceState::Settled(number),
         _ => FaceState::Open(Rc::clone(&unknown)),
     };
     let states = labels.iter().map(state).collect();
-    let evaluator = PrimitiveEvaluator::new(own.csg, &mesh.bounds(), own.job);
+    let functions = BorderFunctions::new(own.csg, &own.pairs, (&mesh.bounds(), own.job));
     let mut cutter = BorderCutter {
         own,
-        evaluator,
+        functions,
         tol,
         positions: mesh.positions().to_vec(),
         faces: mesh.faces().to_vec(),
@@ -104,7 +106,7 @@ pub(super) fn cut_at_borders(
 
 struct BorderCutter<'a> {
     own: &'a FaceMaterials<'a>,
-    evaluator: PrimitiveEvaluator<'a>,
+    functions: BorderFunctions<'a>,
     tol: f64,
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
@@ -142,7 +144,7 @@ impl BorderCutter<'_> {
             asks.extend(unknown(sides).map(|p| (p, bounds)));
             open.push((face, sides.to_vec()));
         }
-        let mut ranges = self.evaluator.ranges(&asks)?.into_iter();
+        let mut ranges = self.functions.ranges(&asks)?.into_iter();
         for (_, sides) in &mut open {
             for p in unknown(sides).collect::<Vec<_>>() {
                 let [low, high] = ranges.next().expect("one for each query");
@@ -214,14 +216,14 @@ impl BorderCutter<'_> {
                 middles.push((p, at(SAMPLES[6])));
             }
         }
-        let values = self.evaluator.values(&asks)?;
-        let slopes = self.evaluator.duals(&middles)?;
+        let values = self.functions.values(&asks)?;
+        let slopes = self.functions.duals(&middles)?;
         let mut rows = values.chunks_exact(SAMPLES.len()).zip(slopes);
         let mut all = Vec::new();
         for (face, sides) in faces {
             let [a, b, c] = self.corners(*face).map(DVec3::from);
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            let of = |(values, slope): (&[f64], crate::implicit::Dual<f64>)| {
+            let of = |(values, slope): (&[f64], Dual<f64>)| {
                 let slope = DVec3::from(slope.gradient);
                 let along = (slope - slope.dot(normal) * normal).length();
                 // How far zeros are from where they would be if it were linear between the corners.
@@ -266,7 +268,7 @@ impl BorderCutter<'_> {
         };
         let ends: Vec<(u32, [f64; 3])> =
             edges.iter().flat_map(|edge| [0.0, 1.0].map(|end| (p, place(&self.positions, *edge, end)))).collect();
-        let values = self.evaluator.values(&ends)?;
+        let values = self.functions.values(&ends)?;
         let mut brackets: Vec<(EdgeKey, [f64; 2], [f64; 2])> = edges
             .iter()
             .zip(values.chunks_exact(2))
@@ -282,7 +284,7 @@ impl BorderCutter<'_> {
         for _ in 0..STEPS {
             let asks: Vec<(u32, [f64; 3])> =
                 brackets.iter().map(|(edge, x, f)| (p, place(&self.positions, *edge, share(*x, *f)))).collect();
-            let values = self.evaluator.values(&asks)?;
+            let values = self.functions.values(&asks)?;
             for (((_, x, f), value), last) in brackets.iter_mut().zip(values).zip(&mut last) {
                 let at = share(*x, *f);
                 let end = usize::from((value < 0.0) != (f[0] < 0.0));

@@ -1,6 +1,7 @@
 //! From a field to triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the
 //! proof.
 mod arrangement;
+mod border_functions;
 mod cells;
 mod cells_at_vertices;
 mod corner_gradients;

@@ -49,6 +49,8 @@ enum FaceMaterial {
 /// A part of a primitive that is a blend.
 #[derive(Clone, Debug)]
 pub struct BlendPart {
+    /// Its index among the parts of all blends.
+    pub index: u32,
     /// The number of its material, 0 for none.
     pub material: u32,
     /// The factor by which its value becomes one of the primitive's unit.
@@ -70,7 +72,8 @@ pub enum MaterialChoice {
 
 impl MaterialChoice {
     /// Either of both.
-    fn or(self, other: Self) -> Self {
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
         match (self, other) {
             (Self::Never, one) | (one, Self::Never) => one,
             (one, same) if one == same => one,
@@ -145,6 +148,17 @@ impl CsgMaterials {
         &self.list
     }
 
+    /// The parts of each blend.
+    pub fn blends(&self) -> impl Iterator<Item = &[BlendPart]> {
+        fn parts(node: &NodeMaterial) -> Option<&[BlendPart]> {
+            match &node.face {
+                FaceMaterial::Whole(_) => None,
+                FaceMaterial::Blend(parts) => Some(parts),
+            }
+        }
+        self.nodes.iter().filter_map(parts)
+    }
+
     /// The material of a face of a primitive, or of its complement, from the memberships in the other
     /// primitives; `nearest` chooses among the parts of a blend. `tree` is that of the same CSG.
     #[must_use]
@@ -209,6 +223,8 @@ impl FaceMaterial {
 pub(super) struct MaterialsBuilder {
     list: Vec<Material>,
     nodes: Vec<NodeMaterial>,
+    /// The number of parts of blends so far.
+    n_parts: u32,
     /// By term: whether there are marks at it or below. Empty until it is asked for.
     has_marks: Vec<bool>,
 }
@@ -311,11 +327,13 @@ impl MaterialsBuilder {
         if found.iter().all(|one| one.0 == first) {
             return NodeMaterial { face: FaceMaterial::Whole(first), volume };
         }
-        let part = |(material, _, scale, term): (u32, bool, f64, u32)| {
+        let first = self.n_parts;
+        self.n_parts += found.len() as u32;
+        let part = |(index, (material, _, scale, term)): (u32, (u32, bool, f64, u32))| {
             let tape = Tape::from_graph(ExprGraph::from_terms(subgraph_terms(terms, term)));
-            BlendPart { material, scale, tape }
+            BlendPart { index, material, scale, tape }
         };
-        NodeMaterial { face: FaceMaterial::Blend(found.into_iter().map(part).collect()), volume }
+        NodeMaterial { face: FaceMaterial::Blend((first..).zip(found).map(part).collect()), volume }
     }
 }
 
