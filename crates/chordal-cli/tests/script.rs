@@ -265,7 +265,8 @@ fn json_of_glb(path: &str) -> serde_json::Value {
     serde_json::from_slice(&bytes[20..20 + n]).expect("JSON")
 }
 
-const PAINTED: &str = "color(sphere(10), '#ff0000') | material(move(sphere(8), 9, 0), 'sea', [0, 0.5, 1], 0.25, 0.75)\n";
+const PAINTED: &str =
+    "color(sphere(10), '#ff0000') | material(move(sphere(8), 9, 0), 'sea', [0, 0.5, 1], 0.25, 0.75)\n";
 
 #[test]
 fn materials_of_a_script_are_in_its_files() {
@@ -279,10 +280,7 @@ fn materials_of_a_script_are_in_its_files() {
     assert_eq!(names, ["color-ff0000", "sea"]);
     let base = |k: usize| &looks[k]["pbrMetallicRoughness"];
     assert_eq!(base(0)["baseColorFactor"], serde_json::json!([1.0, 0.0, 0.0, 1.0]));
-    assert_eq!(
-        (&base(1)["metallicFactor"], &base(1)["roughnessFactor"]),
-        (&0.25.into(), &0.75.into())
-    );
+    assert_eq!((&base(1)["metallicFactor"], &base(1)["roughnessFactor"]), (&0.25.into(), &0.75.into()));
     // Half of what a screen shows is 0.214 of the light.
     let green = base(1)["baseColorFactor"][1].as_f64().expect("a number");
     assert!((green - 0.214_041).abs() < 1e-6, "{green}");
@@ -328,8 +326,9 @@ fn obj_areas(text: &str) -> std::collections::BTreeMap<String, f64> {
                 let corner = |k: usize| words[k].split('/').next().and_then(|n| n.parse::<usize>().ok());
                 let [a, b, c] = [1, 2, 3].map(|k| points[corner(k).expect("an index") - 1]);
                 let [u, v] = [b, c].map(|p: [f64; 3]| [0, 1, 2].map(|k| p[k] - a[k]));
-                let cross: [f64; 3] =
-                    std::array::from_fn(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+                let cross: [f64; 3] = std::array::from_fn(|k| {
+                    u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]
+                });
                 let area = 0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt();
                 *areas.entry(name.clone()).or_insert(0.0) += area;
             }
@@ -349,7 +348,11 @@ fn what_is_no_colour_is_said_in_a_sentence_with_its_place() {
         ("color(sphere(1), [1, 0])\n", "line 1, column 1", "not a list of 2"),
         ("color(sphere(1), 7)\n", "line 1, column 1", "not a number"),
         ("material(sphere(1), '', 'red')\n", "line 1, column 1", "a name of 1 to 100 characters"),
-        ("material(sphere(1), 'x', 'red', metallic=2)\n", "line 1, column 1", "a metallic from 0 to 1, not 2"),
+        (
+            "material(sphere(1), 'x', 'red', metallic=2)\n",
+            "line 1, column 1",
+            "a metallic from 0 to 1, not 2",
+        ),
         ("material(sphere(1), 'x', 'reddish')\n", "line 1, column 1", "not \"reddish\""),
     ] {
         let file = folder.file("wrong.star", text);
@@ -366,15 +369,21 @@ fn each_part_has_its_own_materials_and_a_boolean_keeps_them() {
     let json = json_of_glb(&glb);
     let names = |k: usize| {
         let primitive = &json["meshes"][k]["primitives"][0];
-        primitive["material"].as_u64().map_or(serde_json::Value::Null, |at| json["materials"][at as usize]["name"].clone())
+        primitive["material"]
+            .as_u64()
+            .map_or(serde_json::Value::Null, |at| json["materials"][at as usize]["name"].clone())
     };
-    assert_eq!([names(0), names(1), names(2)], ["color-ff0000".into(), serde_json::Value::Null, "color-ff0000".into()]);
+    assert_eq!(
+        [names(0), names(1), names(2)],
+        ["color-ff0000".into(), serde_json::Value::Null, "color-ff0000".into()]
+    );
     let body = folder.file("body.star", "color(box(10, 10, 4), 'navy')\n");
     let drill = folder.file("drill.star", "color(cylinder(2, 9), 'lime')\n");
     let cut = folder.text("cut.glb");
     run(&["mesh", &body, "--minus", &drill, "--tol", "0.05", "-o", &cut]).succeeds();
     let json = json_of_glb(&cut);
-    let names: Vec<_> = json["materials"].as_array().expect("materials").iter().map(|look| look["name"].clone()).collect();
+    let names: Vec<_> =
+        json["materials"].as_array().expect("materials").iter().map(|look| look["name"].clone()).collect();
     assert_eq!(names, ["color-000080", "color-00ff00"]);
     assert_eq!(json["meshes"][0]["primitives"].as_array().map(Vec::len), Some(2));
     // Levels of detail go without.

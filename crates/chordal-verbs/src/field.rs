@@ -1,8 +1,8 @@
 //! Fields: meshed within a budget, and measured against triangles.
-use crate::request::MeshRequest;
-use crate::simplified_isosurface::simplified;
 use crate::field_looks::{renumber, with_materials};
 use crate::file_rows::unsupported;
+use crate::request::MeshRequest;
+use crate::simplified_isosurface::simplified;
 use crate::{ImplicitShape, MeshFailure};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, Tolerance};
@@ -100,7 +100,8 @@ fn mesh_bodies(
     all.frame = implicit.frame;
     for body in &implicit.bodies {
         let mut own_notes = Vec::new();
-        let (mut scene, bound) = mesh_parts(&implicit.of_body(body), request, (materials, &mut own_notes), job)?;
+        let (mut scene, bound) =
+            mesh_parts(&implicit.of_body(body), request, (materials, &mut own_notes), job)?;
         // What is said of one is said of all.
         own_notes.retain(|note| !notes.contains(note));
         notes.extend(own_notes);

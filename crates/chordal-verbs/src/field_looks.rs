@@ -1,8 +1,8 @@
 //! The materials of fields as those of a scene.
 use crate::label_looks::to_linear;
+use chordal::Mesh;
 use chordal::explicit::{InvalidMesh, Semantic};
 use chordal::implicit::{Field, Material};
-use chordal::Mesh;
 use chordal_io::{MATERIAL, Scene};
 use serde_json::{Value, json};
 

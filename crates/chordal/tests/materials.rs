@@ -83,9 +83,8 @@ fn borders_of_balls_run_where_both_vanish() {
     let mut random = Random::new(20_261_126);
     for round in 0..8 {
         let tol = 0.02;
-        let balls: Vec<([f64; 3], f64)> = (0..5)
-            .map(|_| ([0; 3].map(|_| random.between(-1.0, 1.0)), random.between(0.5, 1.1)))
-            .collect();
+        let balls: Vec<([f64; 3], f64)> =
+            (0..5).map(|_| ([0; 3].map(|_| random.between(-1.0, 1.0)), random.between(0.5, 1.1))).collect();
         let ball = |k: usize| {
             let ([x, y, z], radius) = balls[k];
             of(&moved(&sphere(radius).unwrap(), x, y, z), &k.to_string())
@@ -188,7 +187,10 @@ fn a_cut_shows_the_tool_or_else_what_was_cut() {
                 *areas.entry(name).or_insert(0.0) += area(corners);
             }
         }
-        areas.into_iter().map(|(name, area)| (name, (area * 100.0 / (2.0 * round)).round())).collect::<Vec<_>>()
+        areas
+            .into_iter()
+            .map(|(name, area)| (name, (area * 100.0 / (2.0 * round)).round()))
+            .collect::<Vec<_>>()
     };
     let drill = moved(&drill, 1.5, 0.0, 0.0);
     let own = |name: &str, share: f64| vec![(name.to_owned(), share)];
@@ -227,7 +229,8 @@ fn operations_keep_materials() {
     let ring = |field: &Field| field.repeated([Repeat::Times(3, 3.0), Repeat::Once, Repeat::Once]).unwrap();
     let ball = of(&sphere(1.0).unwrap(), "a");
     let block = of(&cuboid([1.0, 2.0, 0.5]).unwrap(), "a");
-    let flat = of(&rectangle([1.0, 2.0]).unwrap(), "a").union(&of(&moved(&circle(1.0).unwrap(), 1.0, 0.0, 0.0), "b"));
+    let flat = of(&rectangle([1.0, 2.0]).unwrap(), "a")
+        .union(&of(&moved(&circle(1.0).unwrap(), 1.0, 0.0, 0.0), "b"));
     let slab = Box3 { min: [-9.0, -9.0, -0.2], max: [9.0, 9.0, 0.2] };
     let b = |field: &Field| field.union(&of(&moved(&sphere(0.5).unwrap(), 0.0, 1.2, 0.0), "b"));
     for (what, field) in [
@@ -244,12 +247,18 @@ fn operations_keep_materials() {
         ("tapered", flat.tapered(0.5, 1.0).unwrap()),
         ("section", b(&block).section(0.0).unwrap().extruded(1.0).unwrap()),
         ("displaced", b(&ball).displaced(&((Expr::axes()[0].clone() * 3.0).sin() * 0.05), 0.05).unwrap()),
-        ("fillet", block.union_with(&of(&moved(&cylinder(0.2, 2.0).unwrap(), 0.0, 0.0, 1.0), "b"), Seam::Fillet(0.1)).unwrap()),
+        (
+            "fillet",
+            block
+                .union_with(&of(&moved(&cylinder(0.2, 2.0).unwrap(), 0.0, 0.0, 1.0), "b"), Seam::Fillet(0.1))
+                .unwrap(),
+        ),
         ("smooth", ball.smooth_union(&of(&moved(&sphere(0.5).unwrap(), 0.0, 1.2, 0.0), "b"), 0.3).unwrap()),
         ("cut", ball.smooth_difference(&of(&moved(&sphere(0.5).unwrap(), 0.0, 1.2, 0.0), "b"), 0.3).unwrap()),
     ] {
         assert_eq!(field.materials(), [material("a"), material("b")], "{what}");
-        let made = convert::field_to_mesh(&field, &Budget::length(Tolerance::new(0.02).unwrap()), &Job::default());
+        let made =
+            convert::field_to_mesh(&field, &Budget::length(Tolerance::new(0.02).unwrap()), &Job::default());
         let made = made.or_else(|failure| failure.best_effort()).unwrap();
         let areas = areas(&field, &made.shape);
         assert_eq!(areas.keys().collect::<Vec<_>>(), ["a", "b"], "{what}: {areas:?}");

@@ -172,7 +172,9 @@ impl GraphBuilder {
                 self.binary(*op, a, b)
             }
             ExprKind::At(..) => unreachable!("an At is entered and left"),
-            ExprKind::Leaf(leaf, [at, ..]) if !self.keeps_marks && MaterialMark::from_leaf(leaf).is_some() => {
+            ExprKind::Leaf(leaf, [at, ..])
+                if !self.keeps_marks && MaterialMark::from_leaf(leaf).is_some() =>
+            {
                 known(at)
             }
             ExprKind::Leaf(leaf, at) => {

@@ -104,7 +104,12 @@ impl<'a> BorderFunctions<'a> {
             Dual { value: a.value - b.value, gradient }
         };
         let none = Dual { value: 0.0, gradient: [0.0; 3] };
-        self.evaluate((asks, none), |one, own| one.duals(own), |tape, at, out| tape.gradient_at(at, out), join)
+        self.evaluate(
+            (asks, none),
+            |one, own| one.duals(own),
+            |tape, at, out| tape.gradient_at(at, out),
+            join,
+        )
     }
 
     fn evaluate<T: Copy>(
@@ -116,8 +121,7 @@ impl<'a> BorderFunctions<'a> {
     ) -> Result<Vec<T>, LeafError> {
         let (own, pairs) = self.divide(asks);
         let mut all = vec![none; asks.len()];
-        let found =
-            of_primitives(&mut self.evaluator, &own.iter().map(|at| asks[*at]).collect::<Vec<_>>())?;
+        let found = of_primitives(&mut self.evaluator, &own.iter().map(|at| asks[*at]).collect::<Vec<_>>())?;
         own.into_iter().zip(found).for_each(|(at, value)| all[at] = value);
         for (number, rows) in pairs {
             let pair = &self.pairs.pairs[(number - self.pairs.n_primitives) as usize];

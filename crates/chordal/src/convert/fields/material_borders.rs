@@ -3,7 +3,7 @@
 //! Where two parts meet at a crease, each face has one material already. Where they share a surface, such as the
 //! tops of a plate and of an inlay, the border is where other primitives vanish; in a blend, where two
 //! parts are as near. Faces there are bisected until
-//! at most two of these cross each and run nearly straight, and are cut along them. New vertices lie on old
+//! at most four of these cross each and run nearly straight, and are cut along them. New vertices lie on old
 //! edges, so the surface stays where it is, but for rounding.
 use super::border_functions::BorderFunctions;
 use super::face_materials::FaceMaterials;
@@ -18,10 +18,14 @@ use std::rc::Rc;
 
 /// The most rounds of bisections. Derived: twice as many halve every edge of a face of a million lengths to one.
 const MOST_ROUNDS: usize = 48;
-/// A face is cut by at most so many primitives; where more meet, it is bisected. Chosen: a corner of a border.
-const MOST_CUTS: usize = 2;
+/// A face is cut by at most so many functions; where more meet, it is bisected. Chosen: corners of borders have two or
+/// three, and so few make at most sixteen parts.
+const MOST_CUTS: usize = 4;
 /// Vertices nearer to a border than this share of the length count as on it. Chosen: no slivers far below the length.
 const SNAP: f64 = 1.0 / 64.0;
+/// Every point of a face is nearer to a sample than this share of the longest edge. Derived: of an equilateral one a
+/// sixth, of a flat one a quarter.
+const REACH: f64 = 0.25;
 /// Steps to the zero of a primitive on an edge. Chosen: it is nearly linear there.
 const STEPS: usize = 8;
 /// Corners, middles of edges, and the centroid.
@@ -94,7 +98,8 @@ pub(super) fn cut_at_borders(
     cutter.cut()?;
     let bounds = mesh.bounds();
     let largest = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(x.abs(), most));
-    let material = |state: &FaceState| if let FaceState::Settled(number) = state { Some(*number) } else { None };
+    let material =
+        |state: &FaceState| if let FaceState::Settled(number) = state { Some(*number) } else { None };
     Ok(BorderedMesh {
         materials: cutter.states.iter().map(material).collect(),
         moved: ROUNDING * largest * f64::from(cutter.n_moves),
@@ -223,6 +228,7 @@ impl BorderCutter<'_> {
         for (face, sides) in faces {
             let [a, b, c] = self.corners(*face).map(DVec3::from);
             let normal = (b - a).cross(c - a).normalize_or_zero();
+            let longest = self.longest_edge(*face).1;
             let of = |(values, slope): (&[f64], Dual<f64>)| {
                 let slope = DVec3::from(slope.gradient);
                 let along = (slope - slope.dot(normal) * normal).length();
@@ -231,9 +237,13 @@ impl BorderCutter<'_> {
                 let bent = SAMPLES.iter().zip(values).map(|(shares, value)| (value - linear(*shares)).abs());
                 let bent = bent.fold(0.0, |most, x| greater(x, most));
                 let clear = SNAP * self.tol * along;
+                // Farther from 0 than it bends, and than it changes on the way to the nearest sample.
+                let near = greater(bent, REACH * longest * slope.length());
+                let is_clear = values.iter().all(|x| *x > near) || values.iter().all(|x| *x < -near);
                 PrimitiveOnFace {
-                    is_straight: bent <= self.tol * along,
-                    crosses: values[..3].iter().any(|x| *x > clear) && values[..3].iter().any(|x| *x < -clear),
+                    is_straight: is_clear || bent <= self.tol * along,
+                    crosses: values[..3].iter().any(|x| *x > clear)
+                        && values[..3].iter().any(|x| *x < -clear),
                     side: Membership::from_value(values[6]),
                 }
             };
@@ -244,7 +254,8 @@ impl BorderCutter<'_> {
 
     /// Cuts faces along their primitives, one after the other.
     fn cut(&mut self) -> Result<(), LeafError> {
-        let pending = |state: &FaceState| if let FaceState::Cut(list) = state { list.clone() } else { Vec::new() };
+        let pending =
+            |state: &FaceState| if let FaceState::Cut(list) = state { list.clone() } else { Vec::new() };
         let all: BTreeSet<u32> = self.states.iter().flat_map(pending).collect();
         for p in all {
             let mut edges: BTreeMap<EdgeKey, f64> = BTreeMap::new();
@@ -266,8 +277,10 @@ impl BorderCutter<'_> {
             let [a, b] = [a, b].map(|v| DVec3::from(positions[v as usize]));
             (a + share * (b - a)).to_array()
         };
-        let ends: Vec<(u32, [f64; 3])> =
-            edges.iter().flat_map(|edge| [0.0, 1.0].map(|end| (p, place(&self.positions, *edge, end)))).collect();
+        let ends: Vec<(u32, [f64; 3])> = edges
+            .iter()
+            .flat_map(|edge| [0.0, 1.0].map(|end| (p, place(&self.positions, *edge, end))))
+            .collect();
         let values = self.functions.values(&ends)?;
         let mut brackets: Vec<(EdgeKey, [f64; 2], [f64; 2])> = edges
             .iter()
@@ -282,8 +295,10 @@ impl BorderCutter<'_> {
         // The Illinois method: of an end that stays, half of the value counts.
         let mut last = vec![2_usize; brackets.len()];
         for _ in 0..STEPS {
-            let asks: Vec<(u32, [f64; 3])> =
-                brackets.iter().map(|(edge, x, f)| (p, place(&self.positions, *edge, share(*x, *f)))).collect();
+            let asks: Vec<(u32, [f64; 3])> = brackets
+                .iter()
+                .map(|(edge, x, f)| (p, place(&self.positions, *edge, share(*x, *f))))
+                .collect();
             let values = self.functions.values(&asks)?;
             for (((_, x, f), value), last) in brackets.iter_mut().zip(values).zip(&mut last) {
                 let at = share(*x, *f);
@@ -299,7 +314,8 @@ impl BorderCutter<'_> {
         let mut zeros = BTreeMap::new();
         for ((a, b), x, f) in brackets {
             let at = share(x, f);
-            let length = DVec3::from(self.positions[a as usize]).distance(DVec3::from(self.positions[b as usize]));
+            let length =
+                DVec3::from(self.positions[a as usize]).distance(DVec3::from(self.positions[b as usize]));
             let near = SNAP * self.tol;
             on.extend((at * length <= near).then_some(a));
             on.extend(((1.0 - at) * length <= near).then_some(b));
@@ -349,7 +365,8 @@ impl BorderCutter<'_> {
                 let apart = |u: u32, v: u32| {
                     DVec3::from(self.positions[u as usize]).distance(DVec3::from(self.positions[v as usize]))
                 };
-                let rest = if apart(p, c) < apart(a, q) { [[a, p, c], [p, q, c]] } else { [[a, p, q], [a, q, c]] };
+                let rest =
+                    if apart(p, c) < apart(a, q) { [[a, p, c], [p, q, c]] } else { [[a, p, q], [a, q, c]] };
                 vec![[p, b, q], rest[0], rest[1]]
             }
         }

@@ -203,7 +203,8 @@ impl CsgMaterials {
         (primitive, is_complement): (u32, bool),
         mut nearest: impl FnMut(&[BlendPart]) -> MaterialChoice,
     ) -> MaterialChoice {
-        let wanted = if is_complement { CsgNode::Complement(primitive) } else { CsgNode::Primitive(primitive) };
+        let wanted =
+            if is_complement { CsgNode::Complement(primitive) } else { CsgNode::Primitive(primitive) };
         let first = tree.nodes().iter().position(|node| *node == wanted);
         first.map_or(MaterialChoice::Never, |at| self.nodes[at].face.choice(&mut nearest))
     }
@@ -352,7 +353,8 @@ struct TermOfBlend {
 fn has_marks(terms: &[Term]) -> Vec<bool> {
     let mut all = vec![false; terms.len()];
     for term in 0..terms.len() {
-        all[term] = mark_of(terms, term as u32).is_some() || parts(&terms[term]).any(|part| all[part as usize]);
+        all[term] =
+            mark_of(terms, term as u32).is_some() || parts(&terms[term]).any(|part| all[part as usize]);
     }
     all
 }

@@ -21,8 +21,8 @@ use super::tape::Tape;
 use crate::budget::Evidence;
 use crate::math::{exponent, power_of_two};
 use materials::{MaterialsBuilder, OperandMaterial};
-use subgraph::{mark_of, subgraph_terms, unmarked};
 use std::collections::HashMap;
+use subgraph::{mark_of, subgraph_terms, unmarked};
 
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
