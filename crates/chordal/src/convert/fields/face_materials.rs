@@ -48,8 +48,16 @@ impl<'a> FaceMaterials<'a> {
         let materials = csg.materials()?;
         let pairs = PartPairs::new(csg, materials);
         let mut own = Self { csg, job, pairs, materials, everywhere: Vec::new() };
-        let labels = 0..2 * csg.primitives().len() as FaceLabel;
-        own.everywhere = labels.map(|label| own.choice(label, |_| Membership::Unknown, None)).collect();
+        let of_places = materials.of_places(csg.tree(), csg.primitives().len());
+        let everywhere = (0..).zip(of_places).map(|(label, places)| match places {
+            // A material of its own stays wherever a face is; none may be filled in.
+            MaterialChoice::One(0) | MaterialChoice::Several => {
+                own.choice(label, |_| Membership::Unknown, None)
+            }
+            known => known,
+        });
+        let everywhere: Vec<MaterialChoice> = everywhere.collect();
+        own.everywhere = everywhere;
         Some(own)
     }
 

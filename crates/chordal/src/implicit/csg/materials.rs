@@ -195,6 +195,21 @@ impl CsgMaterials {
         stack.pop().map_or(MaterialChoice::Never, |whole| whole.face)
     }
 
+    /// The materials of each primitive and of its complement, one after the other, wherever they occur.
+    #[must_use]
+    pub fn of_places(&self, tree: &CsgTree, n_primitives: usize) -> Vec<MaterialChoice> {
+        let mut all = vec![MaterialChoice::Never; 2 * n_primitives];
+        for (node, material) in tree.nodes().iter().zip(&self.nodes) {
+            let place = match *node {
+                CsgNode::Primitive(p) => 2 * p as usize,
+                CsgNode::Complement(p) => 2 * p as usize + 1,
+                CsgNode::Union(_) | CsgNode::Intersection(_) => continue,
+            };
+            all[place] = all[place].or(material.face.choice(&mut |_| MaterialChoice::Several));
+        }
+        all
+    }
+
     /// The material of a primitive, or of its complement, where it occurs first.
     #[must_use]
     pub fn first(
