@@ -64,7 +64,10 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
         (None, None) => Err(Failure::refused(RefusalCode::Budget, "the budget has no length and no count")),
     };
     match FaceMaterials::new(&solid, job) {
-        Some(materials) => materials.paint(made, wanted.length),
+        // Cuts along borders add triangles.
+        Some(materials) => materials
+            .paint(made, wanted.length)
+            .and_then(|made| search.check_triangles(made, wanted.triangles)),
         None => made,
     }
 }

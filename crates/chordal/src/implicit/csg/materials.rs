@@ -289,6 +289,7 @@ impl MaterialsBuilder {
         // The material of a part, whether it is taken away, its scale and its term.
         let mut found: Vec<(u32, bool, f64, u32)> = Vec::new();
         let mut seen = HashSet::new(); // No order depends on it.
+        let mut parts_seen = HashSet::new(); // No order depends on it.
         let mut open = vec![TermOfBlend { term: root, scale: 1.0, falls, is_part: false }];
         while let Some(place) = open.pop() {
             let TermOfBlend { term, scale, falls, is_part } = place;
@@ -296,11 +297,15 @@ impl MaterialsBuilder {
                 continue;
             }
             if let Some((material, below)) = mark_of(terms, term) {
-                found.push((self.number(material), falls, scale, below));
+                let number = self.number(material);
+                // A part may occur again in terms that only shape the blend.
+                if parts_seen.insert((number, below)) {
+                    found.push((number, falls, scale, below));
+                }
                 continue;
             }
             if !self.has_marks[term as usize] {
-                if is_part {
+                if is_part && parts_seen.insert((0, term)) {
                     found.push((0, falls, scale, term));
                 }
                 continue;
