@@ -2,7 +2,8 @@
 use crate::label_looks::to_linear;
 use chordal::Mesh;
 use chordal::explicit::{InvalidMesh, Semantic};
-use chordal::implicit::{Field, Material};
+use chordal::implicit::Field;
+use chordal::implicit::materials::Material;
 use chordal_io::{MATERIAL, Scene};
 use serde_json::{Value, json};
 

@@ -2,8 +2,9 @@
 //! own functions.
 use chordal::budget::{Bounded, Evidence};
 use chordal::explicit::{Semantic, Topology};
+use chordal::implicit::materials::Material;
 use chordal::implicit::shapes::{circle, cuboid, cylinder, rectangle, sphere};
-use chordal::implicit::{Expr, Field, Material, Repeat, Seam};
+use chordal::implicit::{Expr, Field, Repeat, Seam};
 use chordal::math::Box3;
 use chordal::{Budget, Job, Mesh, Tolerance, check, convert};
 use chordal_testkit::Random;

@@ -1,7 +1,7 @@
 //! Materials of shapes: colours, and names with metal and roughness.
 use super::bind::{BoundArgs, Function, optional, required};
 use super::{Arg, CallError};
-use chordal::implicit::Material;
+use chordal::implicit::materials::Material;
 
 const KEPT: &str = "as it was";
 

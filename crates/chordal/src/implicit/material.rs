@@ -90,7 +90,7 @@ impl Field {
     ///
     /// ```
     /// use chordal::explicit::Semantic;
-    /// use chordal::implicit::{Material, shapes::sphere};
+    /// use chordal::implicit::{materials::Material, shapes::sphere};
     /// use chordal::{Budget, Job, Tolerance, convert};
     /// let red = Material { name: "red".into(), color: [1.0, 0.0, 0.0, 1.0], metallic: 0.0, roughness: 0.5 };
     /// let both = sphere(1.0)?.with_material(red.clone()).union(&sphere(1.0)?.moved([1.0, 0.0, 0.0])?);

@@ -40,7 +40,6 @@ pub(crate) use grid::with_samples;
 pub use grid::{Grid, InvalidGrid, Samples};
 pub use leaf::Lipschitz;
 pub(crate) use leaf::{Leaf, LeafAnswer, LeafError};
-pub use material::Material;
 pub(crate) use sparse::BrickSlab;
 pub use sparse::SparseGrid;
 pub(crate) use tape::Tape;
@@ -57,4 +56,9 @@ pub mod evaluation {
 /// Functions of the user as leaves of an expression.
 pub mod leaves {
     pub use super::leaf::{Leaf, LeafAnswer, LeafError};
+}
+
+/// What surfaces look like.
+pub mod materials {
+    pub use super::material::Material;
 }
