@@ -8,7 +8,7 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
-use chordal::implicit::materials::Material;
+use chordal::implicit::materials::SurfaceMaterial;
 use chordal::math::greater;
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Node, Scene};
@@ -32,7 +32,7 @@ pub(crate) fn mesh_field(
 fn mesh_parts(
     implicit: &ImplicitShape,
     request: &MeshRequest,
-    (materials, notes): (&mut Vec<Material>, &mut Vec<Message>),
+    (materials, notes): (&mut Vec<SurfaceMaterial>, &mut Vec<Message>),
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     if !implicit.bodies.is_empty() {
@@ -94,7 +94,7 @@ const FINER: u64 = 16;
 fn mesh_bodies(
     implicit: &ImplicitShape,
     request: &MeshRequest,
-    (materials, notes): (&mut Vec<Material>, &mut Vec<Message>),
+    (materials, notes): (&mut Vec<SurfaceMaterial>, &mut Vec<Message>),
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let (mut all, mut worst): (Scene, Option<Bound>) = (Scene::default(), None);

@@ -3,15 +3,19 @@ use crate::label_looks::to_linear;
 use chordal::Mesh;
 use chordal::explicit::{InvalidMesh, Semantic};
 use chordal::implicit::Field;
-use chordal::implicit::materials::Material;
+use chordal::implicit::materials::SurfaceMaterial;
 use chordal_io::{MATERIAL, Scene};
 use serde_json::{Value, json};
 
 /// The mesh of a part of a scene, its faces with the numbers that the part's materials have in a list. A material that
 /// is not in it yet is added.
-pub(crate) fn renumber(mesh: Mesh, part: &Field, all: &mut Vec<Material>) -> Result<Mesh, InvalidMesh> {
+pub(crate) fn renumber(
+    mesh: Mesh,
+    part: &Field,
+    all: &mut Vec<SurfaceMaterial>,
+) -> Result<Mesh, InvalidMesh> {
     let own = part.materials();
-    let number = |material: &Material| {
+    let number = |material: &SurfaceMaterial| {
         let known = all.iter().position(|known| known == material);
         let at = known.unwrap_or_else(|| {
             all.push(material.clone());
@@ -33,7 +37,7 @@ pub(crate) fn renumber(mesh: Mesh, part: &Field, all: &mut Vec<Material>) -> Res
 }
 
 /// The scene with the materials that its faces number from 1, less those that none has.
-pub(crate) fn with_materials(mut scene: Scene, all: &[Material]) -> Result<Scene, InvalidMesh> {
+pub(crate) fn with_materials(mut scene: Scene, all: &[SurfaceMaterial]) -> Result<Scene, InvalidMesh> {
     if all.is_empty() {
         return Ok(scene);
     }
@@ -43,7 +47,7 @@ pub(crate) fn with_materials(mut scene: Scene, all: &[Material]) -> Result<Scene
     Ok(scene.with_used_materials()?.into_owned())
 }
 
-fn gltf_material(material: &Material) -> Value {
+fn gltf_material(material: &SurfaceMaterial) -> Value {
     let [r, g, b, opacity] = material.color;
     let [r, g, b] = [r, g, b].map(to_linear);
     let base = json!({

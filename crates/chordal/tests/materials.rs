@@ -2,7 +2,7 @@
 //! own functions.
 use chordal::budget::{Bounded, Evidence};
 use chordal::explicit::{Semantic, Topology};
-use chordal::implicit::materials::Material;
+use chordal::implicit::materials::SurfaceMaterial;
 use chordal::implicit::shapes::{circle, cuboid, cylinder, rectangle, sphere};
 use chordal::implicit::{Expr, Field, Repeat, Seam};
 use chordal::math::Box3;
@@ -10,8 +10,8 @@ use chordal::{Budget, Job, Mesh, Tolerance, check, convert};
 use chordal_testkit::Random;
 use std::collections::BTreeMap;
 
-fn material(name: &str) -> Material {
-    Material { name: name.to_owned(), color: [0.5, 0.25, 0.75, 1.0], metallic: 0.0, roughness: 0.5 }
+fn material(name: &str) -> SurfaceMaterial {
+    SurfaceMaterial { name: name.to_owned(), color: [0.5, 0.25, 0.75, 1.0], metallic: 0.0, roughness: 0.5 }
 }
 
 fn of(field: &Field, name: &str) -> Field {
@@ -82,7 +82,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[test]
 fn borders_of_balls_run_where_both_vanish() {
     let mut random = Random::new(20_261_126);
-    for round in 0..8 {
+    for round in 0..4 {
         let tol = 0.02;
         let balls: Vec<([f64; 3], f64)> =
             (0..5).map(|_| ([0; 3].map(|_| random.between(-1.0, 1.0)), random.between(0.5, 1.1))).collect();
@@ -177,25 +177,26 @@ fn halves_that_touch_flush_meet_in_the_plane_between() {
 fn a_cut_shows_the_tool_or_else_what_was_cut() {
     let body = of(&cuboid([4.0, 4.0, 2.0]).unwrap(), "left");
     let other = of(&moved(&cuboid([4.0, 4.0, 2.0]).unwrap(), 3.0, 0.0, 0.0), "right");
-    let drill = cylinder(0.5, 4.0).unwrap();
-    let round = std::f64::consts::PI;
+    let drill = cylinder(0.4, 4.0).unwrap();
+    // Half the wall of the hole, which is 2 high.
+    let half = 0.8 * std::f64::consts::PI;
     let wall = |field: &Field| {
         let made = meshed(field, 0.005);
         let mut areas: BTreeMap<String, f64> = BTreeMap::new();
         for (face, name) in names(field, &made.shape).into_iter().enumerate() {
             let corners = made.shape.corners(face);
-            if corners.iter().all(|[x, y, _]| ((x - 1.5).hypot(*y) - 0.5).abs() < 0.01) {
+            if corners.iter().all(|[x, y, _]| ((x - 1.5).hypot(*y) - 0.4).abs() < 0.01) {
                 *areas.entry(name).or_insert(0.0) += area(corners);
             }
         }
         areas
             .into_iter()
-            .map(|(name, area)| (name, (area * 100.0 / (2.0 * round)).round()))
+            .map(|(name, area)| (name, (area * 100.0 / (2.0 * half)).round()))
             .collect::<Vec<_>>()
     };
     let drill = moved(&drill, 1.5, 0.0, 0.0);
     let own = |name: &str, share: f64| vec![(name.to_owned(), share)];
-    // In percent of the wall of the hole, which is 2 high.
+    // In percent of the wall.
     assert_eq!(wall(&body.difference(&of(&drill, "drill"))), own("drill", 100.0));
     assert_eq!(wall(&body.difference(&drill)), own("left", 100.0));
     let plain = cuboid([4.0, 4.0, 2.0]).unwrap();
@@ -210,11 +211,11 @@ fn a_cut_shows_the_tool_or_else_what_was_cut() {
     let mut halves = BTreeMap::new();
     for (face, name) in names(&both, &made.shape).into_iter().enumerate() {
         let corners = made.shape.corners(face);
-        if corners.iter().all(|[x, y, _]| ((x - 2.0).hypot(*y) - 0.5).abs() < 0.01) {
+        if corners.iter().all(|[x, y, _]| ((x - 2.0).hypot(*y) - 0.4).abs() < 0.01) {
             *halves.entry(name).or_insert(0.0) += area(corners);
         }
     }
-    assert!((halves["left"] - round).abs() < 0.02 && (halves["right"] - round).abs() < 0.02, "{halves:?}");
+    assert!((halves["left"] - half).abs() < 0.02 && (halves["right"] - half).abs() < 0.02, "{halves:?}");
 }
 
 #[test]
@@ -259,7 +260,7 @@ fn operations_keep_materials() {
     ] {
         assert_eq!(field.materials(), [material("a"), material("b")], "{what}");
         let made =
-            convert::field_to_mesh(&field, &Budget::length(Tolerance::new(0.02).unwrap()), &Job::default());
+            convert::field_to_mesh(&field, &Budget::length(Tolerance::new(0.04).unwrap()), &Job::default());
         let made = made.or_else(|failure| failure.best_effort()).unwrap();
         let areas = areas(&field, &made.shape);
         assert_eq!(areas.keys().collect::<Vec<_>>(), ["a", "b"], "{what}: {areas:?}");

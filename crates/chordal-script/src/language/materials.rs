@@ -1,7 +1,7 @@
 //! Materials of shapes: colours, and names with metal and roughness.
 use super::bind::{BoundArgs, Function, optional, required};
 use super::{Arg, CallError};
-use chordal::implicit::materials::Material;
+use chordal::implicit::materials::SurfaceMaterial;
 
 const KEPT: &str = "as it was";
 
@@ -56,7 +56,7 @@ fn paint(
     [metallic, roughness]: [f64; 2],
 ) -> Result<Arg, CallError> {
     let solid = given.shape(0)?;
-    let material = Material { name, color, metallic, roughness };
+    let material = SurfaceMaterial { name, color, metallic, roughness };
     given.shape_result(Ok(solid.field.with_material(material)), &[solid])
 }
 

@@ -1,4 +1,4 @@
-//! `Material`: what the surface of a part of a field looks like. Operations carry it and never compute with it.
+//! `SurfaceMaterial`: what the surface of a part of a field looks like. Operations carry it and never compute with it.
 //!
 //! An expression carries a material as a leaf that returns its operand. Graphs and tapes leave it out, so that
 //! a field with materials has the same values, to the last bit, as one without. Only a CSG tree keeps it
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// What a surface looks like, in the terms of glTF's metal and roughness.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Material {
+pub struct SurfaceMaterial {
     /// Its name; may be empty.
     pub name: String,
     /// Red, green, blue and opacity from 0 to 1; the first three as encoded for a screen (sRGB).
@@ -25,7 +25,7 @@ pub struct Material {
 
 /// A leaf that stands for its first coordinate: the operand that has the material.
 #[derive(Debug)]
-pub(super) struct MaterialMark(pub Material);
+pub(super) struct MaterialMark(pub SurfaceMaterial);
 
 impl MaterialMark {
     /// The mark, if a leaf is one.
@@ -90,9 +90,9 @@ impl Field {
     ///
     /// ```
     /// use chordal::explicit::Semantic;
-    /// use chordal::implicit::{materials::Material, shapes::sphere};
+    /// use chordal::implicit::{materials::SurfaceMaterial, shapes::sphere};
     /// use chordal::{Budget, Job, Tolerance, convert};
-    /// let red = Material { name: "red".into(), color: [1.0, 0.0, 0.0, 1.0], metallic: 0.0, roughness: 0.5 };
+    /// let red = SurfaceMaterial { name: "red".into(), color: [1.0, 0.0, 0.0, 1.0], metallic: 0.0, roughness: 0.5 };
     /// let both = sphere(1.0)?.with_material(red.clone()).union(&sphere(1.0)?.moved([1.0, 0.0, 0.0])?);
     /// assert_eq!(both.materials(), [red]);
     /// let made = convert::field_to_mesh(&both, &Budget::length(Tolerance::new(0.05)?), &Job::default())?;
@@ -101,14 +101,14 @@ impl Field {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn with_material(&self, material: Material) -> Self {
+    pub fn with_material(&self, material: SurfaceMaterial) -> Self {
         let mark: Arc<dyn Leaf> = Arc::new(MaterialMark(material));
         self.map_expressions(|expr| expr.marked(&mark))
     }
 
     /// The materials of its surface, in the order of their numbers from 1. Cost: as for a CSG tree.
     #[must_use]
-    pub fn materials(&self) -> Vec<Material> {
+    pub fn materials(&self) -> Vec<SurfaceMaterial> {
         super::Csg::from_expr(self.sign()).materials().map_or_else(Vec::new, |own| own.list().to_vec())
     }
 }

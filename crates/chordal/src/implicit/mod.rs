@@ -60,5 +60,5 @@ pub mod leaves {
 
 /// What surfaces look like.
 pub mod materials {
-    pub use super::material::Material;
+    pub use super::material::SurfaceMaterial;
 }

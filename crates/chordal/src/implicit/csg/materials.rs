@@ -7,7 +7,7 @@ use super::subgraph::{mark_of, subgraph_terms};
 use super::tree::joined;
 use super::{CsgNode, CsgTree, Membership};
 use crate::implicit::graph::{ExprGraph, Term, parts};
-use crate::implicit::material::Material;
+use crate::implicit::material::SurfaceMaterial;
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::tape::Tape;
 use std::collections::HashSet;
@@ -15,7 +15,7 @@ use std::collections::HashSet;
 /// The materials of the primitives of a CSG tree, at each place where they occur.
 #[derive(Clone, Debug)]
 pub struct CsgMaterials {
-    list: Vec<Material>,
+    list: Vec<SurfaceMaterial>,
     /// By node of the tree.
     nodes: Vec<NodeMaterial>,
 }
@@ -144,7 +144,7 @@ impl NodeAtFace {
 impl CsgMaterials {
     /// The materials, in the order of their numbers from 1.
     #[must_use]
-    pub fn list(&self) -> &[Material] {
+    pub fn list(&self) -> &[SurfaceMaterial] {
         &self.list
     }
 
@@ -237,7 +237,7 @@ impl FaceMaterial {
 /// Collects the materials of a tree node by node.
 #[derive(Default)]
 pub(super) struct MaterialsBuilder {
-    list: Vec<Material>,
+    list: Vec<SurfaceMaterial>,
     nodes: Vec<NodeMaterial>,
     /// The number of parts of blends so far.
     n_parts: u32,
@@ -247,7 +247,7 @@ pub(super) struct MaterialsBuilder {
 
 impl MaterialsBuilder {
     /// The number of a material.
-    pub fn number(&mut self, material: &Material) -> u32 {
+    pub fn number(&mut self, material: &SurfaceMaterial) -> u32 {
         let known = self.list.iter().position(|known| known == material);
         let at = known.unwrap_or_else(|| {
             self.list.push(material.clone());

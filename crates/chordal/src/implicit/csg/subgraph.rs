@@ -1,11 +1,11 @@
 //! The terms of a part of a graph, without the marks of materials.
 use crate::implicit::Term;
 use crate::implicit::graph::parts;
-use crate::implicit::material::{Material, MaterialMark};
+use crate::implicit::material::{MaterialMark, SurfaceMaterial};
 use std::collections::HashMap;
 
 /// The material of a term that is a mark, and the term that has it.
-pub(super) fn mark_of(terms: &[Term], term: u32) -> Option<(&Material, u32)> {
+pub(super) fn mark_of(terms: &[Term], term: u32) -> Option<(&SurfaceMaterial, u32)> {
     let Term::Leaf(leaf, [below, ..]) = &terms[term as usize] else { return None };
     MaterialMark::from_leaf(leaf).map(|mark| (&mark.0, *below))
 }
