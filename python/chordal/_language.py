@@ -484,6 +484,30 @@ def displace(shape: Field, by: Formula | float, amplitude: SupportsFloat) -> Fie
     return called("displace", shape, by, amplitude)  # type: ignore[no-any-return]
 
 
+def color(shape: Field, color: str | Sequence[SupportsFloat]) -> Field:
+    """The shape in a colour: a text as "#d33", "#dd3333" or "red", or a list of three or four numbers from 0 to 1. One
+    given later replaces it.
+
+    The value is worth: as it was.
+    """
+    return called("color", shape, color)  # type: ignore[no-any-return]
+
+
+def material(
+    shape: Field,
+    name: str,
+    color: str | Sequence[SupportsFloat],
+    metallic: SupportsFloat = 0,
+    roughness: SupportsFloat = 0.5,
+) -> Field:
+    """The shape of a material with a name, a colour as for color(), and how much it is a metal and how rough it is, from
+    0 to 1.
+
+    The value is worth: as it was.
+    """
+    return called("material", shape, name, color, metallic, roughness)  # type: ignore[no-any-return]
+
+
 @overload
 def sqrt(value: SupportsFloat) -> float: ...
 @overload

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
 import stat
@@ -112,3 +113,16 @@ def test_a_write_that_fails_half_way_leaves_the_old_file(tmp_path: Path, monkeyp
     with pytest.raises(OSError, match="No space"):
         chordal.load(SQUARE, format="obj").mesh(tol=0.1).export(path)
     assert path.read_text() == "old" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_materials_of_fields_are_those_of_the_file() -> None:
+    from chordal import color, material, move, sphere
+
+    both = material(sphere(2), "sea", "#08f", metallic=0.25) | color(move(sphere(1), 2, 0), (1, 0, 0))
+    data = both.mesh(tol=0.1).to_bytes("glb")
+    told = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    assert [look["name"] for look in told["materials"]] == ["sea", "color-ff0000"]
+    assert told["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] == [1, 0, 0, 1]
+    assert sorted(one["material"] for one in told["meshes"][0]["primitives"]) == [0, 1]
+    with pytest.raises(ValueError, match="needs a colour as"):
+        color(sphere(1), "reddish")

@@ -257,3 +257,136 @@ fn files_beside_a_script_are_read_and_none_elsewhere() {
     }
     assert!(!secret.is_empty());
 }
+
+/// The JSON of a GLB.
+fn json_of_glb(path: &str) -> serde_json::Value {
+    let bytes = std::fs::read(path).expect("it is there");
+    let n = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    serde_json::from_slice(&bytes[20..20 + n]).expect("JSON")
+}
+
+const PAINTED: &str =
+    "color(sphere(10), '#ff0000') | material(move(sphere(8), 9, 0), 'sea', [0, 0.5, 1], 0.25, 0.75)\n";
+
+#[test]
+fn materials_of_a_script_are_in_its_files() {
+    let folder = Folder::new("script-materials");
+    let file = folder.file("two.star", PAINTED);
+    let glb = folder.text("two.glb");
+    run(&["mesh", &file, "--tol", "0.1", "-o", &glb]).succeeds();
+    let json = json_of_glb(&glb);
+    let looks = json["materials"].as_array().expect("materials");
+    let names: Vec<&str> = looks.iter().filter_map(|look| look["name"].as_str()).collect();
+    assert_eq!(names, ["color-ff0000", "sea"]);
+    let base = |k: usize| &looks[k]["pbrMetallicRoughness"];
+    assert_eq!(base(0)["baseColorFactor"], serde_json::json!([1.0, 0.0, 0.0, 1.0]));
+    assert_eq!((&base(1)["metallicFactor"], &base(1)["roughnessFactor"]), (&0.25.into(), &0.75.into()));
+    // Half of what a screen shows is 0.214 of the light.
+    let green = base(1)["baseColorFactor"][1].as_f64().expect("a number");
+    assert!((green - 0.214_041).abs() < 1e-6, "{green}");
+    let primitives = json["meshes"][0]["primitives"].as_array().expect("primitives");
+    let used: Vec<_> = primitives.iter().filter_map(|one| one["material"].as_u64()).collect();
+    assert_eq!(used, [0, 1]);
+    // The balls meet in the plane x = 6.5, so caps of heights 16.5 and 10.5 are left: 2πrh.
+    let parts = [(0_usize, 16.5), (1, 10.5)];
+    let obj = folder.text("two.obj");
+    run(&["mesh", &file, "--tol", "0.02", "-o", &obj]).succeeds();
+    let areas = obj_areas(&std::fs::read_to_string(&obj).expect("it is there"));
+    for (k, height) in parts {
+        let radius = [10.0, 8.0][k];
+        let expected = 2.0 * std::f64::consts::PI * radius * height;
+        let found = areas[names[k]];
+        assert!((found / expected - 1.0).abs() < 0.01, "{}: {found}, not {expected}", names[k]);
+    }
+    let library = std::fs::read_to_string(folder.text("two.mtl")).expect("it is there");
+    assert!(library.contains("newmtl sea") && library.contains("Kd 1 0 0"), "{library}");
+    let threemf = folder.text("two.3mf");
+    run(&["mesh", &file, "--tol", "0.1", "-o", &threemf]).succeeds();
+    let again = folder.text("again.glb");
+    run(&["convert", &threemf, "-o", &again]).succeeds();
+    let colors: Vec<_> = json_of_glb(&again)["materials"]
+        .as_array()
+        .expect("materials")
+        .iter()
+        .map(|look| look["pbrMetallicRoughness"]["baseColorFactor"].clone())
+        .collect();
+    assert_eq!(colors.len(), 2, "{colors:?}");
+    assert_eq!(colors[0], serde_json::json!([1.0, 0.0, 0.0, 1.0]));
+}
+
+/// The area of each material of an OBJ.
+fn obj_areas(text: &str) -> std::collections::BTreeMap<String, f64> {
+    let (mut points, mut areas, mut name) = (Vec::new(), std::collections::BTreeMap::new(), String::new());
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.first() {
+            Some(&"v") => points.push([1, 2, 3].map(|k: usize| words[k].parse::<f64>().expect("a number"))),
+            Some(&"usemtl") => name = words[1].to_owned(),
+            Some(&"f") => {
+                let corner = |k: usize| words[k].split('/').next().and_then(|n| n.parse::<usize>().ok());
+                let [a, b, c] = [1, 2, 3].map(|k| points[corner(k).expect("an index") - 1]);
+                let [u, v] = [b, c].map(|p: [f64; 3]| [0, 1, 2].map(|k| p[k] - a[k]));
+                let cross: [f64; 3] = std::array::from_fn(|k| {
+                    u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]
+                });
+                let area = 0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt();
+                *areas.entry(name.clone()).or_insert(0.0) += area;
+            }
+            _ => {}
+        }
+    }
+    areas
+}
+
+#[test]
+fn what_is_no_colour_is_said_in_a_sentence_with_its_place() {
+    let folder = Folder::new("script-colours");
+    for (text, place, said) in [
+        ("color(sphere(1), '#xyz')\n", "line 1, column 1", "not \"#xyz\""),
+        ("color(sphere(1), '#12345')\n", "line 1, column 1", "not \"#12345\""),
+        ("a = 1\ncolor(sphere(1), [1, 2, 3])\n", "line 2, column 1", "no number from 0 to 1"),
+        ("color(sphere(1), [1, 0])\n", "line 1, column 1", "not a list of 2"),
+        ("color(sphere(1), 7)\n", "line 1, column 1", "not a number"),
+        ("material(sphere(1), '', 'red')\n", "line 1, column 1", "a name of 1 to 100 characters"),
+        (
+            "material(sphere(1), 'x', 'red', metallic=2)\n",
+            "line 1, column 1",
+            "a metallic from 0 to 1, not 2",
+        ),
+        ("material(sphere(1), 'x', 'reddish')\n", "line 1, column 1", "not \"reddish\""),
+    ] {
+        let file = folder.file("wrong.star", text);
+        run(&["inspect", &file]).fails_with(3, &[place, said]);
+    }
+}
+
+#[test]
+fn each_part_has_its_own_materials_and_a_boolean_keeps_them() {
+    let folder = Folder::new("script-material-parts");
+    let text = "{'a': color(sphere(2), 'red'), 'b': move(box(1, 1, 1), 5, 0), 'c': color(move(sphere(1), 9, 0), 'red')}\n";
+    let (file, glb) = (folder.file("three.star", text), folder.text("three.glb"));
+    run(&["mesh", &file, "--tol", "0.05", "-o", &glb]).succeeds();
+    let json = json_of_glb(&glb);
+    let names = |k: usize| {
+        let primitive = &json["meshes"][k]["primitives"][0];
+        primitive["material"]
+            .as_u64()
+            .map_or(serde_json::Value::Null, |at| json["materials"][at as usize]["name"].clone())
+    };
+    assert_eq!(
+        [names(0), names(1), names(2)],
+        ["color-ff0000".into(), serde_json::Value::Null, "color-ff0000".into()]
+    );
+    let body = folder.file("body.star", "color(box(10, 10, 4), 'navy')\n");
+    let drill = folder.file("drill.star", "color(cylinder(2, 9), 'lime')\n");
+    let cut = folder.text("cut.glb");
+    run(&["mesh", &body, "--minus", &drill, "--tol", "0.05", "-o", &cut]).succeeds();
+    let json = json_of_glb(&cut);
+    let names: Vec<_> =
+        json["materials"].as_array().expect("materials").iter().map(|look| look["name"].clone()).collect();
+    assert_eq!(names, ["color-000080", "color-00ff00"]);
+    assert_eq!(json["meshes"][0]["primitives"].as_array().map(Vec::len), Some(2));
+    // Levels of detail go without.
+    let levels = folder.text("levels.glb");
+    run(&["lod", &file, "--tol", "0.05", "-o", &levels]).succeeds();
+}

@@ -1,4 +1,6 @@
 //! Fields: meshed within a budget, and measured against triangles.
+use crate::field_looks::{renumber, with_materials};
+use crate::file_rows::unsupported;
 use crate::request::MeshRequest;
 use crate::simplified_isosurface::simplified;
 use crate::{ImplicitShape, MeshFailure};
@@ -6,6 +8,7 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
+use chordal::implicit::materials::SurfaceMaterial;
 use chordal::math::greater;
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Node, Scene};
@@ -20,8 +23,20 @@ pub(crate) fn mesh_field(
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
+    let mut materials = Vec::new();
+    let (scene, bound) = mesh_parts(implicit, request, (&mut materials, notes), job)?;
+    Ok((with_materials(scene, &materials).map_err(unsupported)?, bound))
+}
+
+/// The same without the materials, which are added to a list.
+fn mesh_parts(
+    implicit: &ImplicitShape,
+    request: &MeshRequest,
+    (materials, notes): (&mut Vec<SurfaceMaterial>, &mut Vec<Message>),
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
     if !implicit.bodies.is_empty() {
-        return mesh_bodies(implicit, request, notes, job);
+        return mesh_bodies(implicit, request, (materials, notes), job);
     }
     let field = finite(implicit)?;
     let has_meshes = convert::has_meshes(&field);
@@ -44,6 +59,7 @@ pub(crate) fn mesh_field(
     // Formats with normals; other formats keep one row a vertex.
     let shaded = request.to.wants_normals();
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
+    let mesh = renumber(mesh, &field, materials).map_err(unsupported)?;
     Ok((Scene::from_mesh("field", mesh, implicit.frame), bound))
 }
 
@@ -78,14 +94,15 @@ const FINER: u64 = 16;
 fn mesh_bodies(
     implicit: &ImplicitShape,
     request: &MeshRequest,
-    notes: &mut Vec<Message>,
+    (materials, notes): (&mut Vec<SurfaceMaterial>, &mut Vec<Message>),
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let (mut all, mut worst): (Scene, Option<Bound>) = (Scene::default(), None);
     all.frame = implicit.frame;
     for body in &implicit.bodies {
         let mut own_notes = Vec::new();
-        let (mut scene, bound) = mesh_field(&implicit.of_body(body), request, &mut own_notes, job)?;
+        let (mut scene, bound) =
+            mesh_parts(&implicit.of_body(body), request, (materials, &mut own_notes), job)?;
         // What is said of one is said of all.
         own_notes.retain(|note| !notes.contains(note));
         notes.extend(own_notes);

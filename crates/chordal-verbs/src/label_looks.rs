@@ -82,7 +82,7 @@ fn color_of(label: i64) -> [f64; 3] {
 }
 
 /// The linear intensity of an encoded one (IEC 61966-2-1).
-fn to_linear(encoded: f64) -> f64 {
+pub(crate) fn to_linear(encoded: f64) -> f64 {
     let encoded = greater(encoded, 0.0);
     if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }

@@ -31,6 +31,7 @@ mod drawing_regions;
 mod drop_attributes;
 mod failure;
 mod field;
+mod field_looks;
 mod file_extension;
 mod file_rows;
 mod filled_regions;

@@ -31,6 +31,7 @@ mod interval_laws;
 mod lod;
 mod lod_screen;
 mod lod_tree;
+mod materials;
 mod mend;
 mod normals;
 mod outlines;

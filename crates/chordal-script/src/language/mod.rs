@@ -5,6 +5,7 @@
 mod bind;
 mod combine;
 mod formula;
+mod materials;
 mod solids;
 mod transforms;
 
@@ -111,13 +112,14 @@ impl std::error::Error for CallError {}
 
 /// The groups of functions, in the order of a reference page.
 #[must_use]
-pub fn groups() -> [(&'static str, &'static [Function]); 6] {
+pub fn groups() -> [(&'static str, &'static [Function]); 7] {
     [
         ("Solids", solids::SOLIDS),
         ("Shapes of the plane", solids::FLAT),
         ("Combining", combine::COMBINE),
         ("Placing", transforms::PLACE),
         ("Changing", transforms::CHANGE),
+        ("Materials", materials::MATERIALS),
         ("Formulas", formula::FORMULAS),
     ]
 }

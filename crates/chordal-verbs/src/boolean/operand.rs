@@ -3,7 +3,7 @@ use crate::drop_attributes::without_attributes;
 use crate::file_rows::unsupported;
 use crate::merge::merge;
 use crate::placements::part_placements;
-use crate::tessellate::tessellate;
+use crate::tessellate::{tessellate, tessellate_scene};
 use crate::{ImplicitShape, Input, MeshFailure, Shape};
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode, Tolerance};
@@ -53,6 +53,11 @@ impl SolidOperand {
                     );
                     return Err(MeshFailure::refused(RefusalCode::Budget, message));
                 };
+                if matches!(&shape, Shape::Field(implicit) if !implicit.field.materials().is_empty()) {
+                    let (scene, bound) = tessellate_scene(&shape, within, bounds, notes, job)?;
+                    let painted = Self::from_scene(scene, (name, notes), job)?;
+                    return Ok(Self { bound: Some(bound), ..painted });
+                }
                 let made = tessellate(&shape, within, bounds, notes, job)?;
                 let (groups, assets) = Default::default();
                 Ok(Self { mesh: made.shape, bound: Some(made.bound), groups, assets })

@@ -192,6 +192,10 @@ impl Expr {
                         _ => return false,
                     }
                 }
+                ExprKind::Leaf(..) => match at.mark() {
+                    Some((_, below)) => below,
+                    None => return false,
+                },
                 _ => return false,
             };
         }

@@ -119,6 +119,17 @@ impl Field {
         self.known_sign(sign)
     }
 
+    /// The same field with its expressions replaced by others of the same values.
+    pub(super) fn map_expressions(&self, map: impl Fn(&Expr) -> Expr + Copy) -> Self {
+        let expr = map(&self.expr);
+        let sign = match &self.sign {
+            Some(sign) if sign.address() == self.expr.address() => Some(expr.clone()),
+            other => other.as_ref().map(map),
+        };
+        let pattern = self.pattern().map(|pattern| Arc::new(pattern.map_expressions(map)));
+        Self { expr, sign, pattern, ..self.clone() }
+    }
+
     /// Adds a promise.
     pub(super) fn promise(&mut self, sentence: String) {
         self.promises.add(sentence.into());

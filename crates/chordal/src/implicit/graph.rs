@@ -1,6 +1,7 @@
 //! `ExprGraph`: an expression as a list of distinct terms, each made of earlier ones.
 use super::expr::{Expr, ExprKind};
 use super::leaf::Leaf;
+use super::material::MaterialMark;
 use super::op::{Binary, Unary};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -39,6 +40,13 @@ impl ExprGraph {
     #[must_use]
     pub fn from_expr(expr: &Expr) -> Self {
         let mut builder = GraphBuilder::default();
+        let root = builder.lower(expr);
+        Self { terms: reachable(builder.terms, root) }
+    }
+
+    /// The same with the marks of materials, each a leaf whose value is its operand's.
+    pub(super) fn with_materials(expr: &Expr) -> Self {
+        let mut builder = GraphBuilder { keeps_marks: true, ..GraphBuilder::default() };
         let root = builder.lower(expr);
         Self { terms: reachable(builder.terms, root) }
     }
@@ -88,6 +96,8 @@ enum LoweringTask<'a> {
 
 #[derive(Default)]
 struct GraphBuilder {
+    /// Whether marks of materials are terms; else their operands stand for them.
+    keeps_marks: bool,
     terms: Vec<Term>,
     // The maps are only looked up, never iterated.
     numbers: HashMap<TermKey, u32>,        // No order depends on it.
@@ -162,6 +172,11 @@ impl GraphBuilder {
                 self.binary(*op, a, b)
             }
             ExprKind::At(..) => unreachable!("an At is entered and left"),
+            ExprKind::Leaf(leaf, [at, ..])
+                if !self.keeps_marks && MaterialMark::from_leaf(leaf).is_some() =>
+            {
+                known(at)
+            }
             ExprKind::Leaf(leaf, at) => {
                 let at = at.each_ref().map(known);
                 let address = Arc::as_ptr(leaf).cast::<()>() as usize;

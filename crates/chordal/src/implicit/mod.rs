@@ -12,6 +12,7 @@ mod grid;
 mod inputs;
 mod interpreter;
 mod leaf;
+mod material;
 mod number;
 mod op;
 mod outside;
@@ -55,4 +56,9 @@ pub mod evaluation {
 /// Functions of the user as leaves of an expression.
 pub mod leaves {
     pub use super::leaf::{Leaf, LeafAnswer, LeafError};
+}
+
+/// What surfaces look like.
+pub mod materials {
+    pub use super::material::SurfaceMaterial;
 }

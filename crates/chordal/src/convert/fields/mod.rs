@@ -1,14 +1,17 @@
 //! From a field to triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the
 //! proof.
 mod arrangement;
+mod border_functions;
 mod cells;
 mod cells_at_vertices;
 mod corner_gradients;
 mod extract;
+mod face_materials;
 mod field_sampler;
 mod grid;
 mod growth;
 mod improve;
+mod material_borders;
 mod mesher;
 mod polygon_triangulation;
 mod search;
@@ -19,6 +22,7 @@ mod vertex_values;
 #[cfg(test)]
 mod tests;
 
+pub(super) use face_materials::FaceMaterials;
 pub(super) use field_sampler::FieldSampler;
 pub(super) use mesher::FieldMeshGoal;
 pub(super) use search::search;

@@ -1,4 +1,5 @@
 //! Searches for a mesh of a field within a budget: a length or a number of triangles, proved or measured.
+use super::face_materials::{FaceMaterials, with_labels};
 use super::grid::FieldGridStatus;
 use super::improve::SurfaceImprover;
 use super::mesher::{FieldMeshGoal, FieldMesher, ImprovedSurface, leaf_failure, longest};
@@ -55,12 +56,19 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
     let mesher = FieldMesher { bounds: field.bounds(), is_sampled, job };
     let is_measured = wanted.measured || !field.evidence().bounds_above();
     let search = FieldMeshSearch { field, mesher: &mesher, wanted, is_measured, job };
-    match (wanted.length, wanted.triangles) {
+    let made = match (wanted.length, wanted.triangles) {
         (None, Some(most)) => search.by_count(evaluator, most),
         (Some(length), most) => {
             search.by_length(evaluator, length).and_then(|made| search.check_triangles(made, most))
         }
         (None, None) => Err(Failure::refused(RefusalCode::Budget, "the budget has no length and no count")),
+    };
+    match FaceMaterials::new(&solid, job) {
+        // Cuts along borders add triangles.
+        Some(materials) => materials
+            .paint(made, wanted.length)
+            .and_then(|made| search.check_triangles(made, wanted.triangles)),
+        None => made,
     }
 }
 
@@ -258,10 +266,12 @@ impl<'s> FieldMeshSearch<'s> {
     }
 }
 
-/// The surface as a mesh, with the half-edge face of each of its faces.
+/// The surface as a mesh, with the half-edge face of each of its faces; of a field with materials with its labels.
 fn mesh_of(improved: &SurfaceImprover) -> (Mesh, Vec<u32>) {
     let (surface, numbers) = improved.mesh();
-    (Mesh::new(surface.positions, surface.faces).expect("its positions are finite"), numbers)
+    let mesh = Mesh::new(surface.positions, surface.faces).expect("its positions are finite");
+    let is_plain = improved.csg().materials().is_none();
+    (if is_plain { mesh } else { with_labels(mesh, &surface.labels) }, numbers)
 }
 
 /// The solid of a field within a box somewhat larger than its bounds, which cuts off what exceeds them.

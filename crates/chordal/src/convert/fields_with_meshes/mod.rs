@@ -12,11 +12,11 @@ mod placed_mesh;
 mod sign_lattice;
 mod surface_cover;
 
-use super::fields::FieldMeshGoal;
+use super::fields::{FaceMaterials, FieldMeshGoal};
 use super::mesh_leaf::MeshLeaf;
 use crate::budget::{Bound, Bounded, Evidence, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
-use crate::implicit::{ExprGraph, Field, LeafError, Term};
+use crate::implicit::{Csg, ExprGraph, Field, LeafError, Term};
 use crate::math::{Box3, add_up, greater, mul_up, sqrt_up};
 use placed_mesh::PlacedMesh;
 use sign_lattice::SignLattice;
@@ -56,6 +56,16 @@ fn has_walls(field: &Field) -> bool {
 
 /// Finds a mesh within the limits, or the best.
 pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> MeshResult {
+    let made = search_plain(field, wanted, job);
+    let csg = Csg::from_expr(field.sign());
+    match FaceMaterials::new(&csg, job) {
+        Some(materials) => materials.paint(made, wanted.length),
+        None => made,
+    }
+}
+
+/// The same without materials.
+fn search_plain(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> MeshResult {
     if !field.evidence().bounds_above() {
         let message = "a function whose ranges are not known is not meshed together with triangles";
         return Err(Failure::refused(RefusalCode::Unsupported, message));

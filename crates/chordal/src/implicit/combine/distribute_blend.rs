@@ -126,6 +126,10 @@ pub(super) fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> 
                 None => with_constant(expr, kept, looks),
             }
         }
+        ExprKind::Leaf(..) => {
+            let (mark, below) = expr.mark()?;
+            Some(find_extremum(below, kept, looks)?.map(|part| part.marked(mark)))
+        }
         _ => with_constant(expr, kept, looks),
     }
 }

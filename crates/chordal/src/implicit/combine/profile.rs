@@ -5,12 +5,13 @@
 //! thin hole, on which no box of any size is decided. So where one operand of a maximum or minimum changes
 //! its sign at the axis alone, only the other operand is kept, and a polygon is joined with its own mirror
 //! image.
+use crate::implicit::material::MaterialMark;
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::{Expr, ExprGraph, Term};
 
 /// An expression with the sign of a profile for x > 0. On the axis it has the sign of the points beside it.
 pub(super) fn without_axis(sign: &Expr) -> Expr {
-    let graph = ExprGraph::from_expr(sign);
+    let graph = ExprGraph::with_materials(sign);
     let mut terms: Vec<ProfileTerm> = Vec::with_capacity(graph.terms().len());
     for term in graph.terms() {
         let known = ProfileTerm::new(term, &terms);
@@ -107,6 +108,11 @@ impl ProfileTerm {
                     _ => None,
                 };
                 Self { line: Self::line(*op, a, b), sign, ..plain(value) }
+            }
+            Term::Leaf(leaf, [below, ..]) if MaterialMark::from_leaf(leaf).is_some() => {
+                let below = at(below);
+                let sign = below.sign.as_ref().map(|sign| sign.marked(leaf));
+                Self { line: below.line, sign, ..plain(below.value.marked(leaf)) }
             }
             Term::Leaf(leaf, [x, y, z]) => {
                 let place = [x, y, z].map(|part| at(part).value.clone());

@@ -105,6 +105,11 @@ impl PeriodicPattern {
         Self { is_complement: !self.is_complement, ..self.clone() }
     }
 
+    /// The pattern of a copy with its expressions replaced by others of the same values.
+    pub fn map_expressions(&self, map: impl Fn(&Expr) -> Expr + Copy) -> Self {
+        Self { copy: self.copy.map_expressions(map), ..self.clone() }
+    }
+
     /// The pattern under a further map from points of space to its points.
     pub fn placed(&self, at: &[Expr; 3]) -> Self {
         let at = self.at.iter().chain([at]).cloned().collect();

@@ -7,9 +7,12 @@
 //! at creases and corners, and its values have their own units.
 mod branches;
 mod evaluator;
+mod materials;
+mod subgraph;
 mod tree;
 
 pub use evaluator::{DualRange, PrimitiveEvaluator};
+pub use materials::{BlendPart, CsgMaterials, MaterialChoice};
 pub use tree::{CsgNode, CsgRestriction, CsgTree, Membership};
 
 use super::graph::{ExprGraph, Term};
@@ -17,7 +20,9 @@ use super::op::{Binary, Unary};
 use super::tape::Tape;
 use crate::budget::Evidence;
 use crate::math::{exponent, power_of_two};
+use materials::{MaterialsBuilder, OperandMaterial};
 use std::collections::HashMap;
+use subgraph::{mark_of, subgraph_terms, unmarked};
 
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
@@ -37,6 +42,7 @@ use std::collections::HashMap;
 pub struct Csg {
     primitives: Vec<Primitive>,
     tree: CsgTree,
+    materials: Option<CsgMaterials>,
 }
 
 /// A function of which only the sign counts.
@@ -102,21 +108,14 @@ impl Csg {
     /// The tree of an expression. Cost: linear in its terms, and in their copies where primitives share them.
     #[must_use]
     pub fn from_expr(sign: &super::Expr) -> Self {
-        Self::from_graph(&ExprGraph::from_expr(sign))
+        Self::from_graph(&ExprGraph::with_materials(sign))
     }
 
     /// The tree of the terms of an expression.
     #[must_use]
     pub fn from_graph(graph: &ExprGraph) -> Self {
-        CsgBuilder::new(graph.terms()).build().unwrap_or_else(|| Self::single(graph))
-    }
-
-    /// The whole expression as one primitive.
-    fn single(graph: &ExprGraph) -> Self {
-        let is_total = is_total(graph.terms());
-        let tape = Tape::from_graph(graph.clone());
-        let primitives = vec![Primitive { tape, is_total, level: None }];
-        Self { primitives, tree: CsgTree::new(vec![CsgNode::Primitive(0)]) }
+        let mut builder = CsgBuilder::new(graph.terms());
+        builder.build().unwrap_or_else(|| builder.single())
     }
 
     /// The primitives, by index.
@@ -129,6 +128,12 @@ impl Csg {
     #[must_use]
     pub fn tree(&self) -> &CsgTree {
         &self.tree
+    }
+
+    /// The materials of the primitives, if any has one.
+    #[must_use]
+    pub fn materials(&self) -> Option<&CsgMaterials> {
+        self.materials.as_ref()
     }
 
     /// What proofs by intervals of the primitives are worth: the weakest evidence of all.
@@ -175,6 +180,8 @@ struct CsgOperand {
     term: u32,
     above: u32,
     falls: bool,
+    /// None yet where its number is 0.
+    material: OperandMaterial,
 }
 
 enum CsgBuildStep {
@@ -200,6 +207,7 @@ struct CsgBuilder<'a> {
     mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
     primitives: Vec<Primitive>,
     nodes: Vec<CsgNode>,
+    materials: MaterialsBuilder,
     n_copied: usize,
 }
 
@@ -217,13 +225,14 @@ impl<'a> CsgBuilder<'a> {
             known: HashMap::new(),  // No order depends on it.
             primitives: Vec::new(),
             nodes: Vec::new(),
+            materials: MaterialsBuilder::default(),
             n_copied: 0,
         }
     }
 
     /// None if the tree or its primitives would be too large.
-    fn build(mut self) -> Option<Csg> {
-        let root = CsgOperand { term: self.terms.len() as u32 - 1, above: NOTHING, falls: false };
+    fn build(&mut self) -> Option<Csg> {
+        let root = self.root();
         let mut steps = vec![CsgBuildStep::Visit(root)];
         while let Some(step) = steps.pop() {
             if self.nodes.len() + steps.len() > MOST_NODES
@@ -232,7 +241,10 @@ impl<'a> CsgBuilder<'a> {
                 return None;
             }
             match step {
-                CsgBuildStep::Emit(node) => self.nodes.push(node),
+                CsgBuildStep::Emit(node) => {
+                    self.materials.push_operator();
+                    self.nodes.push(node);
+                }
                 CsgBuildStep::Visit(place) => match self.operands(place) {
                     Some((operands, is_union)) => {
                         let n = operands.len() as u32;
@@ -247,7 +259,34 @@ impl<'a> CsgBuilder<'a> {
                 },
             }
         }
-        Some(Csg { primitives: self.primitives, tree: CsgTree::new(self.nodes) })
+        Some(self.finish())
+    }
+
+    fn root(&self) -> CsgOperand {
+        CsgOperand {
+            term: self.terms.len() as u32 - 1,
+            above: NOTHING,
+            falls: false,
+            material: OperandMaterial::default(),
+        }
+    }
+
+    fn finish(&mut self) -> Csg {
+        let tree = CsgTree::new(std::mem::take(&mut self.nodes));
+        let materials = std::mem::take(&mut self.materials).finish();
+        Csg { primitives: std::mem::take(&mut self.primitives), tree, materials }
+    }
+
+    /// The whole expression as one primitive.
+    fn single(&mut self) -> Csg {
+        *self = Self::new(self.terms);
+        let root = self.root();
+        self.add_materials(root);
+        let graph = self.graph_of(root);
+        let is_total = is_total(graph.terms());
+        self.primitives.push(Primitive { tape: Tape::from_graph(graph), is_total, level: None });
+        self.nodes.push(CsgNode::Primitive(0));
+        self.finish()
     }
 
     /// The operands of the union or intersection at `place`, with nested operators of the same kind merged;
@@ -280,14 +319,30 @@ impl<'a> CsgBuilder<'a> {
                         above: self.push(MonotoneOp::Neg, place.above),
                         falls: !place.falls,
                         term: a,
+                        ..place
                     };
                     return Some(([CsgOperand { term: a, ..place }, mirrored], place.falls));
                 }
                 Term::Unary(Unary::Neg, a) => (MonotoneOp::Neg, a),
                 Term::Binary(op, a, b) => self.with_constant(op, a, b)?,
+                Term::Leaf(..) => {
+                    let (mark, below) = mark_of(self.terms, place.term)?;
+                    // The outermost mark counts.
+                    if place.material.number == 0 {
+                        place.material =
+                            OperandMaterial { number: self.materials.number(mark), cuts: place.falls };
+                    }
+                    place.term = below;
+                    continue;
+                }
                 _ => return None,
             };
-            place = CsgOperand { term, above: self.push(op, place.above), falls: place.falls != op.falls() };
+            place = CsgOperand {
+                term,
+                above: self.push(op, place.above),
+                falls: place.falls != op.falls(),
+                ..place
+            };
         }
     }
 
@@ -328,6 +383,7 @@ impl<'a> CsgBuilder<'a> {
 
     /// The node of a primitive: a new one, a known one or the complement of one.
     fn literal(&mut self, place: CsgOperand) -> CsgNode {
+        self.add_materials(place);
         let (base, ops) = self.chain(place);
         let level = level(base, &ops);
         let (key, falls) = match level.filter(|level| level.is_exact) {
@@ -369,10 +425,10 @@ impl<'a> CsgBuilder<'a> {
 
     /// The term below all operations with constants, and these from it upward.
     fn chain(&self, place: CsgOperand) -> (u32, Vec<MonotoneOp>) {
-        let (mut base, mut ops) = (place.term, Vec::new());
+        let (mut base, mut ops) = (unmarked(self.terms, place.term), Vec::new());
         while let Some((op, term)) = self.below(base) {
             ops.push(op);
-            base = term;
+            base = unmarked(self.terms, term);
         }
         ops.reverse();
         let mut above = place.above;
@@ -382,6 +438,11 @@ impl<'a> CsgBuilder<'a> {
             above = next;
         }
         (base, ops)
+    }
+
+    /// Adds the materials of the primitive at `place`.
+    fn add_materials(&mut self, place: CsgOperand) {
+        self.materials.push_literal(self.terms, (place.term, place.falls), place.material);
     }
 
     /// The operation with a constant at the root of a term, and its operand.
@@ -404,7 +465,7 @@ impl<'a> CsgBuilder<'a> {
 
     /// The terms of a primitive.
     fn graph_of(&self, place: CsgOperand) -> ExprGraph {
-        let mut terms = self.subgraph_terms(place.term);
+        let mut terms = subgraph_terms(self.terms, place.term);
         let mut above = place.above;
         while above != NOTHING {
             let ChainLink { op, next } = self.above[above as usize];
@@ -422,35 +483,6 @@ impl<'a> CsgBuilder<'a> {
             above = next;
         }
         ExprGraph::from_terms(terms)
-    }
-
-    /// The terms that `root` depends on, itself last.
-    fn subgraph_terms(&self, root: u32) -> Vec<Term> {
-        let mut number: HashMap<u32, u32> = HashMap::new(); // No order depends on it.
-        let mut needed = vec![root];
-        let mut open = vec![root];
-        number.insert(root, 0);
-        while let Some(term) = open.pop() {
-            for part in super::graph::parts(&self.terms[term as usize]) {
-                if number.insert(part, 0).is_none() {
-                    needed.push(part);
-                    open.push(part);
-                }
-            }
-        }
-        needed.sort_unstable();
-        needed.iter().enumerate().for_each(|(new, old)| {
-            number.insert(*old, new as u32);
-        });
-        let new = |old: &u32| number[old];
-        let copy = |old: &u32| match &self.terms[*old as usize] {
-            Term::Const(value) => Term::Const(*value),
-            Term::Axis(axis) => Term::Axis(*axis),
-            Term::Unary(op, a) => Term::Unary(*op, new(a)),
-            Term::Binary(op, a, b) => Term::Binary(*op, new(a), new(b)),
-            Term::Leaf(leaf, at) => Term::Leaf(leaf.clone(), at.each_ref().map(new)),
-        };
-        needed.iter().map(copy).collect()
     }
 }
 

@@ -262,7 +262,8 @@ impl ActiveResult {
     }
 }
 
-fn joined(sides: impl Iterator<Item = Membership>, is_union: bool) -> Membership {
+/// The membership in a union or intersection.
+pub(super) fn joined(sides: impl Iterator<Item = Membership>, is_union: bool) -> Membership {
     let (decides, otherwise) = if is_union {
         (Membership::Inside, Membership::Outside)
     } else {

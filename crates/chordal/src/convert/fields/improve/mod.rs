@@ -19,7 +19,7 @@ mod weld;
 
 use crate::budget::{Job, Progress};
 use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
-use crate::implicit::{LeafError, PrimitiveEvaluator};
+use crate::implicit::{Csg, LeafError, PrimitiveEvaluator};
 use crate::math::greater;
 use face_tree::FaceTree;
 use glam::DVec3;
@@ -184,6 +184,11 @@ impl<'a> SurfaceImprover<'a> {
     /// Returns the evaluator.
     pub fn into_evaluator(self) -> PrimitiveEvaluator<'a> {
         self.evaluator
+    }
+
+    /// The tree of its primitives.
+    pub fn csg(&self) -> &'a Csg {
+        self.evaluator.csg()
     }
 
     /// Splits until every edge and face is within the aim, except for blocked ones, whose positions it
