@@ -1,8 +1,8 @@
 //! Where samples on a lattice are at a level: as a field, and how far that surface is from triangles.
 use crate::volume::reaches_border;
 use crate::{ImplicitShape, MeshFailure};
-use chordal::budget::{Bound, JobError, Reference, Tolerance};
-use chordal::check::{self, Goal};
+use chordal::budget::{Bound, Tolerance};
+use chordal::check;
 use chordal::convert::Inside;
 use chordal::implicit::evaluation::{SampleGrid, Trilinear};
 use chordal::implicit::{Expr, Field};
@@ -49,46 +49,21 @@ pub(crate) fn level_field<G: SampleGrid + Clone + 'static>(
 ///
 /// A limit is asked for and not the distance itself, which would take some fifty times as long: the first of a few
 /// shares of the spacing that holds.
-pub(crate) fn zero_set_deviation<G: SampleGrid + Clone + 'static>(
+pub(crate) fn zero_set_distance<G: SampleGrid>(
     grid: &G,
     mesh: &Mesh,
     job: &Job,
 ) -> Result<Option<Bound>, MeshFailure> {
-    let Some(field) = level_field(grid, 0.0, Inside::Low) else { return Ok(None) };
     let rows = grid.affine().rows();
     let spacing =
         [rows[0][0], rows[1][1], rows[2][2]].into_iter().fold(0.0, |most, x| greater(x.abs(), most));
     for share in SHARES {
         let Ok(max) = Tolerance::new(share * spacing) else { continue };
-        if let Some(bound) = field_within(&field, mesh, max, job)? {
+        if let Some(bound) = check::zero_set_deviation(mesh, grid, max, job)? {
             return Ok(Some(bound));
         }
     }
     Ok(None)
-}
-
-/// The same where one length has to hold; `None` where it is not proved to.
-pub(crate) fn zero_set_within<G: SampleGrid + Clone + 'static>(
-    grid: &G,
-    mesh: &Mesh,
-    max: Tolerance,
-    job: &Job,
-) -> Result<Option<Bound>, MeshFailure> {
-    let Some(field) = level_field(grid, 0.0, Inside::Low) else { return Ok(None) };
-    field_within(&field, mesh, max, job)
-}
-
-fn field_within(field: &Field, mesh: &Mesh, max: Tolerance, job: &Job) -> Result<Option<Bound>, MeshFailure> {
-    let goal = Goal { max: Some(max), ..Goal::default() };
-    match check::field_deviation(mesh, field, &goal, job) {
-        Ok(found) if found.bound.at_most().is_some_and(|most| most <= max.get()) => {
-            let mut bound = found.bound;
-            bound.reference = Reference::InputTriangles;
-            Ok(Some(bound))
-        }
-        Ok(_) | Err(JobError::Refused(_)) => Ok(None),
-        Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
-    }
 }
 
 fn is_finite<G: SampleGrid>(grid: &G) -> bool {

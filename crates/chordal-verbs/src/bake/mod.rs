@@ -5,11 +5,12 @@ mod spec;
 
 use crate::geometry_digest::samples_digest;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, DistanceGridFacts, InterpolantFacts, SolidFacts};
-use crate::zero_set::{zero_set_deviation, zero_set_within};
+use crate::zero_set::zero_set_distance;
 use crate::{BudgetSpec, Input, MeshFailure};
 use chordal::Job;
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Evidence, RefusalCode, Tolerance};
+use chordal::check::zero_set_deviation;
 use chordal::implicit::SparseGrid;
 use chordal::implicit::evaluation::SampleGrid;
 use chordal::math::{add_up, greater, sub_down};
@@ -170,7 +171,7 @@ fn surface_of(
     job: &Job,
 ) -> Result<Option<Bound>, MeshFailure> {
     let Some(triangles) = &source.triangles else { return Ok(None) };
-    let found = zero_set_deviation(&made.samples, &triangles.mesh, job)?;
+    let found = zero_set_distance(&made.samples, &triangles.mesh, job)?;
     Ok(found.map(|found| triangles.then(&found)))
 }
 
@@ -218,7 +219,7 @@ fn bake_within(
             }
             Err(failure) => return Err(failure),
         };
-        if let Some(found) = zero_set_within(&made.samples, triangles_of(source)?, left, job)? {
+        if let Some(found) = zero_set_deviation(triangles_of(source)?, &made.samples, left, job)? {
             let bound = source.triangles.as_ref().map(|triangles| triangles.then(&found));
             if bound.as_ref().and_then(Bound::at_most).is_some_and(|most| most <= limit.get()) {
                 return Ok((made, bound, None));

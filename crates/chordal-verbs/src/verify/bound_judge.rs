@@ -148,6 +148,19 @@ impl BoundJudge<'_> {
                 "there is no judge of the surfaces of labels, smoothed masks and samples without a level",
             );
         };
+        // The judge of a baked grid and its triangles, which is far faster where it can tell.
+        if let (0.0, Inside::Low, Some(max)) = (level, inside, goal.max)
+            && let Some(mut bound) =
+                check::zero_set_deviation(&mesh.mesh, &sampled.volume.grid, max, self.job)?
+        {
+            let most =
+                bound.at_most().map(|most| if mesh.moved == 0.0 { most } else { add_up(most, mesh.moved) });
+            bound = Bound::with_evidence(0.0, most, bound.evidence().clone(), bound.reference);
+            bound.metric = said.metric;
+            if most.zip(said.at_most()).is_some_and(|(most, said)| most <= said) {
+                return Ok(JudgedBound::Between(bound));
+            }
+        }
         let Some(solid) = level_field(&sampled.volume.grid, level, inside) else {
             return unable("a sample is no number, or the surface reaches the border of the samples");
         };
