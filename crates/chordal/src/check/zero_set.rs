@@ -313,10 +313,14 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
             let middle: [f64; 3] = std::array::from_fn(|k| (piece[0][k] + piece[1][k] + piece[2][k]) / 3.0);
             let radius =
                 piece.iter().fold(0.0, |most, p| greater(length(difference(*p, middle)), most)) + slack;
-            let found = self
-                .both_signs(middle, radius, direction)
-                .or_else(|| self.both_signs(middle, radius, self.slope(middle)))
-                .or_else(|| plane.as_ref().and_then(|plane| self.sandwiched(plane, &piece)));
+            // A small piece by what is around its middle, a large one by its plane.
+            let found = if radius < 0.5 * self.max {
+                let slope = || (radius < 0.25 * self.max).then(|| self.slope(middle));
+                self.both_signs(middle, radius, direction)
+                    .or_else(|| self.both_signs(middle, radius, slope()?))
+            } else {
+                plane.as_ref().and_then(|plane| self.sandwiched(plane, &piece))
+            };
             if let Some(off) = found {
                 most = greater(off, most);
                 continue;
@@ -333,28 +337,25 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         most
     }
 
-    /// Both signs of the interpolant around the middle of a piece: a zero is between them, and no farther from any
-    /// point of the piece than what comes back.
+    /// The limit, where the interpolant has both signs around the middle of a piece, so near that the zero between them
+    /// is within the limit of any point of the piece.
     fn both_signs(&self, middle: [f64; 3], radius: f64, direction: [f64; 3]) -> Option<f64> {
         let slack = self.lattice.slack;
         let reach = self.max - radius - 4.0 * slack;
         if reach.is_nan() || reach <= 0.0 {
             return None;
         }
-        let beside = |t: f64| -> Option<f64> {
-            let p: [f64; 3] = std::array::from_fn(|k| middle[k] + t * direction[k]);
-            let index = self.lattice.index_of(p);
-            let size = self.lattice.grid.size();
-            let is_within = (0..3).all(|k| index[k] >= 0.0 && index[k] <= (size[k] - 1) as f64);
-            is_within.then(|| self.lattice.value(index))
-        };
-        // A part of what is allowed often suffices, and is the better bound.
-        [0.25, 1.0].into_iter().find_map(|share| {
-            let t = share * reach;
-            let (a, b) = (beside(t)?, beside(-t)?);
-            let is_crossed = lesser(a, b) < -slack && greater(a, b) > slack;
-            is_crossed.then(|| add_up(t, radius + 4.0 * slack))
-        })
+        let beside = |t: f64| self.value_at(std::array::from_fn(|k| middle[k] + t * direction[k]));
+        let (a, b) = (beside(reach)?, beside(-reach)?);
+        let is_crossed = lesser(a, b) < -slack && greater(a, b) > slack;
+        is_crossed.then_some(self.max)
+    }
+
+    /// The interpolant at a point of the lattice.
+    fn value_at(&self, p: [f64; 3]) -> Option<f64> {
+        let (index, size) = (self.lattice.index_of(p), self.lattice.grid.size());
+        let is_within = (0..3).all(|k| index[k] >= 0.0 && index[k] <= (size[k] - 1) as f64);
+        is_within.then(|| self.lattice.value(index))
     }
 
     /// About the direction in which the interpolant grows most around a point; 0 where none is.
@@ -375,6 +376,11 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     /// plane by less than the limit.
     fn sandwiched(&self, plane: &FacePlane, piece: &[[f64; 3]; 3]) -> Option<f64> {
         let slack = self.lattice.slack;
+        // Where zeros are farther from a corner there is nothing to prove here; nor beyond the lattice.
+        let far = piece.iter().any(|p| self.value_at(*p).is_none_or(|value| value.abs() > self.max));
+        if far {
+            return None;
+        }
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for p in piece {
             let index = self.lattice.index_of(*p);
