@@ -78,7 +78,7 @@ impl BakeOutcome {
 /// both sides, so that the error in the certificate is proved; and so is that of the interpolant.
 ///
 /// Triangles are taken as they are, and a field whose value is a distance on both sides is sampled itself. Other
-/// shapes are meshed first, within a 16th of a cell or an eighth of the length, which the bounds contain.
+/// shapes are meshed first, within a 16th of a cell or a quarter of the length, which the bounds contain.
 ///
 /// # Errors
 /// When the shape bounds nothing or the format holds no lattice; as for [`mesh_to_grid`](chordal::convert::mesh_to_grid).
@@ -154,7 +154,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
 }
 
 /// The share of a length within which a shape is meshed. Chosen: what is left is for the lattice.
-const LENGTH_SHARE: f64 = 0.125;
+const LENGTH_SHARE: f64 = 0.25;
 /// The share of a cell within which a shape is meshed where cells are given. Chosen: an interpolant of smooth distances
 /// is off by about as much.
 const CELL_SHARE: f64 = 1.0 / 16.0;
