@@ -258,7 +258,7 @@ fn triangles_of(source: &DistanceSource) -> Result<&chordal::Mesh, MeshFailure> 
 /// The cells of a lattice that are tried, as shares of as many as there would be of the size of the length: the
 /// interpolant of a smooth shape is off by far less than a cell, and of any shape by about as much as one. Chosen, up to
 /// where thin parts alone can be what keeps the bound.
-const SHARES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
+const SHARES: [f64; 7] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0];
 /// The fewest cells along the longest side; chosen, so that a shape is told from a ball.
 const FEWEST: f64 = 8.0;
 

@@ -144,7 +144,7 @@ impl<'a, G: SampleGrid> CubeLattice<'a, G> {
         CellPart { low: low.map(|i| i as f64), size: 1.0, values }
     }
 
-    /// The interpolant at a place within the lattice, by its index.
+    /// The interpolant at a place, by its index.
     fn value(&self, index: [f64; 3]) -> f64 {
         let size = self.grid.size();
         let low: [usize; 3] = std::array::from_fn(|k| {
@@ -304,7 +304,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         (0..3).any(|k| {
             let next = corners[(k + 1) % 3];
             let middle = std::array::from_fn(|axis| 0.5 * corners[k][axis] + 0.5 * next[axis]);
-            let is_far = |p| self.value_at(p).is_none_or(|value| value.abs() > self.max + self.lattice.slack);
+            let is_far = |p| self.value_at(p).abs() > self.max + self.lattice.slack;
             is_far(corners[k]) || is_far(middle)
         })
     }
@@ -329,9 +329,9 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
                 piece.iter().fold(0.0, |most, p| greater(length(difference(*p, middle)), most)) + slack;
             // A small piece by what is around its middle, a large one by its plane.
             let found = if radius < 0.5 * self.max {
-                let slope = || (radius < 0.25 * self.max).then(|| self.slope(middle));
+                let around = || self.signs_around(middle, radius);
                 self.both_signs(middle, radius, direction)
-                    .or_else(|| self.both_signs(middle, radius, slope()?))
+                    .or_else(|| (radius < 0.25 * self.max).then(around).flatten())
             } else {
                 plane.as_ref().and_then(|plane| self.sandwiched(plane, &piece))
             };
@@ -360,30 +360,31 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
             return None;
         }
         let beside = |t: f64| self.value_at(std::array::from_fn(|k| middle[k] + t * direction[k]));
-        let (a, b) = (beside(reach)?, beside(-reach)?);
+        let (a, b) = (beside(reach), beside(-reach));
         let is_crossed = lesser(a, b) < -slack && greater(a, b) > slack;
         is_crossed.then_some(self.max)
     }
 
-    /// The interpolant at a point of the lattice.
-    fn value_at(&self, p: [f64; 3]) -> Option<f64> {
-        let (index, size) = (self.lattice.index_of(p), self.lattice.grid.size());
-        let is_within = (0..3).all(|k| index[k] >= 0.0 && index[k] <= (size[k] - 1) as f64);
-        is_within.then(|| self.lattice.value(index))
+    /// The interpolant at a point; beyond the lattice it is that of the nearest index, above 0.
+    fn value_at(&self, p: [f64; 3]) -> f64 {
+        self.lattice.value(self.lattice.index_of(p))
     }
 
-    /// About the direction in which the interpolant grows most around a point; 0 where none is.
-    fn slope(&self, middle: [f64; 3]) -> [f64; 3] {
-        let size = self.lattice.grid.size();
-        let ahead = |k: usize, side: f64| {
-            let index = self.lattice.index_of(std::array::from_fn(|axis| {
-                middle[axis] + if axis == k { side * 0.5 * self.max } else { 0.0 }
-            }));
-            self.lattice.value(std::array::from_fn(|axis| index[axis].clamp(0.0, (size[axis] - 1) as f64)))
-        };
-        let slope: [f64; 3] = std::array::from_fn(|k| ahead(k, 1.0) - ahead(k, -1.0));
-        let size = length(slope);
-        if size > 0.0 { slope.map(|x| x / size) } else { slope }
+    /// The same with points in many directions, as near an edge or a corner that the samples cut off: the ball around
+    /// the middle is convex, so that it holds a zero where it has both signs.
+    fn signs_around(&self, middle: [f64; 3], radius: f64) -> Option<f64> {
+        let slack = self.lattice.slack;
+        let reach = self.max - radius - 4.0 * slack;
+        let (mut is_below, mut is_above) = (false, false);
+        for n in 0..27_u32 {
+            let way = [n % 3, n / 3 % 3, n / 9].map(|x| f64::from(x) - 1.0);
+            // The middle itself is one of them.
+            let share = if way == [0.0; 3] { 0.0 } else { reach / length(way) };
+            let value = self.value_at(std::array::from_fn(|k| middle[k] + share * way[k]));
+            is_below |= value < -slack;
+            is_above |= value > slack;
+        }
+        (is_below && is_above && reach > 0.0).then_some(self.max)
     }
 
     /// A piece above and below which the interpolant has one sign each: where it differs from the height over the
@@ -391,7 +392,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     fn sandwiched(&self, plane: &FacePlane, piece: &[[f64; 3]; 3]) -> Option<f64> {
         let slack = self.lattice.slack;
         // Where zeros are farther from a corner there is nothing to prove here; nor beyond the lattice.
-        let far = piece.iter().any(|p| self.value_at(*p).is_none_or(|value| value.abs() > self.max));
+        let far = piece.iter().any(|p| self.value_at(*p).abs() > self.max);
         if far {
             return None;
         }
