@@ -391,7 +391,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     /// plane by less than the limit.
     fn sandwiched(&self, plane: &FacePlane, piece: &[[f64; 3]; 3]) -> Option<f64> {
         let slack = self.lattice.slack;
-        // Where zeros are farther from a corner there is nothing to prove here; nor beyond the lattice.
+        // Where zeros are farther from a corner there is nothing to prove here.
         let far = piece.iter().any(|p| self.value_at(*p).abs() > self.max);
         if far {
             return None;
