@@ -59,7 +59,7 @@ class BudgetError(Error, ValueError):
 class BudgetUnmet(Error):
     """The budget makes sense and was not met. The best that was reached is at hand, with its own bound."""
 
-    #: The best that was reached, as the call would have returned it: a `Mesh` or `Polylines`.
+    #: The best that was reached, as the call would have returned it: a `Mesh`, `Polylines` or `Volume`.
     best: Any
 
     def __init__(self, message: str, best: Any) -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from operator import index
 from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
-from chordal._budget import Length
+from chordal._bake import baked
+from chordal._budget import Length, Share
 from chordal._combine import Combinable
 from chordal._deviation import Deviation, measured
 from chordal._made import Made, counted
@@ -70,11 +70,17 @@ class Mesh(Made, Combinable):
             self._outcome, other, relative=relative, absolute=absolute, max=max, progress=progress
         )
 
-    def bake(self, *, cells: SupportsIndex, band: SupportsFloat | None = None) -> Volume:
+    def bake(
+        self,
+        *,
+        cells: SupportsIndex | None = None,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        band: SupportsFloat | None = None,
+        bound: bool = False,
+    ) -> Volume:
         """The distance to the triangles on a lattice, as for `Shape.bake`."""
-        from chordal._volume import Volume
-
-        return Volume(*self._outcome.bake(index(cells), None if band is None else float(band)))
+        return baked(self._outcome, cells=cells, tol=tol, rel=rel, band=band, bound=bound)
 
     def _size(self) -> str:
         output = self.report["certificate"]["output"]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 from chordal import _chordal
 from chordal._arguments import function, text
 from chordal._arrays import coordinates
+from chordal._bound import Bound, bound_of
 from chordal._budget import BudgetArguments, Length, Share, budget_arguments
 from chordal._mesh import Mesh
 from chordal._shape import Shape
@@ -23,7 +24,7 @@ _TYPES |= {"u8": "uint64", "i8": "int64", "f4": "float", "f8": "double", "b1": "
 
 
 class Volume(Shape):
-    """Samples on a lattice. `volume` makes it of an array, `load` of a file, and `bake` of triangles."""
+    """Samples on a lattice. `volume` makes it of an array, `load` of a file, and `bake` of another shape."""
 
     __slots__ = ("_report",)
 
@@ -35,6 +36,12 @@ class Volume(Shape):
     def report(self) -> dict[str, Any] | None:
         """The report of `chordal bake`, where the samples are baked: what distances and sides rest on."""
         return None if self._report is None else json.loads(self._report)
+
+    @property
+    def bound(self) -> Bound | None:
+        """How far the surface where the interpolant vanishes is from the shape that was baked, where that is proved."""
+        facts = None if self._report is None else json.loads(self._report)["certificate"]["bound"]
+        return None if facts is None else bound_of(facts)
 
     def mesh(
         self,

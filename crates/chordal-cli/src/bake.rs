@@ -1,9 +1,9 @@
 //! `chordal bake`
-use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
-use crate::fault::Fault;
+use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, grouped, point, short};
@@ -12,36 +12,53 @@ use crate::output_format::volume_format;
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
+use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::report::{DistanceGridFacts, Report, RunFacts};
-use chordal_verbs::{BakeSpec, bake};
-use clap::Args;
+use chordal_verbs::{BakeResolution, BakeSpec, bake};
+use clap::{ArgGroup, Args};
 
 /// `chordal bake`
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Samples are f64, negative inside. A mesh that is no solid is baked too, and a warning says what its sides rest on.
+Fields, cages, patches and volumes become triangles first, unless a field's own values are distances.
 
 Examples:
   chordal bake part.stl --cells 128 -o part.nrrd
   chordal bake part.stl --cells 512 --band 3 -o part.npy
+  chordal bake part.star --tol 0.1% --band 3 --sparse -o part.nrrd
   chordal bake scan.ply --cells 200 -o scan.nrrd && chordal mesh scan.nrrd -o closed.ply")]
+#[command(group(ArgGroup::new("resolution").required(true).args(["cells", "tol"])))]
 pub struct BakeArgs {
     /// The format of the output, npy or nrrd, instead of what its name says
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
 
-    /// Cubes along the longest side of the mesh's box; a margin comes on top
+    /// Cubes along the longest side of the shape's box; a margin comes on top
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    pub cells: u64,
+    pub cells: Option<u64>,
+
+    /// As many cubes as it takes for the surface where the interpolant of the samples vanishes to be proved within this
+    /// length of the shape: 0.01, 0.1mm, or 0.1% of the diagonal of its box
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub tol: Option<Length>,
+
+    /// Where --tol is not met: write the best that was reached, and still exit with code 5
+    #[arg(long, requires = "tol")]
+    pub keep_best: bool,
 
     /// Distances only within so many cells of the surface, and the band's width with a sign elsewhere
     #[arg(long, value_name = "W", value_parser = band, allow_hyphen_values = true)]
     pub band: Option<f64>,
 
-    /// Prove how far the surface of the samples, where their interpolant vanishes, is from the triangles, so that the
-    /// bounds of what is made of the samples add to it
+    /// Hold, and pack into the file, only what the band reaches: for lattices that would not fit into memory
+    #[arg(long, requires = "band")]
+    pub sparse: bool,
+
+    /// Prove how far the surface of the samples, where their interpolant vanishes, is from the shape, so that the
+    /// bounds of what is made of the samples add to it; --tol does so by itself
     #[arg(long)]
     pub bound: bool,
 
@@ -75,18 +92,32 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     load::refuse_files(&args.output.output, &args.input, &input)?;
     let input_triangles = input.shape.n_triangles();
     let name = source.name();
-    let spec = BakeSpec { cells: args.cells as usize, band: args.band, is_bounded: args.bound };
+    let resolution = match (args.cells, args.tol) {
+        (Some(cells), None) => BakeResolution::Cells(cells as usize),
+        (None, Some(length)) => BakeResolution::Within(length),
+        _ => return Err(Fault::usage("either --cells or --tol says how fine the lattice is")),
+    };
+    let spec = BakeSpec { resolution, band: args.band, is_sparse: args.sparse, is_bounded: args.bound };
     let outcome = bake(input, &spec, to, &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
-    if let Some(facts) = outcome.certificate.baked.as_ref().filter(|facts| !facts.solid.is_solid) {
-        console.warn(&name, &[&facts.solid.sentence]);
+    let unmet = outcome.unmet.as_ref().map(|why| {
+        let hint = if args.keep_best { "" } else { "; --keep-best writes it" };
+        Fault::new(Exit::Budget, "unmet", format!("{name}: {why}{hint}"))
+    });
+    if let Some(fault) = unmet.clone().filter(|_| !args.keep_best) {
+        return Err(fault);
+    }
+    let solid = outcome.certificate.baked.as_ref().and_then(|facts| facts.solid.as_ref());
+    if let Some(solid) = solid.filter(|solid| !solid.is_solid) {
+        console.warn(&name, &[&solid.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("bake", name, target.name(), bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report, &summary_text(&report), stdout)
+    console.result(&report, &summary_text(&report), stdout)?;
+    unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
 fn summary_text(report: &Report) -> String {
@@ -113,10 +144,23 @@ fn add_grid(lines: &mut SummaryLines, facts: &DistanceGridFacts) {
         )
     });
     lines.add_if("band", band);
-    let off = short(facts.off_at_most, RoundingDirection::Up);
-    lines.add("distances", format!("off by at most {off} ({})", facts.evidence));
-    let sides =
-        if facts.solid.closed { "known for sure" } else { "by winding numbers, sure only away from holes" };
+    let route = match facts.route {
+        "field" => "to the surface of the field, by its own values",
+        "tessellation" => "to triangles that were made of the shape",
+        _ => "to the triangles",
+    };
+    lines.add("distances", route);
+    let off_by = |most: f64, evidence: &str| {
+        format!("off by at most {} ({evidence})", short(most, RoundingDirection::Up))
+    };
+    lines.add_if("samples off", facts.off_at_most.map(|most| off_by(most, facts.evidence)));
+    let between = facts.interpolant.as_ref();
+    lines.add_if("between them", between.map(|facts| off_by(facts.at_most, facts.evidence)));
+    if let Some([stored, all]) = facts.bricks {
+        lines.add("bricks", format!("{} of {} are held", grouped(stored), grouped(all)));
+    }
+    let Some(solid) = &facts.solid else { return };
+    let sides = if solid.closed { "known for sure" } else { "by winding numbers, sure only away from holes" };
     lines.add("sides", sides);
-    lines.add("solid", if facts.solid.is_solid { "yes" } else { "no" });
+    lines.add("solid", if solid.is_solid { "yes" } else { "no" });
 }

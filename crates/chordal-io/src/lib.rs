@@ -98,7 +98,10 @@ pub use unpacked::unpacked;
 pub use volume::Volume;
 pub use volume::label_table::LabelLook;
 pub use worst_snap::worst_snap;
-pub use write::{write, write_files, write_polygons, write_polygons_files, write_polylines, write_volume};
+pub use write::{
+    write, write_files, write_polygons, write_polygons_files, write_polylines, write_sparse_volume,
+    write_volume,
+};
 
 /// Runs the example of the page in `docs/` with the tests.
 #[cfg(doctest)]

@@ -1,5 +1,6 @@
 //! `write`: encodes a shape in any format that holds it, with its certificate where the format carries one.
-use crate::{FileSet, Format, Polygons, Polylines, Scene, Volume, WriteError};
+use crate::{FileSet, Format, Frame, Polygons, Polylines, Scene, Volume, WriteError};
+use chordal::implicit::SparseGrid;
 use serde_json::Value;
 use std::io::Write;
 
@@ -120,6 +121,23 @@ pub fn write_volume(
 ) -> Result<(), WriteError> {
     let write = format.row().volumes.ok_or_else(|| holds_no(format, "volume"))?;
     write(volume, certificate, out)
+}
+
+/// Writes samples in bricks without holding the dense ones: `.nrrd` packed by gzip, `.npy` as it is.
+///
+/// # Errors
+/// When the sink fails, or the format cannot hold the samples.
+pub fn write_sparse_volume(
+    grid: &SparseGrid,
+    frame: &Frame,
+    certificate: Option<&Value>,
+    (format, out): (Format, &mut dyn Write),
+) -> Result<(), WriteError> {
+    match format {
+        Format::Nrrd => crate::nrrd::write_sparse(grid, frame, certificate, out),
+        Format::Npy => crate::npy::write_sparse(grid, out),
+        _ => Err(holds_no(format, "volume")),
+    }
 }
 
 fn holds_no(format: Format, what: &str) -> WriteError {

@@ -4,7 +4,7 @@ use crate::deviation::{self, DeviationArguments, NamedInput, Other};
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
 use crate::source::Source;
-use crate::volume::bake_input;
+use crate::volume::{BakeArguments, BakedVolume, bake_input};
 use crate::{failure, work};
 use chordal::Job;
 use chordal::budget::advice::Spell;
@@ -13,8 +13,8 @@ use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format};
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
-    BakeSpec, BooleanOperand, BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation,
-    mesh, mesh_boolean, sha256,
+    BooleanOperand, BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation, mesh,
+    mesh_boolean, sha256,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -171,8 +171,8 @@ impl Outcome {
     }
 
     /// Distances to the triangles on a lattice, and the report.
-    fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Source, String)> {
-        bake_input(py, self.named_input(py)?, BakeSpec { cells, band, is_bounded: false })
+    fn bake(&self, py: Python<'_>, arguments: BakeArguments) -> PyResult<BakedVolume> {
+        bake_input(py, self.named_input(py)?, arguments)
     }
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts. A glTF may be

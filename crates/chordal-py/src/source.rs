@@ -7,13 +7,13 @@ use crate::python_leaf::CallLog;
 use crate::script_value::take_exception;
 use crate::spec::{BudgetArguments, parse_argument};
 use crate::triangles::triangles;
-use crate::volume::{Meant, bake_input};
+use crate::volume::{BakeArguments, BakedVolume, Meant, bake_input};
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
-use chordal_verbs::{BakeSpec, FormatHint, Input, Shape, inspect, load_with};
+use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::path::Path;
@@ -187,9 +187,10 @@ impl Source {
         }
     }
 
-    /// Distances to the triangles on a lattice, and the report.
-    fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Self, String)> {
-        bake_input(py, self.named_input(), BakeSpec { cells, band, is_bounded: false })
+    /// Distances to the shape on a lattice, the report, and why a budget was not met.
+    fn bake(&self, py: Python<'_>, arguments: BakeArguments) -> PyResult<BakedVolume> {
+        bake_input(py, self.named_input(), arguments)
+            .map_err(|error| take_exception(&self.calls).unwrap_or(error))
     }
 
     /// Triangles or polylines within a budget, as a file of that format would have them.

@@ -2,13 +2,14 @@
 use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::{failure, work};
-use chordal::budget::InvalidLength;
 use chordal::budget::advice::Spell;
+use chordal::budget::{InvalidLength, Length};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
-    BakeSpec, Border, Input, Inside, LabelSelection, Shape, SurfaceSpec, VolumeShape, bake, sha256,
+    BakeResolution, BakeSpec, Border, Input, Inside, LabelSelection, Shape, SurfaceSpec, VolumeShape, bake,
+    sha256,
 };
 use pyo3::prelude::*;
 
@@ -52,8 +53,45 @@ impl Meant {
     }
 }
 
-/// Distances to triangles on a lattice, and the report of `chordal bake` as JSON.
-pub(crate) fn bake_input(py: Python<'_>, named: NamedInput, spec: BakeSpec) -> PyResult<(Source, String)> {
+/// The lattice of a bake, in Python's words.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct BakeArguments {
+    /// This or a length.
+    cells: Option<usize>,
+    /// The name of an argument, and the length as the command reads it.
+    length: Option<(String, String)>,
+    band: Option<f64>,
+    bound: bool,
+}
+
+impl BakeArguments {
+    /// The same as the verbs take it.
+    fn spec(self, py: Python<'_>) -> PyResult<BakeSpec> {
+        let resolution = match (self.cells, self.length) {
+            (Some(cells), None) => BakeResolution::Cells(cells),
+            (None, Some((name, text))) => {
+                let length = text.parse::<Length>();
+                BakeResolution::Within(
+                    length.map_err(|error| failure::budget(py, &format!("{name}: {error}")))?,
+                )
+            }
+            _ => return Err(failure::budget(py, "cells, tol, rel: give one of them")),
+        };
+        Ok(BakeSpec { resolution, band: self.band, is_sparse: false, is_bounded: self.bound })
+    }
+}
+
+/// Distances, the report, and why the budget was not met, where it was not.
+pub(crate) type BakedVolume = (Source, String, Option<String>);
+
+/// Distances to a shape on a lattice, and the report of `chordal bake` as JSON.
+pub(crate) fn bake_input(
+    py: Python<'_>,
+    named: NamedInput,
+    arguments: BakeArguments,
+) -> PyResult<BakedVolume> {
+    let spec = arguments.spec(py)?;
     let NamedInput { input, name } = named;
     let made = work::run(py, None, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
     let outcome = made.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
@@ -67,8 +105,10 @@ pub(crate) fn bake_input(py: Python<'_>, named: NamedInput, spec: BakeSpec) -> P
         }
     })?;
     let (n_bytes, sha256) = digest.map_err(|error| failure::write(py, &error))?;
-    let shape = Shape::Volume(VolumeShape { volume: outcome.volume, surface: SurfaceSpec::default() });
+    let unmet = outcome.unmet.as_ref().map(ToString::to_string);
+    let volume = outcome.volume.into_dense();
+    let shape = Shape::Volume(VolumeShape { volume, surface: SurfaceSpec::default() });
     let input =
         Input { shape, format: Format::Nrrd, n_bytes, sha256, files: Vec::new(), warnings: Vec::new() };
-    Ok((Source::from_input(input, Vec::new()), report))
+    Ok((Source::from_input(input, Vec::new()), report, unmet))
 }

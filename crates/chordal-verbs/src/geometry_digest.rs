@@ -4,6 +4,7 @@ use crate::digest::Sha256Stream;
 use crate::frame_nodes::without_frame_nodes;
 use chordal::Mesh;
 use chordal::explicit::{Cage, Curve, CurveSegment, Semantic};
+use chordal::implicit::evaluation::SampleGrid;
 use chordal_io::{
     Format, Frame, Limits, Polygons, Polylines, Scene, Volume, WriteError, read, write, write_polygons,
 };
@@ -109,12 +110,23 @@ fn add_mesh(digest: &mut Sha256Stream, mesh: &Mesh) {
 
 /// The digest of samples and their lattice.
 pub(crate) fn volume_digest(volume: &Volume) -> String {
+    samples_digest(&volume.grid)
+}
+
+/// The same of samples alone.
+pub(crate) fn samples_digest<G: SampleGrid>(grid: &G) -> String {
     let mut digest = Sha256Stream::new("volume");
-    let grid = &volume.grid;
     digest.add(&grid.size().map(|n| n as u64));
     grid.affine().rows().iter().for_each(|row| digest.add(&row.map(bits)));
-    let samples = grid.samples();
-    (0..samples.len()).for_each(|at| digest.add(&[bits(samples.get(at))]));
+    let [nx, ny, nz] = grid.size();
+    let mut row = Vec::with_capacity(nx);
+    for k in 0..nz {
+        for j in 0..ny {
+            row.clear();
+            row.extend((0..nx).map(|i| bits(grid.sample([i, j, k]))));
+            digest.add(&row);
+        }
+    }
     digest.finish()
 }
 

@@ -83,7 +83,7 @@ mod verify;
 mod volume;
 mod zero_set;
 
-pub use bake::{BakeOutcome, BakeSpec, bake};
+pub use bake::{BakeOutcome, BakeResolution, BakeSpec, BakedVolume, bake};
 #[cfg(feature = "booleans")]
 pub use boolean::{BooleanOperand, mesh_boolean};
 pub use cage::{ControlMesh, RefineOutcome, refine, refined_cage};

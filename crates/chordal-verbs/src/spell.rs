@@ -24,7 +24,16 @@ macro_rules! by_certificate {
     )*};
 }
 
-by_certificate! { BakeOutcome ConvertOutcome LodOutcome MeshOutcome RefineOutcome RenderOutcome }
+by_certificate! { ConvertOutcome LodOutcome MeshOutcome RefineOutcome RenderOutcome }
+
+impl Spell for BakeOutcome {
+    fn spell(&mut self, spelling: &dyn Spelling) {
+        self.certificate.spell(spelling);
+        if let Some(why) = &mut self.unmet {
+            why.spell(spelling);
+        }
+    }
+}
 
 /// It advises no setting.
 impl Spell for VerifyReport {

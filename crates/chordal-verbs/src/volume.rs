@@ -1,7 +1,8 @@
 //! `VolumeShape`: a volume with the choice of its surface, and the level that its samples suggest.
 use crate::smoothing_width::SmoothingWidth;
 use chordal::convert::{Border, Inside};
-use chordal::implicit::{Grid, Samples};
+use chordal::implicit::Samples;
+use chordal::implicit::evaluation::SampleGrid;
 use chordal::math::{Box3, greater, lesser};
 use chordal_io::Volume;
 use std::collections::BTreeMap;
@@ -176,16 +177,21 @@ impl ValueRange {
 }
 
 /// Whether samples at the border of a lattice are inside of the surface at a level, so that it reaches the border.
-pub(crate) fn reaches_border(grid: &Grid, level: f64, inside: Inside) -> bool {
-    let size = grid.size();
-    let is_border = |at: [usize; 3]| (0..3).any(|k| at[k] == 0 || at[k] + 1 == size[k]);
-    let is_inside = |x: f64| match inside {
-        Inside::Low => x <= level,
-        Inside::High => x >= level,
+pub(crate) fn reaches_border<G: SampleGrid>(grid: &G, level: f64, inside: Inside) -> bool {
+    let [nx, ny, nz] = grid.size();
+    let is_inside = |at: [usize; 3]| match inside {
+        Inside::Low => grid.sample(at) <= level,
+        Inside::High => grid.sample(at) >= level,
     };
-    (0..grid.samples().len()).any(|row| {
-        let at = [row % size[0], row / size[0] % size[1], row / size[0] / size[1]];
-        is_border(at) && is_inside(grid.sample(at))
+    (0..nz).any(|k| {
+        (0..ny).any(|j| {
+            let is_side = k == 0 || k + 1 == nz || j == 0 || j + 1 == ny;
+            if is_side {
+                (0..nx).any(|i| is_inside([i, j, k]))
+            } else {
+                is_inside([0, j, k]) || is_inside([nx - 1, j, k])
+            }
+        })
     })
 }
 
@@ -248,7 +254,7 @@ pub(crate) fn type_name(samples: &Samples) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chordal::implicit::Affine3;
+    use chordal::implicit::{Affine3, Grid};
 
     fn suggested(samples: &Samples) -> Option<SuggestedLevel> {
         let grid = Grid::new([samples.len(), 1, 1], samples.clone(), Affine3::IDENTITY).unwrap();

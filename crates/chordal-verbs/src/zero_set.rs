@@ -1,11 +1,11 @@
 //! Where samples on a lattice are at a level: as a field, and how far that surface is from triangles.
 use crate::volume::reaches_border;
 use crate::{ImplicitShape, MeshFailure};
-use chordal::budget::{Bound, JobError, Reference, Tolerance};
-use chordal::check::{self, Goal};
+use chordal::budget::{Bound, Tolerance};
+use chordal::check;
 use chordal::convert::Inside;
-use chordal::implicit::evaluation::Trilinear;
-use chordal::implicit::{Expr, Field, Grid};
+use chordal::implicit::evaluation::{SampleGrid, Trilinear};
+use chordal::implicit::{Expr, Field};
 use chordal::math::{Box3, greater};
 use chordal::{Job, Mesh};
 use chordal_io::Frame;
@@ -13,8 +13,12 @@ use std::sync::Arc;
 
 /// The interpolant of samples as a field, negative inside of the surface at a level; `None` where a sample is no
 /// number or the surface reaches the border, beyond which the samples say nothing.
-pub(crate) fn level_field(grid: &Grid, level: f64, inside: Inside) -> Option<Field> {
-    if grid.samples().count_not_finite() != [0; 2] || reaches_border(grid, level, inside) {
+pub(crate) fn level_field<G: SampleGrid + Clone + 'static>(
+    grid: &G,
+    level: f64,
+    inside: Inside,
+) -> Option<Field> {
+    if !is_finite(grid) || reaches_border(grid, level, inside) {
         return None;
     }
     let leaf = Expr::leaf(Arc::new(Trilinear::new(grid.clone())), Expr::axes());
@@ -45,25 +49,26 @@ pub(crate) fn level_field(grid: &Grid, level: f64, inside: Inside) -> Option<Fie
 ///
 /// A limit is asked for and not the distance itself, which would take some fifty times as long: the first of a few
 /// shares of the spacing that holds.
-pub(crate) fn zero_set_deviation(grid: &Grid, mesh: &Mesh, job: &Job) -> Result<Option<Bound>, MeshFailure> {
-    let Some(field) = level_field(grid, 0.0, Inside::Low) else { return Ok(None) };
+pub(crate) fn zero_set_distance<G: SampleGrid>(
+    grid: &G,
+    mesh: &Mesh,
+    job: &Job,
+) -> Result<Option<Bound>, MeshFailure> {
     let rows = grid.affine().rows();
     let spacing =
         [rows[0][0], rows[1][1], rows[2][2]].into_iter().fold(0.0, |most, x| greater(x.abs(), most));
     for share in SHARES {
         let Ok(max) = Tolerance::new(share * spacing) else { continue };
-        let goal = Goal { max: Some(max), ..Goal::default() };
-        match check::field_deviation(mesh, &field, &goal, job) {
-            Ok(found) if found.bound.at_most().is_some_and(|most| most <= max.get()) => {
-                let mut bound = found.bound;
-                bound.reference = Reference::InputTriangles;
-                return Ok(Some(bound));
-            }
-            Ok(_) | Err(JobError::Refused(_)) => {}
-            Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+        if let Some(bound) = check::zero_set_deviation(mesh, grid, max, job)? {
+            return Ok(Some(bound));
         }
     }
     Ok(None)
+}
+
+fn is_finite<G: SampleGrid>(grid: &G) -> bool {
+    let [nx, ny, nz] = grid.size();
+    (0..nz).all(|k| (0..ny).all(|j| (0..nx).all(|i| grid.sample([i, j, k]).is_finite())))
 }
 
 /// Shares of the spacing of samples: smooth surfaces are within the first, and the last is the most that the

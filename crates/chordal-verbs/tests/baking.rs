@@ -5,7 +5,7 @@ use crate::common;
 use chordal::convert::{mesh_to_field, mesh_to_grid};
 use chordal::{Job, Mesh};
 use chordal_testkit::is_long;
-use chordal_verbs::{FormatHint, Shape, load};
+use chordal_verbs::{BakeSpec, FormatHint, Shape, bake, load};
 
 /// Whether the ray from `p` along `d` leaves more often than it enters; `None` where it comes too close to an
 /// edge to tell.
@@ -105,4 +105,90 @@ fn a_scan_with_holes_is_no_solid() {
     let Shape::Scene(scene) = &input.shape else { panic!("a mesh") };
     let made = mesh_to_field(&scene.parts[0].mesh, &Job::default()).unwrap();
     assert!(!made.solid.closed && made.solid.boundary_edges > 0);
+}
+
+/// The trilinear interpolant by its definition.
+fn interpolated(values: &dyn Fn([usize; 3]) -> f64, index: [f64; 3]) -> f64 {
+    let low = index.map(|x| x.floor());
+    (0..8)
+        .map(|corner| {
+            let side = [0, 1, 2].map(|k| corner >> k & 1);
+            let weight: f64 = (0..3)
+                .map(|k| if side[k] == 1 { index[k] - low[k] } else { 1.0 - (index[k] - low[k]) })
+                .product();
+            weight * values([0, 1, 2].map(|k| low[k] as usize + side[k]))
+        })
+        .sum()
+}
+
+fn ball(p: [f64; 3]) -> f64 {
+    p.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0
+}
+
+fn torus(p: [f64; 3]) -> f64 {
+    (p[0].hypot(p[1]) - 1.0).hypot(p[2]) - 0.4
+}
+
+fn block(p: [f64; 3]) -> f64 {
+    let q = [p[0].abs() - 1.0, p[1].abs() - 1.0, p[2].abs() - 0.5];
+    let out = q.iter().map(|x| x.max(0.0).powi(2)).sum::<f64>().sqrt();
+    out + q[0].max(q[1]).max(q[2]).min(0.0)
+}
+
+/// The block without what is near the axis; outside of it the distance is to walls and to circles.
+fn drilled(p: [f64; 3]) -> f64 {
+    let (r, z) = (p[0].hypot(p[1]), p[2].abs());
+    let wall = if z <= 0.5 { (r - 0.4).abs() } else { (r - 0.4).abs().hypot(z - 0.5) };
+    if r < 0.4 {
+        return wall;
+    }
+    let solid = block(p);
+    if solid > 0.0 { solid } else { -solid.abs().min(wall) }
+}
+
+#[test]
+fn the_bounds_of_the_interpolant_are_never_exceeded() {
+    type Truth = fn([f64; 3]) -> f64;
+    let shapes: [(&str, Truth, &str); 4] = [
+        ("sphere(1)", ball, "field"),
+        ("torus(1, 0.4)", torus, "field"),
+        ("box(2, 2, 1)", block, "field"),
+        ("box(2, 2, 1) - cylinder(0.4, 2)", drilled, "tessellation"),
+    ];
+    let mut random = chordal_testkit::Random::new(71);
+    for (script, truth, route) in shapes {
+        for band in [None, Some(2.5)] {
+            let hint = FormatHint { name: Some("a.star"), ..FormatHint::default() };
+            let input = load(script.as_bytes(), hint, &Default::default()).unwrap();
+            let spec = BakeSpec { band, is_sparse: band.is_some(), ..BakeSpec::cells(21) };
+            let outcome = bake(input, &spec, chordal_io::Format::Nrrd, &Job::default()).unwrap();
+            let facts = outcome.certificate.baked.clone().unwrap();
+            assert_eq!(facts.route, route, "{script}");
+            let between = facts.interpolant.unwrap();
+            let (most, at_samples) = (between.at_most, facts.off_at_most.unwrap());
+            let grid = outcome.volume.into_dense().grid;
+            let (size, band) = (grid.size(), facts.band.unwrap_or(f64::INFINITY));
+            let (mut worst, mut judged) = ([0.0_f64; 2], 0);
+            for _ in 0..200_000 {
+                let index: [f64; 3] =
+                    std::array::from_fn(|k| random.unit() * (size[k] - 1) as f64 * (1.0 - 1e-12));
+                let low = index.map(|x| x.floor() as usize);
+                let corners = (0..8).map(|c| grid.sample([0, 1, 2].map(|k| low[k] + (c >> k & 1))));
+                if corners.into_iter().any(|value| value.abs() >= band) {
+                    continue;
+                }
+                judged += 1;
+                let value = interpolated(&|at| grid.sample(at), index);
+                let found = truth(grid.affine().at(index));
+                let off = if route == "field" { value - found } else { value.abs() - found.abs() };
+                let at = grid.affine().at(low.map(|i| i as f64));
+                worst[0] = worst[0].max(off.abs());
+                worst[1] = worst[1].max((grid.sample(low).abs() - truth(at).abs()).abs());
+            }
+            assert!(judged > 10_000, "{script}: {judged}");
+            assert!(worst[0] <= most && worst[1] <= at_samples + 1e-12, "{script}: {worst:?}, {most}");
+            // It is within a few times of what is there, too.
+            assert!(worst[0] > 0.05 * most, "{script}: {worst:?}, {most}");
+        }
+    }
 }

@@ -1,7 +1,9 @@
 //! Meshes, outlines and curves as fields and grids, against plain loops over all triangles and closed forms.
+use chordal::check::zero_set_deviation;
 use chordal::convert::lattices::Lattice;
 use chordal::convert::{
-    DistanceGrid, curve_to_field, field_to_grid, mesh_to_field, mesh_to_grid, outline_to_field,
+    DistanceGrid, curve_to_field, field_to_grid, mesh_to_field, mesh_to_grid, mesh_to_sparse_grid,
+    outline_to_field,
 };
 use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment, FillRule, Outline};
 use chordal::implicit::leaves::{Leaf, LeafAnswer, LeafError};
@@ -390,4 +392,80 @@ fn a_tube_is_all_that_is_near_its_curve() {
     let v = flat.expr().at([2.0, 0.0, 77.0]).expect("no leaf fails");
     assert!((v - 0.9).abs() < 2e-4, "{v}");
     assert!(curve_to_field(&circle(1.0), -0.1, &budget, &Job::default()).is_err());
+}
+
+#[test]
+fn a_sparse_mesh_is_the_dense_one() {
+    let (points, faces) = ring(40, 24);
+    let mesh = Mesh::new(points, faces).expect("valid");
+    for (cells, band) in [(37, 2.0), (100, 1.5)] {
+        let (dense, job) = (bake(&mesh, cells, Some(band)), Job::default().with_threads(1));
+        let sparse = mesh_to_sparse_grid(&mesh, cells, band, &job).expect("small");
+        assert_eq!((sparse.grid.to_dense(), sparse.n_within), (dense.grid, dense.n_within));
+        assert_eq!((sparse.band, sparse.solid), (dense.band, dense.solid));
+        let [stored, all] = sparse.grid.n_bricks();
+        assert!(stored < all, "{stored} of {all}");
+    }
+    let mut small = Job::default();
+    small.memory_limit = 1 << 20;
+    let refused = mesh_to_sparse_grid(&mesh, 100, 2.0, &small).expect_err("bricks of more than a MiB");
+    assert!(refused.to_string().contains("the bricks of the band need more than 1048576 bytes"), "{refused}");
+}
+
+/// Whether the zeros of the trilinear interpolant along a line of steps, and their distance to the mesh, agree with
+/// what was proved; by plain loops.
+fn farthest_zero(grid: &chordal::implicit::Grid, mesh: &Mesh) -> f64 {
+    let [nx, ny, nz] = grid.size();
+    let mut most: f64 = 0.0;
+    for (k, j, i) in
+        (0..nz - 1).flat_map(|k| (0..ny - 1).flat_map(move |j| (0..nx - 1).map(move |i| (k, j, i))))
+    {
+        // Along edges of the lattice the interpolant is linear.
+        for axis in 0..3 {
+            let mut next = [i, j, k];
+            next[axis] += 1;
+            let (a, b) = (grid.sample([i, j, k]), grid.sample(next));
+            if (a < 0.0) != (b < 0.0) {
+                let t = a / (a - b);
+                let (p, q) = (
+                    grid.affine().at([i as f64, j as f64, k as f64]),
+                    grid.affine().at(next.map(|x| x as f64)),
+                );
+                let zero = [0, 1, 2].map(|k| p[k] + t * (q[k] - p[k]));
+                most = most.max(plain(zero, mesh).abs());
+            }
+        }
+    }
+    most
+}
+
+#[test]
+fn the_bound_of_a_zero_set_is_kept_and_a_smaller_one_refused() {
+    let (points, faces) = ring(40, 24);
+    let cubes = joined(&[cube(0.0, 1.0), turned(cube(0.1, 0.4))]);
+    let job = Job::default();
+    for mesh in [Mesh::new(points, faces).expect("valid"), cubes] {
+        for cells in [16, 31] {
+            let grid = bake(&mesh, cells, None).grid;
+            let spacing = grid.affine().rows()[0][0];
+            let truth = farthest_zero(&grid, &mesh);
+            let within = |max: f64| {
+                let found = zero_set_deviation(&mesh, &grid, Tolerance::new(max).expect("above 0"), &job);
+                found.expect("no trouble")
+            };
+            let found = within(0.875 * spacing).expect("a whole cell is enough");
+            let most = found.at_most().expect("proved");
+            assert!(truth <= most && most <= 0.875 * spacing, "{truth} {most}");
+            assert_eq!(within(0.99 * truth), None, "{cells} cells: zeros are {truth} away");
+            // Triangles that are somewhere else.
+            let moved: Vec<[f64; 3]> =
+                mesh.positions().iter().map(|p| [p[0] + spacing, p[1], p[2]]).collect();
+            let other = Mesh::new(moved, mesh.faces().to_vec()).expect("valid");
+            let off = Tolerance::new(0.8 * spacing).expect("above 0");
+            assert_eq!(zero_set_deviation(&other, &grid, off, &job).expect("no trouble"), None);
+            // A part of the triangles: zeros are left over.
+            let fewer = Mesh::new(mesh.positions().to_vec(), mesh.faces()[12..].to_vec()).expect("valid");
+            assert_eq!(zero_set_deviation(&fewer, &grid, off, &job).expect("no trouble"), None);
+        }
+    }
 }

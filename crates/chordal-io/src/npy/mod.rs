@@ -8,8 +8,8 @@ mod write;
 pub(crate) use npz::looks_like_npz;
 pub use npz::read_npz;
 pub use read::read;
-pub use write::write;
-pub(crate) use write::write_samples;
+pub use write::{write, write_sparse};
+pub(crate) use write::{write_bricks, write_samples};
 
 /// The first bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";

@@ -2,7 +2,7 @@
 use super::MAGIC;
 use super::read::reversed;
 use crate::{Volume, WriteError};
-use chordal::implicit::{Affine3, Samples};
+use chordal::implicit::{Affine3, Samples, SparseGrid};
 use std::io::Write;
 
 /// Writes the samples as an array of version 1, little-endian. If the volume was read from such a file,
@@ -38,7 +38,35 @@ pub fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), WriteError> {
         Samples::F64(_) => "<f8",
         _ => return Err(WriteError::Unsupported("npy holds no samples of that type".to_owned())),
     };
-    let [x, y, z] = shape;
+    write_header((types, order), shape, out)?;
+    write_samples(volume.grid.samples(), out)
+}
+
+/// Writes samples in bricks as [`write`] writes the dense ones, byte for byte, without holding these.
+///
+/// # Errors
+/// When the sink fails.
+///
+/// ```
+/// use chordal::implicit::{Affine3, Grid, Samples, SparseGrid};
+/// use chordal_io::{Volume, npy};
+/// let dense = Grid::new([2, 9, 2], Samples::F64((0..36).map(f64::from).collect()), Affine3::IDENTITY)?;
+/// let (mut a, mut b) = (Vec::new(), Vec::new());
+/// npy::write(&Volume::from_grid(dense.clone()), &mut a)?;
+/// npy::write_sparse(&SparseGrid::from_grid(&dense, 1.0), &mut b)?;
+/// assert_eq!(a.len(), b.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_sparse(grid: &SparseGrid, out: &mut dyn Write) -> Result<(), WriteError> {
+    write_header(("<f8", "True"), grid.size(), out)?;
+    write_bricks(grid, out)
+}
+
+fn write_header(
+    (types, order): (&str, &str),
+    [x, y, z]: [usize; 3],
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
     let mut header =
         format!("{{'descr': '{types}', 'fortran_order': {order}, 'shape': ({x}, {y}, {z}), }}").into_bytes();
     // Magic, version and length take 10 bytes. Samples start at a multiple of 64, after a line feed.
@@ -50,7 +78,7 @@ pub fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), WriteError> {
     // The length is at most some hundred bytes.
     out.write_all(&(header.len() as u16).to_le_bytes())?;
     out.write_all(&header)?;
-    write_samples(volume.grid.samples(), out)
+    Ok(())
 }
 
 /// Whether the axes of two lattices have the same directions, with equal steps or not.
@@ -85,6 +113,20 @@ pub(crate) fn write_samples(samples: &Samples, out: &mut dyn Write) -> Result<()
         Samples::F64(all) => put(all, f64::to_le_bytes, out),
         _ => Err(WriteError::Unsupported("samples of that type cannot be written".to_owned())),
     }
+}
+
+/// Writes the bytes of all samples of a grid in bricks, the first index running fastest, row by row.
+pub(crate) fn write_bricks(grid: &SparseGrid, out: &mut dyn Write) -> Result<(), WriteError> {
+    let [nx, ny, nz] = grid.size();
+    let mut row = Vec::with_capacity(8 * nx);
+    for k in 0..nz {
+        for j in 0..ny {
+            row.clear();
+            (0..nx).for_each(|i| row.extend_from_slice(&grid.sample([i, j, k]).to_le_bytes()));
+            out.write_all(&row)?;
+        }
+    }
+    Ok(())
 }
 
 /// The number of samples written at once.

@@ -8,7 +8,7 @@ mod read;
 mod write;
 
 pub use read::read;
-pub use write::write;
+pub use write::{write, write_sparse};
 
 /// The first bytes of a file, before a digit for its version.
 pub(crate) const MAGIC: &[u8] = b"NRRD000";

@@ -1,10 +1,13 @@
 //! The distance grid of `bake` in the report.
-use chordal::convert::{DistanceGrid, SolidReport};
+use chordal::convert::SolidReport;
 use serde::Serialize;
 
 /// A distance grid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DistanceGridFacts {
+    /// What the samples are distances to: "triangles" of the input, "field" for a field whose own values are
+    /// distances, "tessellation" for triangles that were made of the shape.
+    pub route: &'static str,
     /// Samples along each index, the first of which runs fastest.
     pub size: [u64; 3],
     /// The position of the first sample.
@@ -16,12 +19,31 @@ pub struct DistanceGridFacts {
     /// Samples whose value is a distance; all others say only that they are beyond the band, and on which
     /// side.
     pub distances: u64,
-    /// No such value is further than this from the distance to the triangles.
-    pub off_at_most: f64,
-    /// The evidence: "proved", each of them by two bounds that rounding cannot break.
+    /// The size of no such value is further than this from the distance to the shape; `None` where nothing bounds
+    /// how far the triangles of the shape are off.
+    pub off_at_most: Option<f64>,
+    /// The evidence: that of the triangles of the shape, else "proved", each value by two bounds that rounding
+    /// cannot break.
     pub evidence: &'static str,
-    /// What the signs of samples rest on.
-    pub solid: SolidFacts,
+    /// How far the interpolant is off between samples; `None` where sides change without a triangle.
+    pub interpolant: Option<InterpolantFacts>,
+    /// Bricks that are stored, and all of the lattice; only of sparse samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bricks: Option<[u64; 2]>,
+    /// What the signs of samples rest on; `None` for a field, whose values have them.
+    pub solid: Option<SolidFacts>,
+}
+
+/// How far the trilinear interpolant of samples is from the distance to the shape, in every cell all of whose samples
+/// are distances.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InterpolantFacts {
+    /// It is off by no more than this.
+    pub at_most: f64,
+    /// The evidence, as for the samples.
+    pub evidence: &'static str,
+    /// "signed distance", or "distance" where only its size is compared.
+    pub of: &'static str,
 }
 
 /// Whether a mesh bounds a solid, and why not.
@@ -53,24 +75,6 @@ impl SolidFacts {
             self_intersections: solid.self_intersections,
             side: if solid.closed { "whole winding numbers" } else { "winding numbers above a half" },
             sentence: solid.to_string(),
-        }
-    }
-}
-
-impl DistanceGridFacts {
-    /// The facts of a lattice whose distances are proved to be off by no more than `off_at_most`.
-    #[must_use]
-    pub fn new(baked: &DistanceGrid, off_at_most: f64) -> Self {
-        let affine = baked.grid.affine();
-        Self {
-            size: baked.grid.size().map(|n| n as u64),
-            origin: affine.at([0.0; 3]),
-            spacing: affine.rows()[0][0],
-            band: baked.band.is_finite().then_some(baked.band),
-            distances: baked.n_within,
-            off_at_most,
-            evidence: "proved",
-            solid: SolidFacts::new(&baked.solid),
         }
     }
 }

@@ -38,7 +38,7 @@ pub(crate) use cage::linear_name;
 pub use cage::{CageFacts, PolygonFacts, RefinementFacts, SharpnessFacts};
 pub use certificate::Certificate;
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
-pub use distance_grid::{DistanceGridFacts, SolidFacts};
+pub use distance_grid::{DistanceGridFacts, InterpolantFacts, SolidFacts};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use field::FieldFacts;
 pub use findings::{FindingFacts, cures_of_all};

@@ -30,6 +30,7 @@ mod thin;
 mod triangle_intersection;
 mod validity;
 mod winding;
+mod zero_set;
 
 pub(crate) use attributes::attribute_deviation_within;
 pub use components::{Component, Facing, components, inside_out, outward};
@@ -67,6 +68,7 @@ pub(crate) use triangle_intersection::triangles_intersect;
 pub use validity::{Validity, validity};
 #[cfg(feature = "booleans")]
 pub(crate) use winding::{RayCrossing, crossing};
+pub use zero_set::zero_set_deviation;
 
 /// Joins, gaps and curvature of paths.
 pub mod curves {

@@ -1,4 +1,5 @@
 //! Lattices: where a field is sampled, and the bricks in which the samples are processed.
+use crate::budget::{JobError, Refusal, RefusalCode};
 use crate::implicit::Affine3;
 use crate::math::{Box3, add_up, greater, lesser};
 
@@ -42,6 +43,31 @@ impl Lattice {
         Some(Self { size, affine: Affine3::cubes(origin, step).ok()? })
     }
 
+    /// Covers a box for distances to what is in it: with a margin of three cells, or of the `band`, a number of
+    /// cells above 0.
+    ///
+    /// # Errors
+    /// [`JobError::Refused`] for a band that is not above 0 and at most a million, and where
+    /// [`Lattice::around`] is `None`.
+    pub fn for_distances(bounds: &Box3, cells: usize, band: Option<f64>) -> Result<Self, JobError> {
+        let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
+        if let Some(width) = band.filter(|width| !(*width > 0.0 && *width <= 1e6)) {
+            let message = format!("the band is {width} cells, and must be above 0 and at most 1e6");
+            return Err(refused(RefusalCode::Budget, message));
+        }
+        let margin = band.map_or(3, |width| width.ceil() as usize);
+        Self::around(bounds, cells, margin).ok_or_else(|| {
+            let message = format!("there is no lattice with {cells} cells along the shape's longest side");
+            refused(RefusalCode::Empty, message)
+        })
+    }
+
+    /// The edge of its cells, where they are cubes.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        self.affine.rows()[0][0]
+    }
+
     /// The position of a sample.
     #[must_use]
     pub fn at(&self, index: [usize; 3]) -> [f64; 3] {
@@ -65,12 +91,13 @@ impl Lattice {
     }
 
     /// The number of layers of bricks along the last index.
-    pub(super) fn layers(&self) -> usize {
+    #[must_use]
+    pub fn layers(&self) -> usize {
         self.size[2].div_ceil(BRICK)
     }
 
     /// The bricks of a layer, each by its first sample and the one behind its last.
-    pub(super) fn bricks(&self, layer: usize) -> impl Iterator<Item = [[usize; 3]; 2]> + '_ {
+    pub fn bricks(&self, layer: usize) -> impl Iterator<Item = [[usize; 3]; 2]> + '_ {
         let counts = [self.size[0].div_ceil(BRICK), self.size[1].div_ceil(BRICK)];
         (0..counts[1]).flat_map(move |j| {
             (0..counts[0]).map(move |i| {

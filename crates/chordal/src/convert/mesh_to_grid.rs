@@ -1,16 +1,18 @@
-//! The arrow from a mesh to a grid of distances.
+//! The arrow from a mesh to a grid of distances, dense or in bricks.
 use super::lattice::{BRICK, Lattice};
 use super::mesh_leaf::{MeshLeaf, PreviousPoint};
 use super::mesh_to_field::SolidReport;
-use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map_owned};
+use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map, par_map_owned};
 use crate::explicit::Mesh;
-use crate::implicit::{Grid, Samples};
+use crate::implicit::{BrickSlab, Grid, Samples, SparseGrid};
+use crate::math::Box3;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Distances to a mesh on a lattice, with a report whether the mesh is a solid.
 #[derive(Clone, Debug)]
-pub struct DistanceGrid {
+pub struct DistanceGrid<G = Grid> {
     /// The samples, f64, negative inside.
-    pub grid: Grid,
+    pub grid: G,
     /// Whether the mesh is a solid.
     pub solid: SolidReport,
     /// The number of samples whose value is a distance; the others say only that they are beyond the band,
@@ -51,61 +53,149 @@ pub fn mesh_to_grid(
     band: Option<f64>,
     job: &Job,
 ) -> Result<DistanceGrid, JobError> {
-    let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
-    if let Some(width) = band.filter(|width| !(*width > 0.0 && *width <= 1e6)) {
-        let message = format!("the band is {width} cells, and must be above 0 and at most 1e6");
-        return Err(refused(RefusalCode::Budget, message));
-    }
-    let margin = band.map_or(3, |width| width.ceil() as usize);
-    let lattice = Lattice::around(&mesh.bounds(), cells, margin).ok_or_else(|| {
-        refused(
-            RefusalCode::Empty,
-            format!("there is no lattice with {cells} cells along the mesh's longest side"),
-        )
-    })?;
-    let bytes = 8 * lattice.len() as u64;
-    if bytes > job.memory_limit {
-        let message =
-            format!("{} samples need {bytes} bytes; the limit is {}", lattice.len(), job.memory_limit);
-        return Err(refused(RefusalCode::TooMuchMemory, message));
-    }
-    let leaf = MeshLeaf::new(mesh, job)?;
-    let solid = SolidReport::from_mesh(mesh, leaf.is_closed(), job)?;
-    let step = lattice.affine.rows()[0][0];
-    let band = band.map_or(f64::INFINITY, |width| width * step);
-    let (samples, n_within) = mesh_on_lattice(&leaf, &lattice, band, job)?;
-    let grid = Grid::new(lattice.size, Samples::F64(samples), lattice.affine)
-        .map_err(|error| refused(RefusalCode::Empty, error.to_string()))?;
-    Ok(DistanceGrid { grid, solid, n_within, band })
+    let lattice = Lattice::for_distances(&mesh.bounds(), cells, band)?;
+    check_memory(8 * lattice.len() as u64, lattice.len(), job)?;
+    DistanceBaker::new(mesh, job)?.grid(cells, band, job)
 }
 
-/// The samples by layers of bricks, and how many are distances.
-fn mesh_on_lattice(
-    leaf: &MeshLeaf,
-    lattice: &Lattice,
+/// Like [`mesh_to_grid`], in bricks: those beyond the band are not stored.
+///
+/// The samples are those of [`mesh_to_grid`], bit for bit. Memory: that of the bricks, and eight planes for
+/// each thread.
+///
+/// # Errors
+/// As for [`mesh_to_grid`].
+///
+/// ```
+/// use chordal::{Job, Mesh, convert::{mesh_to_grid, mesh_to_sparse_grid}};
+/// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let (mesh, job) = (Mesh::new(corners, faces).unwrap(), Job::default());
+/// let sparse = mesh_to_sparse_grid(&mesh, 100, 2.0, &job)?;
+/// assert_eq!(sparse.grid.to_dense(), mesh_to_grid(&mesh, 100, Some(2.0), &job)?.grid);
+/// assert!(2 * sparse.grid.bytes() < 8 * 105_u64.pow(3));
+/// # Ok::<(), chordal::budget::JobError>(())
+/// ```
+pub fn mesh_to_sparse_grid(
+    mesh: &Mesh,
+    cells: usize,
     band: f64,
     job: &Job,
-) -> Result<(Vec<f64>, u64), JobError> {
-    let mut samples = vec![0.0; lattice.len()];
-    let layer = lattice.size[0] * lattice.size[1] * BRICK;
-    let tasks: Vec<(usize, &mut [f64])> = samples.chunks_mut(layer).enumerate().collect();
-    let counts = par_map_owned(job, tasks, |(layer, out)| {
+) -> Result<DistanceGrid<SparseGrid>, JobError> {
+    DistanceBaker::new(mesh, job)?.sparse_grid(cells, band, job)
+}
+
+/// A mesh that is made ready to be sampled on several lattices, as by [`mesh_to_grid`] and
+/// [`mesh_to_sparse_grid`].
+#[derive(Clone, Debug)]
+pub struct DistanceBaker {
+    leaf: MeshLeaf,
+    bounds: Box3,
+    solid: SolidReport,
+}
+
+impl DistanceBaker {
+    /// Builds the trees, and looks whether the mesh is a solid.
+    ///
+    /// # Errors
+    /// As for [`mesh_to_field`](super::mesh_to_field()).
+    pub fn new(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
+        let leaf = MeshLeaf::new(mesh, job)?;
+        let solid = SolidReport::from_mesh(mesh, leaf.is_closed(), job)?;
+        Ok(Self { leaf, bounds: mesh.bounds(), solid })
+    }
+
+    /// Whether the mesh is a solid.
+    #[must_use]
+    pub fn solid(&self) -> &SolidReport {
+        &self.solid
+    }
+
+    /// The samples, as [`mesh_to_grid`] takes them.
+    ///
+    /// # Errors
+    /// As for [`mesh_to_grid`].
+    pub fn grid(&self, cells: usize, band: Option<f64>, job: &Job) -> Result<DistanceGrid, JobError> {
+        let lattice = Lattice::for_distances(&self.bounds, cells, band)?;
+        check_memory(8 * lattice.len() as u64, lattice.len(), job)?;
+        let band = band.map_or(f64::INFINITY, |width| width * lattice.spacing());
+        let mut samples = vec![0.0; lattice.len()];
+        let layer = lattice.size[0] * lattice.size[1] * BRICK;
+        let tasks: Vec<(usize, &mut [f64])> = samples.chunks_mut(layer).enumerate().collect();
+        let counts =
+            par_map_owned(job, tasks, |(layer, out)| self.fill_layer(&lattice, (layer, out), band, job));
+        if job.is_cancelled() {
+            return Err(JobError::Cancelled);
+        }
+        let grid = Grid::new(lattice.size, Samples::F64(samples), lattice.affine)
+            .map_err(|error| JobError::Refused(Refusal::new(RefusalCode::Empty, error.to_string())))?;
+        Ok(DistanceGrid { grid, solid: self.solid.clone(), n_within: counts.into_iter().sum(), band })
+    }
+
+    /// The samples in bricks, as [`mesh_to_sparse_grid`] takes them.
+    ///
+    /// # Errors
+    /// As for [`mesh_to_sparse_grid`].
+    pub fn sparse_grid(
+        &self,
+        cells: usize,
+        band: f64,
+        job: &Job,
+    ) -> Result<DistanceGrid<SparseGrid>, JobError> {
+        let lattice = Lattice::for_distances(&self.bounds, cells, Some(band))?;
+        let plane = lattice.size[0] * lattice.size[1];
+        check_memory(8 * (plane * BRICK) as u64, plane * BRICK, job)?;
+        let band = band * lattice.spacing();
+        let (numbers, stored): (Vec<usize>, AtomicU64) = ((0..lattice.layers()).collect(), AtomicU64::new(0));
+        let layers = par_map(job, &numbers, |_, number| {
+            if stored.load(Ordering::Relaxed) > job.memory_limit {
+                return (BrickSlab::from_samples(&[], lattice.size, band), 0);
+            }
+            let planes = BRICK.min(lattice.size[2] - number * BRICK);
+            let mut out = vec![0.0; plane * planes];
+            let count = self.fill_layer(&lattice, (*number, &mut out), band, job);
+            let slab = BrickSlab::from_samples(&out, lattice.size, band);
+            stored.fetch_add(slab.bytes(), Ordering::Relaxed);
+            (slab, count)
+        });
+        if job.is_cancelled() {
+            return Err(JobError::Cancelled);
+        }
+        if stored.into_inner() > job.memory_limit {
+            let message =
+                format!("the bricks of the band need more than {} bytes, the limit", job.memory_limit);
+            return Err(JobError::Refused(Refusal::new(RefusalCode::TooMuchMemory, message)));
+        }
+        let (mut grid, mut n_within) = (SparseGrid::empty(lattice.size, lattice.affine, band), 0);
+        for (slab, count) in layers {
+            grid.push(slab);
+            n_within += count;
+        }
+        Ok(DistanceGrid { grid, solid: self.solid.clone(), n_within, band })
+    }
+
+    /// Fills one layer of bricks; returns how many of its samples are distances.
+    fn fill_layer(&self, lattice: &Lattice, (layer, out): (usize, &mut [f64]), band: f64, job: &Job) -> u64 {
         let mut count = 0;
         let mut last = None;
         for brick in lattice.bricks(layer) {
             if job.is_cancelled() {
                 break;
             }
-            let mut baking = BrickSampler { leaf, lattice, band, out: &mut *out, last };
+            let mut baking = BrickSampler { leaf: &self.leaf, lattice, band, out: &mut *out, last };
             count += baking.brick(brick);
             last = baking.last;
         }
         count
-    });
-    if job.is_cancelled() {
-        return Err(JobError::Cancelled);
     }
-    Ok((samples, counts.into_iter().sum()))
+}
+
+fn check_memory(bytes: u64, samples: usize, job: &Job) -> Result<(), JobError> {
+    if bytes > job.memory_limit {
+        let message = format!("{samples} samples need {bytes} bytes; the limit is {}", job.memory_limit);
+        return Err(JobError::Refused(Refusal::new(RefusalCode::TooMuchMemory, message)));
+    }
+    Ok(())
 }
 
 /// One layer in progress.

@@ -44,16 +44,17 @@ pub use gradient_normals::with_gradient_normals;
 pub use grid_to_mesh::{grid_to_mesh, sparse_grid_to_mesh};
 pub use grid_to_polyline::grid_to_polyline;
 pub use mesh_to_field::{MeshField, SolidReport, mesh_to_field};
-pub use mesh_to_grid::{DistanceGrid, mesh_to_grid};
+pub use mesh_to_grid::{DistanceGrid, mesh_to_grid, mesh_to_sparse_grid};
 pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;
 pub use redistance::redistance;
 
-/// Meshers and a cutter that are kept for many budgets or views, and many curves at once.
+/// Meshers, a cutter and a sampler that are kept for many budgets, views or lattices, and many curves at once.
 pub mod batch {
     pub use super::cage_to_mesh::CageMesher;
     pub use super::curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
+    pub use super::mesh_to_grid::DistanceBaker;
     pub use super::view_dependent_mesher::{TileReuse, ViewDependentMesher};
 }
 

@@ -181,6 +181,13 @@ impl Field {
         Tape::new(self.sign()).evidence().weaker(&self.promises.evidence())
     }
 
+    /// What a proof is worth that takes the value for the distance that [`Field::distance`] says it is: the
+    /// weakest evidence among the leaves of the value, the promises about it, and those made for the field.
+    #[must_use]
+    pub fn distance_evidence(&self) -> Evidence {
+        self.tape().evidence().weaker(&self.as_distance().promises.evidence())
+    }
+
     /// An expression that is negative exactly where the value is, for uses that need the surface and not the
     /// distance: that of [`Field::with_sign`], else the value's own.
     #[must_use]

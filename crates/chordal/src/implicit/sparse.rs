@@ -138,6 +138,18 @@ impl SparseGrid {
         }
     }
 
+    /// Whether the brick of a sample is stored; otherwise all its samples are the background, or minus that.
+    ///
+    /// # Panics
+    /// When an index is not below the size.
+    #[must_use]
+    pub fn is_stored(&self, index: [usize; 3]) -> bool {
+        assert!((0..3).all(|k| index[k] < self.size[k]), "{index:?} is not below {:?}", self.size);
+        let [bx, by] = [self.size[0].div_ceil(BRICK), self.size[1].div_ceil(BRICK)];
+        let [x, y, z] = index.map(|i| i / BRICK);
+        self.directory[x + bx * (y + by * z)] < INSIDE
+    }
+
     /// The same samples in one array, for files and for code that needs all of them.
     #[must_use]
     pub fn to_dense(&self) -> Grid {
@@ -161,6 +173,11 @@ pub(crate) struct BrickSlab {
 }
 
 impl BrickSlab {
+    /// The bytes of values and directory.
+    pub(crate) fn bytes(&self) -> u64 {
+        8 * self.values.len() as u64 + 4 * self.directory.len() as u64
+    }
+
     /// The bricks of some planes of a lattice.
     pub(crate) fn from_samples(samples: &[f64], size: [usize; 3], background: f64) -> Self {
         let [nx, ny, _] = size;

@@ -49,6 +49,12 @@ pub trait SampleGrid: Send + Sync + std::fmt::Debug {
 
     /// One sample.
     fn sample(&self, index: [usize; 3]) -> f64;
+
+    /// Whether the samples of the brick of 8³ that holds this one may differ; else all are the background, or minus
+    /// that.
+    fn is_stored(&self, _index: [usize; 3]) -> bool {
+        true
+    }
 }
 
 impl SampleGrid for Grid {
@@ -71,6 +77,10 @@ impl SampleGrid for SparseGrid {
         self.size()
     }
 
+    fn is_stored(&self, index: [usize; 3]) -> bool {
+        self.is_stored(index)
+    }
+
     fn affine(&self) -> &Affine3 {
         self.affine()
     }
@@ -78,6 +88,26 @@ impl SampleGrid for SparseGrid {
     #[inline]
     fn sample(&self, index: [usize; 3]) -> f64 {
         self.sample(index)
+    }
+}
+
+/// Samples that are shared.
+impl<G: SampleGrid> SampleGrid for Arc<G> {
+    fn size(&self) -> [usize; 3] {
+        G::size(self)
+    }
+
+    fn affine(&self) -> &Affine3 {
+        G::affine(self)
+    }
+
+    #[inline]
+    fn sample(&self, index: [usize; 3]) -> f64 {
+        G::sample(self, index)
+    }
+
+    fn is_stored(&self, index: [usize; 3]) -> bool {
+        G::is_stored(self, index)
     }
 }
 

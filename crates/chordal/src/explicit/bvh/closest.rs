@@ -21,6 +21,10 @@ pub struct MeshClosestPoint {
 /// f32 could not distinguish them, and f64 decides.
 const FAR: f64 = 64.0;
 
+/// The slack of [`NearQuery::limit`], which derives it; more than f64 needs, near and far.
+const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
+const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
+
 /// The squared distances of boxes to a query, in local units: too large by no more than `limit` allows for.
 trait BoxDistance {
     /// A squared distance.
@@ -64,8 +68,6 @@ impl BoxDistance for NearQuery {
     /// than the slack here.
     #[inline]
     fn limit(&self, best_sq: f64) -> f32 {
-        const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
-        const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
         let limit = (best_sq * RELATIVE + ABSOLUTE) as f32;
         lesser(limit, Self::ALL)
     }
@@ -229,6 +231,47 @@ impl Bvh {
         Some(div_up(local, query.scale))
     }
 
+    /// [`Bvh::closest_distance_down`] and [`Bvh::closest_distance_up`] by one search. The hint is a row of the
+    /// tree, any for the first of many points and then what the one before left: it saves time, and the ends
+    /// are proved whatever it is.
+    ///
+    /// ```
+    /// use chordal::{Job, Mesh, explicit::query::Bvh};
+    /// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+    /// let bvh = Bvh::build(&Mesh::new(corners, vec![[0, 1, 2]]).unwrap(), &Job::default())?;
+    /// let [low, high] = bvh.closest_distance_ends([0.25, 0.25, 2.0], &mut 0).unwrap();
+    /// assert!(low <= 2.0 && 2.0 <= high && high - low < 1e-14);
+    /// # Ok::<(), chordal::budget::JobError>(())
+    /// ```
+    #[must_use]
+    pub fn closest_distance_ends(&self, p: [f64; 3], hint: &mut u32) -> Option<[f64; 2]> {
+        let query = ClosestQuery::new(&self.frame, p)?;
+        let row = if (*hint as usize) < self.triangles.len() { *hint } else { 0 };
+        let first = self.triangles.get(row as usize)?;
+        let down = |triangle: &BvhTriangle, enough: f64| {
+            triangle::distance_down(query.q, query.corners(self, triangle), enough)
+        };
+        let mut lowest = down(first, f64::INFINITY);
+        let start = ClosestTriangle { row, face: first.face & !LAST, square: lowest * lowest };
+        let least = self.closest_row_from(&query, start, |triangle| {
+            // A triangle whose box is farther by more than any rounding is farther itself.
+            if box_distance_sq(query.q, query.corners(self, triangle)) > lowest * lowest * RELATIVE + ABSOLUTE
+            {
+                return f64::INFINITY;
+            }
+            let found = down(triangle, lowest);
+            lowest = lesser(found, lowest);
+            found * found
+        })?;
+        *hint = least.row;
+        let corners = query.corners(self, &self.triangles[least.row as usize]);
+        let near = triangle::closest_point(query.q, corners);
+        // The error of underflow in these coordinates is less than the smallest normal number.
+        let low = div_down(sub_down(lowest, f64::MIN_POSITIVE), query.scale);
+        let high = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
+        Some([greater(low, 0.0), div_up(high, query.scale)])
+    }
+
     fn nearest_triangle(
         &self,
         query: &ClosestQuery,
@@ -264,9 +307,6 @@ impl Bvh {
         // The box of one triangle is smaller than that of its leaf, and faster to test than the triangle.
         let mut best = start.square;
         let least = self.closest_row_from(&query, start, |triangle| {
-            // As in [`NearQuery::limit`], with the same slack, which is more than f64 needs, near and far.
-            const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
-            const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
             if box_distance_sq(query.q, query.corners(self, triangle)) > best * RELATIVE + ABSOLUTE {
                 return f64::INFINITY;
             }

@@ -1,0 +1,163 @@
+//! `BakedSamples`: distances on a lattice, dense or in bricks, and how far they are off at most.
+use crate::MeshFailure;
+use chordal::budget::{JobError, Refusal, RefusalCode, par_map};
+use chordal::convert::lattices::Lattice;
+use chordal::explicit::query::Bvh;
+use chordal::implicit::evaluation::{SampleGrid, Tape};
+use chordal::implicit::leaves::LeafError;
+use chordal::implicit::{Affine3, Field, Grid, SparseGrid};
+use chordal::math::{Box3, Interval, add_up, greater, mul_up, sub_up};
+use chordal::{Job, Mesh};
+use std::sync::Arc;
+
+/// Samples on a lattice.
+#[derive(Clone, Debug)]
+pub(crate) enum BakedSamples {
+    /// All of them.
+    Dense(Arc<Grid>),
+    /// Those of the bricks that a band reaches.
+    Sparse(Arc<SparseGrid>),
+}
+
+impl SampleGrid for BakedSamples {
+    fn size(&self) -> [usize; 3] {
+        match self {
+            Self::Dense(grid) => grid.size(),
+            Self::Sparse(grid) => grid.size(),
+        }
+    }
+
+    fn affine(&self) -> &Affine3 {
+        match self {
+            Self::Dense(grid) => grid.affine(),
+            Self::Sparse(grid) => grid.affine(),
+        }
+    }
+
+    #[inline]
+    fn sample(&self, index: [usize; 3]) -> f64 {
+        match self {
+            Self::Dense(grid) => grid.sample(index),
+            Self::Sparse(grid) => grid.sample(index),
+        }
+    }
+
+    fn is_stored(&self, index: [usize; 3]) -> bool {
+        match self {
+            Self::Dense(_) => true,
+            Self::Sparse(grid) => grid.is_stored(index),
+        }
+    }
+}
+
+/// The largest error of the samples that are distances to triangles: each is compared with a lower and an upper
+/// bound that rounding cannot break.
+pub(crate) fn off_at_most<G: SampleGrid>(
+    mesh: &Mesh,
+    (grid, band): (&G, f64),
+    job: &Job,
+) -> Result<f64, MeshFailure> {
+    let bvh = Bvh::build(mesh, job).map_err(MeshFailure::from)?;
+    let off = |samples: &[([f64; 3], f64)]| {
+        let mut hint = 0;
+        let offs = samples.iter().map(|(p, value)| {
+            // Nothing known is no bound at all.
+            let [down, up] =
+                bvh.closest_distance_ends(*p, &mut hint).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            greater(sub_up(value.abs(), down), sub_up(up, value.abs()))
+        });
+        Ok(offs.fold(0.0, greater))
+    };
+    Ok(largest(grid, band, &off, job)?)
+}
+
+/// The same of samples of a field whose value is the distance: each is compared with its range at that point.
+pub(super) fn off_from_field<G: SampleGrid>(
+    field: &Field,
+    (grid, band): (&G, f64),
+    job: &Job,
+) -> Result<f64, MeshFailure> {
+    let tape = field.tape();
+    Ok(largest(grid, band, &|samples| off_from_tape(&tape, samples), job)?)
+}
+
+fn off_from_tape(tape: &Tape, samples: &[([f64; 3], f64)]) -> Result<f64, LeafError> {
+    let points: Vec<Box3> = samples.iter().map(|(p, _)| Box3 { min: *p, max: *p }).collect();
+    let mut ranges = vec![Interval::ENTIRE; points.len()];
+    tape.over(&points, &mut ranges)?;
+    let offs = ranges.iter().zip(samples).map(|(range, (_, value))| {
+        if !range.is_defined() || range.is_empty() {
+            return f64::INFINITY;
+        }
+        greater(sub_up(*value, range.lo()), sub_up(range.hi(), *value))
+    });
+    Ok(offs.fold(0.0, greater))
+}
+
+/// The points and values of a brick.
+type BrickJudge<'a> = dyn Fn(&[([f64; 3], f64)]) -> Result<f64, LeafError> + Sync + 'a;
+
+/// The largest that a judge says of the bricks with samples below the band.
+fn largest<G: SampleGrid>(grid: &G, band: f64, judge: &BrickJudge<'_>, job: &Job) -> Result<f64, JobError> {
+    let lattice = Lattice { size: grid.size(), affine: *grid.affine() };
+    let layers: Vec<usize> = (0..lattice.layers()).collect();
+    let found = par_map(job, &layers, |_, layer| {
+        let (mut most, mut samples) = (0.0, Vec::new());
+        for [first, end] in lattice.bricks(*layer) {
+            if job.is_cancelled() {
+                break;
+            }
+            if !grid.is_stored(first) {
+                continue;
+            }
+            for k in first[2]..end[2] {
+                for j in first[1]..end[1] {
+                    for i in first[0]..end[0] {
+                        let value = grid.sample([i, j, k]);
+                        if value.abs() < band {
+                            samples.push((lattice.at([i, j, k]), value));
+                        }
+                    }
+                }
+            }
+            // Several bricks at once, so that a call is worth its start.
+            if samples.len() >= BATCH {
+                most = greater(most, judge(&samples)?);
+                samples.clear();
+            }
+        }
+        Ok(greater(most, judge(&samples)?))
+    });
+    if job.is_cancelled() {
+        return Err(JobError::Cancelled);
+    }
+    found.into_iter().try_fold(0.0, |most, found| match found {
+        Ok(found) => Ok(greater(most, found)),
+        Err(LeafError { message, .. }) => {
+            Err(JobError::Refused(Refusal::new(RefusalCode::LeafFailed, message)))
+        }
+    })
+}
+
+/// Samples that are judged at once; chosen, some bricks of 512.
+const BATCH: usize = 2048;
+
+/// How far the interpolant of distances is from the distance at any point of a cell, where no sample is off by more
+/// than `off`.
+///
+/// Derived: a signed distance changes by no more than the point moves. With the weights w of the corners c of the
+/// cell, |Σ w·v(c) − d(p)| ≤ Σ w·(|v(c) − d(c)| + |c − p|), and Σ w·|c − p| ≤ √(Σ w·|c − p|²), which is at most half
+/// the diagonal of the cell. The places of samples are rounded, which counts as an error of theirs.
+pub(crate) fn interpolant_off<G: SampleGrid>(grid: &G, off: f64) -> f64 {
+    /// √3/2, rounded up.
+    const HALF_DIAGONAL: f64 = 0.866_025_403_784_438_7;
+    let (rows, size) = (grid.affine().rows(), grid.size());
+    let (mut spacing, mut far) = (0.0, 0.0);
+    for k in 0..3 {
+        spacing = greater(rows[k][k].abs(), spacing);
+        far = greater(rows[k][k].abs() * size[k] as f64 + rows[k][3].abs(), far);
+    }
+    // Two roundings along each axis, of numbers up to `far`.
+    let placed = 4.0 * f64::EPSILON * far;
+    add_up(mul_up(HALF_DIAGONAL, spacing), add_up(off, placed))
+}
