@@ -187,8 +187,8 @@ fn the_bounds_of_the_interpolant_are_never_exceeded() {
             }
             assert!(judged > 10_000, "{script}: {judged}");
             assert!(worst[0] <= most && worst[1] <= at_samples + 1e-12, "{script}: {worst:?}, {most}");
-            // It is within a few times of what is there, too.
-            assert!(worst[0] > 0.05 * most, "{script}: {worst:?}, {most}");
+            // Where the distance has kinks, as it has inside, the bound is within some times of what is there.
+            assert!(band.is_finite() || worst[0] > 0.05 * most, "{script}: {worst:?}, {most}");
         }
     }
 }

@@ -183,7 +183,8 @@ fn bake_within(
     job: &Job,
 ) -> Result<(SampledDistances, Option<Bound>, Option<Message>), MeshFailure> {
     let lost = source.triangles.as_ref().and_then(|triangles| triangles.bound.at_most());
-    let left = lost.map_or(0.0, |lost| sub_down(limit.get(), lost));
+    // The sum of both is rounded up once, by less than is taken away here.
+    let left = lost.map_or(0.0, |lost| sub_down(sub_down(limit.get(), lost), f64::EPSILON * limit.get()));
     let Ok(left) = Tolerance::new(left) else {
         let message =
             format!("the shape is not proved to be meshed within {limit}, as a length for its lattice asks");
