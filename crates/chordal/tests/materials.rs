@@ -177,15 +177,15 @@ fn halves_that_touch_flush_meet_in_the_plane_between() {
 fn a_cut_shows_the_tool_or_else_what_was_cut() {
     let body = of(&cuboid([4.0, 4.0, 2.0]).unwrap(), "left");
     let other = of(&moved(&cuboid([4.0, 4.0, 2.0]).unwrap(), 3.0, 0.0, 0.0), "right");
-    let drill = cylinder(0.4, 4.0).unwrap();
+    let drill = cylinder(0.375, 4.0).unwrap();
     // Half the wall of the hole, which is 2 high.
-    let half = 0.8 * std::f64::consts::PI;
+    let half = 0.75 * std::f64::consts::PI;
     let wall = |field: &Field| {
         let made = meshed(field, 0.005);
         let mut areas: BTreeMap<String, f64> = BTreeMap::new();
         for (face, name) in names(field, &made.shape).into_iter().enumerate() {
             let corners = made.shape.corners(face);
-            if corners.iter().all(|[x, y, _]| ((x - 1.5).hypot(*y) - 0.4).abs() < 0.01) {
+            if corners.iter().all(|[x, y, _]| ((x - 1.5).hypot(y - 0.1) - 0.375).abs() < 0.01) {
                 *areas.entry(name).or_insert(0.0) += area(corners);
             }
         }
@@ -194,7 +194,7 @@ fn a_cut_shows_the_tool_or_else_what_was_cut() {
             .map(|(name, area)| (name, (area * 100.0 / (2.0 * half)).round()))
             .collect::<Vec<_>>()
     };
-    let drill = moved(&drill, 1.5, 0.0, 0.0);
+    let drill = moved(&drill, 1.5, 0.1, 0.0);
     let own = |name: &str, share: f64| vec![(name.to_owned(), share)];
     // In percent of the wall.
     assert_eq!(wall(&body.difference(&of(&drill, "drill"))), own("drill", 100.0));
@@ -211,7 +211,7 @@ fn a_cut_shows_the_tool_or_else_what_was_cut() {
     let mut halves = BTreeMap::new();
     for (face, name) in names(&both, &made.shape).into_iter().enumerate() {
         let corners = made.shape.corners(face);
-        if corners.iter().all(|[x, y, _]| ((x - 2.0).hypot(*y) - 0.4).abs() < 0.01) {
+        if corners.iter().all(|[x, y, _]| ((x - 2.0).hypot(y - 0.1) - 0.375).abs() < 0.01) {
             *halves.entry(name).or_insert(0.0) += area(corners);
         }
     }
@@ -226,16 +226,29 @@ fn the_outermost_material_counts() {
     assert!(names(&all, &meshed(&all, 0.05).shape).iter().all(|name| name == "c"));
 }
 
+fn check_kept(fields: Vec<(&str, Field)>) {
+    for (what, field) in fields {
+        assert_eq!(field.materials(), [material("a"), material("b")], "{what}");
+        // Proofs take the most of the time, and borders need none.
+        let budget =
+            Budget { require: RequiredEvidence::Measured, ..Budget::length(Tolerance::new(0.04).unwrap()) };
+        let made = convert::field_to_mesh(&field, &budget, &Job::default());
+        let made = made.or_else(|failure| failure.best_effort()).unwrap();
+        let areas = areas(&field, &made.shape);
+        assert_eq!(areas.keys().collect::<Vec<_>>(), ["a", "b"], "{what}: {areas:?}");
+        let least = areas.values().fold(f64::INFINITY, |least, x| least.min(*x));
+        assert!(least > 0.05, "{what}: {areas:?}");
+    }
+}
+
 #[test]
 fn operations_keep_materials() {
     let ring = |field: &Field| field.repeated([Repeat::Times(3, 3.0), Repeat::Once, Repeat::Once]).unwrap();
     let ball = of(&sphere(1.0).unwrap(), "a");
     let block = of(&cuboid([1.0, 2.0, 0.5]).unwrap(), "a");
-    let flat = of(&rectangle([1.0, 2.0]).unwrap(), "a")
-        .union(&of(&moved(&circle(1.0).unwrap(), 1.0, 0.0, 0.0), "b"));
     let slab = Box3 { min: [-9.0, -9.0, -0.2], max: [9.0, 9.0, 0.2] };
     let b = |field: &Field| field.union(&of(&moved(&sphere(0.5).unwrap(), 0.0, 1.2, 0.0), "b"));
-    for (what, field) in [
+    check_kept(vec![
         ("repeated", ring(&b(&ball))),
         ("rotated", b(&block).rotated_deg([1.0, 2.0, 3.0], 40.0).unwrap()),
         ("scaled", b(&block).scaled([2.0, 1.0, 0.5]).unwrap()),
@@ -244,6 +257,17 @@ fn operations_keep_materials() {
         ("shell", b(&block).shell(0.1).unwrap()),
         ("twisted", b(&block).twisted(0.5).unwrap()),
         ("clipped", b(&block).clipped(slab)),
+    ]);
+}
+
+#[test]
+fn operations_on_planes_and_blends_keep_materials() {
+    let ball = of(&sphere(1.0).unwrap(), "a");
+    let block = of(&cuboid([1.0, 2.0, 0.5]).unwrap(), "a");
+    let flat = of(&rectangle([1.0, 2.0]).unwrap(), "a")
+        .union(&of(&moved(&circle(1.0).unwrap(), 1.0, 0.0, 0.0), "b"));
+    let b = |field: &Field| field.union(&of(&moved(&sphere(0.5).unwrap(), 0.0, 1.2, 0.0), "b"));
+    check_kept(vec![
         ("extruded", flat.extruded(1.0).unwrap()),
         ("revolved", moved(&flat, 0.5, 0.0, 0.0).revolved()),
         ("tapered", flat.tapered(0.5, 1.0).unwrap()),
@@ -257,18 +281,7 @@ fn operations_keep_materials() {
         ),
         ("smooth", ball.smooth_union(&of(&moved(&sphere(0.5).unwrap(), 0.0, 1.2, 0.0), "b"), 0.3).unwrap()),
         ("cut", ball.smooth_difference(&of(&moved(&sphere(0.5).unwrap(), 0.0, 1.2, 0.0), "b"), 0.3).unwrap()),
-    ] {
-        assert_eq!(field.materials(), [material("a"), material("b")], "{what}");
-        // Proofs take the most of the time, and borders need none.
-        let budget =
-            Budget { require: RequiredEvidence::Measured, ..Budget::length(Tolerance::new(0.04).unwrap()) };
-        let made = convert::field_to_mesh(&field, &budget, &Job::default());
-        let made = made.or_else(|failure| failure.best_effort()).unwrap();
-        let areas = areas(&field, &made.shape);
-        assert_eq!(areas.keys().collect::<Vec<_>>(), ["a", "b"], "{what}: {areas:?}");
-        let least = areas.values().fold(f64::INFINITY, |least, x| least.min(*x));
-        assert!(least > 0.05, "{what}: {areas:?}");
-    }
+    ]);
 }
 
 #[test]
