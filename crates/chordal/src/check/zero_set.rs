@@ -351,18 +351,27 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         most
     }
 
-    /// The limit, where the interpolant has both signs around the middle of a piece, so near that the zero between them
-    /// is within the limit of any point of the piece.
+    /// How far a piece is from a zero, where the interpolant has both signs around its middle, so near that the zero
+    /// between them is within the limit of any point of the piece.
     fn both_signs(&self, middle: [f64; 3], radius: f64, direction: [f64; 3]) -> Option<f64> {
         let slack = self.lattice.slack;
-        let reach = self.max - radius - 4.0 * slack;
-        if reach.is_nan() || reach <= 0.0 {
-            return None;
-        }
-        let beside = |t: f64| self.value_at(std::array::from_fn(|k| middle[k] + t * direction[k]));
-        let (a, b) = (beside(reach), beside(-reach));
-        let is_crossed = lesser(a, b) < -slack && greater(a, b) > slack;
-        is_crossed.then_some(self.max)
+        self.reaches(radius)?.into_iter().find_map(|reach| {
+            let beside = |t: f64| self.value_at(std::array::from_fn(|k| middle[k] + t * direction[k]));
+            let (a, b) = (beside(reach), beside(-reach));
+            let is_crossed = lesser(a, b) < -slack && greater(a, b) > slack;
+            is_crossed.then(|| self.off_around(radius, reach))
+        })
+    }
+
+    /// How far from the middle of a piece signs are looked at; nothing where that is beyond the limit at once.
+    fn reaches(&self, radius: f64) -> Option<[f64; SHARES.len()]> {
+        let most = self.max - radius - 4.0 * self.lattice.slack;
+        (most > 0.0).then(|| SHARES.map(|share| share * most))
+    }
+
+    /// How far a piece is from a zero that is within a reach of its middle.
+    fn off_around(&self, radius: f64, reach: f64) -> f64 {
+        lesser(add_up(add_up(radius, reach), 3.0 * self.lattice.slack), self.max)
     }
 
     /// The interpolant at a point; beyond the lattice it is that of the nearest index, above 0.
@@ -374,7 +383,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     /// the middle is convex, so that it holds a zero where it has both signs.
     fn signs_around(&self, middle: [f64; 3], radius: f64) -> Option<f64> {
         let slack = self.lattice.slack;
-        let reach = self.max - radius - 4.0 * slack;
+        let [.., reach] = self.reaches(radius)?;
         let (mut is_below, mut is_above) = (false, false);
         for n in 0..27_u32 {
             let way = [n % 3, n / 3 % 3, n / 9].map(|x| f64::from(x) - 1.0);
@@ -384,7 +393,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
             is_below |= value < -slack;
             is_above |= value > slack;
         }
-        (is_below && is_above && reach > 0.0).then_some(self.max)
+        (is_below && is_above).then(|| self.off_around(radius, reach))
     }
 
     /// A piece above and below which the interpolant has one sign each: where it differs from the height over the
@@ -445,6 +454,8 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     }
 }
 
+/// Shares of the longest reach, one after the other: a smaller one is a smaller bound. Chosen.
+const SHARES: [f64; 3] = [0.25, 0.5, 1.0];
 /// Cells along a piece that is judged at once; chosen.
 const MOST_CELLS: f64 = 4.0;
 
