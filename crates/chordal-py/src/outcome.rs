@@ -3,7 +3,6 @@ use crate::array::Array;
 use crate::deviation::{self, DeviationArguments, NamedInput, Other};
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
-use crate::source::Source;
 use crate::volume::{BakeArguments, BakedVolume, bake_input};
 use crate::{failure, work};
 use chordal::Job;
