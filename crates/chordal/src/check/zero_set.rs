@@ -58,10 +58,10 @@ pub fn zero_set_deviation<G: SampleGrid>(
     let faces: Vec<usize> = (0..mesh.faces().len()).collect();
     let chunks: Vec<&[usize]> = faces.chunks(CHUNK).collect();
     let to_zeros = par_map(job, &chunks, |_, chunk| {
-        chunk.iter().fold(0.0, |most, face| greater(most, proof.from_face(*face)))
+        chunk.iter().fold(0.0, |most, face| greater(most, proof.face_off(*face)))
     });
     let layers: Vec<usize> = (0..nz - 1).collect();
-    let to_faces = par_map(job, &layers, |_, k| proof.from_layer(*k));
+    let to_faces = par_map(job, &layers, |_, k| proof.layer_off(*k));
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
@@ -243,7 +243,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     }
 
     /// How far the zeros in a layer of cells are from the triangles.
-    fn from_layer(&self, k: usize) -> f64 {
+    fn layer_off(&self, k: usize) -> f64 {
         let [nx, ny, _] = self.lattice.grid.size();
         let (mut most, mut row, mut parts) = (0.0, 0, Vec::new());
         for j in 0..ny - 1 {
@@ -310,7 +310,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     }
 
     /// How far a triangle is from the zeros.
-    fn from_face(&self, face: usize) -> f64 {
+    fn face_off(&self, face: usize) -> f64 {
         let corners = self.mesh.corners(face);
         let plane = FacePlane::new(corners);
         let direction = {
