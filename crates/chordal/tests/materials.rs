@@ -173,6 +173,13 @@ fn halves_that_touch_flush_meet_in_the_plane_between() {
     }
 }
 
+/// Whether a face is one of the wall of a hole of radius 3/8 around (`middle`, 0.1), and no sliver of the flat face along
+/// its rim.
+fn is_on_wall(corners: [[f64; 3]; 3], middle: f64) -> bool {
+    let is_upright = corners.iter().any(|corner| corner[2] != corners[0][2]);
+    is_upright && corners.iter().all(|[x, y, _]| ((x - middle).hypot(y - 0.1) - 0.375).abs() < 0.01)
+}
+
 #[test]
 fn a_cut_shows_the_tool_or_else_what_was_cut() {
     let body = of(&cuboid([4.0, 4.0, 2.0]).unwrap(), "left");
@@ -185,7 +192,7 @@ fn a_cut_shows_the_tool_or_else_what_was_cut() {
         let mut areas: BTreeMap<String, f64> = BTreeMap::new();
         for (face, name) in names(field, &made.shape).into_iter().enumerate() {
             let corners = made.shape.corners(face);
-            if corners.iter().all(|[x, y, _]| ((x - 1.5).hypot(y - 0.1) - 0.375).abs() < 0.01) {
+            if is_on_wall(corners, 1.5) {
                 *areas.entry(name).or_insert(0.0) += area(corners);
             }
         }
@@ -211,7 +218,7 @@ fn a_cut_shows_the_tool_or_else_what_was_cut() {
     let mut halves = BTreeMap::new();
     for (face, name) in names(&both, &made.shape).into_iter().enumerate() {
         let corners = made.shape.corners(face);
-        if corners.iter().all(|[x, y, _]| ((x - 2.0).hypot(y - 0.1) - 0.375).abs() < 0.01) {
+        if is_on_wall(corners, 2.0) {
             *halves.entry(name).or_insert(0.0) += area(corners);
         }
     }
