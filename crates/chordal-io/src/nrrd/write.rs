@@ -40,7 +40,7 @@ pub fn write(volume: &Volume, certificate: Option<&Value>, out: &mut dyn Write) 
         Samples::F64(_) => "double",
         _ => return Err(WriteError::Unsupported("nrrd holds no samples of that type".to_owned())),
     };
-    let header = NrrdHeader {
+    let header = HeaderText {
         types,
         encoding: "raw",
         size: volume.grid.size(),
@@ -78,7 +78,7 @@ pub fn write_sparse(
     certificate: Option<&Value>,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let header = NrrdHeader {
+    let header = HeaderText {
         types: "double",
         encoding: "gzip",
         size: grid.size(),
@@ -98,7 +98,7 @@ pub fn write_sparse(
 }
 
 /// What stands before the samples.
-struct NrrdHeader<'a> {
+struct HeaderText<'a> {
     types: &'a str,
     encoding: &'a str,
     size: [usize; 3],
@@ -110,7 +110,7 @@ struct NrrdHeader<'a> {
     labels: &'a BTreeMap<i64, LabelLook>,
 }
 
-impl NrrdHeader<'_> {
+impl HeaderText<'_> {
     fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let [x, y, z] = self.size;
         let vector = |v: [f64; 3]| {

@@ -86,7 +86,7 @@ struct CubeLattice<'a, G> {
 
 /// A part of a cell: its lower corner and its size in cells, both exact, and the interpolant at its corners.
 #[derive(Clone, Copy)]
-struct CellPart {
+struct CubePart {
     low: [f64; 3],
     size: f64,
     values: [f64; 8],
@@ -138,10 +138,10 @@ impl<'a, G: SampleGrid> CubeLattice<'a, G> {
         std::array::from_fn(|k| (p[k] - self.origin[k]) / self.step[k])
     }
 
-    fn cell(&self, low: [usize; 3]) -> CellPart {
+    fn cell(&self, low: [usize; 3]) -> CubePart {
         let values =
             std::array::from_fn(|c| self.grid.sample(std::array::from_fn(|k| low[k] + (c >> k & 1))));
-        CellPart { low: low.map(|i| i as f64), size: 1.0, values }
+        CubePart { low: low.map(|i| i as f64), size: 1.0, values }
     }
 
     /// The interpolant at a place, by its index.
@@ -160,7 +160,7 @@ fn shortest(rows: &[[f64; 4]; 3]) -> f64 {
     (0..3).fold(f64::INFINITY, |least, k| lesser(rows[k][k].abs(), least))
 }
 
-impl CellPart {
+impl CubePart {
     /// The interpolant at fractions of the part.
     fn value(&self, [x, y, z]: [f64; 3]) -> f64 {
         let v = &self.values;
@@ -270,7 +270,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
     }
 
     /// How far the zeros of a part are from the triangles, where that is within the limit.
-    fn part_off(&self, part: &CellPart, row: &mut u32) -> Option<f64> {
+    fn part_off(&self, part: &CubePart, row: &mut u32) -> Option<f64> {
         let CubeLattice { slack, step, .. } = self.lattice;
         let half = 0.5 * part.size;
         let middle = self.lattice.at(part.low.map(|x| x + half));
