@@ -176,7 +176,7 @@ fn halves_that_touch_flush_meet_in_the_plane_between() {
 /// Whether a face is one of the wall of a hole of radius 3/8 around (`middle`, 0.1), and no sliver of the flat face along
 /// its rim.
 fn is_on_wall(corners: [[f64; 3]; 3], middle: f64) -> bool {
-    let is_upright = corners.iter().any(|corner| corner[2] != corners[0][2]);
+    let is_upright = corners.iter().any(|corner| (corner[2] - corners[0][2]).abs() > 1e-6);
     is_upright && corners.iter().all(|[x, y, _]| ((x - middle).hypot(y - 0.1) - 0.375).abs() < 0.01)
 }
 
