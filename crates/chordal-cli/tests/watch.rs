@@ -93,7 +93,7 @@ fn a_change_ends_a_proof_that_is_not_needed_any_more() {
     let folder = Folder::new("watch-late");
     // Forty blends: the mesh takes most of a minute.
     let part = "move(smooth_union(sphere(1), box(1.5, 1.5, 1.5), 0.3), 1.5 * i, 0, 0)";
-    folder.file("a.star", &format!("union([{part} for i in range(40)])\n"));
+    folder.file("a.star", format!("union([{part} for i in range(40)])\n"));
     let mut watcher = Watcher::start(folder, "a.star");
     // As soon as it was read.
     std::thread::sleep(std::time::Duration::from_millis(300));
