@@ -68,7 +68,7 @@ impl<'a> FaceMaterials<'a> {
         made: Result<Bounded<Mesh>, Failure<Mesh>>,
         length: Option<Tolerance>,
     ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-        let paint = |made: Bounded<Mesh>| {
+        let paint = |made: Bounded<Mesh>| -> Result<Bounded<Mesh>, Failure<Mesh>> {
             let at_most = made.bound.at_most().filter(|most| *most > 0.0);
             let coarse = COARSE * made.shape.bounds().diagonal();
             let tol = length.map(Tolerance::get).or(at_most).unwrap_or(coarse);
@@ -77,8 +77,15 @@ impl<'a> FaceMaterials<'a> {
             let bound = if moved > 0.0 { made.bound.then(&step) } else { made.bound };
             Ok(Bounded { shape, bound })
         };
+        let is_within = |made: &Bounded<Mesh>| {
+            length.is_none_or(|length| made.bound.at_most().is_none_or(|most| most <= length.get()))
+        };
         match made {
-            Ok(made) => paint(made),
+            // What rounding adds may be too much for a length that was met by a hair.
+            Ok(made) => match paint(made)? {
+                painted if is_within(&painted) => Ok(painted),
+                painted => Err(Failure::Unmet(Box::new(painted))),
+            },
             Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(paint(*best)?))),
             other => other,
         }
