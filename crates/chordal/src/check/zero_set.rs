@@ -25,15 +25,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples};
 /// use chordal::{Job, Mesh, Tolerance, check::zero_set_deviation};
-/// // The distance to a pyramid, below its base by the height alone.
-/// let corners = vec![[1., 1., 1.], [5., 1., 1.], [1., 5., 1.], [1., 1., 5.]];
-/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// // The heights over the faces of an octahedron.
+/// let corners = (0..6).map(|i| { let mut p = [3.5; 3]; p[i / 2] += if i % 2 == 0 { 3.0 } else { -3.0 }; p }).collect();
+/// let faces = vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
 /// let mesh = Mesh::new(corners, faces).unwrap();
-/// let value = |[x, y, z]: [f64; 3]| ((x + y + z - 7.0) / 3.0_f64.sqrt()).max(1.0 - x).max(1.0 - y).max(1.0 - z);
+/// let value = |p: [f64; 3]| (p.iter().map(|x| (x - 3.5).abs()).sum::<f64>() - 3.0) / 3.0_f64.sqrt();
 /// let samples = (0..512_u32).map(|n| value([n % 8, n / 8 % 8, n / 64].map(f64::from))).collect();
 /// let grid = Grid::new([8; 3], Samples::F64(samples), Affine3::IDENTITY)?;
 /// let within = |max: f64| zero_set_deviation(&mesh, &grid, Tolerance::new(max).unwrap(), &Job::default());
-/// assert!(within(1.0).unwrap().unwrap().at_most().unwrap() <= 1.0);
+/// assert!(within(1.5).unwrap().unwrap().at_most().unwrap() <= 1.5);
 /// assert!(within(0.01).unwrap().is_none());
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
