@@ -71,6 +71,7 @@ fn is_finite<G: SampleGrid>(grid: &G) -> bool {
     (0..nz).all(|k| (0..ny).all(|j| (0..nx).all(|i| grid.sample([i, j, k]).is_finite())))
 }
 
-/// Shares of the spacing of samples: smooth surfaces are within the first, and the last is the most that the
-/// interpolant of true distances can be off on its own surface, √3/2 of it, rounded up. Chosen, but for the last.
-const SHARES: [f64; 3] = [0.125, 0.5, 0.875];
+/// Shares of the spacing of samples: smooth surfaces are within the first; the third is the most that the interpolant
+/// of true distances can be off on its own surface, √3/2 of it, rounded up; sharp corners are cut off by several. Chosen,
+/// but for the third.
+const SHARES: [f64; 5] = [0.125, 0.5, 0.875, 2.0, 4.0];

@@ -245,7 +245,7 @@ fn bake_within(
         "the budget was not met; the best reached is {reached} with {x} x {y} x {z} samples"
     ));
     let why =
-        why.unwrap_or_else(|| "finer cells would prove no more: parts may be as thin as the length".into());
+        why.unwrap_or_else(|| "cells of an eighth of the length prove no more: parts may be thinner than it, or corners too sharp".into());
     message = message.words("; ").message(&why);
     Ok((made, bound, Some(message)))
 }
@@ -257,9 +257,9 @@ fn triangles_of(source: &DistanceSource) -> Result<&chordal::Mesh, MeshFailure> 
 }
 
 /// The cells of a lattice that are tried, as shares of as many as there would be of the size of the length: the
-/// interpolant of a smooth shape is off by far less than a cell, and of any shape by about as much as one. Chosen, up to
-/// where thin parts alone can be what keeps the bound.
-const SHARES: [f64; 7] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0];
+/// interpolant of a smooth shape is off by far less than a cell, and sharp corners are cut off by several. Chosen, up to
+/// where thin parts are mostly what keeps the bound.
+const SHARES: [f64; 9] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 8.0];
 /// The fewest cells along the longest side; chosen, so that a shape is told from a ball.
 const FEWEST: f64 = 8.0;
 
