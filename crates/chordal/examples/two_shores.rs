@@ -19,6 +19,8 @@ use std::time::Instant;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
+/// The shape as a script has it.
+const SCRIPT: &str = "(sphere(1) | torus(1.3, 0.2)) - cylinder(0.45, 4)";
 /// How far the triangles may be from the shape, which is 3 wide.
 const WITHIN: f64 = 1e-3;
 const N_POINTS: u32 = 100_000;
@@ -49,7 +51,7 @@ fn main() -> Outcome<()> {
         mesh.positions().len(),
         mesh.faces().len()
     );
-    println!("| memory | {} | {} |", bytes(size), bytes(16 * terms));
+    println!("| memory | {} | {}, as a script |", bytes(size), bytes(SCRIPT.len()));
 
     // Drawing: one ray for each pixel.
     let rays = rays();
@@ -104,7 +106,8 @@ fn main() -> Outcome<()> {
     })?;
     let (true_one, _) = median(|| redistance(&shape, within, &job).map_err(text))?;
     println!(
-        "| offset by −0.1 | {}, through its distance to triangles within 0.03 | {}; {} more where the value is to be a true distance first |",
+        "| offset by −0.1 | {}, through its distance to triangles within 0.03 | {}; {} more where the value is to be a \
+         true distance first |",
         time(detour),
         time(offsets),
         time(true_one)

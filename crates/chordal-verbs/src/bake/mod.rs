@@ -204,6 +204,13 @@ fn bake_within(
             continue;
         }
         tried = cells;
+        if share > MANY && cells as f64 > MOST_CELLS {
+            why = Some(
+                format!("{cells} cells along the longest side would be next, which are not tried unasked")
+                    .into(),
+            );
+            break;
+        }
         let made = match source.sample(cells, spec, job) {
             Ok(made) => made,
             Err(MeshFailure::Refused(refusal)) if best.is_some() => {
@@ -244,8 +251,9 @@ fn bake_within(
     let mut message = Message::from(format!(
         "the budget was not met; the best reached is {reached} with {x} x {y} x {z} samples"
     ));
-    let why =
-        why.unwrap_or_else(|| "cells of an eighth of the length prove no more: parts may be thinner than it, or corners too sharp".into());
+    let why = why.unwrap_or_else(|| {
+        "cells of an eighth of the length prove no more: parts may be thinner than it, or corners too sharp".into()
+    });
     message = message.words("; ").message(&why);
     Ok((made, bound, Some(message)))
 }
@@ -260,6 +268,11 @@ fn triangles_of(source: &DistanceSource) -> Result<&chordal::Mesh, MeshFailure> 
 /// interpolant of a smooth shape is off by far less than a cell, and sharp corners are cut off by several. Chosen, up to
 /// where thin parts are mostly what keeps the bound.
 const SHARES: [f64; 9] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 8.0];
+/// From more than this share on, lattices are tried up to a size only. Chosen: a gigabyte of samples is more than a sharp
+/// corner is mostly worth.
+const MANY: f64 = 2.0;
+/// That size, in cells along the longest side.
+const MOST_CELLS: f64 = 512.0;
 /// The fewest cells along the longest side; chosen, so that a shape is told from a ball.
 const FEWEST: f64 = 8.0;
 
