@@ -1,4 +1,4 @@
-"""The lattice of a bake, as Python's arguments say it."""
+"""Distances on a lattice."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
 from chordal._arguments import number
 from chordal._budget import Length, Share, budget_arguments
+from chordal._combine import compiled
 from chordal._errors import BudgetError, BudgetUnmet
 
 if TYPE_CHECKING:
@@ -14,7 +15,40 @@ if TYPE_CHECKING:
     from chordal._volume import Volume
 
 
-def baked(
+class Bakeable:
+    """What distances can be sampled to: shapes and meshes."""
+
+    __slots__ = ()
+
+    def bake(
+        self,
+        *,
+        cells: SupportsIndex | None = None,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        band: SupportsFloat | None = None,
+        bound: bool = False,
+    ) -> Volume:
+        """The distance to the shape on a lattice of cubes, negative inside: `cells` along the longest side.
+
+        With `tol` or `rel` instead there are as many cells as it takes for the surface where the interpolant of the
+        samples vanishes to be proved within that length of the shape; `BudgetUnmet` has the best that was reached. With
+        `band` samples are distances only within so many cells of the surface. `bound` proves that surface for `cells`,
+        too. `report` of what comes back says by how much distances are off at most, at samples and between them, and
+        what the sides rest on. Raises `Refused` for curves.
+
+        >>> import chordal
+        >>> corner = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        >>> solid = chordal.triangles(corner, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+        >>> solid.bake(cells=8).report["certificate"]["baked"]["solid"]["sentence"]
+        'the mesh is a solid'
+        >>> solid.bake(tol=0.05).bound.at_most <= 0.05
+        True
+        """
+        return _baked(compiled("self", self), cells=cells, tol=tol, rel=rel, band=band, bound=bound)
+
+
+def _baked(
     source: _chordal.Source | _chordal.Outcome,
     *,
     cells: SupportsIndex | None,

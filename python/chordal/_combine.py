@@ -91,7 +91,7 @@ def _combined(
         raise ValueError("steps: at least one, as in ('difference', other)")
     budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
     others = [_step(step) for step in steps]
-    return Mesh.of(_chordal.combine(_compiled("first", first), others, budget, "ply", function("progress", progress)))
+    return Mesh.of(_chordal.combine(compiled("first", first), others, budget, "ply", function("progress", progress)))
 
 
 def _step(step: object) -> tuple[str, _chordal.Source | _chordal.Outcome]:
@@ -100,10 +100,10 @@ def _step(step: object) -> tuple[str, _chordal.Source | _chordal.Outcome]:
     operation, other = step
     if operation not in OPERATIONS:
         raise ValueError(f"steps: one of {', '.join(OPERATIONS)}, not {operation!r}")
-    return operation, _compiled("steps", other)
+    return operation, compiled("steps", other)
 
 
-def _compiled(name: str, thing: object) -> _chordal.Source | _chordal.Outcome:
+def compiled(name: str, thing: object) -> _chordal.Source | _chordal.Outcome:
     from chordal._mesh import Mesh
     from chordal._shape import Shape
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, SupportsFloat
 
-from chordal._bake import baked
-from chordal._budget import Length, Share
+from chordal._bake import Bakeable
+from chordal._budget import Length
 from chordal._combine import Combinable
 from chordal._deviation import Deviation, measured
 from chordal._made import Made, counted
@@ -16,10 +16,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from chordal._shape import Shape
-    from chordal._volume import Volume
 
 
-class Mesh(Made, Combinable):
+class Mesh(Made, Combinable, Bakeable):
     """Triangles with their bound. `Shape.mesh` makes it; it does not change.
 
     >>> import chordal
@@ -69,18 +68,6 @@ class Mesh(Made, Combinable):
         return measured(
             self._outcome, other, relative=relative, absolute=absolute, max=max, progress=progress
         )
-
-    def bake(
-        self,
-        *,
-        cells: SupportsIndex | None = None,
-        tol: Length | None = None,
-        rel: Share | None = None,
-        band: SupportsFloat | None = None,
-        bound: bool = False,
-    ) -> Volume:
-        """The distance to the triangles on a lattice, as for `Shape.bake`."""
-        return baked(self._outcome, cells=cells, tol=tol, rel=rel, band=band, bound=bound)
 
     def _size(self) -> str:
         output = self.report["certificate"]["output"]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIn
 from chordal import _chordal, _files
 from chordal._arguments import function, text
 from chordal._arrays import coordinates, indices
-from chordal._bake import baked
+from chordal._bake import Bakeable
 from chordal._budget import Length, Share, budget_arguments
 from chordal._combine import Combinable
 from chordal._deviation import Deviation, measured
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from chordal._cage import Cage
-    from chordal._volume import Volume
 
 #: Told about progress: the name of the stage, the steps that are done, and those in all.
 Progress = Callable[[str, int, int], object]
@@ -100,7 +99,7 @@ def triangles(vertices: ArrayLike, faces: ArrayLike, *, unit: str | None = None)
     return Shape(_chordal.Source.triangles(points.tobytes(), rows.tobytes(), text("unit", unit)))
 
 
-class Shape(Combinable):
+class Shape(Combinable, Bakeable):
     """What a file holds: patches, triangles, a drawing, or curves in space. `load` makes it; it does not change."""
 
     __slots__ = ("_source",)
@@ -218,33 +217,6 @@ class Shape(Combinable):
         from chordal._cage import Cage
 
         return Cage._of(self._source.cage())
-
-    def bake(
-        self,
-        *,
-        cells: SupportsIndex | None = None,
-        tol: Length | None = None,
-        rel: Share | None = None,
-        band: SupportsFloat | None = None,
-        bound: bool = False,
-    ) -> Volume:
-        """The distance to the shape on a lattice of cubes, negative inside: `cells` along the longest side.
-
-        With `tol` or `rel` instead there are as many cells as it takes for the surface where the interpolant of the
-        samples vanishes to be proved within that length of the shape; `BudgetUnmet` has the best that was reached. With
-        `band` samples are distances only within so many cells of the surface. `bound` proves that surface for `cells`,
-        too. `report` of what comes back says by how much distances are off at most, at samples and between them, and
-        what the sides rest on. Raises `Refused` for curves.
-
-        >>> import chordal
-        >>> corner = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-        >>> solid = chordal.triangles(corner, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
-        >>> solid.bake(cells=8).report["certificate"]["baked"]["solid"]["sentence"]
-        'the mesh is a solid'
-        >>> solid.bake(tol=0.05).bound.at_most <= 0.05
-        True
-        """
-        return baked(self._source, cells=cells, tol=tol, rel=rel, band=band, bound=bound)
 
     def flatten(
         self,

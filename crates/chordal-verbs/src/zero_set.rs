@@ -74,4 +74,4 @@ fn is_finite<G: SampleGrid>(grid: &G) -> bool {
 /// Shares of the spacing of samples: smooth surfaces are within the first; the third is the most that the interpolant
 /// of true distances can be off on its own surface, √3/2 of it, rounded up; sharp corners are cut off by several. Chosen,
 /// but for the third.
-const SHARES: [f64; 5] = [0.125, 0.5, 0.875, 2.0, 4.0];
+const SHARES: [f64; 6] = [0.125, 0.5, 0.875, 2.0, 4.0, 8.0];
