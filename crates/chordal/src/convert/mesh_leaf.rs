@@ -277,7 +277,17 @@ impl MeshLeaf {
     /// The distance at `p`, and what speeds up the next point; `None` without triangles or for a point that
     /// is not finite.
     pub(super) fn step(&self, p: [f64; 3], last: Option<PreviousPoint>) -> Option<PreviousPoint> {
-        let (distance, row) = self.bvh.distance_with_hint(p, last.map_or(0, |last| last.row))?;
+        self.step_within(p, last, f64::INFINITY)
+    }
+
+    /// [`MeshLeaf::step`], but where no triangle is within `reach`, the distance is `reach`, rounded.
+    pub(super) fn step_within(
+        &self,
+        p: [f64; 3],
+        last: Option<PreviousPoint>,
+        reach: f64,
+    ) -> Option<PreviousPoint> {
+        let (distance, row) = self.bvh.distance_within(p, last.map_or(0, |last| last.row), reach)?;
         let inside = match last {
             // Two overlapping balls without triangles lie on one side, if the mesh is closed.
             Some(last) if self.is_on_same_side(&last, p, distance) => last.inside,

@@ -213,11 +213,15 @@ impl BrickSampler<'_> {
         let [first, end] = brick;
         let hull = self.lattice.hull(brick);
         let radius = 0.5 * hull.diagonal();
-        let Some(middle) = self.leaf.step(hull.centre(), self.last) else { return 0 };
-        self.last = Some(middle);
-        // A factor far above the rounding of the distance and of the radius.
+        // A factor far above the rounding of distances and of the radius.
         const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
-        let is_far = middle.distance() > (self.band + radius) * SHARE;
+        // Beyond these no triangle is looked for: that takes longer the farther the nearest one is.
+        let [reach, whole] = [self.band * SHARE, (self.band + radius) * SHARE];
+        let Some(middle) = self.leaf.step_within(hull.centre(), self.last, whole * SHARE) else {
+            return 0;
+        };
+        self.last = Some(middle);
+        let is_far = middle.distance() > whole;
         let one_side = self.leaf.is_closed();
         let mut count = 0;
         for k in first[2]..end[2] {
@@ -236,7 +240,7 @@ impl BrickSampler<'_> {
                         self.out[row] = if last.value() < 0.0 { -self.band } else { self.band };
                         continue;
                     }
-                    let Some(here) = self.leaf.step(p, self.last) else { continue };
+                    let Some(here) = self.leaf.step_within(p, self.last, reach) else { continue };
                     self.last = Some(here);
                     let value = here.value();
                     let within = here.distance() <= self.band;

@@ -297,13 +297,21 @@ impl Bvh {
     /// The distance from `p` to the mesh, rounded as in [`Bvh::closest_point`], and the row of the closest
     /// triangle. The hint `row` should be near: it saves time and does not affect the answer, because the
     /// search skips only triangles that are certainly farther.
-    pub(crate) fn distance_with_hint(&self, p: [f64; 3], row: u32) -> Option<(f64, u32)> {
+    ///
+    /// Where no triangle is within `reach` (∞ is allowed), the answer is `reach`, rounded, no triangle is nearer,
+    /// and the row is the hint.
+    pub(crate) fn distance_within(&self, p: [f64; 3], row: u32, reach: f64) -> Option<(f64, u32)> {
         let query = ClosestQuery::new(&self.frame, p)?;
         let square = |triangle: &BvhTriangle| {
             triangle::closest_point(query.q, query.corners(self, triangle)).distance_sq
         };
         let first = self.triangles.get(row as usize)?;
-        let start = ClosestTriangle { row, face: first.face & !LAST, square: square(first) };
+        let mut start = ClosestTriangle { row, face: first.face & !LAST, square: square(first) };
+        let reach = reach * query.scale;
+        if (f64::MIN_POSITIVE..start.square).contains(&(reach * reach)) {
+            // No face has this number, so that a triangle exactly as far is found.
+            start = ClosestTriangle { face: u32::MAX, square: reach * reach, ..start };
+        }
         // The box of one triangle is smaller than that of its leaf, and faster to test than the triangle.
         let mut best = start.square;
         let least = self.closest_row_from(&query, start, |triangle| {
@@ -315,6 +323,11 @@ impl Bvh {
             value
         })?;
         Some((least.square.sqrt() / query.scale, least.row))
+    }
+
+    /// [`Bvh::distance_within`] any distance.
+    pub(crate) fn distance_with_hint(&self, p: [f64; 3], row: u32) -> Option<(f64, u32)> {
+        self.distance_within(p, row, f64::INFINITY)
     }
 
     /// Proved lower and upper bounds for the distance from `p` to the triangle of a row, rounding included.
