@@ -9,6 +9,7 @@ mod common;
 mod convert;
 mod deviation;
 mod drawing;
+mod everyday;
 mod files;
 mod hard_fields;
 mod hard_inputs;

@@ -10,7 +10,7 @@ use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
 use crate::implicit::{Csg, CsgNode, DualRange, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{Box3, greater};
+use crate::math::{Box3, greater, length};
 use std::sync::Arc;
 
 /// The options of a grid.
@@ -195,6 +195,12 @@ impl<'a> FieldGrid<'a> {
             .collect();
         let pending = pending.into_iter().map(|c| self.remove_cell(c)).collect();
         self.refine_levels(evaluator, pending, &asked)
+    }
+
+    /// The length of something before stretching, from how far it reaches along each axis.
+    pub fn size_of(&self, extent: [f64; 3]) -> f64 {
+        let stretch = self.tetrahedra.stretch();
+        length::<3>(std::array::from_fn(|k| extent[k] / stretch[k]))
     }
 
     /// The solid.

@@ -1,12 +1,13 @@
 //! `FieldMesher`: from a field to a surface, step by step: adaptive cells, their boundary, its improvement.
 use super::extract::extract;
+use super::field_sampler::FieldSampler;
 use super::grid::{FieldGrid, FieldGridError, FieldGridStatus, GridOptions};
-use super::improve::{ImproveError, LabelledSurface, SurfaceImprover};
+use super::improve::{BlockedPlace, ImproveError, LabelledSurface, SurfaceImprover};
 use super::sizing::SizingPoint;
 use crate::budget::{Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
-use crate::implicit::{LeafError, PrimitiveEvaluator};
-use crate::math::{Box3, greater, lesser};
+use crate::implicit::{Dual, LeafError, PrimitiveEvaluator, Tape};
+use crate::math::{Box3, greater, length, lesser};
 
 /// The most times that cells are cut again where vertices of the surface are blocked. Measured: twice was
 /// enough on all models of the tests.
@@ -50,6 +51,8 @@ pub(super) struct FieldMesher<'a> {
     pub bounds: Box3,
     /// Whether some function is sampled, with no ranges of its slopes.
     pub is_sampled: bool,
+    /// The sign of the whole field.
+    pub tape: &'a Tape,
     pub job: &'a Job,
 }
 
@@ -159,6 +162,10 @@ impl<'a> FieldMesher<'a> {
             };
             drop(start);
             let mut tight = surface.blocked().to_vec();
+            if cuts < MOST_CUTS {
+                let astray = self.astray(&surface)?;
+                tight.extend(astray.into_iter().take(MOST_TIGHT.saturating_sub(tight.len())));
+            }
             // Smaller cells would not help where so many vertices are blocked.
             let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT;
             if tight.is_empty() || is_last {
@@ -170,8 +177,9 @@ impl<'a> FieldMesher<'a> {
             if tight.is_empty() || tight.len() > MOST_TIGHT || is_last {
                 break surface;
             }
-            let places: Vec<SizingPoint> =
-                tight.iter().map(|place| SizingPoint { at: place.at, size: 0.5 * place.size }).collect();
+            let half =
+                |place: &BlockedPlace| SizingPoint { at: place.at, size: 0.5 * grid.size_of(place.extent) };
+            let places: Vec<SizingPoint> = tight.iter().map(half).collect();
             cuts += 1;
             report("cells", cuts);
             evaluator = surface.into_evaluator();
@@ -182,6 +190,21 @@ impl<'a> FieldMesher<'a> {
         surface.improve()?;
         self.check_size(surface.n_faces() as f64)?;
         Ok(ImprovedSurface { surface, extent })
+    }
+
+    /// Vertices on their primitives that are away from the surface all the same: cells are so coarse that other
+    /// primitives end at the wrong places.
+    fn astray(&self, surface: &SurfaceImprover) -> Result<Vec<BlockedPlace>, Failure<Mesh>> {
+        if self.tape.has_leaves() {
+            return Ok(Vec::new());
+        }
+        let vertices = surface.vertices();
+        let points: Vec<[f64; 3]> = vertices.iter().map(|v| surface.position(*v)).collect();
+        let sampler = FieldSampler { tape: self.tape, job: self.job };
+        let slopes = sampler.duals(&points).map_err(leaf_failure)?;
+        let is_far = |slope: &Dual<f64>| slope.value.abs() > surface.aim() * length(slope.gradient);
+        let far = vertices.into_iter().zip(&slopes).filter(|(_, slope)| is_far(slope));
+        Ok(far.map(|(v, _)| surface.place_of(v)).collect())
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {

@@ -21,13 +21,15 @@ use super::tape::Tape;
 use crate::budget::Evidence;
 use crate::math::{exponent, power_of_two};
 use materials::{MaterialsBuilder, OperandMaterial};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use subgraph::{mark_of, subgraph_terms, unmarked};
 
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
-/// It describes the set `{F < 0}` with its boundary regularized: where `a` and its exact complement `−a`
-/// meet, as two stacked boxes do at their common face, there is no surface.
+/// It describes the set `{F < 0}` with its boundary regularized: where `a` and its complement `−a` meet, as two
+/// stacked boxes do at their common face, there is no surface. Two levels of one term are one level where they
+/// differ by rounding alone, by at most 2⁻⁴⁸ of the largest number in either: a part of height 0.6 around the
+/// origin and one of height 0.2 around 0.4 meet, though the numbers do not say so exactly.
 ///
 /// ```
 /// use chordal::implicit::shapes;
@@ -92,6 +94,9 @@ struct LevelSet {
     falls: bool,
 }
 
+/// Two levels of one term that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what a
+/// script's additions come to, and far less than any length that coordinates have digits for.
+const WELD: f64 = 16.0 * f64::EPSILON;
 /// Two levels that differ by more than this fraction of their sizes also differ without rounding. Derived: a
 /// chain of thousands of roundings is off by less than 2⁻⁴⁰ of them.
 const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
@@ -189,20 +194,24 @@ enum CsgBuildStep {
     Emit(CsgNode),
 }
 
-/// Two primitives are the same, or complements, where these keys are equal.
-#[derive(PartialEq, Eq, Hash)]
-enum PrimitiveKey {
-    /// A term and the level of it that is the boundary, as bits.
-    Level(u32, u64),
-    /// A term and the operations with constants above it, without their signs.
-    Chain(u32, u32),
+/// A term and the operations with constants above it, without their signs. Two primitives are the same, or
+/// complements, where these are equal.
+type ChainKey = (u32, u32);
+/// A term and a level of it, in an order.
+type LevelKey = (u32, i64);
+
+/// The place of a number in the order of all.
+fn order_key(at: f64) -> i64 {
+    let bits = at.to_bits().cast_signed();
+    bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 
 struct CsgBuilder<'a> {
     terms: &'a [Term],
     above: Vec<ChainLink>,
-    chains: HashMap<(u8, u64, u32), u32>,      // No order depends on it.
-    known: HashMap<PrimitiveKey, (u32, bool)>, // No order depends on it.
+    chains: HashMap<(u8, u64, u32), u32>,  // No order depends on it.
+    known: HashMap<ChainKey, (u32, bool)>, // No order depends on it.
+    levels: BTreeMap<LevelKey, (LevelSet, u32)>,
     /// The differences of two terms whose first term is the earlier one.
     mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
     primitives: Vec<Primitive>,
@@ -223,6 +232,7 @@ impl<'a> CsgBuilder<'a> {
             above: Vec::new(),
             chains: HashMap::new(), // No order depends on it.
             known: HashMap::new(),  // No order depends on it.
+            levels: BTreeMap::new(),
             primitives: Vec::new(),
             nodes: Vec::new(),
             materials: MaterialsBuilder::default(),
@@ -386,13 +396,13 @@ impl<'a> CsgBuilder<'a> {
         self.add_materials(place);
         let (base, ops) = self.chain(place);
         let level = level(base, &ops);
-        let (key, falls) = match level.filter(|level| level.is_exact) {
-            Some(level) => (PrimitiveKey::Level(level.base, level.at.to_bits()), level.falls),
-            None => self.chain_key(base, &ops),
-        };
-        if let Some((number, known_falls)) = self.known.get(&key) {
-            let is_same = falls == *known_falls;
-            return if is_same { CsgNode::Primitive(*number) } else { CsgNode::Complement(*number) };
+        let (key, falls) = self.chain_key(base, &ops);
+        let welded = level.and_then(|level| {
+            self.same_level(&level).map(|(known, number)| (number, known.falls == level.falls))
+        });
+        let known = || self.known.get(&key).map(|(number, known_falls)| (*number, falls == *known_falls));
+        if let Some((number, is_same)) = welded.or_else(known) {
+            return if is_same { CsgNode::Primitive(number) } else { CsgNode::Complement(number) };
         }
         let graph = self.graph_of(place);
         self.n_copied += graph.terms().len();
@@ -400,12 +410,26 @@ impl<'a> CsgBuilder<'a> {
         let is_total = is_total(graph.terms());
         self.primitives.push(Primitive { tape: Tape::from_graph(graph), is_total, level });
         self.known.insert(key, (number, falls));
+        if let Some(level) = level {
+            self.levels.insert((level.base, order_key(level.at)), (level, number));
+        }
         CsgNode::Primitive(number)
+    }
+
+    /// The primitive of a level that differs from this one by rounding alone.
+    fn same_level(&self, level: &LevelSet) -> Option<(LevelSet, u32)> {
+        let key = (level.base, order_key(level.at));
+        let next = self.levels.range(key..).next();
+        let last = self.levels.range(..key).next_back();
+        let is_same = |known: &LevelSet| {
+            known.base == level.base && (known.at - level.at).abs() <= WELD * (known.size + level.size)
+        };
+        [next, last].into_iter().flatten().map(|(_, found)| *found).find(|(known, _)| is_same(known))
     }
 
     /// A term and the operations above it up to their sign, and whether that sign is a minus. Rounding is
     /// symmetric, so `k − a` is the negative of `a − k` to the last bit, whatever follows.
-    fn chain_key(&mut self, base: u32, ops: &[MonotoneOp]) -> (PrimitiveKey, bool) {
+    fn chain_key(&mut self, base: u32, ops: &[MonotoneOp]) -> (ChainKey, bool) {
         let mut falls = false;
         let mut plain = Vec::with_capacity(ops.len());
         for op in ops {
@@ -420,7 +444,7 @@ impl<'a> CsgBuilder<'a> {
             falls ^= op.falls();
         }
         let chain = plain.into_iter().rev().fold(NOTHING, |next, op| self.push(op, next));
-        (PrimitiveKey::Chain(base, chain), falls)
+        ((base, chain), falls)
     }
 
     /// The term below all operations with constants, and these from it upward.
@@ -490,12 +514,13 @@ impl<'a> CsgBuilder<'a> {
 fn level(base: u32, ops: &[MonotoneOp]) -> Option<LevelSet> {
     // The chain applied to `base` is `scale · base + offset`. In an exact chain the scale is a power of 2 or
     // its negative.
-    let mut shift = ScaleOffset { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
+    let mut shift = ScaleOffset { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true, is_lost: false };
     ops.iter().for_each(|op| shift.apply(*op));
-    let ScaleOffset { scale, offset, size, is_exact } = shift;
+    let ScaleOffset { scale, offset, size, is_exact, is_lost } = shift;
     // −0 and 0 are one level.
     let at = -offset / scale + 0.0;
-    let is_sound = at.is_finite()
+    let is_sound = !is_lost
+        && at.is_finite()
         && size.is_finite()
         && scale.is_normal()
         && (at.is_normal() || offset == 0.0)
@@ -510,6 +535,7 @@ struct ScaleOffset {
     /// The largest offset so far, divided by the scale.
     size: f64,
     is_exact: bool,
+    is_lost: bool,
 }
 
 impl ScaleOffset {
@@ -535,8 +561,10 @@ impl ScaleOffset {
     }
 
     fn scale_by(&mut self, scale: f64, offset: f64) {
-        // Below the normal numbers digits are lost.
-        self.is_exact &= offset.is_normal() || self.offset == 0.0;
+        // Below the normal numbers digits are lost, and with them the level.
+        if !(offset.is_normal() || self.offset == 0.0) {
+            self.is_lost = true;
+        }
         (self.scale, self.offset) = (scale, offset);
     }
 

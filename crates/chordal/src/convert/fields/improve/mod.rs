@@ -61,8 +61,8 @@ impl From<LeafError> for ImproveError {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockedPlace {
     pub at: [f64; 3],
-    /// The longest edge at the vertex, or the length of the edge.
-    pub size: f64,
+    /// How far the edges at the vertex reach along each axis, or that edge.
+    pub extent: [f64; 3],
 }
 
 /// The distance and normal of a vertex on one of its primitives.
@@ -200,7 +200,8 @@ impl<'a> SurfaceImprover<'a> {
         let there = self.stuck.iter().filter(|h| self.surface.has_face(**h / 3) && is_far(**h));
         let place = |h: &u32| {
             let [a, b] = [self.surface.start(*h), self.surface.end(*h)];
-            BlockedPlace { at: self.middle_point(a, b).to_array(), size: (self.at(b) - self.at(a)).length() }
+            let extent = (self.at(b) - self.at(a)).abs().to_array();
+            BlockedPlace { at: self.middle_point(a, b).to_array(), extent }
         };
         Ok(there.map(place).collect())
     }
@@ -208,6 +209,7 @@ impl<'a> SurfaceImprover<'a> {
     /// Splits, flips and collapses the result of [`Self::refine`] until every edge and face is within the aim
     /// and few are left.
     pub fn improve(&mut self) -> Result<(), ImproveError> {
+        self.remove_unsettled()?;
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
             self.job.report(Progress { stage: "improve", done: cycle as u64, total: MOST_CYCLES as u64 });
@@ -248,6 +250,25 @@ impl<'a> SurfaceImprover<'a> {
         let off = self.unsettled();
         self.settle(&off)?;
         Ok(n)
+    }
+
+    /// The numbers of all vertices.
+    pub fn vertices(&self) -> Vec<u32> {
+        (0..self.surface.vertex_slots() as u32).filter(|v| self.surface.has_vertex(*v)).collect()
+    }
+
+    pub fn position(&self, v: u32) -> [f64; 3] {
+        self.at(v).to_array()
+    }
+
+    /// A vertex as a place where cells are too large.
+    pub fn place_of(&self, v: u32) -> BlockedPlace {
+        BlockedPlace { at: self.position(v), extent: self.extent_around(v, &self.position) }
+    }
+
+    /// The allowed error of edges and faces.
+    pub fn aim(&self) -> f64 {
+        self.aim
     }
 
     /// Vertices that could not reach their targets, at first.

@@ -138,7 +138,7 @@ impl SurfaceImprover<'_> {
         self.untangle(&raw, &mut is_away)?;
         let held = (0..raw.len() as u32).filter(|v| is_away[*v as usize]);
         self.blocked = held
-            .map(|v| BlockedPlace { at: raw[v as usize].to_array(), size: self.size_around(v, &raw) })
+            .map(|v| BlockedPlace { at: raw[v as usize].to_array(), extent: self.extent_around(v, &raw) })
             .collect();
         Ok(())
     }
@@ -147,6 +147,12 @@ impl SurfaceImprover<'_> {
     pub(super) fn size_around(&self, v: u32, at: &[DVec3]) -> f64 {
         let length = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).length();
         self.surface.one_ring(v).map(length).fold(0.0, |m, x| greater(x, m))
+    }
+
+    /// How far the edges at a vertex reach along each axis.
+    pub(super) fn extent_around(&self, v: u32, at: &[DVec3]) -> [f64; 3] {
+        let reach = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).abs();
+        self.surface.one_ring(v).map(reach).fold(DVec3::ZERO, DVec3::max).to_array()
     }
 
     /// Samples vertices at their positions.

@@ -1,7 +1,9 @@
-//! Welds edges without length. Where primitives abut or touch, cells have ledges between them, which Newton
-//! steps turn into faces without width.
+//! Merges vertices: the ends of edges without length, since where primitives abut or touch, cells have ledges
+//! between them, which Newton steps turn into faces without width; and vertices that cannot reach their targets
+//! into neighbours.
 use super::collapse::VertexStar;
-use super::{ImproveError, SurfaceImprover, area_normal};
+use super::newton::SETTLED;
+use super::{FaceLabel, ImproveError, SurfaceImprover, area_normal};
 use crate::math::greater;
 use glam::DVec3;
 
@@ -56,7 +58,12 @@ impl SurfaceImprover<'_> {
         if !self.keeps_directions(star) || self.would_intersect(star) {
             return None;
         }
-        let [v, t] = [star.ring[0], self.surface.twin(h)];
+        Some(self.merge(h))
+    }
+
+    /// Collapses a half-edge's start into its end, which it returns and which has to be measured.
+    fn merge(&mut self, h: u32) -> u32 {
+        let [v, t] = [self.surface.end(h), self.surface.twin(h)];
         [h, t].iter().for_each(|h| self.tree.remove(*h / 3));
         self.surface.collapse(h);
         let mut labels = Vec::new();
@@ -69,7 +76,58 @@ impl SurfaceImprover<'_> {
         }
         self.place[v as usize] = self.new_place(&mut labels);
         self.counts.collapses += 1;
-        Some(v)
+        v
+    }
+
+    /// Removes vertices that cannot reach their targets where a neighbour is on the primitives of all faces that
+    /// it would get, as where primitives coincide; then the others may have room.
+    pub(super) fn remove_unsettled(&mut self) -> Result<(), ImproveError> {
+        let mut star = VertexStar::default();
+        for _ in 0..MOST_ROUNDS {
+            self.next_round()?;
+            let mut merged = Vec::new();
+            for v in self.unsettled() {
+                if !self.surface.has_vertex(v) {
+                    continue;
+                }
+                let mut ways: Vec<u32> = self.surface.one_ring(v).collect();
+                let length = |h: &u32| (self.at(self.surface.end(*h)) - self.at(v)).length_squared();
+                ways.sort_by(|a, b| length(a).total_cmp(&length(b)));
+                for h in ways {
+                    if self.surface.can_collapse(h) {
+                        self.gather_star(h, &mut star);
+                        if self.is_on_all(&star)? && !self.would_intersect(&star) {
+                            merged.push(self.merge(h));
+                            break;
+                        }
+                    }
+                }
+            }
+            if merged.is_empty() {
+                break;
+            }
+            merged.retain(|v| self.surface.has_vertex(*v));
+            merged.sort_unstable();
+            merged.dedup();
+            self.measure_vertices(&merged)?;
+            let left = self.unsettled();
+            self.settle(&left)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the vertex that a star collapses into is on the primitives of all faces that remain, and none of
+    /// these would turn away from its primitive.
+    fn is_on_all(&mut self, star: &VertexStar) -> Result<bool, ImproveError> {
+        let n = star.ring.len();
+        let to = self.at(star.ring[0]);
+        let labels: Vec<FaceLabel> = star.sides[1..n - 1].iter().map(|h| self.label_of(*h)).collect();
+        let asks: Vec<_> = labels.into_iter().map(|label| (label, to)).collect();
+        let samples = self.sample(&asks)?;
+        Ok((1..n - 1).zip(samples).all(|(i, sample)| {
+            let points = [star.ring[0], star.ring[i], star.ring[i + 1]].map(|v| self.at(v));
+            sample.distance.abs() <= SETTLED * self.aim && self.faces_along(points, sample.normal)
+        }))
     }
 
     /// Whether no face with a width turns by more than 60°.
