@@ -112,7 +112,14 @@ impl fmt::Display for MeshFailure {
                     Some(Output::Triangles(output)) => format!("{} triangles", output.triangles),
                     None => "nothing".to_owned(),
                 };
-                write!(f, "the budget was not met; the best reached is {} with {made}", best.bound)?;
+                f.write_str("the budget was not met; the best reached is ")?;
+                match (best.bound.at_most(), best.bound.at_least()) {
+                    (Some(_), _) => write!(f, "{} with {made}", best.bound)?,
+                    (None, least) if least > 0.0 => {
+                        write!(f, "off by {least:.3e} or more, without an upper bound, with {made}")?;
+                    }
+                    _ => write!(f, "without an upper bound, with {made}")?,
+                }
                 match best.bound.at {
                     Some([x, y, z]) => {
                         write!(f, "; the worst known place is about ({x:.4e}, {y:.4e}, {z:.4e})")
