@@ -7,6 +7,7 @@
 //! at creases and corners, and its values have their own units.
 mod branches;
 mod evaluator;
+mod level;
 mod materials;
 mod subgraph;
 mod tree;
@@ -19,9 +20,9 @@ use super::graph::{ExprGraph, Term};
 use super::op::{Binary, Unary};
 use super::tape::Tape;
 use crate::budget::Evidence;
-use crate::math::{exponent, power_of_two};
+use level::{LevelSet, LevelTable, MonotoneOp};
 use materials::{MaterialsBuilder, OperandMaterial};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use subgraph::{mark_of, subgraph_terms, unmarked};
 
 /// A field's sign as unions and intersections of primitives and their complements.
@@ -73,35 +74,9 @@ impl Primitive {
     /// Whether the zero sets of both never meet, because they are two different levels of one function.
     #[must_use]
     pub fn is_parallel_to(&self, other: &Self) -> bool {
-        let (Some(a), Some(b)) = (self.level, other.level) else { return false };
-        // Levels are off by some roundings of their sizes, one per operation: far less than this fraction.
-        let clear = CLEAR * (a.size + b.size);
-        let is_apart = if a.is_exact && b.is_exact { a.at != b.at } else { (a.at - b.at).abs() > clear };
-        a.base == b.base && is_apart
+        matches!((self.level, other.level), (Some(a), Some(b)) if a.is_parallel_to(&b))
     }
 }
-
-/// The zero set of a primitive, as a level of a term of the whole.
-#[derive(Clone, Copy, Debug)]
-struct LevelSet {
-    base: u32,
-    at: f64,
-    /// The largest number in its computation.
-    size: f64,
-    /// Whether nothing was rounded.
-    is_exact: bool,
-    /// Whether the primitive decreases where the term increases.
-    falls: bool,
-}
-
-/// Two levels of one term that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what a
-/// script's additions come to, and far less than any length that coordinates have digits for.
-const WELD: f64 = 16.0 * f64::EPSILON;
-/// Two levels that differ by more than this fraction of their sizes also differ without rounding. Derived: a
-/// chain of thousands of roundings is off by less than 2⁻⁴⁰ of them.
-const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
-/// The most operations with constants above a base; the rounding of longer chains is not accounted for.
-const MOST_ROUNDINGS: usize = 1024;
 
 /// The most nodes of a tree; what would have more is one primitive. Defined: some megabytes.
 const MOST_NODES: usize = 1 << 16;
@@ -148,27 +123,6 @@ impl Csg {
     }
 }
 
-/// An operation of a term with a constant; its result increases or decreases with the term.
-#[derive(Clone, Copy, Debug)]
-enum MonotoneOp {
-    Neg,
-    Add(f64),
-    /// `constant − a`.
-    From(f64),
-    Mul(f64),
-    Div(f64),
-}
-
-impl MonotoneOp {
-    fn falls(self) -> bool {
-        match self {
-            Self::Neg | Self::From(_) => true,
-            Self::Add(_) => false,
-            Self::Mul(k) | Self::Div(k) => k < 0.0,
-        }
-    }
-}
-
 /// The operations above a term, from the innermost to the root: a linked list with shared tails.
 #[derive(Clone, Copy, Debug)]
 struct ChainLink {
@@ -197,21 +151,12 @@ enum CsgBuildStep {
 /// A term and the operations with constants above it, without their signs. Two primitives are the same, or
 /// complements, where these are equal.
 type ChainKey = (u32, u32);
-/// A term and a level of it, in an order.
-type LevelKey = (u32, i64);
-
-/// The place of a number in the order of all.
-fn order_key(at: f64) -> i64 {
-    let bits = at.to_bits().cast_signed();
-    bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
-}
-
 struct CsgBuilder<'a> {
     terms: &'a [Term],
     above: Vec<ChainLink>,
     chains: HashMap<(u8, u64, u32), u32>,  // No order depends on it.
     known: HashMap<ChainKey, (u32, bool)>, // No order depends on it.
-    levels: BTreeMap<LevelKey, (LevelSet, u32)>,
+    levels: LevelTable,
     /// The differences of two terms whose first term is the earlier one.
     mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
     primitives: Vec<Primitive>,
@@ -232,7 +177,7 @@ impl<'a> CsgBuilder<'a> {
             above: Vec::new(),
             chains: HashMap::new(), // No order depends on it.
             known: HashMap::new(),  // No order depends on it.
-            levels: BTreeMap::new(),
+            levels: LevelTable::default(),
             primitives: Vec::new(),
             nodes: Vec::new(),
             materials: MaterialsBuilder::default(),
@@ -395,11 +340,9 @@ impl<'a> CsgBuilder<'a> {
     fn literal(&mut self, place: CsgOperand) -> CsgNode {
         self.add_materials(place);
         let (base, ops) = self.chain(place);
-        let level = level(base, &ops);
+        let level = LevelSet::from_chain(base, &ops);
         let (key, falls) = self.chain_key(base, &ops);
-        let welded = level.and_then(|level| {
-            self.same_level(&level).map(|(known, number)| (number, known.falls == level.falls))
-        });
+        let welded = level.and_then(|level| self.levels.same(&level));
         let known = || self.known.get(&key).map(|(number, known_falls)| (*number, falls == *known_falls));
         if let Some((number, is_same)) = welded.or_else(known) {
             return if is_same { CsgNode::Primitive(number) } else { CsgNode::Complement(number) };
@@ -411,20 +354,9 @@ impl<'a> CsgBuilder<'a> {
         self.primitives.push(Primitive { tape: Tape::from_graph(graph), is_total, level });
         self.known.insert(key, (number, falls));
         if let Some(level) = level {
-            self.levels.insert((level.base, order_key(level.at)), (level, number));
+            self.levels.insert(level, number);
         }
         CsgNode::Primitive(number)
-    }
-
-    /// The primitive of a level that differs from this one by rounding alone.
-    fn same_level(&self, level: &LevelSet) -> Option<(LevelSet, u32)> {
-        let key = (level.base, order_key(level.at));
-        let next = self.levels.range(key..).next();
-        let last = self.levels.range(..key).next_back();
-        let is_same = |known: &LevelSet| {
-            known.base == level.base && (known.at - level.at).abs() <= WELD * (known.size + level.size)
-        };
-        [next, last].into_iter().flatten().map(|(_, found)| *found).find(|(known, _)| is_same(known))
     }
 
     /// A term and the operations above it up to their sign, and whether that sign is a minus. Rounding is
@@ -508,79 +440,6 @@ impl<'a> CsgBuilder<'a> {
         }
         ExprGraph::from_terms(terms)
     }
-}
-
-/// The operations above a term as a level of it.
-fn level(base: u32, ops: &[MonotoneOp]) -> Option<LevelSet> {
-    // The chain applied to `base` is `scale · base + offset`. In an exact chain the scale is a power of 2 or
-    // its negative.
-    let mut shift = ScaleOffset { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true, is_lost: false };
-    ops.iter().for_each(|op| shift.apply(*op));
-    let ScaleOffset { scale, offset, size, is_exact, is_lost } = shift;
-    // −0 and 0 are one level.
-    let at = -offset / scale + 0.0;
-    let is_sound = !is_lost
-        && at.is_finite()
-        && size.is_finite()
-        && scale.is_normal()
-        && (at.is_normal() || offset == 0.0)
-        && ops.len() <= MOST_ROUNDINGS;
-    is_sound.then_some(LevelSet { base, at, size, is_exact, falls: scale < 0.0 })
-}
-
-/// A chain of operations applied to a term `t`: `scale · t + offset`.
-struct ScaleOffset {
-    scale: f64,
-    offset: f64,
-    /// The largest offset so far, divided by the scale.
-    size: f64,
-    is_exact: bool,
-    is_lost: bool,
-}
-
-impl ScaleOffset {
-    fn apply(&mut self, op: MonotoneOp) {
-        match op {
-            MonotoneOp::Neg => (self.scale, self.offset) = (-self.scale, -self.offset),
-            MonotoneOp::Add(k) => self.add(k),
-            MonotoneOp::From(k) => {
-                (self.scale, self.offset) = (-self.scale, -self.offset);
-                self.add(k);
-            }
-            MonotoneOp::Mul(k) => {
-                self.scale_by(self.scale * k, self.offset * k);
-                self.is_exact &= is_power_of_two(k);
-            }
-            MonotoneOp::Div(k) => {
-                self.scale_by(self.scale / k, self.offset / k);
-                self.is_exact &= is_power_of_two(k);
-            }
-        }
-        let size = (self.offset / self.scale).abs();
-        self.size = if size > self.size || size.is_nan() { size } else { self.size };
-    }
-
-    fn scale_by(&mut self, scale: f64, offset: f64) {
-        // Below the normal numbers digits are lost, and with them the level.
-        if !(offset.is_normal() || self.offset == 0.0) {
-            self.is_lost = true;
-        }
-        (self.scale, self.offset) = (scale, offset);
-    }
-
-    fn add(&mut self, k: f64) {
-        let sum = self.offset + k;
-        // The exact error of the sum (Knuth's two-sum).
-        let part = sum - self.offset;
-        self.is_exact &= (self.offset - (sum - part)) + (k - part) == 0.0;
-        let size = (k / self.scale).abs();
-        self.size = if size > self.size || size.is_nan() { size } else { self.size };
-        self.offset = sum;
-    }
-}
-
-fn is_power_of_two(k: f64) -> bool {
-    power_of_two(exponent(k.abs()) - 1) == k.abs()
 }
 
 /// Whether every term is defined at every point: none divides by what may be 0, takes the root of what may be

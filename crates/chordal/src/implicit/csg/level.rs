@@ -1,0 +1,167 @@
+//! Levels of terms: zero sets of primitives that differ by operations with constants alone.
+use crate::math::{exponent, power_of_two};
+use std::collections::BTreeMap;
+
+/// An operation of a term with a constant; its result increases or decreases with the term.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum MonotoneOp {
+    Neg,
+    Add(f64),
+    /// `constant − a`.
+    From(f64),
+    Mul(f64),
+    Div(f64),
+}
+
+impl MonotoneOp {
+    pub fn falls(self) -> bool {
+        match self {
+            Self::Neg | Self::From(_) => true,
+            Self::Add(_) => false,
+            Self::Mul(k) | Self::Div(k) => k < 0.0,
+        }
+    }
+}
+
+/// The zero set of a primitive, as a level of a term of the whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LevelSet {
+    base: u32,
+    at: f64,
+    /// The largest number in its computation.
+    size: f64,
+    /// Whether nothing was rounded.
+    is_exact: bool,
+    /// Whether the primitive decreases where the term increases.
+    falls: bool,
+}
+
+/// Two levels of one term that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what a
+/// script's additions come to, and far less than any length that coordinates have digits for.
+const WELD: f64 = 16.0 * f64::EPSILON;
+/// Two levels that differ by more than this fraction of their sizes also differ without rounding. Derived: a
+/// chain of thousands of roundings is off by less than 2⁻⁴⁰ of them.
+const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
+/// The most operations with constants above a base; the rounding of longer chains is not accounted for.
+const MOST_ROUNDINGS: usize = 1024;
+
+/// A term and a level of it, in an order.
+type LevelKey = (u32, i64);
+
+/// The place of a number in the order of all.
+fn order_key(at: f64) -> i64 {
+    let bits = at.to_bits().cast_signed();
+    bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
+}
+
+impl LevelSet {
+    /// The operations above a term as a level of it.
+    pub fn from_chain(base: u32, ops: &[MonotoneOp]) -> Option<Self> {
+        // The chain applied to `base` is `scale · base + offset`. In an exact chain the scale is a power of 2 or
+        // its negative.
+        let mut shift = ScaleOffset { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true, is_lost: false };
+        ops.iter().for_each(|op| shift.apply(*op));
+        let ScaleOffset { scale, offset, size, is_exact, is_lost } = shift;
+        // −0 and 0 are one level.
+        let at = -offset / scale + 0.0;
+        let is_sound = !is_lost
+            && at.is_finite()
+            && size.is_finite()
+            && scale.is_normal()
+            && (at.is_normal() || offset == 0.0)
+            && ops.len() <= MOST_ROUNDINGS;
+        is_sound.then_some(LevelSet { base, at, size, is_exact, falls: scale < 0.0 })
+    }
+
+    /// Whether both never meet, since they are two different levels of one function.
+    pub fn is_parallel_to(&self, other: &Self) -> bool {
+        // Levels are off by some roundings of their sizes, one per operation: far less than this fraction.
+        let clear = CLEAR * (self.size + other.size);
+        let is_apart = if self.is_exact && other.is_exact {
+            self.at != other.at
+        } else {
+            (self.at - other.at).abs() > clear
+        };
+        self.base == other.base && is_apart
+    }
+}
+
+/// A chain of operations applied to a term `t`: `scale · t + offset`.
+struct ScaleOffset {
+    scale: f64,
+    offset: f64,
+    /// The largest offset so far, divided by the scale.
+    size: f64,
+    is_exact: bool,
+    /// Whether digits below the normal numbers were lost, and the level with them.
+    is_lost: bool,
+}
+
+impl ScaleOffset {
+    fn apply(&mut self, op: MonotoneOp) {
+        match op {
+            MonotoneOp::Neg => (self.scale, self.offset) = (-self.scale, -self.offset),
+            MonotoneOp::Add(k) => self.add(k),
+            MonotoneOp::From(k) => {
+                (self.scale, self.offset) = (-self.scale, -self.offset);
+                self.add(k);
+            }
+            MonotoneOp::Mul(k) => {
+                self.scale_by(self.scale * k, self.offset * k);
+                self.is_exact &= is_power_of_two(k);
+            }
+            MonotoneOp::Div(k) => {
+                self.scale_by(self.scale / k, self.offset / k);
+                self.is_exact &= is_power_of_two(k);
+            }
+        }
+        let size = (self.offset / self.scale).abs();
+        self.size = if size > self.size || size.is_nan() { size } else { self.size };
+    }
+
+    fn scale_by(&mut self, scale: f64, offset: f64) {
+        // Below the normal numbers digits are lost, and with them the level.
+        if !(offset.is_normal() || self.offset == 0.0) {
+            self.is_lost = true;
+        }
+        (self.scale, self.offset) = (scale, offset);
+    }
+
+    fn add(&mut self, k: f64) {
+        let sum = self.offset + k;
+        // The exact error of the sum (Knuth's two-sum).
+        let part = sum - self.offset;
+        self.is_exact &= (self.offset - (sum - part)) + (k - part) == 0.0;
+        let size = (k / self.scale).abs();
+        self.size = if size > self.size || size.is_nan() { size } else { self.size };
+        self.offset = sum;
+    }
+}
+
+fn is_power_of_two(k: f64) -> bool {
+    power_of_two(exponent(k.abs()) - 1) == k.abs()
+}
+
+/// The levels of the primitives so far.
+#[derive(Debug, Default)]
+pub(super) struct LevelTable {
+    known: BTreeMap<LevelKey, (LevelSet, u32)>,
+}
+
+impl LevelTable {
+    pub fn insert(&mut self, level: LevelSet, primitive: u32) {
+        self.known.insert((level.base, order_key(level.at)), (level, primitive));
+    }
+
+    /// The primitive of a level that differs from this one by rounding alone, and whether it falls and rises with it.
+    pub fn same(&self, level: &LevelSet) -> Option<(u32, bool)> {
+        let key = (level.base, order_key(level.at));
+        let next = self.known.range(key..).next();
+        let last = self.known.range(..key).next_back();
+        let is_same = |known: &LevelSet| {
+            known.base == level.base && (known.at - level.at).abs() <= WELD * (known.size + level.size)
+        };
+        let found = [next, last].into_iter().flatten().find(|(_, (known, _))| is_same(known));
+        found.map(|(_, (known, number))| (*number, known.falls == level.falls))
+    }
+}
