@@ -26,8 +26,12 @@ const MOST_COLLAPSES: usize = 1 << 17;
 /// one round is enough, and boxes about the mesh would take too long.
 const HOPELESS: usize = 2;
 /// The same where all vertices are on their primitives. Measured: on long faces of nine capsules from one point, which
-/// are halved several times before they are proved, two rounds are worse.
+/// are halved several times before they are proved, two rounds are worse,
 const SETTLED_WORSE: usize = 4;
+/// with fewer than one face in so many open, a quarter there,
+const SETTLED_FEW: usize = 3;
+/// and with fewer than so many times the faces of the start, 1.5 there.
+const SETTLED_GROWTH: usize = 2;
 /// The first margin of a proof with a limit, relative to what samples suggest. Chosen: half of that of a mesh
 /// that is checked alone, where a looser proof is quicker; here the rest of the length saves splits.
 const MARGIN: f64 = 0.5;
@@ -159,7 +163,7 @@ impl<'s> FieldMeshSearch<'s> {
         let csg = Csg::from_expr(self.field.sign());
         let mut judge = SandwichProver::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failure)?;
         let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
-        let is_settled = improved.n_unsettled() == 0;
+        let (is_settled, n_first) = (improved.n_unsettled() == 0, improved.n_faces());
         let (mut n_open, mut n_worse, mut is_contradicted) = (usize::MAX, 0, false);
         let mut place = None;
         for round in 0..MOST_ROUNDS {
@@ -181,8 +185,11 @@ impl<'s> FieldMeshSearch<'s> {
             // If a mesh is not near the surface at all, all of it stays open however small its faces are.
             n_worse = if open.len() > n_open { n_worse + 1 } else { 0 };
             n_open = open.len();
+            let is_near = is_settled
+                && n_open * SETTLED_FEW < improved.n_faces()
+                && improved.n_faces() < SETTLED_GROWTH * n_first;
             let most_worse = match is_hopeless(n_open, improved.n_faces()) {
-                _ if is_settled => SETTLED_WORSE,
+                _ if is_near => SETTLED_WORSE,
                 true => 1,
                 false => HOPELESS,
             };
