@@ -17,7 +17,7 @@ use super::separation::is_separated;
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{Box3, greater};
+use crate::math::{Box3, add_up, greater, sub_down};
 
 /// The verdict on a mesh.
 #[derive(Clone, Debug)]
@@ -100,6 +100,20 @@ impl<'a> SandwichProver<'a> {
     /// Proves a mesh. All faces of one that is not closed are open: at each edge, by index or by position,
     /// equally many half-edges have to run in each direction.
     pub fn prove(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
+        let weld = self.evaluator.csg().weld();
+        if weld == 0.0 {
+            return self.prove_tree(mesh, goal);
+        }
+        // Levels that were made one are so far from what the field says.
+        let within = goal.limit.map(|limit| greater(sub_down(limit, weld), 0.0));
+        let mut verdict = self.prove_tree(mesh, &SandwichGoal { limit: within, ..*goal })?;
+        verdict.bounds.iter_mut().for_each(|bound| *bound = add_up(*bound, weld));
+        verdict.bound = largest(&verdict.bounds);
+        Ok(verdict)
+    }
+
+    /// Proves a mesh against the tree of primitives.
+    fn prove_tree(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
         let verdict = self.prove_once(mesh, goal)?;
         let is_hidden = verdict.open.iter().all(Vec::is_empty) && !verdict.unresolved.is_empty();
         match goal.wider().filter(|_| is_hidden) {

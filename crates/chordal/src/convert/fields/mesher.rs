@@ -15,8 +15,7 @@ const MOST_CUTS: usize = 3;
 /// Cells are not cut again if more vertices than these are blocked: there the function has poles or is noise.
 /// Measured: 750 on a drawing of letters.
 const MOST_TIGHT: usize = 4096;
-/// Nor for vertices away from the surface that are more than one in so many: there the function jumps. Chosen; one in
-/// 700 on a gyroid in a cube.
+/// Nor for vertices away from the surface that are more than one in so many: there the function jumps. Chosen.
 const ASTRAY: usize = 16;
 /// The longest edge of cells, relative to the longest side of the bounds. Chosen: ranges decide which cells
 /// are cut, so that large ones cost nothing.

@@ -36,8 +36,9 @@ pub(super) struct LevelSet {
     falls: bool,
 }
 
-/// Two levels of one term that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what a
-/// script's additions come to, and far less than any length that coordinates have digits for.
+/// Two levels of one coordinate that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what
+/// a script's additions come to, and far less than any length that coordinates have digits for. Of other terms a small
+/// difference may be a large distance.
 const WELD: f64 = 16.0 * f64::EPSILON;
 /// Two levels that differ by more than this fraction of their sizes also differ without rounding. Derived: a
 /// chain of thousands of roundings is off by less than 2⁻⁴⁰ of them.
@@ -73,15 +74,16 @@ impl LevelSet {
         is_sound.then_some(LevelSet { base, at, size, is_exact, falls: scale < 0.0 })
     }
 
+    fn off(&self, other: &Self) -> f64 {
+        (self.at - other.at).abs()
+    }
+
     /// Whether both never meet, since they are two different levels of one function.
     pub fn is_parallel_to(&self, other: &Self) -> bool {
         // Levels are off by some roundings of their sizes, one per operation: far less than this fraction.
         let clear = CLEAR * (self.size + other.size);
-        let is_apart = if self.is_exact && other.is_exact {
-            self.at != other.at
-        } else {
-            (self.at - other.at).abs() > clear
-        };
+        let is_apart =
+            if self.is_exact && other.is_exact { self.at != other.at } else { self.off(other) > clear };
         self.base == other.base && is_apart
     }
 }
@@ -153,15 +155,34 @@ impl LevelTable {
         self.known.insert((level.base, order_key(level.at)), (level, primitive));
     }
 
-    /// The primitive of a level that differs from this one by rounding alone, and whether it falls and rises with it.
-    pub fn same(&self, level: &LevelSet) -> Option<(u32, bool)> {
+    /// The primitive of the same level, or of one that differs from it by rounding alone where the term is a
+    /// coordinate.
+    pub fn same(&self, level: &LevelSet, is_coordinate: bool) -> Option<SameLevel> {
         let key = (level.base, order_key(level.at));
         let next = self.known.range(key..).next();
         let last = self.known.range(..key).next_back();
         let is_same = |known: &LevelSet| {
-            known.base == level.base && (known.at - level.at).abs() <= WELD * (known.size + level.size)
+            let is_one = known.is_exact && level.is_exact && known.at == level.at;
+            let is_welded = is_coordinate && level.off(known) <= WELD * (known.size + level.size);
+            known.base == level.base && (is_one || is_welded)
         };
         let found = [next, last].into_iter().flatten().find(|(_, (known, _))| is_same(known));
-        found.map(|(_, (known, number))| (*number, known.falls == level.falls))
+        found.map(|(_, (known, primitive))| SameLevel {
+            primitive: *primitive,
+            is_opposite: known.falls != level.falls,
+            // A level that was rounded is off by much less than this fraction of its size.
+            off: level.off(known)
+                + if known.is_exact && level.is_exact { 0.0 } else { CLEAR * (known.size + level.size) },
+        })
     }
+}
+
+/// A primitive with the level of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SameLevel {
+    pub primitive: u32,
+    /// Whether one of them falls where the other rises.
+    pub is_opposite: bool,
+    /// How far apart they are at most, up to rounding.
+    pub off: f64,
 }

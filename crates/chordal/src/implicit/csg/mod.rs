@@ -20,6 +20,7 @@ use super::graph::{ExprGraph, Term};
 use super::op::{Binary, Unary};
 use super::tape::Tape;
 use crate::budget::Evidence;
+use crate::math::greater;
 use level::{LevelSet, LevelTable, MonotoneOp};
 use materials::{MaterialsBuilder, OperandMaterial};
 use std::collections::HashMap;
@@ -28,9 +29,10 @@ use subgraph::{mark_of, subgraph_terms, unmarked};
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
 /// It describes the set `{F < 0}` with its boundary regularized: where `a` and its complement `−a` meet, as two
-/// stacked boxes do at their common face, there is no surface. Two levels of one term are one level where they
-/// differ by rounding alone, by at most 2⁻⁴⁸ of the largest number in either: a part of height 0.6 around the
-/// origin and one of height 0.2 around 0.4 meet, though the numbers do not say so exactly.
+/// stacked boxes do at their common face, there is no surface. Two levels of one coordinate are one level where
+/// they differ by rounding alone, by at most 2⁻⁴⁸ of the largest numbers in both: a part of height 0.6 around the
+/// origin and one of height 0.2 around 0.4 meet, though the numbers do not say so exactly. Bounds of meshes add the
+/// difference.
 ///
 /// ```
 /// use chordal::implicit::shapes;
@@ -46,6 +48,7 @@ pub struct Csg {
     primitives: Vec<Primitive>,
     tree: CsgTree,
     materials: Option<CsgMaterials>,
+    weld: f64,
 }
 
 /// A function of which only the sign counts.
@@ -116,6 +119,11 @@ impl Csg {
         self.materials.as_ref()
     }
 
+    /// How far apart levels are at most that were made one.
+    pub(crate) fn weld(&self) -> f64 {
+        self.weld
+    }
+
     /// What proofs by intervals of the primitives are worth: the weakest evidence of all.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
@@ -151,12 +159,14 @@ enum CsgBuildStep {
 /// A term and the operations with constants above it, without their signs. Two primitives are the same, or
 /// complements, where these are equal.
 type ChainKey = (u32, u32);
+
 struct CsgBuilder<'a> {
     terms: &'a [Term],
     above: Vec<ChainLink>,
     chains: HashMap<(u8, u64, u32), u32>,  // No order depends on it.
     known: HashMap<ChainKey, (u32, bool)>, // No order depends on it.
     levels: LevelTable,
+    weld: f64,
     /// The differences of two terms whose first term is the earlier one.
     mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
     primitives: Vec<Primitive>,
@@ -178,6 +188,7 @@ impl<'a> CsgBuilder<'a> {
             chains: HashMap::new(), // No order depends on it.
             known: HashMap::new(),  // No order depends on it.
             levels: LevelTable::default(),
+            weld: 0.0,
             primitives: Vec::new(),
             nodes: Vec::new(),
             materials: MaterialsBuilder::default(),
@@ -229,7 +240,7 @@ impl<'a> CsgBuilder<'a> {
     fn finish(&mut self) -> Csg {
         let tree = CsgTree::new(std::mem::take(&mut self.nodes));
         let materials = std::mem::take(&mut self.materials).finish();
-        Csg { primitives: std::mem::take(&mut self.primitives), tree, materials }
+        Csg { primitives: std::mem::take(&mut self.primitives), tree, materials, weld: self.weld }
     }
 
     /// The whole expression as one primitive.
@@ -342,10 +353,16 @@ impl<'a> CsgBuilder<'a> {
         let (base, ops) = self.chain(place);
         let level = LevelSet::from_chain(base, &ops);
         let (key, falls) = self.chain_key(base, &ops);
-        let welded = level.and_then(|level| self.levels.same(&level));
-        let known = || self.known.get(&key).map(|(number, known_falls)| (*number, falls == *known_falls));
-        if let Some((number, is_same)) = welded.or_else(known) {
-            return if is_same { CsgNode::Primitive(number) } else { CsgNode::Complement(number) };
+        let either = |number: u32, is_opposite: bool| {
+            if is_opposite { CsgNode::Complement(number) } else { CsgNode::Primitive(number) }
+        };
+        if let Some((number, known_falls)) = self.known.get(&key) {
+            return either(*number, falls != *known_falls);
+        }
+        let is_coordinate = matches!(self.terms[base as usize], Term::Axis(_));
+        if let Some(same) = level.and_then(|level| self.levels.same(&level, is_coordinate)) {
+            self.weld = greater(same.off, self.weld);
+            return either(same.primitive, same.is_opposite);
         }
         let graph = self.graph_of(place);
         self.n_copied += graph.terms().len();

@@ -89,6 +89,15 @@ fn levels_that_differ_by_rounding_alone_are_one() {
     let heights = || (1..40).map(|k| f64::from(k) / 10.0);
     let meets = |below: f64| heights().all(|above| n_primitives(below, above) == 7);
     assert!(heights().all(meets));
+    let weld = |above: f64| {
+        let lid = shapes::cuboid([1.0, 1.0, 0.2]).unwrap().moved([0.0, 0.0, above]).unwrap();
+        Csg::from_expr(shapes::cuboid([1.0, 1.0, 0.6]).unwrap().union(&lid).sign()).weld()
+    };
+    assert!(weld(0.4) > 0.0 && weld(0.4) < 1e-11 && weld(0.75) == 0.0);
+    // Of x² - 1 + 1 and x² - 1e-15 the zero sets are 3e-8 apart.
+    let square = Expr::axes()[0].square();
+    let near = (&(&square - 1.0) + 1.0).max(&(&square - 1e-15));
+    assert_eq!(Csg::from_expr(&near).primitives().len(), 2);
     // A millionth of a millionth is a gap.
     let gap = shapes::cuboid([1.0, 1.0, 0.2]).unwrap().moved([0.0, 0.0, 0.4 + 1e-12]).unwrap();
     assert_eq!(
@@ -363,6 +372,6 @@ fn what_differs_by_its_sign_alone_is_one_primitive() {
     let [a, b] = [x.square() * 0.3, y.square() * 0.7];
     assert_eq!(Csg::from_expr(&(a.clone() - b.clone()).max(&(b.clone() - a.clone()))).primitives().len(), 1);
     let both = ((a.clone() - b.clone()) + 0.1).min(&(((b - a) - 0.1) * 0.6));
-    assert_eq!(Csg::from_expr(&both).primitives().len(), 1);
+    assert_eq!(Csg::from_expr(&both).primitives().len(), 2);
     agrees(&Field::new(both), 1.0);
 }

@@ -32,8 +32,7 @@ impl SurfaceImprover<'_> {
     pub(super) fn aim_at_walls(&mut self) -> Result<(), LeafError> {
         let joined = self.joined_labels();
         let reach = self.aim / OF_WALL;
-        let vertices: Vec<u32> =
-            (0..self.surface.vertex_slots() as u32).filter(|v| self.surface.has_vertex(*v)).collect();
+        let vertices = self.vertices();
         let chunks: Vec<&[u32]> = vertices.chunks(CHUNK).collect();
         let near = self.labels_by_cube(reach);
         let open = par_map(self.job, &chunks, |_, part| {
