@@ -198,7 +198,7 @@ impl<'a> FieldMesher<'a> {
     /// Vertices on their primitives that are away from the surface all the same: cells are so coarse that other
     /// primitives end at the wrong places.
     fn astray(&self, surface: &SurfaceImprover) -> Result<Vec<BlockedPlace>, Failure<Mesh>> {
-        if self.tape.has_leaves() {
+        if self.is_sampled {
             return Ok(Vec::new());
         }
         let vertices = surface.vertices();

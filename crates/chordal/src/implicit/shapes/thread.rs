@@ -95,18 +95,19 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
             "a thread has a radius of {minor} at its root, and must have some"
         )));
     }
-    let [x, y, z] = Expr::axes();
+    let [_, _, z] = Expr::axes();
     let r = axis_distance();
     // How far along z the crest is, and the flank, which rises by √3 of it: 60° between both. It was shifted by
     // twice the clearance along r, which is once across it, of which the radii have one.
-    let apart = Expr::leaf(Arc::new(HelixRise { pitch }), [x, y, z.clone()]);
+    let core = CORE * minor;
+    let side = |is_above| Expr::leaf(Arc::new(HelixRise { pitch, core, is_above }), Expr::axes());
     let at_crest = pitch / 16.0 - clearance / 3.0_f64.sqrt();
     let at_root = at_crest + (major - minor) / 3.0_f64.sqrt();
     if at_root <= 0.0 || at_root.is_nan() {
         return Err(InvalidShape::Number("a thread's clearance leaves nothing of its ridge".into()));
     }
-    let flank = (&r - major) + (apart - at_crest) * 3.0_f64.sqrt();
-    let ridge = (&r - major).max(&flank);
+    let flank = |is_above| (&r - major) + (side(is_above) - at_crest) * 3.0_f64.sqrt();
+    let ridge = (&r - major).max(&flank(true)).max(&flank(false));
     let ends = z.abs() - half;
     let value = (&r - minor).min(&ridge).max(&ends);
     let wide = greater(major, minor);
@@ -114,100 +115,164 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     Ok(Field::new(value).known_distance(Distance::SIGN).known_bounds(bounds))
 }
 
-/// How far along z the helix is that starts on the positive x axis: 0 on it, half of the pitch between two turns.
+/// Where heights above the helix fade, as a part of the radius at the root. Chosen: below 1, so that the core
+/// alone decides there.
+const CORE: f64 = 0.5;
+/// The part of a turn in which a side falls back from the helix above to that below. Chosen: its slope is only twice
+/// that of the rise, and where the other side carries the surface it is lower by an eighth of a turn at least.
+const FALL: f64 = 1.0 / 3.0;
+
+/// How far along z a point is above the nearest turn of the helix that starts on the positive x axis, or below: from
+/// minus to plus half of the pitch. Just beyond the middle between two turns it falls back, at a finite slope, and the
+/// greater of both sides is the distance along z. Within the core it fades to a quarter of the pitch on the axis, where
+/// it would jump.
 #[derive(Clone, Copy, Debug)]
 struct HelixRise {
     pitch: f64,
+    core: f64,
+    is_above: bool,
 }
 
 impl HelixRise {
-    /// The rise from the helix to the point, from minus to plus half of the pitch.
-    fn rise(self, [x, y, z]: [f64; 3]) -> f64 {
+    /// The turns from the helix to the point, on this side, from minus to plus a half.
+    fn turns(self, [x, y, z]: [f64; 3]) -> f64 {
         let turns = z / self.pitch - elementary::atan2(y, x) / std::f64::consts::TAU;
-        (turns - turns.round()) * self.pitch
+        let turns = turns - turns.round();
+        if self.is_above { turns } else { -turns }
     }
 
-    /// A bound on its rounding: quotients of the height, and an angle of some units, as parts of the pitch.
+    /// A bound on its rounding: quotients of the height, and an angle of some units.
     fn rounding(self, z: f64) -> f64 {
-        32.0 * f64::EPSILON * (z.abs() + self.pitch)
+        32.0 * f64::EPSILON * (z.abs() / self.pitch + 1.0)
     }
 
-    /// The distances of a box from the axis, and what is known of the rise in it: its centre's, and how far from it
-    /// others are. None on the axis.
-    fn around(self, bounds: &Box3) -> Option<(Interval, f64, f64)> {
-        let [x, y] = [0, 1].map(|k| Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::ENTIRE));
-        let square = x.square() + y.square();
-        if !(square.lo() > 0.0 && bounds.diagonal().is_finite()) {
+    /// What is known of the turns in a box: its centre's, and how far from it others are. None near the axis.
+    fn around(self, bounds: &Box3, radii: Interval) -> Option<[f64; 2]> {
+        if !(radii.lo() > 0.0 && bounds.diagonal().is_finite()) {
             return None;
         }
-        let radii = Interval::new(sqrt_down(square.lo()), sqrt_up(square.hi())).ok()?;
         let centre = bounds.centre();
-        // A step turns by its length over the radius at most, and rises by its own height.
-        let turned = div_up(self.pitch, mul_up(6.0, radii.lo()));
+        // A step turns by its length over the radius at most, 1/6 of which is more than 1/2π, and by its own height.
         let size = |k: usize| 0.5 * (bounds.max[k] - bounds.min[k]).next_up();
         let flat = sqrt_up(add_up(mul_up(size(0), size(0)), mul_up(size(1), size(1))));
-        let reach =
-            add_up(add_up(mul_up(turned, flat), size(2)), self.rounding(greater(centre[2].abs(), size(2))));
+        let reach = add_up(div_up(flat, mul_up(6.0, radii.lo())), div_up(size(2), self.pitch));
+        let reach = add_up(reach, self.rounding(greater(bounds.min[2].abs(), bounds.max[2].abs())));
         // Derived: a few roundings, each of less than a step of the number.
-        Some((radii, self.rise(centre), add_up(reach, f64::EPSILON * (centre[0].abs() + centre[1].abs()))))
+        let stray = div_up(f64::EPSILON * (centre[0].abs() + centre[1].abs()), radii.lo());
+        let reach = add_up(reach, stray);
+        (reach < 0.5).then_some([self.turns(centre), reach])
     }
+
+    /// The values in a box, in turns, before they fade, and their slope along the turns.
+    fn side(self, bounds: &Box3, radii: Interval) -> (Interval, Interval) {
+        let steep = -(1.0 - FALL) / FALL;
+        let Some([turns, reach]) = self.around(bounds, radii) else {
+            return (interval(-0.5, 0.5), interval(steep, 1.0));
+        };
+        let (low, high) = (add_down(turns, -reach), add_up(turns, reach));
+        // The ends of the fall, in this turn and the next. Nothing is nearer than rounding to them.
+        let near = |turns: f64| low <= turns + LEAST && high >= turns - LEAST;
+        let falls = near(-0.5) || near(0.5) || low < FALL - 0.5 || high > 0.5;
+        let rises = high >= FALL - 0.5 - LEAST && low <= 0.5 + LEAST
+            || low <= -0.5 + LEAST
+            || high >= FALL + 0.5 - LEAST;
+        let has_top = near(-0.5) || near(0.5);
+        let has_bottom = near(FALL - 0.5) || near(FALL + 0.5);
+        let ends = [low, high].map(|turns| fold(turns - turns.round()));
+        // Derived: some roundings of numbers below 1, times the slope.
+        let stray = LEAST * -steep;
+        let least = if has_bottom { FALL - 0.5 } else { lesser(ends[0], ends[1]) } - stray;
+        let most = if has_top { 0.5 } else { greater(ends[0], ends[1]) + stray };
+        let slope =
+            interval(if falls { steep - stray } else { 1.0 }, if rises { 1.0 } else { steep + stray });
+        (interval(greater(least, -0.5), lesser(most, 0.5)), slope)
+    }
+
+    /// How much of the height is left at a distance from the axis.
+    fn share(self, radii: Interval) -> Interval {
+        (radii / Interval::point(self.core)).min(Interval::point(1.0))
+    }
+}
+
+/// Turns closer than this to an end of the fall may be on either side. Derived: 16 roundings of numbers below 1.
+const LEAST: f64 = 16.0 * f64::EPSILON;
+
+/// The height that belongs to turns from minus to plus a half: themselves, or where it falls back.
+fn fold(turns: f64) -> f64 {
+    if turns >= FALL - 0.5 { turns } else { 0.5 - (turns + 0.5) * ((1.0 - FALL) / FALL) }
+}
+
+/// The distances of a box from the axis.
+fn radii(bounds: &Box3) -> Interval {
+    let [x, y] = [0, 1].map(|k| interval(bounds.min[k], bounds.max[k]));
+    let square = x.square() + y.square();
+    interval(sqrt_down(greater(square.lo(), 0.0)), sqrt_up(square.hi()))
+}
+
+/// The interval, or all numbers where it is none.
+fn interval(low: f64, high: f64) -> Interval {
+    Interval::new(low, high).unwrap_or(Interval::ENTIRE)
 }
 
 impl Leaf for HelixRise {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
-        points.iter().zip(out).for_each(|(p, value)| *value = self.rise(*p).abs());
+        let middle = 0.25 * self.pitch;
+        for (p, value) in points.iter().zip(out) {
+            let height = fold(self.turns(*p)) * self.pitch;
+            let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
+            *value = if r < self.core { middle + r / self.core * (height - middle) } else { height };
+        }
         Ok(())
     }
 
     fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
+        let side = if self.is_above { 1.0 } else { -1.0 };
         for (p, gradient) in points.iter().zip(out) {
-            let square = p[0] * p[0] + p[1] * p[1];
-            let turn = self.pitch / (std::f64::consts::TAU * square);
-            let sign = if self.rise(*p) < 0.0 { -1.0 } else { 1.0 };
-            *gradient = if square > 0.0 { [sign * turn * p[1], -sign * turn * p[0], sign] } else { [0.0; 3] };
+            let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
+            let turns = self.turns(*p);
+            let slope = side * if turns >= FALL - 0.5 { 1.0 } else { -(1.0 - FALL) / FALL };
+            let turn = slope * self.pitch / (std::f64::consts::TAU * greater(r, self.core));
+            let fades = if r < self.core { (fold(turns) - 0.25) * self.pitch / self.core } else { 0.0 };
+            let [cos, sin] = if r > 0.0 { [p[0] / r, p[1] / r] } else { [1.0, 0.0] };
+            *gradient =
+                [turn * sin + fades * cos, fades * sin - turn * cos, slope * lesser(r / self.core, 1.0)];
         }
         Ok(LeafAnswer::Given)
     }
 
     fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
-        let half = (0.5 * self.pitch).next_up();
+        let pitch = Interval::point(self.pitch);
+        let middle = Interval::point(0.25 * self.pitch);
         for (bounds, range) in boxes.iter().zip(out) {
-            let all = Interval::new(0.0, half).unwrap_or(Interval::UNKNOWN);
-            *range = match self.around(bounds) {
-                Some((_, rise, reach)) => {
-                    let (low, high) = (add_down(rise.abs(), -reach), add_up(rise.abs(), reach));
-                    // Beyond the middle between two turns the next one is nearer.
-                    let back = add_down(self.pitch, -high);
-                    let low = lesser(low, back);
-                    let ends = Interval::new(greater(low, 0.0), lesser(high, half));
-                    ends.unwrap_or(all)
-                }
-                // On the axis it jumps.
-                None => all.undefined(),
-            };
+            let radii = radii(bounds);
+            let height = self.side(bounds, radii).0 * pitch;
+            *range =
+                if radii.lo() > self.core { height } else { middle + self.share(radii) * (height - middle) };
         }
         Ok(LeafAnswer::Given)
     }
 
     fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
-        let half = 0.5 * self.pitch;
+        let tau =
+            Interval::point(std::f64::consts::TAU).hull(Interval::point(std::f64::consts::TAU.next_up()));
+        let [core, pitch] = [self.core, self.pitch].map(Interval::point);
         for (bounds, gradient) in boxes.iter().zip(out) {
-            *gradient = [Interval::UNKNOWN; 3];
-            let Some((radii, rise, reach)) = self.around(bounds) else { continue };
-            let crosses = rise.abs() <= reach || add_up(rise.abs(), reach) >= half;
-            let sign = if crosses {
-                Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE)
-            } else {
-                Interval::point(if rise < 0.0 { -1.0 } else { 1.0 })
+            let radii = radii(bounds);
+            let (turns, slope) = self.side(bounds, radii);
+            let slope = if self.is_above { slope } else { -slope };
+            let turn = slope * pitch / (tau * radii.max(core));
+            let fades = (turns - Interval::point(0.25)) * pitch / core;
+            let fades = match (radii.lo() <= self.core, radii.hi() >= self.core) {
+                (true, true) => fades.hull(Interval::point(0.0)),
+                (true, false) => fades,
+                (false, _) => Interval::point(0.0),
             };
-            let [x, y] =
-                [0, 1].map(|k| Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::ENTIRE));
-            let tau =
-                Interval::point(std::f64::consts::TAU).hull(Interval::point(std::f64::consts::TAU.next_up()));
-            let turn = Interval::point(self.pitch) / (tau * radii);
-            let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
-            let cosine = |side: Interval| (side / radii).intersection(unit);
-            *gradient = [sign * turn * cosine(y), -(sign * turn * cosine(x)), sign];
+            let [cos, sin] = [0, 1].map(|k| {
+                let unit = interval(-1.0, 1.0);
+                let side = interval(bounds.min[k], bounds.max[k]);
+                if radii.lo() > 0.0 { (side / radii).intersection(unit) } else { unit }
+            });
+            *gradient = [turn * sin + fades * cos, fades * sin - turn * cos, slope * self.share(radii)];
         }
         Ok(LeafAnswer::Given)
     }
