@@ -98,6 +98,8 @@ pub enum Reference {
     Curves,
     /// Bicubic Bézier patches.
     BezierPatches,
+    /// Rational B-spline surfaces.
+    NurbsSurfaces,
     /// The limit surface of a control cage.
     LimitSurface,
     /// The triangles of the input.
@@ -117,6 +119,7 @@ impl Reference {
         match self {
             Self::Curves => "curves",
             Self::BezierPatches => "bezier patches",
+            Self::NurbsSurfaces => "nurbs surfaces",
             Self::LimitSurface => "limit surface",
             Self::InputTriangles => "input triangles",
             Self::Field => "field",

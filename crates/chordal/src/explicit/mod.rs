@@ -15,6 +15,7 @@ mod half_edges;
 pub mod laws;
 mod mesh;
 mod normals;
+pub mod nurbs;
 mod order;
 mod outline;
 mod patch;

@@ -1,0 +1,232 @@
+//! Cuts a NURBS surface into bicubic patches, as few as a length allows in each direction.
+use super::fit_error::ProductFactors;
+use crate::budget::{Job, par_map};
+use crate::explicit::Patch;
+use crate::explicit::nurbs::{BernsteinRow, BezierNet, NurbsSurface, SurfaceJet};
+use crate::math::{difference, greater, length, lesser};
+
+/// Patches near a surface, and how far they are from it at most.
+pub(in crate::convert) struct FittedSurface {
+    pub patches: Vec<Patch>,
+    pub at_most: f64,
+}
+
+/// The most cuts of a piece in one direction. Chosen: errors go down with its fourth power, so that all digits of a
+/// double are reached long before.
+const MOST_CUTS: usize = 1 << 12;
+/// The most rounds of cuts. Measured: 3 to 5 are used.
+const MOST_ROUNDS: usize = 24;
+/// The share of the length that errors along one direction may have. Chosen: both add up, with what is in between.
+const ALONG: f64 = 0.4;
+/// Points closer than this, relative to the largest coordinate, at the two ends of a closed direction or along a side that
+/// is one point, are one. Chosen: some roundings of evaluation; the bound is of what is made of them.
+const EQUAL: f64 = 1e-13;
+
+/// One surface on its way to patches.
+struct SurfaceFitter<'a> {
+    net: BezierNet<'a>,
+    factors: ProductFactors,
+    /// By direction: whether the surface returns to its start.
+    closes: [bool; 2],
+    /// By direction and end: the point that this whole side is, if it is one.
+    poles: [[Option<[f64; 3]>; 2]; 2],
+    /// By direction and piece: into how many parts it is cut.
+    cuts: [Vec<usize>; 2],
+}
+
+/// A rectangle of a piece, by indices of its parts.
+#[derive(Clone, Copy)]
+struct Part {
+    piece: [usize; 2],
+    part: [usize; 2],
+}
+
+/// Patches within a length of a surface, or as near as they come.
+pub(in crate::convert) fn fit(surface: &NurbsSurface, wanted: f64, job: &Job) -> FittedSurface {
+    let mut fitter = SurfaceFitter::new(surface);
+    let most = (job.memory_limit / PATCH_BYTES).min(job.triangle_limit);
+    let mut best = fitter.patches(job);
+    for _ in 0..MOST_ROUNDS {
+        if best.at_most <= wanted || job.is_cancelled() || !fitter.cut_further(wanted) {
+            break;
+        }
+        let count = fitter.cuts.each_ref().map(|of| of.iter().sum::<usize>() as u64);
+        if count[0].saturating_mul(count[1]) > most {
+            break;
+        }
+        let next = fitter.patches(job);
+        if next.at_most >= best.at_most {
+            break; // Rounding is all that is left.
+        }
+        best = next;
+    }
+    best
+}
+
+/// A patch with its bound, and what is made of it while it is meshed.
+const PATCH_BYTES: u64 = 2048;
+
+impl<'a> SurfaceFitter<'a> {
+    fn new(surface: &'a NurbsSurface) -> Self {
+        let net = surface.bezier_net();
+        let [n, m] = net.n_pieces();
+        let corner_distance = {
+            let bounds = surface.bounds();
+            EQUAL * bounds.min.iter().chain(&bounds.max).fold(0.0, |far: f64, x| greater(x.abs(), far))
+        };
+        // The coefficients of a side are near those of the other where the surface closes.
+        let near = |a: [f64; 3], b: [f64; 3]| distance(a, b) <= corner_distance;
+        let sides = net.sides();
+        let is_closed = |k: usize| {
+            let [from, to] = &sides[k];
+            from.iter().zip(to).all(|(a, b)| near(point(a), point(b)) && (a[3] - b[3]).abs() <= EQUAL * a[3])
+        };
+        let pole = |side: &Vec<[f64; 4]>| {
+            let first = point(&side[0]);
+            side.iter().all(|x| near(point(x), first)).then_some(first)
+        };
+        let poles = sides.each_ref().map(|ends| ends.each_ref().map(pole));
+        let factors = ProductFactors::new(net.degrees());
+        Self { closes: [0, 1].map(is_closed), poles, factors, cuts: [vec![1; n], vec![1; m]], net }
+    }
+
+    /// All parts, row by row.
+    fn parts(&self) -> Vec<Part> {
+        let [along_u, along_v] = self.cuts.each_ref().map(|cuts| {
+            let of = |(piece, n): (usize, &usize)| (0..*n).map(move |part| (piece, part));
+            cuts.iter().enumerate().flat_map(of).collect::<Vec<_>>()
+        });
+        let row =
+            |(b, t): (usize, usize)| along_u.iter().map(move |(a, s)| Part { piece: [*a, b], part: [*s, t] });
+        along_v.iter().copied().flat_map(row).collect()
+    }
+
+    fn patches(&self, job: &Job) -> FittedSurface {
+        let parts = self.parts();
+        let made = par_map(job, &parts, |_, part| self.patch(*part));
+        let at_most = made.iter().fold(0.0, |far, (_, bound)| greater(*bound, far));
+        FittedSurface { patches: made.into_iter().map(|(patch, _)| patch).collect(), at_most }
+    }
+
+    /// The patch of a part and its distance.
+    fn patch(&self, part: Part) -> (Patch, f64) {
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|end| self.corner(part, end));
+        let scale = [0, 1].map(|k| 1.0 / (3.0 * self.cuts[k][part.piece[k]] as f64));
+        let patch = hermite_patch(&corners, scale);
+        let [[a, b], [c, d]] = [0, 1].map(|k| {
+            let n = self.cuts[k][part.piece[k]] as f64;
+            [part.part[k] as f64 / n, (part.part[k] + 1) as f64 / n]
+        });
+        let rows: Vec<BernsteinRow<4>> = self.net.rows(part.piece).iter().map(|row| row.part(a, b)).collect();
+        let distance = self.factors.distance(&rows_part(&rows, c, d), &patch);
+        (patch, distance)
+    }
+
+    /// The position and derivatives at a corner; at a seam those along it are taken from its first side.
+    fn corner(&self, Part { piece, part }: Part, end: [usize; 2]) -> SurfaceJet {
+        let step = [0, 1].map(|k| part[k] + end[k]);
+        let place = |k: usize| step[k] as f64 / self.cuts[k][piece[k]] as f64;
+        let places = [0, 1].map(place);
+        let mut jet = self.net.jet(piece, places);
+        let is_last = |k: usize| piece[k] + 1 == self.cuts[k].len() && step[k] == self.cuts[k][piece[k]];
+        let is_first = |k: usize| piece[k] == 0 && step[k] == 0;
+        for k in 0..2 {
+            if self.closes[k] && is_last(k) {
+                let (mut first, mut at) = (piece, places);
+                (first[k], at[k]) = (0, 0.0);
+                let there = self.net.jet(first, at);
+                jet.position = there.position;
+                if k == 0 { jet.v = there.v } else { jet.u = there.u }
+            }
+        }
+        if self.closes == [true; 2] && is_last(0) && is_last(1) {
+            jet.position = self.net.jet([0; 2], [0.0; 2]).position;
+        }
+        for k in 0..2 {
+            let pole = match (is_first(k), is_last(k)) {
+                (true, _) => self.poles[k][0],
+                (_, true) => self.poles[k][1],
+                _ => None,
+            };
+            if let Some(point) = pole {
+                jet.position = point;
+                // Along the side nothing moves.
+                if k == 0 { jet.v = [0.0; 3] } else { jet.u = [0.0; 3] }
+            }
+        }
+        jet
+    }
+
+    /// Cuts pieces in the directions in which parts are too far; whether any was cut.
+    fn cut_further(&mut self, most: f64) -> bool {
+        let mut cuts = self.cuts.clone();
+        for part in self.parts() {
+            let (patch, bound) = self.patch(part);
+            if bound <= most {
+                continue;
+            }
+            let errors = self.errors_along(part, &patch);
+            let allowed = ALONG * most;
+            let is_clear = errors.iter().any(|error| *error > allowed);
+            for k in 0..2 {
+                let now = self.cuts[k][part.piece[k]] as f64;
+                // Errors go with the fourth power of the size; where none is clear, between the sides.
+                let times = if errors[k] > allowed { (errors[k] / allowed).sqrt().sqrt() } else { 1.0 };
+                let times = if is_clear { times } else { 1.25 };
+                let more = (now * lesser(times, 8.0)).ceil();
+                let more = if times > 1.0 { greater(more, now + 1.0) } else { now };
+                let best = &mut cuts[k][part.piece[k]];
+                *best = (*best).max(more as usize).min(MOST_CUTS);
+            }
+        }
+        let is_more = cuts != self.cuts;
+        self.cuts = cuts;
+        is_more
+    }
+
+    /// How far the middles of the patch's sides along `u`, and along `v`, are from the surface's points there, and in its
+    /// middle.
+    fn errors_along(&self, Part { piece, part }: Part, patch: &Patch) -> [f64; 2] {
+        let place = |k: usize, at: f64| (part[k] as f64 + at) / self.cuts[k][piece[k]] as f64;
+        let off = |u: f64, v: f64| {
+            let there = self.net.jet(piece, [place(0, u), place(1, v)]).position;
+            distance(there, patch.at(u, v))
+        };
+        let [bottom, top, left, right] = [off(0.5, 0.0), off(0.5, 1.0), off(0.0, 0.5), off(1.0, 0.5)];
+        [greater(bottom, top), greater(left, right)]
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    length(difference(a, b))
+}
+
+fn point(x: &[f64; 4]) -> [f64; 3] {
+    [x[0] / x[3], x[1] / x[3], x[2] / x[3]]
+}
+
+/// The rows of the part of a piece between two parameters from row to row.
+fn rows_part(rows: &[BernsteinRow<4>], c: f64, d: f64) -> Vec<BernsteinRow<4>> {
+    let width = rows[0].0.len();
+    let columns: Vec<BernsteinRow<4>> =
+        (0..width).map(|i| BernsteinRow(rows.iter().map(|row| row.0[i]).collect()).part(c, d)).collect();
+    (0..rows.len()).map(|j| BernsteinRow(columns.iter().map(|column| column.0[j]).collect())).collect()
+}
+
+/// The patch with these positions and derivatives at its corners, in thirds of its sides; each control point of a side
+/// depends on that side's ends alone.
+fn hermite_patch(corners: &[SurfaceJet; 4], [du, dv]: [f64; 2]) -> Patch {
+    let control = |i: usize, j: usize| -> [f64; 3] {
+        let (right, top) = (i > 1, j > 1);
+        let at = &corners[usize::from(right) + 2 * usize::from(top)];
+        let (u, v) = (if right { -du } else { du }, if top { -dv } else { dv });
+        let (inner_u, inner_v) = (i == 1 || i == 2, j == 1 || j == 2);
+        std::array::from_fn(|k| match (inner_u, inner_v) {
+            (false, false) => at.position[k],
+            (true, false) => at.position[k] + u * at.u[k],
+            (false, true) => at.position[k] + v * at.v[k],
+            (true, true) => at.position[k] + u * at.u[k] + v * at.v[k] + u * v * at.uv[k],
+        })
+    };
+    Patch { control: std::array::from_fn(|j| std::array::from_fn(|i| control(i, j))) }
+}

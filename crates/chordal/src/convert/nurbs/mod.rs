@@ -1,0 +1,3 @@
+//! NURBS surfaces as bicubic patches within a proved distance.
+pub(super) mod fit;
+mod fit_error;

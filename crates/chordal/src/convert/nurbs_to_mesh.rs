@@ -1,0 +1,256 @@
+//! The arrow from NURBS surfaces to triangles: through bicubic patches, proved.
+use super::length_from_pixels::length_from_pixels;
+use super::nurbs::fit::fit;
+use super::patches_to_mesh::patches_to_mesh;
+use crate::budget::{
+    Bound, Bounded, Budget, Failure, Job, PixelBudget, Pixels, Reference, RefusalCode, Tolerance,
+};
+use crate::explicit::nurbs::NurbsSurface;
+use crate::explicit::{Mesh, Patch};
+use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
+
+/// The part of an allowed length that patches may be off the surface. Chosen: triangles get 5 % more, and patches are
+/// half as many as with a twentieth.
+const SHARE: f64 = 0.1;
+/// The first length for a number of triangles, relative to the diagonal.
+const FIRST: f64 = 1e-3;
+/// Squares of differences of coordinates below this stay far from the end of numbers.
+const LARGEST: f64 = 1e150;
+/// Weights lie between this and its inverse, so that products with coordinates keep their digits.
+const HEAVIEST: f64 = 1e30;
+
+/// Bicubic Bézier patches within a distance of NURBS surfaces.
+///
+/// **Bound.** Two-sided Hausdorff distance between the surfaces, taken exactly as given, and the patches, *proved*,
+/// rounding included; of points with the same parameters (`convert/nurbs/fit_error.rs`). A polynomial surface of degree 3
+/// at most is reproduced up to rounding.
+///
+/// **Patches.** Row by row, surface after surface. Within a surface neighbours have equal sides, bit for bit, also across
+/// the seam of a closed one; a side that is one point stays one.
+///
+/// **Cost.** About 10 µs a patch for degree 2; errors go down with the fourth power of the number along a side.
+///
+/// # Errors
+/// [`Failure::Refused`]: no surface, a coordinate beyond 1e150, an environment that flushes subnormals.
+/// [`Failure::Unmet`] with the nearest patches: the length is below rounding, or needs more patches than the job allows.
+/// [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::{Job, Tolerance, convert, explicit::nurbs::NurbsSurface};
+/// let torus = NurbsSurface::torus(2.0, 0.5)?;
+/// let fit = |tol| convert::nurbs_to_patches(&[torus.clone()], Tolerance::new(tol).unwrap(), &Job::default()).unwrap();
+/// let (coarse, fine) = (fit(1e-2), fit(1e-6));
+/// assert!(fine.bound.at_most().unwrap() <= 1e-6);
+/// // A ten-thousandth of the error costs ten times as many along each side.
+/// assert!(fine.shape.len() < 200 * coarse.shape.len());
+/// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
+/// ```
+pub fn nurbs_to_patches(
+    surfaces: &[NurbsSurface],
+    length: Tolerance,
+    job: &Job,
+) -> Result<Bounded<Vec<Patch>>, Failure<Vec<Patch>>> {
+    check(surfaces)?;
+    let made = job.run(|| {
+        let mut all = Bounded { shape: Vec::new(), bound: Bound::proved(0.0, 0.0, Reference::NurbsSurfaces) };
+        let mut at_most = 0.0;
+        for surface in surfaces {
+            let fitted = fit(surface, length.get(), job);
+            if job.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            at_most = greater(fitted.at_most, at_most);
+            all.shape.extend(fitted.patches);
+        }
+        all.bound = Bound::proved(0.0, at_most, Reference::NurbsSurfaces);
+        Ok(all)
+    })?;
+    if made.bound.at_most().is_some_and(|most| most <= length.get()) {
+        Ok(made)
+    } else {
+        Err(Failure::Unmet(Box::new(made)))
+    }
+}
+
+/// Meshes NURBS surfaces within a budget.
+///
+/// **Bound.** Two-sided Hausdorff distance between the union of the surfaces, taken exactly as given, and the triangles,
+/// *proved*, rounding included: that of [`nurbs_to_patches`] and that of [`patches_to_mesh`], added. With a budget of
+/// pixels the bound also says how many pixels that is at the view.
+///
+/// **Mesh.** As from [`patches_to_mesh`]: without cracks within a surface, closed where the surface is. Surfaces that
+/// touch along a side share no vertices yet.
+///
+/// **Budgets.** A length, pixels at a view, a number of triangles, or several.
+///
+/// **Cost.** That of [`patches_to_mesh`] and about 10 µs a patch.
+///
+/// # Errors
+/// Those of [`patches_to_mesh`]; a budget of an angle is refused ([`RefusalCode::Unsupported`]).
+///
+/// ```
+/// use chordal::{Budget, Job, Tolerance, check, convert, explicit::{Topology, nurbs::NurbsSurface}};
+/// let torus = NurbsSurface::torus(2.0, 0.5)?;
+/// let made = convert::nurbs_to_mesh(&[torus], &Budget::length(Tolerance::new(1e-2).unwrap()), &Job::default()).unwrap();
+/// assert!(made.bound.at_most().unwrap() <= 1e-2);
+/// assert!(check::validity(&made.shape, Topology::Positions).closed);
+/// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
+/// ```
+pub fn nurbs_to_mesh(
+    surfaces: &[NurbsSurface],
+    budget: &Budget,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    budget.check_for_surfaces().map_err(Failure::Refused)?;
+    check(surfaces)?;
+    if budget.angle_deg.is_some() {
+        let message = "NURBS surfaces cannot be meshed to an angle yet: give a length or pixels";
+        return Err(Failure::refused(RefusalCode::Unsupported, message));
+    }
+    let bounds = bounds_of(surfaces);
+    let by_view = budget.pixels.map(|px| length_from_pixels(&bounds, &px)).transpose()?;
+    let by_length = budget.length.map(Tolerance::get);
+    let wanted = match (by_view, by_length) {
+        (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+        (one, other) => one.or(other),
+    };
+    match wanted {
+        Some(wanted) => mesh_at(surfaces, budget, SHARE * wanted, job),
+        None => {
+            let first = mesh_at(surfaces, budget, FIRST * bounds.diagonal(), job)?;
+            let Some(reached) = first.bound.at_most() else { return Ok(first) };
+            let again = mesh_at(surfaces, budget, SHARE * reached, job)?;
+            let is_better = again.bound.at_most().is_some_and(|most| most < reached);
+            Ok(if is_better { again } else { first })
+        }
+    }
+}
+
+/// The mesh within a budget, through patches within a length.
+fn mesh_at(
+    surfaces: &[NurbsSurface],
+    budget: &Budget,
+    length: f64,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    let below_precision = || {
+        let message = "the budget is less than what rounding may cost at this distance from the origin";
+        Failure::refused(RefusalCode::BelowPrecision, message)
+    };
+    let length = Tolerance::new(length).map_err(|_| below_precision())?;
+    let fitted = match nurbs_to_patches(surfaces, length, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(Failure::Refused(refusal)) => return Err(Failure::Refused(refusal)),
+        Err(Failure::Cancelled) => return Err(Failure::Cancelled),
+    };
+    let lost = fitted.bound.at_most().ok_or_else(below_precision)?;
+    let mut left = *budget;
+    if let Some(all) = budget.length {
+        left.length =
+            Some(Tolerance::new(sub_down(all.get(), lost).next_down()).map_err(|_| below_precision())?);
+    }
+    let place = around(&bounds_of(surfaces), lost);
+    if let Some(px) = budget.pixels {
+        left.pixels = Some(remaining_pixels(&px, lost, &place).ok_or_else(below_precision)?);
+    }
+    let join = |made: Bounded<Mesh>| {
+        let mut bound = fitted.bound.then(&made.bound);
+        bound.pixels = budget
+            .pixels
+            .and_then(|px| px.view.pixels_of_two_steps(px.view.pixels_of(lost, &place)?, made.bound.pixels?));
+        bound.at = made.bound.at;
+        Bounded { shape: made.shape, bound }
+    };
+    match patches_to_mesh(&fitted.shape, &left, job) {
+        Ok(made) => Ok(join(made)),
+        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(join(*best)))),
+        other => other,
+    }
+}
+
+/// What is left of a budget of pixels after a step of a length at a place.
+fn remaining_pixels(px: &PixelBudget, lost: f64, place: &Box3) -> Option<PixelBudget> {
+    let wanted = px.pixels.get();
+    let lost = px.view.pixels_of(lost, place)?;
+    let mut left = sub_down(wanted, lost);
+    // Both together are a little more than their sum.
+    for _ in 0..64 {
+        let both = px.view.pixels_of_two_steps(lost, left)?;
+        if both <= wanted {
+            return Some(PixelBudget { pixels: Pixels::new(left).ok()?, ..*px });
+        }
+        left = sub_down(left, 2.0 * (both - wanted)).next_down();
+    }
+    None
+}
+
+fn bounds_of(surfaces: &[NurbsSurface]) -> Box3 {
+    surfaces.iter().map(NurbsSurface::bounds).reduce(|a, b| a.union(b)).unwrap_or(Box3::EMPTY)
+}
+
+fn around(bounds: &Box3, by: f64) -> Box3 {
+    Box3 { min: bounds.min.map(|x| sub_down(x, by)), max: bounds.max.map(|x| add_up(x, by)) }
+}
+
+fn check<T>(surfaces: &[NurbsSurface]) -> Result<(), Failure<T>> {
+    if surfaces.is_empty() {
+        return Err(Failure::refused(RefusalCode::Empty, "there are no surfaces"));
+    }
+    let sane = |surface: &NurbsSurface| {
+        surface.control().as_flattened().iter().all(|x| x.abs() < LARGEST)
+            && surface.weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
+    };
+    if let Some(index) = surfaces.iter().position(|surface| !sane(surface)) {
+        let message = format!(
+            "surface {index} has a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
+        );
+        return Err(Failure::refused(RefusalCode::NotFinite, message));
+    }
+    if flushes_subnormals() {
+        let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
+        return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::validity;
+
+    #[test]
+    fn a_torus_and_a_ball_are_closed_and_within_their_bound() {
+        for (surface, radius) in
+            [(NurbsSurface::torus(2.0, 0.5).unwrap(), Some(2.0)), (NurbsSurface::sphere(1.5).unwrap(), None)]
+        {
+            for wanted in [1e-1, 1e-3] {
+                let made = nurbs_to_mesh(
+                    &[surface.clone()],
+                    &Budget::length(Tolerance::new(wanted).unwrap()),
+                    &Job::default(),
+                )
+                .unwrap();
+                let bound = made.bound.at_most().unwrap();
+                assert!(bound <= wanted);
+                let valid = validity(&made.shape, crate::explicit::Topology::Positions);
+                assert!(valid.closed && valid.edge_manifold && valid.oriented, "{valid:?}");
+                let off = |p: &[f64; 3]| match radius {
+                    Some(ring) => {
+                        let r = (p[0] * p[0] + p[1] * p[1]).sqrt() - ring;
+                        ((r * r + p[2] * p[2]).sqrt() - 0.5).abs()
+                    }
+                    None => (crate::math::length(*p) - 1.5).abs(),
+                };
+                let mut worst = 0.0;
+                for face in made.shape.faces() {
+                    let [a, b, c] = face.map(|v| made.shape.positions()[v as usize]);
+                    let middle = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
+                    worst = greater(off(&middle), worst);
+                }
+                println!("{wanted} {bound} {worst} {}", made.shape.faces().len());
+                assert!(worst <= bound && worst > 0.3 * bound, "{worst} {bound}");
+            }
+        }
+    }
+}

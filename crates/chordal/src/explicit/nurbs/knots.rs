@@ -1,0 +1,244 @@
+//! `KnotVector`: the parameters at which the pieces of a spline meet.
+use super::BernsteinRow;
+use std::fmt;
+
+/// The knots of a B-spline and its degree.
+///
+/// `n` control points of degree `p` have `n + p + 1` knots, which do not decrease. The curve runs from knot `p` to knot
+/// `n`. A knot that occurs `m` times leaves `p − m` continuous derivatives there.
+///
+/// ```
+/// use chordal::explicit::nurbs::KnotVector;
+/// let knots = KnotVector::clamped(3, 5)?;
+/// assert_eq!(knots.knots(), [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0, 2.0]);
+/// assert_eq!((knots.n_control(), knots.domain()), (5, [0.0, 2.0]));
+/// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnotVector {
+    degree: usize,
+    knots: Vec<f64>,
+    /// The first of the knots between which each piece lies: pieces of length 0 are none.
+    spans: Vec<usize>,
+}
+
+/// The highest degree: control points of higher ones say little about a curve, and their binomial coefficients lose
+/// digits. Chosen: CAD systems stop at 25 or before.
+const MOST: usize = 30;
+
+impl KnotVector {
+    /// # Errors
+    /// When the degree is 0 or beyond 30, a number is not finite, knots decrease or repeat more often than the degree
+    /// (once more at the ends), or are too few.
+    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, InvalidNurbs> {
+        if degree == 0 || degree > MOST {
+            return Err(InvalidNurbs::Degree(degree));
+        }
+        if let Some(index) = knots.iter().position(|x| !x.is_finite()) {
+            return Err(InvalidNurbs::NotFinite { what: "knot", index });
+        }
+        if knots.len() < 2 * (degree + 1) {
+            return Err(InvalidNurbs::TooFewKnots { degree, knots: knots.len() });
+        }
+        if let Some(before) = knots.windows(2).position(|pair| pair[0] > pair[1]) {
+            return Err(InvalidNurbs::Decreasing(before + 1));
+        }
+        let n_control = knots.len() - degree - 1;
+        let spans: Vec<usize> = (degree..n_control).filter(|k| knots[*k] < knots[k + 1]).collect();
+        if spans.is_empty() {
+            return Err(InvalidNurbs::NoLength);
+        }
+        let [from, to] = [knots[degree], knots[n_control]];
+        // Once more than the degree: the curve would jump.
+        let too_often = |k: usize| knots[k] == knots[k + degree] && knots[k] > from && knots[k] < to;
+        if let Some(index) = (0..knots.len() - degree).find(|k| too_often(*k)) {
+            return Err(InvalidNurbs::Repeated { index, degree });
+        }
+        Ok(Self { degree, knots, spans })
+    }
+
+    /// Uniform knots for so many control points, clamped: the curve starts and ends at the first and the last point.
+    ///
+    /// # Errors
+    /// When there are not more control points than the degree, or the degree is 0 or beyond 30.
+    pub fn clamped(degree: usize, n_control: usize) -> Result<Self, InvalidNurbs> {
+        if n_control <= degree {
+            return Err(InvalidNurbs::TooFew { degree, points: n_control });
+        }
+        let inner = n_control - degree;
+        let knot = |k: usize| k.saturating_sub(degree).min(inner) as f64;
+        Self::new(degree, (0..n_control + degree + 1).map(knot).collect())
+    }
+
+    /// The degree of the pieces.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// All knots, repeated ones too.
+    #[must_use]
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// The number of control points.
+    #[must_use]
+    pub fn n_control(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// The number of pieces.
+    #[must_use]
+    pub fn n_pieces(&self) -> usize {
+        self.spans.len()
+    }
+
+    /// The parameters where the spline starts and ends.
+    #[must_use]
+    pub fn domain(&self) -> [f64; 2] {
+        [self.knots[self.degree], self.knots[self.n_control()]]
+    }
+
+    /// The parameters where a piece starts and ends.
+    #[must_use]
+    pub fn piece(&self, piece: usize) -> [f64; 2] {
+        let k = self.spans[piece];
+        [self.knots[k], self.knots[k + 1]]
+    }
+
+    /// The piece at a parameter, and the place in it from 0 to 1; outside of the domain that of its nearer end.
+    #[must_use]
+    pub fn locate(&self, t: f64) -> (usize, f64) {
+        let after = self.spans.partition_point(|k| self.knots[*k] <= t);
+        let piece = after.saturating_sub(1);
+        let [a, b] = self.piece(piece);
+        let place = (t - a) / (b - a);
+        (piece, if place > 0.0 { crate::math::lesser(place, 1.0) } else { 0.0 })
+    }
+
+    /// The blossom of a piece: de Boor's algorithm with a parameter of its own in each step, all of them within the
+    /// piece. All steps are weighted means.
+    fn blossom<const N: usize>(
+        &self,
+        span: usize,
+        control: &[[f64; N]],
+        at: impl Fn(usize) -> f64,
+    ) -> [f64; N] {
+        let p = self.degree;
+        let mut row = control[span - p..=span].to_vec();
+        for r in 1..=p {
+            let t = at(r - 1);
+            for i in (r..=p).rev() {
+                let (low, high) = (self.knots[span - p + i], self.knots[span + 1 + i - r]);
+                let part = (t - low) / (high - low);
+                row[i] = std::array::from_fn(|k| (1.0 - part) * row[i - 1][k] + part * row[i][k]);
+            }
+        }
+        row[p]
+    }
+
+    /// The control points of all pieces in Bernstein form; each begins with the last one of the piece before.
+    pub(crate) fn to_bezier<const N: usize>(&self, control: &[[f64; N]]) -> Vec<[f64; N]> {
+        let p = self.degree;
+        let mut made = Vec::with_capacity(self.spans.len() * p + 1);
+        for (piece, span) in self.spans.iter().enumerate() {
+            let [a, b] = self.piece(piece);
+            for j in usize::from(piece > 0)..=p {
+                made.push(self.blossom(*span, control, |k| if k < j { b } else { a }));
+            }
+        }
+        made
+    }
+
+    /// The coefficients of one piece in Bernstein form.
+    pub(super) fn piece_row<const N: usize>(&self, control: &[[f64; N]], piece: usize) -> BernsteinRow<N> {
+        let [a, b] = self.piece(piece);
+        let at = |j: usize| self.blossom(self.spans[piece], control, |k| if k < j { b } else { a });
+        BernsteinRow((0..=self.degree).map(at).collect())
+    }
+}
+
+/// Why numbers do not describe a spline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InvalidNurbs {
+    /// The degree is 0 or beyond 30.
+    Degree(usize),
+    /// A knot, a control point or a weight is NaN or infinite.
+    NotFinite {
+        /// What it is.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+    },
+    /// There are fewer than 2(p + 1) knots.
+    TooFewKnots {
+        /// The degree.
+        degree: usize,
+        /// The number of knots.
+        knots: usize,
+    },
+    /// There are not more control points than the degree.
+    TooFew {
+        /// The degree.
+        degree: usize,
+        /// The number of control points.
+        points: usize,
+    },
+    /// The knot with this index is less than the one before.
+    Decreasing(usize),
+    /// A knot in the middle occurs more often than the degree, and the curve would jump there.
+    Repeated {
+        /// The index of the first of them.
+        index: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// The first and the last parameter are equal.
+    NoLength,
+    /// The number of control points or weights is another one than the knots need.
+    Count {
+        /// What there is.
+        what: &'static str,
+        /// So many there are.
+        found: usize,
+        /// So many there must be.
+        needed: usize,
+    },
+    /// The weight with this index is 0 or less.
+    Weight(usize),
+    /// The radius of this control point of a profile is negative.
+    Radius(usize),
+}
+
+impl fmt::Display for InvalidNurbs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Degree(degree) => write!(f, "the degree is {degree}, and must be from 1 to {MOST}"),
+            Self::NotFinite { what, index } => write!(f, "{what} {index} is not a finite number"),
+            Self::TooFewKnots { degree, knots } => {
+                write!(f, "degree {degree} needs {} knots at least, and there are {knots}", 2 * (degree + 1))
+            }
+            Self::TooFew { degree, points } => {
+                write!(
+                    f,
+                    "degree {degree} needs {} control points at least, and there are {points}",
+                    degree + 1
+                )
+            }
+            Self::Decreasing(index) => write!(f, "knot {index} is less than the one before"),
+            Self::Repeated { index, degree } => write!(
+                f,
+                "knot {index} occurs more often than the degree {degree}, so that the curve would jump there: split it in two"
+            ),
+            Self::NoLength => {
+                f.write_str("the knots have no length: the first and the last parameter are equal")
+            }
+            Self::Count { what, found, needed } => write!(f, "{found} {what} where the knots need {needed}"),
+            Self::Radius(index) => write!(f, "the radius of control point {index} is negative"),
+            Self::Weight(index) => write!(f, "weight {index} is not above 0"),
+        }
+    }
+}
+
+impl std::error::Error for InvalidNurbs {}
