@@ -4,6 +4,7 @@ use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::par_map;
+use chordal::explicit::nurbs::NurbsSurface;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
 use chordal::math::{Box3, greater};
 use chordal::{Job, Mesh, Patch};
@@ -289,6 +290,12 @@ pub(crate) fn check_patches(patches: &[Patch], warnings: &mut Warnings) -> Resul
     let is_point = |p: &&Patch| p.control.as_flattened().iter().all(|c| *c == p.control[0][0]);
     let points = patches.iter().filter(is_point).count();
     warnings.count_all("point-patches", points as u64, "patches have all their control points in one place");
+    Ok(())
+}
+
+pub(crate) fn check_surfaces(surfaces: &[NurbsSurface], warnings: &mut Warnings) -> Result<(), ReadError> {
+    check_extent(surfaces.iter().flat_map(NurbsSurface::control))?;
+    warnings.count_all("no-surfaces", u64::from(surfaces.is_empty()), "the file has no surfaces");
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 use crate::glb::deformation::is_deformed;
 use crate::glb::{GltfPacking, VertexStorage};
 use crate::{Curves, Drawing, Frame, MATERIAL, Marks, Polygons, RareValue, SceneAssets, Volume, Warning};
+use chordal::explicit::nurbs::NurbsSurface;
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
@@ -82,6 +83,8 @@ pub struct Scene {
 pub enum Content {
     /// Bicubic Bézier patches.
     Patches(Vec<Patch>, Frame),
+    /// NURBS surfaces.
+    Surfaces(Vec<NurbsSurface>, Frame),
     /// Meshes.
     Scene(Scene),
     /// A polygon cage.

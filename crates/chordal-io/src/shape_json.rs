@@ -1,15 +1,17 @@
 //! Shapes in JSON: patches, curves and polylines, after `docs/schema/patches.schema.json`,
-//! `curves.schema.json` and `polylines.schema.json`.
+//! `curves.schema.json`, `polylines.schema.json` and `surfaces.schema.json`.
 mod lines;
+mod surfaces;
 mod write;
 
-use crate::assemble::{check_patches, too_many_rows};
+use crate::assemble::{check_patches, check_surfaces, too_many_rows};
 use crate::grow::{push, with_room};
 use crate::json::{JsonKind, JsonReader};
 use crate::text::{grouped, show, text_of};
 use crate::warnings::Warnings;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
+use chordal::explicit::nurbs::NurbsSurface;
 use lines::{CurveForm, CurveList};
 use serde_json::Value;
 pub use write::write;
@@ -18,6 +20,8 @@ pub use write::write;
 ///
 /// - patches: `{"patches": [[[[x, y, z], …4], …4], …]}`, or
 ///   `{"points": [[x, y, z], …], "patches": [[i, …16], …]}` with indices from 0;
+/// - NURBS surfaces: `{"surfaces": [{"degree": [p, q], "knots": [[…], […]], "control": [[[x, y, z], …], …],
+///   "weights": [[…], …]}, …]}`, row by row, `u` along a row; weights are 1 where they are left out;
 /// - curves: `{"curves": [{"control": [[x, y], …], "closed": false}, …]}` with 3n + 1 control points of n
 ///   cubics;
 /// - polylines: `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …]}`, as Chordal
@@ -49,6 +53,17 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     if let Some(form) = found.lines.form {
         return found.lines(form);
     }
+    if let Some(surfaces) = found.surfaces.take() {
+        if found.has_patches {
+            return Err(surfaces::mixed("patches"));
+        }
+        if let Some(points) = found.points {
+            found.warnings.count_all("isolated-points", points.len() as u64, UNUSED);
+        }
+        check_surfaces(&surfaces, &mut found.warnings)?;
+        let content = Content::Surfaces(surfaces, found.frame);
+        return Ok(ReadOutcome { content, warnings: found.warnings.into_list() });
+    }
     let patches = found.patches()?;
     check_patches(&patches, &mut found.warnings)?;
     Ok(ReadOutcome { content: Content::Patches(patches, found.frame), warnings: found.warnings.into_list() })
@@ -63,7 +78,7 @@ pub(crate) fn looks_like(text: &[u8]) -> bool {
     let mut found = false;
     // Stops with an error at the key that decides, so the shapes themselves are not read.
     let _ = json.object(|json, key| {
-        found |= matches!(key, "patches" | "curves" | "polylines");
+        found |= matches!(key, "patches" | "surfaces" | "curves" | "polylines");
         if found { Err(json.error("found", "")) } else { json.skip() }
     });
     found
@@ -87,6 +102,7 @@ struct ShapeJsonMembers {
     by_index: Vec<[u32; 16]>,
     by_value: Vec<Patch>,
     has_patches: bool,
+    surfaces: Option<Vec<NurbsSurface>>,
     lines: CurveList,
     /// The report in the file.
     report: Option<Value>,
@@ -103,6 +119,14 @@ impl ShapeJsonMembers {
                     check_rows(json, "patches", row, limits)?;
                     self.patch(json)
                 })?;
+            }
+            "surfaces" => {
+                let mut surfaces = Vec::new();
+                json.array(|json, row| {
+                    check_rows(json, "surfaces", row, limits)?;
+                    push(&mut surfaces, surfaces::surface(json, limits, &mut self.warnings)?)
+                })?;
+                self.surfaces = Some(surfaces);
             }
             "curves" => self.read_lines(json, CurveForm::Curves, limits)?,
             "polylines" => self.read_lines(json, CurveForm::Polylines, limits)?,
@@ -157,6 +181,9 @@ impl ShapeJsonMembers {
 
     /// Builds the curves, once everything is read.
     fn lines(mut self, form: CurveForm) -> Result<ReadOutcome, ReadError> {
+        if self.surfaces.is_some() {
+            return Err(surfaces::mixed(form.list()));
+        }
         if self.has_patches {
             let message = format!("a file holds patches or {}, not both", form.list());
             return Err(ReadError::new("mixed-shapes", FileLocation::File, message));
@@ -170,6 +197,7 @@ impl ShapeJsonMembers {
             Content::Drawing(drawing) => drawing.certificate = found,
             Content::Curves(curves) => curves.certificate = found,
             Content::Patches(..)
+            | Content::Surfaces(..)
             | Content::Scene(_)
             | Content::Polygons(_)
             | Content::Field { .. }
@@ -213,7 +241,7 @@ impl ShapeJsonMembers {
             return Err(ReadError::new(
                 "no-shapes",
                 FileLocation::File,
-                "the object has no member \"patches\", \"curves\" or \"polylines\"",
+                "the object has no member \"patches\", \"surfaces\", \"curves\" or \"polylines\"",
             ));
         }
         let points = self.points.take();

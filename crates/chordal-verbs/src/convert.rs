@@ -173,7 +173,7 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
             certificate.notes.extend(volume_losses(&sampled.volume, to));
             (ConvertedShape::Volume(sampled.volume), Bound::exact(Reference::Trilinear))
         }
-        Shape::Patches { .. } | Shape::Field(_) => {
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => {
             return Err(MeshFailure::Usage(needs_mesh_message(input.shape.kind())));
         }
     };
@@ -225,7 +225,7 @@ fn refuse_points_alone(scene: &Scene, to: Format) -> Result<(), MeshFailure> {
 pub fn needs_mesh(shape: &Shape, to: Format) -> bool {
     match shape {
         Shape::Scene(_) => false,
-        Shape::Patches { .. } | Shape::Volume(_) => to.holds_triangles(),
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Volume(_) => to.holds_triangles(),
         Shape::Field(implicit) => {
             to.holds_triangles() || to.holds_polylines() && !implicit.field.tape().axes()[2]
         }
@@ -281,7 +281,7 @@ fn check_format(shape: &Shape, to: Format) -> Result<(), Message> {
             return Err("these curves are in space, which svg cannot hold: write json".into());
         }
         Shape::Drawing(_) | Shape::Curves(_) => ("polylines", Format::holds_polylines),
-        Shape::Patches { .. } | Shape::Field(_) => {
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => {
             let kind = shape.kind();
             return Err(format!(
                 "{to} does not hold {kind}, and no format that is written does: mesh them to one of {}",
@@ -315,7 +315,7 @@ fn left_out_certificate(shape: &mut Shape) -> Option<Message> {
         Shape::Cage(polygons) => polygons.certificate.take(),
         Shape::Drawing(drawing) => drawing.certificate.take(),
         Shape::Curves(curves) => curves.certificate.take(),
-        Shape::Patches { .. } | Shape::Field(_) | Shape::Volume(_) => None,
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) | Shape::Volume(_) => None,
     }?;
     let at_most = certificate.pointer("/bound/at_most").and_then(Value::as_f64);
     let promised = at_most.map_or(String::new(), |most| format!(", of a bound of at most {most},"));

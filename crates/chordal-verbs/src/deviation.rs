@@ -7,6 +7,7 @@ use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Length, Reference, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
+use chordal::explicit::nurbs::NurbsSurface;
 use chordal::math::{add_up, greater, lesser, sub_down};
 use chordal::{Budget, Job, Mesh, convert};
 use std::borrow::Cow;
@@ -105,7 +106,7 @@ fn measure(
             let NativeSurface { mesh, off, reference } = sampled.native;
             (mesh, off, reference)
         }
-        ComparedSurface::Patches(..) | ComparedSurface::Cage(..) => {
+        ComparedSurface::Patches(..) | ComparedSurface::Surfaces(..) | ComparedSurface::Cage(..) => {
             let message = "only triangles are measured against a field: mesh the other shape first";
             return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
         }
@@ -143,6 +144,8 @@ enum ComparedSurface {
     Triangles(Mesh, f64),
     /// Patches and their diagonal.
     Patches(Vec<chordal::Patch>, f64),
+    /// NURBS surfaces and their diagonal.
+    Surfaces(Vec<NurbsSurface>, f64),
     /// A cage and its diagonal.
     Cage(Box<Cage>, f64),
     /// A volume.
@@ -204,6 +207,7 @@ impl ComparedSurface {
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),
+            Shape::Surfaces { surfaces, .. } => Ok(Self::Surfaces(surfaces, diagonal)),
             Shape::Cage(polygons) => Ok(Self::Cage(Box::new(polygons.cage), diagonal)),
             Shape::Volume(sampled) => {
                 let (scene, bound) = surface_of(&sampled, Budget::default(), &mut certificate.notes, job)?;
@@ -229,7 +233,7 @@ impl ComparedSurface {
         match self {
             Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles)),
             Self::Volume(sampled) => sampled.within(share, job),
-            Self::Patches(_, diagonal) | Self::Cage(_, diagonal) => {
+            Self::Patches(_, diagonal) | Self::Surfaces(_, diagonal) | Self::Cage(_, diagonal) => {
                 let tolerance = Tolerance::new(lesser(share, FIRST) * diagonal).map_err(|_| {
                     let message = "the shape has no size".to_owned();
                     MeshFailure::refused(RefusalCode::Empty, message)
@@ -238,6 +242,7 @@ impl ComparedSurface {
                 let made = match self {
                     Self::Cage(cage, _) => chordal::convert::cage_to_mesh(cage, &budget, job),
                     Self::Patches(patches, _) => convert::patches_to_mesh(patches, &budget, job),
+                    Self::Surfaces(surfaces, _) => convert::nurbs_to_mesh(surfaces, &budget, job),
                     Self::Triangles(mesh, off) => {
                         return Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles));
                     }

@@ -38,7 +38,7 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
         _ if !to.holds_triangles() && !to.holds_polylines() => {
             Err(format!("{to} is only read; what can be written is {}", output_names()).into())
         }
-        Shape::Patches { .. } | Shape::Scene(_) if !to.holds_triangles() => {
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Scene(_) if !to.holds_triangles() => {
             Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names())
                 .into())
         }

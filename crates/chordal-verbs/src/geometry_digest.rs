@@ -37,7 +37,7 @@ pub fn geometry_digest(shape: &Shape) -> Result<Option<String>, WriteError> {
         Shape::Drawing(drawing) => Ok(straight_digest(&drawing.lines)),
         Shape::Curves(curves) => Ok(straight_digest(&curves.lines)),
         Shape::Volume(sampled) => Ok(Some(volume_digest(&sampled.volume))),
-        Shape::Patches { .. } | Shape::Field(_) => Ok(None),
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => Ok(None),
     }
 }
 

@@ -129,6 +129,11 @@ fn polylines_of(shape: &Shape) -> Option<PolylineFacts> {
     match shape {
         Shape::Drawing(drawing) => PolylineFacts::from_straight_curves(&drawing.lines),
         Shape::Curves(curves) => PolylineFacts::from_straight_curves(&curves.lines),
-        Shape::Patches { .. } | Shape::Scene(_) | Shape::Cage(_) | Shape::Field(_) | Shape::Volume(_) => None,
+        Shape::Patches { .. }
+        | Shape::Surfaces { .. }
+        | Shape::Scene(_)
+        | Shape::Cage(_)
+        | Shape::Field(_)
+        | Shape::Volume(_) => None,
     }
 }

@@ -81,6 +81,10 @@ pub fn mesh(
             // A descriptive name; a file name would make the bytes depend on a path.
             (Scene::from_mesh("patches", made.shape, frame), made.bound)
         }
+        Shape::Surfaces { surfaces, frame } => {
+            let made = request.run(job, |budget| convert::nurbs_to_mesh(&surfaces, budget, job))?;
+            (Scene::from_mesh("surfaces", made.shape, frame), made.bound)
+        }
         Shape::Cage(polygons) => {
             certificate.notes.extend(cage::notes_of_mesh(&polygons));
             cage::limit_surface(&polygons, &request, job)?

@@ -35,7 +35,7 @@ pub(crate) fn embedded_certificate(shape: &Shape) -> Option<&Value> {
         Shape::Drawing(drawing) => drawing.certificate.as_ref(),
         Shape::Curves(curves) => curves.certificate.as_ref(),
         Shape::Volume(sampled) => sampled.volume.certificate.as_ref(),
-        Shape::Patches { .. } | Shape::Field(_) => None,
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => None,
     }
 }
 

@@ -117,7 +117,7 @@ pub fn render(
             let asked = RenderRequest { options, fineness, shape: &input.shape };
             draw_filled_regions(drawing, &asked, certificate, job)
         }
-        Shape::Patches { .. } | Shape::Cage(_) => {
+        Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Cage(_) => {
             let camera = camera_for(&input.shape, &options, job)?;
             let PictureMesh { made, budget, note } =
                 mesh_for(&input.shape, fineness, &CameraShot { camera, job })?;
@@ -369,6 +369,7 @@ fn draw_mesh(
 fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
     let made = match shape {
         Shape::Patches { patches, .. } => convert::patches_to_mesh(patches, budget, job),
+        Shape::Surfaces { surfaces, .. } => convert::nurbs_to_mesh(surfaces, budget, job),
         Shape::Cage(polygons) => chordal::convert::cage_to_mesh(&polygons.cage, budget, job),
         other => {
             let message = format!("{} have no patches", other.kind());

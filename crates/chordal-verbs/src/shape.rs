@@ -2,6 +2,7 @@
 use crate::implicit::ImplicitShape;
 use crate::{SurfaceSpec, VolumeShape, cage_size};
 use chordal::Patch;
+use chordal::explicit::nurbs::NurbsSurface;
 use chordal::explicit::{Curve, CurveSegment};
 use chordal::math::{Box3, add_up, greater, mul_down, mul_up, sqrt_down, sub_down};
 use chordal_io::{Content, Curves, Drawing, Frame, Polygons, Scene, WriteError};
@@ -14,6 +15,13 @@ pub enum Shape {
     Patches {
         /// The patches.
         patches: Vec<Patch>,
+        /// The frame of their coordinates.
+        frame: Frame,
+    },
+    /// NURBS surfaces.
+    Surfaces {
+        /// The surfaces.
+        surfaces: Vec<NurbsSurface>,
         /// The frame of their coordinates.
         frame: Frame,
     },
@@ -35,6 +43,7 @@ impl From<Content> for Shape {
     fn from(content: Content) -> Self {
         match content {
             Content::Patches(patches, frame) => Self::Patches { patches, frame },
+            Content::Surfaces(surfaces, frame) => Self::Surfaces { surfaces, frame },
             Content::Scene(scene) => Self::Scene(scene),
             Content::Polygons(polygons) => Self::Cage(polygons),
             Content::Drawing(drawing) => Self::Drawing(drawing),
@@ -57,6 +66,7 @@ impl Shape {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Patches { .. } => "patches",
+            Self::Surfaces { .. } => "surfaces",
             Self::Scene(_) => "triangles",
             Self::Cage(_) => "cage",
             Self::Drawing(_) => "drawing",
@@ -77,7 +87,7 @@ impl Shape {
     #[must_use]
     pub fn frame(&self) -> &Frame {
         match self {
-            Self::Patches { frame, .. } => frame,
+            Self::Patches { frame, .. } | Self::Surfaces { frame, .. } => frame,
             Self::Scene(scene) => &scene.frame,
             Self::Cage(polygons) => &polygons.frame,
             Self::Drawing(drawing) => &drawing.frame,
@@ -90,7 +100,7 @@ impl Shape {
     /// The frame, to add what a file does not state.
     pub fn frame_mut(&mut self) -> &mut Frame {
         match self {
-            Self::Patches { frame, .. } => frame,
+            Self::Patches { frame, .. } | Self::Surfaces { frame, .. } => frame,
             Self::Scene(scene) => &mut scene.frame,
             Self::Cage(polygons) => &mut polygons.frame,
             Self::Drawing(drawing) => &mut drawing.frame,
@@ -109,6 +119,9 @@ impl Shape {
         match self {
             Self::Patches { patches, .. } => {
                 Ok(patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(patch.bounds())))
+            }
+            Self::Surfaces { surfaces, .. } => {
+                Ok(surfaces.iter().fold(Box3::EMPTY, |hull, surface| hull.union(surface.bounds())))
             }
             Self::Scene(scene) => {
                 let meshes = scene.world_meshes()?;
@@ -140,6 +153,7 @@ impl Shape {
                 // cover it.
                 Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
+            Self::Surfaces { surfaces, .. } => Ok(surfaces_diagonal(surfaces)),
             Self::Scene(_) => Ok(diagonal_below(&self.bounds()?, 0.0)),
             Self::Cage(polygons) => Ok(diagonal_below(&cage_size::inner_box(polygons), 0.0)),
             Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
@@ -155,6 +169,18 @@ impl Shape {
             }
         }
     }
+}
+
+/// A lower bound of the diagonal of surfaces, by samples of them.
+fn surfaces_diagonal(surfaces: &[NurbsSurface]) -> f64 {
+    let samples: Vec<[f64; 3]> =
+        surfaces.iter().flat_map(|surface| surface.lattice(SAMPLES as usize)).collect();
+    let sampled = Box3::from_points(&samples);
+    let bounds = surfaces.iter().fold(Box3::EMPTY, |hull, surface| hull.union(surface.bounds()));
+    let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| greater(x.abs(), most));
+    // An evaluated coordinate is a weighted mean of control points, in less than 8 steps of 3 roundings for each degree,
+    // of which there are 60 at most in both directions, and a quotient.
+    diagonal_below(&sampled, mul_up(2048.0 * f64::EPSILON, reach))
 }
 
 /// Samples along one side of a patch.

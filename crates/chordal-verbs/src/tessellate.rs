@@ -49,6 +49,10 @@ pub(crate) fn tessellate_scene(
             let made = convert::patches_to_mesh(patches, &budget, job).or_else(Failure::best_effort)?;
             return Ok((Scene::from_mesh("patches", made.shape, *shape.frame()), made.bound));
         }
+        Shape::Surfaces { surfaces, .. } => {
+            let made = convert::nurbs_to_mesh(surfaces, &budget, job).or_else(Failure::best_effort)?;
+            return Ok((Scene::from_mesh("surfaces", made.shape, *shape.frame()), made.bound));
+        }
         Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),
         Shape::Volume(sampled) => {
             let made = isosurface::mesh_volume(sampled, (&request.widened(), SurfaceForm::Cells), notes, job);

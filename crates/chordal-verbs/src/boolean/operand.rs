@@ -153,6 +153,7 @@ fn plural(shape: &Shape) -> &'static str {
     match shape {
         Shape::Cage(_) => "cages",
         Shape::Patches { .. } => "patches",
+        Shape::Surfaces { .. } => "surfaces",
         Shape::Volume(_) => "volumes",
         _ => "fields",
     }

@@ -143,6 +143,7 @@ impl StepBound {
         let references = [
             Reference::Curves,
             Reference::BezierPatches,
+            Reference::NurbsSurfaces,
             Reference::LimitSurface,
             Reference::InputTriangles,
             Reference::Field,

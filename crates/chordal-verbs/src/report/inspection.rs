@@ -95,6 +95,7 @@ impl Inspection {
         let scene = match &input.shape {
             Shape::Scene(scene) => Some(scene),
             Shape::Patches { .. }
+            | Shape::Surfaces { .. }
             | Shape::Cage(_)
             | Shape::Drawing(_)
             | Shape::Curves(_)
@@ -104,13 +105,17 @@ impl Inspection {
         let drawing = match &input.shape {
             Shape::Drawing(drawing) => Some(DrawingFacts::from_curves(drawing)),
             Shape::Curves(curves) => Some(DrawingFacts::from_curves(curves)),
-            Shape::Patches { .. } | Shape::Scene(_) | Shape::Cage(_) | Shape::Field(_) | Shape::Volume(_) => {
-                None
-            }
+            Shape::Patches { .. }
+            | Shape::Surfaces { .. }
+            | Shape::Scene(_)
+            | Shape::Cage(_)
+            | Shape::Field(_)
+            | Shape::Volume(_) => None,
         };
         let field = match &input.shape {
             Shape::Field(implicit) => Some(FieldFacts::new(implicit)),
             Shape::Patches { .. }
+            | Shape::Surfaces { .. }
             | Shape::Scene(_)
             | Shape::Cage(_)
             | Shape::Drawing(_)
@@ -123,11 +128,12 @@ impl Inspection {
             Shape::Drawing(drawing) => drawing.certificate.clone(),
             Shape::Curves(curves) => curves.certificate.clone(),
             Shape::Volume(sampled) => sampled.volume.certificate.clone(),
-            Shape::Patches { .. } | Shape::Field(_) => None,
+            Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => None,
         };
         let patches = match &input.shape {
             Shape::Patches { patches, .. } => Some(patches.len() as u64),
-            Shape::Scene(_)
+            Shape::Surfaces { .. }
+            | Shape::Scene(_)
             | Shape::Cage(_)
             | Shape::Drawing(_)
             | Shape::Curves(_)

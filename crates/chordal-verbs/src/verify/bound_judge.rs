@@ -8,9 +8,10 @@ use crate::zero_set::level_field;
 use crate::{Input, MeshFailure, Shape, field, flatten, merged_parts};
 use chordal::budget::{Bound, JobError, Metric, Reference, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
-use chordal::convert::Inside;
 use chordal::convert::has_meshes;
+use chordal::convert::{self, Inside};
 use chordal::explicit::Cage;
+use chordal::explicit::nurbs::NurbsSurface;
 use chordal::explicit::query::{Bvh, Enclosure};
 use chordal::implicit::Grid;
 use chordal::math::{add_up, greater, sub_down};
@@ -76,6 +77,7 @@ impl BoundJudge<'_> {
                 let found = check::patch_deviation(&mesh.mesh, patches, &goal, self.job);
                 conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
             }
+            Shape::Surfaces { surfaces, .. } => self.against_surfaces(&mesh, surfaces, said),
             Shape::Cage(polygons) => self.against_cage(&mesh, &polygons.cage, said, &goal),
             Shape::Field(implicit) if !implicit.bodies.is_empty() => {
                 unable("there is no judge of several shapes of a script at once")
@@ -98,6 +100,30 @@ impl BoundJudge<'_> {
     /// The triangles of the result, as they were before a glTF turned and scaled them.
     fn result_triangles(&self, scene: &Scene) -> Result<JudgedMesh, MeshFailure> {
         JudgedMesh::new(without_frame_nodes(scene, self.result.format, self.frame).into_owned())
+    }
+
+    /// Through patches near the surfaces, whose distance is proved anew and counted as a move of the triangles.
+    fn against_surfaces(
+        &self,
+        mesh: &JudgedMesh,
+        surfaces: &[NurbsSurface],
+        said: &Bound,
+    ) -> Result<JudgedBound, MeshFailure> {
+        /// The part of a claim for patches near the surfaces. Chosen: a claim is made with a tenth.
+        const NEAR: f64 = 1.0 / 64.0;
+        let Some(near) = said.at_most().and_then(|most| Tolerance::new(NEAR * most).ok()) else {
+            return unable("the claim has no upper bound");
+        };
+        let fitted = match convert::nurbs_to_patches(surfaces, near, self.job) {
+            Ok(made) => made,
+            Err(failure) => failure.best_effort()?,
+        };
+        let lost = fitted.bound.at_most().unwrap_or(f64::INFINITY);
+        let left = said.at_most().map(|most| sub_down(most, add_up(lost, mesh.moved)));
+        let max = left.and_then(|left| Tolerance::new(left).ok());
+        let found =
+            check::patch_deviation(&mesh.mesh, &fitted.shape, &Goal { max, ..Goal::default() }, self.job);
+        conclude(found.map(|found| (found.bound, found.backward)), add_up(mesh.moved, lost), said)
     }
 
     fn against_triangles(

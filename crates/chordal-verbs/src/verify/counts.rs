@@ -20,7 +20,9 @@ pub(super) fn check(out: &Input, certificate: &Value, claims: &mut ClaimList) ->
         Shape::Curves(curves) => {
             (PolylineFacts::from_straight_curves(&curves.lines).map(Output::Polylines), Value::Null)
         }
-        Shape::Volume(_) | Shape::Patches { .. } | Shape::Field(_) => (None, Value::Null),
+        Shape::Volume(_) | Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => {
+            (None, Value::Null)
+        }
     };
     compare(certificate, ("output", &to_value(&output)), claims);
     compare(certificate, ("valid", &valid), claims);

@@ -78,6 +78,23 @@ impl NurbsSurface {
         self.bezier_net().jet([a, b], [s, t]).position
     }
 
+    /// Points at so many equal steps along `u` and `v` of each piece, ends included.
+    #[must_use]
+    pub fn lattice(&self, steps: usize) -> Vec<[f64; 3]> {
+        let net = self.bezier_net();
+        let [n, m] = net.n_pieces();
+        let place = |k: usize| k as f64 / steps as f64;
+        let pieces = (0..m).flat_map(|b| (0..n).map(move |a| [a, b]));
+        let steps_of = |piece: [usize; 2]| {
+            let at = move |j: usize| (0..=steps).map(move |i| (piece, [i, j]));
+            (0..=steps).flat_map(at)
+        };
+        pieces
+            .flat_map(steps_of)
+            .map(|(piece, [i, j])| net.jet(piece, [place(i), place(j)]).position)
+            .collect()
+    }
+
     /// A box that contains the surface: its control points are in it.
     #[must_use]
     pub fn bounds(&self) -> Box3 {

@@ -1,0 +1,104 @@
+//! NURBS surfaces in JSON.
+use super::{check_rows, point, width};
+use crate::ReadError;
+use crate::grow::push;
+use crate::json::{JsonKind, JsonReader};
+use crate::warnings::Warnings;
+use crate::{FileLocation, Limits};
+use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, NurbsSurface};
+
+/// Reads one surface: its degrees, knots, rows of control points, and weights.
+pub(super) fn surface(
+    json: &mut JsonReader,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<NurbsSurface, ReadError> {
+    let (mut degrees, mut knots) = (None, None);
+    let (mut control, mut row_lengths) = (Vec::new(), Vec::new());
+    let mut weights: Option<Vec<f64>> = None;
+    let place = json.place();
+    json.object(|json, key| {
+        match key {
+            "degree" => degrees = Some(both(json, |json| json.number())?),
+            "knots" => knots = Some(both(json, |json| numbers(json, limits))?),
+            "control" => {
+                json.array(|json, row| {
+                    check_rows(json, "rows", row, limits)?;
+                    let n = json.array(|json, i| {
+                        check_rows(json, "points", i, limits)?;
+                        push(&mut control, point(json)?)
+                    })?;
+                    push(&mut row_lengths, n)
+                })?;
+            }
+            "weights" => {
+                let mut all = Vec::new();
+                json.array(|json, row| {
+                    check_rows(json, "rows", row, limits)?;
+                    numbers(json, limits)?.into_iter().try_for_each(|weight| push(&mut all, weight))
+                })?;
+                weights = Some(all);
+            }
+            _ => {
+                super::unknown(json, key, warnings);
+                json.skip()?;
+            }
+        }
+        Ok(())
+    })?;
+    let wrong = |message: String| ReadError::new("invalid-surface", place.clone(), message);
+    let missing = |name: &str| wrong(format!("there is no member \"{name}\""));
+    let degrees = degrees.ok_or_else(|| missing("degree"))?;
+    let knots = knots.ok_or_else(|| missing("knots"))?;
+    if row_lengths.is_empty() {
+        return Err(missing("control"));
+    }
+    let checked = |error: InvalidNurbs| wrong(error.to_string());
+    let mut vectors = Vec::new();
+    for ((degree, knots), name) in degrees.into_iter().zip(knots).zip(["u", "v"]) {
+        if degree.fract() != 0.0 || degree < 0.0 {
+            return Err(wrong(format!("the degree {degree} along {name} is no whole number")));
+        }
+        // A cast of a float that is too large saturates, and is refused as a degree.
+        let vector = KnotVector::new(degree as usize, knots);
+        vectors.push(vector.map_err(|error| wrong(format!("along {name}: {error}")))?);
+    }
+    let Ok(vectors) = <[KnotVector; 2]>::try_from(vectors) else { return Err(missing("knots")) };
+    let needed = vectors[0].n_control() as u64;
+    if let Some((row, n)) = row_lengths.iter().enumerate().find(|(_, n)| **n != needed) {
+        return Err(wrong(format!("row {row} has {n} control points where the knots along u need {needed}")));
+    }
+    let weights = weights.unwrap_or_else(|| vec![1.0; control.len()]);
+    NurbsSurface::new(vectors, control, weights).map_err(checked)
+}
+
+/// Two of the same, for `u` and for `v`.
+fn both<T>(
+    json: &mut JsonReader,
+    mut read: impl FnMut(&mut JsonReader) -> Result<T, ReadError>,
+) -> Result<[T; 2], ReadError> {
+    let mut found = Vec::new();
+    if json.peek()? != JsonKind::Array {
+        return Err(json.error("wrong-type", "two stand here, for u and for v"));
+    }
+    let n = json.array(|json, i| {
+        let one = read(json)?;
+        // More than two are counted.
+        if i < 2 { push(&mut found, one) } else { Ok(()) }
+    })?;
+    <[T; 2]>::try_from(found).ok().filter(|_| n == 2).ok_or_else(|| width(json, n, "values", 2))
+}
+
+fn numbers(json: &mut JsonReader, limits: &Limits) -> Result<Vec<f64>, ReadError> {
+    let mut all = Vec::new();
+    json.array(|json, i| {
+        check_rows(json, "numbers", i, limits)?;
+        push(&mut all, json.number()?)
+    })?;
+    Ok(all)
+}
+
+/// What is said of a file with surfaces and something else.
+pub(super) fn mixed(other: &str) -> ReadError {
+    ReadError::new("mixed-shapes", FileLocation::File, format!("a file holds surfaces or {other}, not both"))
+}
