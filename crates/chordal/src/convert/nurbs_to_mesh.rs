@@ -5,7 +5,7 @@ use super::patches_to_mesh::patches_to_mesh;
 use crate::budget::{
     Bound, Bounded, Budget, Failure, Job, PixelBudget, Pixels, Reference, RefusalCode, Tolerance,
 };
-use crate::explicit::nurbs::NurbsSurface;
+use crate::explicit::nurbs::{HEAVIEST, NurbsSurface};
 use crate::explicit::{Mesh, Patch};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 
@@ -16,8 +16,6 @@ const SHARE: f64 = 0.1;
 const FIRST: f64 = 1e-3;
 /// Squares of differences of coordinates below this stay far from the end of numbers.
 const LARGEST: f64 = 1e150;
-/// Weights lie between this and its inverse, so that products with coordinates keep their digits.
-const HEAVIEST: f64 = 1e30;
 
 /// Bicubic Bézier patches within a distance of NURBS surfaces.
 ///

@@ -1,9 +1,10 @@
-//! `CurveSegment`: one smooth piece of a path: a line, a cubic Bézier curve, or an elliptical arc.
+//! `CurveSegment`: one smooth piece of a path: a line, a cubic or rational Bézier curve, or an elliptical arc.
 use super::bezier::lerp;
+use super::nurbs::RationalBezier;
 use super::{Arc, Bezier};
 
 /// One smooth piece of a [`Curve`](super::Curve), over a parameter from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum CurveSegment<const D: usize> {
     /// A straight line from the first point to the second.
     Line([[f64; D]; 2]),
@@ -11,6 +12,8 @@ pub enum CurveSegment<const D: usize> {
     Cubic(Bezier<D>),
     /// An arc of an ellipse.
     Arc(Arc<D>),
+    /// A rational Bézier curve of any degree.
+    Rational(RationalBezier<D>),
 }
 
 impl<const D: usize> CurveSegment<D> {
@@ -37,6 +40,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line([a, _]) => *a,
             Self::Cubic(cubic) => cubic.control[0],
             Self::Arc(arc) => arc.ends()[0],
+            Self::Rational(curve) => curve.ends()[0],
         }
     }
 
@@ -47,6 +51,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line([_, b]) => *b,
             Self::Cubic(cubic) => cubic.control[3],
             Self::Arc(arc) => arc.ends()[1],
+            Self::Rational(curve) => curve.ends()[1],
         }
     }
 
@@ -57,6 +62,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line([a, b]) => lerp(*a, *b, t),
             Self::Cubic(cubic) => cubic.at(t),
             Self::Arc(arc) => arc.at(t),
+            Self::Rational(curve) => curve.at(t),
         }
     }
 
@@ -67,6 +73,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line([a, b]) => std::array::from_fn(|k| b[k] - a[k]),
             Self::Cubic(cubic) => cubic.tangent(t),
             Self::Arc(arc) => arc.tangent(t),
+            Self::Rational(curve) => curve.derivatives(t)[0],
         }
     }
 
@@ -77,6 +84,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line(_) => [0.0; D],
             Self::Cubic(cubic) => cubic.second_derivative(t),
             Self::Arc(arc) => arc.second_derivative(t),
+            Self::Rational(curve) => curve.derivatives(t)[1],
         }
     }
 
@@ -87,6 +95,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line([a, b]) => Self::Line([*b, *a]),
             Self::Cubic(cubic) => Self::Cubic(cubic.reversed()),
             Self::Arc(arc) => Self::Arc(arc.reversed()),
+            Self::Rational(curve) => Self::Rational(curve.reversed()),
         }
     }
 
@@ -97,6 +106,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line([a, b]) => Bezier { control: [*a, *a, *b, *b] }.bounds(),
             Self::Cubic(cubic) => cubic.bounds(),
             Self::Arc(arc) => arc.bounds(),
+            Self::Rational(curve) => curve.bounds(),
         }
     }
 
@@ -107,6 +117,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line(points) => points.as_flattened().iter().all(|x| x.is_finite()),
             Self::Cubic(cubic) => cubic.control.as_flattened().iter().all(|x| x.is_finite()),
             Self::Arc(arc) => arc.is_finite(),
+            Self::Rational(curve) => curve.is_finite(),
         }
     }
 
@@ -117,6 +128,7 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line(points) => Self::Line(points.map(|p| map.point(p))),
             Self::Cubic(cubic) => Self::Cubic(Bezier { control: cubic.control.map(|p| map.point(p)) }),
             Self::Arc(arc) => Self::Arc(arc.transformed(map)),
+            Self::Rational(curve) => Self::Rational(curve.transformed(map)),
         }
     }
 }

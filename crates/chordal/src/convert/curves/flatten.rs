@@ -2,6 +2,7 @@
 use super::piece::{Chords, rounding};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Lens, Pixels, Reference, RefusalCode, par_map};
 use crate::convert::ladder::LengthLadder;
+use crate::explicit::nurbs::HEAVIEST;
 use crate::explicit::{Curve, CurveSegment, Polyline};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, lesser, mul_up, sub_down};
 
@@ -79,6 +80,9 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 // A short arc may be near and its centre far.
                 let sane_inside = |piece: &CurveSegment<D>| match piece {
                     CurveSegment::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
+                    CurveSegment::Rational(curve) => {
+                        curve.control_weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
+                    }
                     CurveSegment::Line(_) | CurveSegment::Cubic(_) => true,
                 };
                 if !(piece.is_finite()
@@ -87,13 +91,14 @@ impl<'a, const D: usize> Flattener<'a, D> {
                     && sane_inside(piece)
                     && curve.slack() < LARGEST)
                 {
-                    let message =
-                        format!("path {index} has a coordinate that is not finite or beyond {LARGEST:e}");
+                    let message = format!(
+                        "path {index} has a number that is not finite, a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
+                    );
                     return Err(Failure::refused(RefusalCode::NotFinite, message));
                 }
                 let own = match piece {
                     CurveSegment::Line(_) => 0.0,
-                    CurveSegment::Cubic(_) => rounding(piece),
+                    CurveSegment::Cubic(_) | CurveSegment::Rational(_) => rounding(piece),
                     CurveSegment::Arc(arc) => add_up(rounding(piece), arc.slack()),
                 };
                 let lost = if curve.slack() > 0.0 { add_up(own, curve.slack()) } else { own };

@@ -5,3 +5,4 @@ pub(super) mod density;
 pub(super) mod flatten;
 pub(super) mod greedy;
 pub(super) mod piece;
+mod rational_chord;

@@ -2,6 +2,7 @@
 use super::chord::{ChordDeviation, CubicChords, arc_deviation, coordinate_reach, rounding_at, whole_steps};
 use super::density::{FlattenScratch, spread_by_density};
 use super::greedy;
+use super::rational_chord::{self, RationalChords};
 use crate::explicit::CurveSegment;
 use crate::math::greater;
 use crate::math::simd::{self, Kernel};
@@ -13,6 +14,7 @@ pub(crate) enum Chords<'a, const D: usize> {
     Line,
     Cubic(CubicChords<'a, D>),
     Arc(&'a crate::explicit::Arc<D>),
+    Rational(RationalChords<'a, D>),
 }
 
 impl<'a, const D: usize> Chords<'a, D> {
@@ -23,6 +25,7 @@ impl<'a, const D: usize> Chords<'a, D> {
             CurveSegment::Line(_) => Self::Line,
             CurveSegment::Cubic(cubic) => Self::Cubic(CubicChords::new(cubic)),
             CurveSegment::Arc(arc) => Self::Arc(arc),
+            CurveSegment::Rational(curve) => Self::Rational(RationalChords::new(curve)),
         }
     }
 
@@ -32,6 +35,7 @@ impl<'a, const D: usize> Chords<'a, D> {
             Self::Point | Self::Line => ChordDeviation { at_most: 0.0, fraction: 0.5 },
             Self::Cubic(chords) => chords.deviation(a, b),
             Self::Arc(arc) => arc_deviation(arc, a, b),
+            Self::Rational(chords) => chords.deviation(a, b),
         }
     }
 
@@ -40,6 +44,7 @@ impl<'a, const D: usize> Chords<'a, D> {
         let steps = match self {
             Self::Point | Self::Line => return 1.0,
             Self::Cubic(chords) => return chords.even_steps(tolerance),
+            Self::Rational(chords) => return chords.even_steps(tolerance),
             // sup |P''|/(8 N²), and no chord over more than half a turn.
             Self::Arc(arc) => {
                 let [u, v] = arc.axes().map(|axis| axis.iter().fold(0.0, |sum, x| sum + x * x));
@@ -73,7 +78,7 @@ impl<'a, const D: usize> Chords<'a, D> {
     /// The fewest segments that have a finite bound.
     pub(crate) fn coarsest(&self) -> Vec<f64> {
         match self {
-            Self::Point | Self::Line | Self::Cubic(_) => vec![0.0, 1.0],
+            Self::Point | Self::Line | Self::Cubic(_) | Self::Rational(_) => vec![0.0, 1.0],
             // No chord over more than half a turn; a full turn in two would be flat.
             Self::Arc(arc) => self.even(if arc.sweep_rad().abs() > 3.0 { 3 } else { 1 }),
         }
@@ -106,6 +111,7 @@ pub(crate) fn rounding<const D: usize>(piece: &CurveSegment<D>) -> f64 {
     let size = match piece {
         CurveSegment::Line(points) => coordinate_reach(points),
         CurveSegment::Cubic(cubic) => coordinate_reach(&cubic.control),
+        CurveSegment::Rational(curve) => return rational_chord::rounding(curve),
         CurveSegment::Arc(arc) => {
             let [u, v] = arc.axes();
             coordinate_reach(&[arc.centre()]) + coordinate_reach(&[u]) + coordinate_reach(&[v])

@@ -1,6 +1,8 @@
 //! `NurbsCurve`: a rational B-spline curve of any degree.
 use super::knots::{InvalidNurbs, KnotVector};
-use super::{BernsteinRow, binomials};
+use super::{BernsteinRow, RationalBezier, binomials};
+use crate::explicit::{Bezier, Curve, CurveEnds, CurveSegment, InvalidCurve};
+use crate::math::greater;
 
 /// A curve `Σ Nᵢ(t) wᵢ Pᵢ / Σ Nᵢ(t) wᵢ` of any degree, in the plane or in space.
 ///
@@ -19,6 +21,10 @@ pub struct NurbsCurve<const D: usize> {
     control: Vec<[f64; D]>,
     weights: Vec<f64>,
 }
+
+/// Weights lie between this and its inverse where something is proved, so that products with coordinates keep their
+/// digits. Chosen.
+pub(crate) const HEAVIEST: f64 = 1e30;
 
 /// Whether control points and weights are as many as needed, finite, and the weights above 0.
 pub(super) fn check<const D: usize>(
@@ -105,11 +111,71 @@ impl<const D: usize> NurbsCurve<D> {
         made
     }
 
+    /// The curve as a path of Bézier pieces between its knots: lines and cubics where all weights are equal and the
+    /// degree is 1 to 3, rational pieces otherwise. It is closed where it ends where it starts. The rounding of the pieces
+    /// is in [`Curve::slack`].
+    ///
+    /// # Errors
+    /// When a number overflows on the way.
+    ///
+    /// ```
+    /// use chordal::explicit::nurbs::NurbsCurve;
+    /// let path = NurbsCurve::circle([0.0, 0.0], [[1.0, 0.0], [0.0, 1.0]])?.to_curve()?;
+    /// assert_eq!((path.segments().len(), path.is_closed(), path.at(1.0)), (4, true, [0.0, 1.0]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn to_curve(&self) -> Result<Curve<D>, InvalidCurve> {
+        let p = self.knots.degree();
+        // Equal weights make no difference, and their means would have roundings.
+        let is_polynomial = self.weights.iter().all(|w| *w == self.weights[0]);
+        let (x, w) = if is_polynomial {
+            let x = self.knots.to_bezier(&self.control);
+            let ones = vec![[1.0]; x.len()];
+            (x, ones)
+        } else {
+            let (weighted, weights) = self.weighted();
+            (self.knots.to_bezier(&weighted), self.knots.to_bezier(&weights))
+        };
+        let [first, last] = [self.control[0], self.control[self.control.len() - 1]];
+        // A clamped curve ends at control points; weights that come and go would move them.
+        let [from, to] = self.knots.clamped_ends();
+        let joint = |k: usize| -> [f64; D] {
+            let at = k * p;
+            match (k == 0 && from, at + 1 == w.len() && to) {
+                (true, _) => first,
+                (_, true) => last,
+                _ => x[at].map(|x| x / w[at][0]),
+            }
+        };
+        let piece = |k: usize| {
+            let (x, w) = (&x[k * p..=(k + 1) * p], &w[k * p..=(k + 1) * p]);
+            let (start, end) = (joint(k), joint(k + 1));
+            let point = |i: usize| -> [f64; D] { x[i].map(|x| x / w[i][0]) };
+            match (p, is_polynomial) {
+                (1, true) => CurveSegment::Line([start, end]),
+                (2, true) => CurveSegment::quadratic([start, point(1), end]),
+                (3, true) => CurveSegment::Cubic(Bezier { control: [start, point(1), point(2), end] }),
+                _ => CurveSegment::Rational(RationalBezier::new(x.to_vec(), w.to_vec(), [start, end])),
+            }
+        };
+        let pieces: Vec<CurveSegment<D>> = (0..self.knots.n_pieces()).map(piece).collect();
+        let is_closed = joint(0) == joint(self.knots.n_pieces());
+        let reach = self.control.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
+        // Derived: a coefficient is a weighted mean in p steps of three roundings, of products with a weight, and divided by
+        // one; a quadratic as a cubic takes three more. Each coordinate of a point is off by less than 4p + 8 steps.
+        let slack = (4 * p + 8) as f64 * f64::EPSILON * D as f64 * reach;
+        Ok(Curve::new(pieces, CurveEnds::from(is_closed))?.with_slack(slack))
+    }
+
+    /// The points times their weights, and the weights.
+    fn weighted(&self) -> (Vec<[f64; D]>, Vec<[f64; 1]>) {
+        let points = self.control.iter().zip(&self.weights).map(|(p, w)| p.map(|x| x * w)).collect();
+        (points, self.weights.iter().map(|w| [*w]).collect())
+    }
+
     /// The weighted points and the weights of a piece, in Bernstein form.
     fn bezier_rows(&self, piece: usize) -> (BernsteinRow<D>, BernsteinRow<1>) {
-        let weighted: Vec<[f64; D]> =
-            self.control.iter().zip(&self.weights).map(|(p, w)| p.map(|x| x * w)).collect();
-        let weights: Vec<[f64; 1]> = self.weights.iter().map(|w| [*w]).collect();
+        let (weighted, weights) = self.weighted();
         (self.knots.piece_row(&weighted, piece), self.knots.piece_row(&weights, piece))
     }
 }

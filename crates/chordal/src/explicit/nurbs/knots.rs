@@ -107,6 +107,12 @@ impl KnotVector {
         [self.knots[k], self.knots[k + 1]]
     }
 
+    /// Whether the spline starts at its first control point, and ends at its last.
+    pub(super) fn clamped_ends(&self) -> [bool; 2] {
+        let (p, n) = (self.degree, self.n_control());
+        [self.knots[1] == self.knots[p], self.knots[n] == self.knots[n + p - 1]]
+    }
+
     /// The piece at a parameter, and the place in it from 0 to 1; outside of the domain that of its nearer end.
     #[must_use]
     pub fn locate(&self, t: f64) -> (usize, f64) {

@@ -5,11 +5,14 @@
 mod bernstein;
 mod curve;
 mod knots;
+mod rational;
 mod revolved;
 mod surface;
 
 pub(crate) use bernstein::{BernsteinRow, binomials};
+pub(crate) use curve::HEAVIEST;
 pub use curve::NurbsCurve;
 pub use knots::{InvalidNurbs, KnotVector};
+pub use rational::RationalBezier;
 pub use surface::NurbsSurface;
 pub(crate) use surface::{BezierNet, SurfaceJet};

@@ -1,0 +1,119 @@
+//! `RationalBezier`: one piece of a rational curve of any degree.
+use super::BernsteinRow;
+use crate::explicit::AffineMap;
+use crate::math::{greater, lesser};
+use std::sync::Arc;
+
+/// A curve `Σ Bᵢ(t) wᵢ Pᵢ / Σ Bᵢ(t) wᵢ` over a parameter from 0 to 1, by its weighted control points and their weights,
+/// which are above 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RationalBezier<const D: usize> {
+    rows: Arc<RationalRows<D>>,
+    ends: [[f64; D]; 2],
+}
+
+#[derive(Debug, PartialEq)]
+struct RationalRows<const D: usize> {
+    weighted: BernsteinRow<D>,
+    weights: BernsteinRow<1>,
+}
+
+impl<const D: usize> RationalBezier<D> {
+    /// The curve with these control points and weights, of which there must be as many, two at least; weights above 0.
+    pub(super) fn new(weighted: Vec<[f64; D]>, weights: Vec<[f64; 1]>, ends: [[f64; D]; 2]) -> Self {
+        let rows = RationalRows { weighted: BernsteinRow(weighted), weights: BernsteinRow(weights) };
+        Self { rows: Arc::new(rows), ends }
+    }
+
+    /// The degree.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.rows.weights.0.len() - 1
+    }
+
+    /// The control points.
+    #[must_use]
+    pub fn control(&self) -> Vec<[f64; D]> {
+        self.weighted().0.iter().zip(&self.weights().0).map(|(x, [w])| x.map(|x| x / w)).collect()
+    }
+
+    /// The weights of the control points.
+    #[must_use]
+    pub fn control_weights(&self) -> Vec<f64> {
+        self.weights().0.iter().map(|[w]| *w).collect()
+    }
+
+    pub(crate) fn weighted(&self) -> &BernsteinRow<D> {
+        &self.rows.weighted
+    }
+
+    pub(crate) fn weights(&self) -> &BernsteinRow<1> {
+        &self.rows.weights
+    }
+
+    /// Its first and last point.
+    #[must_use]
+    pub fn ends(&self) -> [[f64; D]; 2] {
+        self.ends
+    }
+
+    /// The point at `t`; exactly its ends at 0 and 1.
+    #[must_use]
+    pub fn at(&self, t: f64) -> [f64; D] {
+        if t <= 0.0 {
+            return self.ends[0];
+        }
+        if t >= 1.0 {
+            return self.ends[1];
+        }
+        let [w] = self.weights().at(t);
+        self.weighted().at(t).map(|x| x / w)
+    }
+
+    /// The first and the second derivative at `t`.
+    #[must_use]
+    pub fn derivatives(&self, t: f64) -> [[f64; D]; 2] {
+        let ([x, dx, ddx], [[w], [dw], [ddw]]) = (self.weighted().jet(t), self.weights().jet(t));
+        let point = x.map(|x| x / w);
+        let first: [f64; D] = std::array::from_fn(|k| (dx[k] - point[k] * dw) / w);
+        let second = std::array::from_fn(|k| (ddx[k] - 2.0 * first[k] * dw - point[k] * ddw) / w);
+        [first, second]
+    }
+
+    /// The same piece in reverse.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let (mut weighted, mut weights) = (self.weighted().0.clone(), self.weights().0.clone());
+        weighted.reverse();
+        weights.reverse();
+        Self::new(weighted, weights, [self.ends[1], self.ends[0]])
+    }
+
+    /// The lowest and highest coordinates of a box that contains the piece: that of its control points.
+    #[must_use]
+    pub fn bounds(&self) -> [[f64; D]; 2] {
+        let mut all = self.control();
+        all.extend(self.ends);
+        all.iter().fold([all[0]; 2], |[low, high], p| {
+            [std::array::from_fn(|k| lesser(p[k], low[k])), std::array::from_fn(|k| greater(p[k], high[k]))]
+        })
+    }
+
+    /// Whether all its numbers are finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let numbers = self.weighted().0.as_flattened().iter().chain(self.weights().0.as_flattened());
+        numbers.chain(self.ends.as_flattened()).all(|x| x.is_finite())
+    }
+
+    /// The piece under `x ↦ columns·x + offset`.
+    #[must_use]
+    pub fn transformed(&self, map: &AffineMap<D>) -> Self {
+        let moved = |(x, [w]): (&[f64; D], &[f64; 1])| {
+            let turned = map.vector(*x);
+            std::array::from_fn(|k| turned[k] + w * map.offset[k])
+        };
+        let weighted = self.weighted().0.iter().zip(&self.weights().0).map(moved).collect();
+        Self::new(weighted, self.weights().0.clone(), self.ends.map(|p| map.point(p)))
+    }
+}
