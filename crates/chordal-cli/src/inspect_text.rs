@@ -148,7 +148,12 @@ fn curves(lines: &mut SummaryLines, drawing: &DrawingFacts) {
     let (closed, open) = (grouped(drawing.closed), grouped(drawing.open));
     lines.add("subpaths", format!("{}: {closed} closed, {open} open", grouped(drawing.subpaths)));
     let pieces = drawing.pieces;
-    let all = [(pieces.lines, "line"), (pieces.cubics, "cubic"), (pieces.arcs, "arc")];
+    let all = [
+        (pieces.lines, "line"),
+        (pieces.cubics, "cubic"),
+        (pieces.arcs, "arc"),
+        (pieces.rational, "rational piece"),
+    ];
     let all: Vec<_> = all.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| plural(n, what)).collect();
     lines.add("pieces", if all.is_empty() { "none".to_owned() } else { all.join(", ") });
     lines.add("length", format!("about {}", short(drawing.length_estimate, RoundingDirection::Down)));

@@ -23,7 +23,8 @@ pub use write::write;
 /// - NURBS surfaces: `{"surfaces": [{"degree": [p, q], "knots": [[…], […]], "control": [[[x, y, z], …], …],
 ///   "weights": [[…], …]}, …]}`, row by row, `u` along a row; weights are 1 where they are left out;
 /// - curves: `{"curves": [{"control": [[x, y], …], "closed": false}, …]}` with 3n + 1 control points of n
-///   cubics;
+///   cubics, or splines with `"degree"` (3), `"knots"` (clamped and uniform) and `"weights"` (1) beside their
+///   control points;
 /// - polylines: `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …]}`, as Chordal
 ///   writes them.
 ///

@@ -230,12 +230,13 @@ fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
     let hull = hull_of(curves);
     let reach = hull.min.iter().chain(&hull.max).fold(0.0, |most: f64, x| greater(x.abs(), most));
     // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc's takes
-    // sine and cosine, and is off by less than its own slack and 16 steps of its reach.
+    // sine and cosine, and is off by less than its own slack and 16 steps of its reach; a rational piece's takes 3
+    // for each of 30 degrees at most.
     let slack = |piece: &CurveSegment<D>| if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
     let more = |most: f64, x: f64| greater(x, most);
     let of_arcs = pieces().map(slack).fold(0.0, more);
     let of_curves = curves.iter().map(Curve::slack).fold(0.0, more);
-    diagonal_below(&sampled, add_up(add_up(of_arcs, of_curves), mul_up(32.0 * f64::EPSILON, reach)))
+    diagonal_below(&sampled, add_up(add_up(of_arcs, of_curves), mul_up(512.0 * f64::EPSILON, reach)))
 }
 
 /// A lower bound of a box's diagonal, when each of its faces may lie up to `off` too far out.

@@ -34,6 +34,7 @@ mod lod_tree;
 mod materials;
 mod mend;
 mod normals;
+mod nurbs_referee;
 mod outlines;
 mod overshade;
 mod patch_grid_laws;

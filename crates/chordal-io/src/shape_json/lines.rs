@@ -1,4 +1,5 @@
 //! Curves and polylines in JSON, in the plane or in space.
+use super::surfaces::numbers;
 use super::{check_rows, set, width};
 use crate::drawing::{DrawingElement, PathSet};
 use crate::grow::{push, with_room};
@@ -6,6 +7,7 @@ use crate::json::{JsonKind, JsonReader};
 use crate::text::{grouped, show};
 use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Frame, Limits, ReadError};
+use chordal::explicit::nurbs::{KnotVector, NurbsCurve};
 use chordal::explicit::{Bezier, Curve, CurveSegment, FillRule};
 
 /// Which list a line belongs to, and how its points are interpreted.
@@ -50,7 +52,42 @@ struct CurveEntry {
     source: Option<u64>,
     rule: FillRule,
     name: String,
+    spline: SplineEntry,
 }
+
+/// The degree, the knots and the weights of a curve, where they are given.
+#[derive(Debug, Default)]
+struct SplineEntry {
+    degree: Option<f64>,
+    knots: Option<Vec<f64>>,
+    weights: Option<Vec<f64>>,
+}
+
+impl SplineEntry {
+    fn is_given(&self) -> bool {
+        self.degree.is_some() || self.knots.is_some() || self.weights.is_some()
+    }
+
+    /// The path of a spline with these control points.
+    fn path<const D: usize>(&self, control: Vec<[f64; D]>) -> Result<Curve<D>, InvalidCurveEntry> {
+        let degree = self.degree.unwrap_or(CUBIC);
+        if degree.fract() != 0.0 || degree < 0.0 {
+            return Err(InvalidCurveEntry(format!("the degree {degree} is no whole number")));
+        }
+        // A cast of a float that is too large saturates, and is refused as a degree.
+        let degree = degree as usize;
+        let knots = match &self.knots {
+            Some(knots) => KnotVector::new(degree, knots.clone()),
+            None => KnotVector::clamped(degree, control.len()),
+        };
+        let weights = self.weights.clone().unwrap_or_else(|| vec![1.0; control.len()]);
+        let spline = knots.and_then(|knots| NurbsCurve::new(knots, control, weights));
+        Ok(spline.map_err(|error| InvalidCurveEntry(error.to_string()))?.to_curve()?)
+    }
+}
+
+/// The degree of a spline that states none. Chosen: what most programs draw.
+const CUBIC: f64 = 3.0;
 
 /// All lines of a file. Their points are in one list, with `dimension` numbers each.
 #[derive(Debug, Default)]
@@ -93,6 +130,9 @@ impl CurveList {
                     has_points = true;
                     line.n = self.points(json, limits)?;
                 }
+                "degree" if form == CurveForm::Curves => line.spline.degree = Some(json.number()?),
+                "knots" if form == CurveForm::Curves => line.spline.knots = Some(numbers(json, limits)?),
+                "weights" if form == CurveForm::Curves => line.spline.weights = Some(numbers(json, limits)?),
                 "closed" => line.closed = json.flag()?,
                 "source" => line.source = Some(integer(json)?),
                 "name" => line.name = json.string()?,
@@ -115,7 +155,8 @@ impl CurveList {
             return Err(json.error("no-points", format!("there is no member \"{}\"", form.points())));
         }
         let n = line.n;
-        if form == CurveForm::Curves && n % 3 != 1 {
+        let is_chain = form == CurveForm::Curves && !line.spline.is_given();
+        if is_chain && n % 3 != 1 {
             let message = format!(
                 "{} control points, which is not 3n + 1: each cubic takes three more",
                 grouped(n as u64)
@@ -125,7 +166,7 @@ impl CurveList {
         if n == 0 {
             return Err(json.error("no-points", "a polyline needs a point"));
         }
-        if form == CurveForm::Curves && line.closed && self.at(&line, 0) != self.at(&line, n - 1) {
+        if is_chain && line.closed && self.at(&line, 0) != self.at(&line, n - 1) {
             return Err(json.error("not-closed", "a closed curve ends with the point that it starts with"));
         }
         push(&mut self.lines, line)
@@ -173,7 +214,7 @@ impl CurveList {
         for (index, line) in self.lines.iter().enumerate() {
             let curve = self.curve(line, form).map_err(|error| {
                 ReadError::new(
-                    "not-finite",
+                    if line.spline.is_given() { "invalid-spline" } else { "not-finite" },
                     FileLocation::Pointer(format!("/{}/{index}", form.list())),
                     error.to_string(),
                 )
@@ -205,6 +246,15 @@ impl CurveList {
             let given = self.at(line, i);
             std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0))
         };
+        if line.spline.is_given() {
+            let path = line.spline.path((0..line.n).map(point).collect())?;
+            if line.closed && !path.is_closed() {
+                return Err(InvalidCurveEntry(
+                    "the spline does not end where it starts, and closed is true".into(),
+                ));
+            }
+            return Ok(path);
+        }
         if line.n == 1 {
             return Ok(Curve::point(point(0))?);
         }
@@ -229,7 +279,7 @@ impl CurveList {
     }
 }
 
-/// The error for a case that cannot occur: the numbers were read as finite.
+/// Why the numbers are no curve: of a chain of cubics it cannot occur, since they were read as finite.
 #[derive(Debug)]
 struct InvalidCurveEntry(String);
 

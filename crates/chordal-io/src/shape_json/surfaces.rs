@@ -89,7 +89,8 @@ fn both<T>(
     <[T; 2]>::try_from(found).ok().filter(|_| n == 2).ok_or_else(|| width(json, n, "values", 2))
 }
 
-fn numbers(json: &mut JsonReader, limits: &Limits) -> Result<Vec<f64>, ReadError> {
+/// A list of numbers.
+pub(super) fn numbers(json: &mut JsonReader, limits: &Limits) -> Result<Vec<f64>, ReadError> {
     let mut all = Vec::new();
     json.array(|json, i| {
         check_rows(json, "numbers", i, limits)?;

@@ -11,6 +11,7 @@ mod triangles;
 mod vector;
 
 pub use box_tree::{Bounds, around, distance_to_bounds};
+pub use climb::climb;
 pub use measure::{SamplingEffort, TwoSidedDistance, measure, mesh_to_surface, surface_to_mesh};
 pub use surface::{Control, Foot, Surface, evaluate, quarters};
 pub use triangles::{Triangles, closest_on_triangle, closest_weights, distance_to_triangle, on};

@@ -42,6 +42,8 @@ pub struct PieceCounts {
     pub cubics: u64,
     /// Arcs of ellipses.
     pub arcs: u64,
+    /// Rational Bézier curves.
+    pub rational: u64,
 }
 
 /// Joins by apparent smoothness.
@@ -105,6 +107,7 @@ impl DrawingFacts {
                 CurveSegment::Line(_) => &mut self.pieces.lines,
                 CurveSegment::Cubic(_) => &mut self.pieces.cubics,
                 CurveSegment::Arc(_) => &mut self.pieces.arcs,
+                CurveSegment::Rational(_) => &mut self.pieces.rational,
             };
             *count += 1;
             self.length_estimate += length(piece);

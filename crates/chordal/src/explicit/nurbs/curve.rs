@@ -2,7 +2,7 @@
 use super::knots::{InvalidNurbs, KnotVector};
 use super::{BernsteinRow, RationalBezier, binomials};
 use crate::explicit::{Bezier, Curve, CurveEnds, CurveSegment, InvalidCurve};
-use crate::math::greater;
+use crate::math::{difference, greater, length};
 
 /// A curve `Σ Nᵢ(t) wᵢ Pᵢ / Σ Nᵢ(t) wᵢ` of any degree, in the plane or in space.
 ///
@@ -139,7 +139,7 @@ impl<const D: usize> NurbsCurve<D> {
         let [first, last] = [self.control[0], self.control[self.control.len() - 1]];
         // A clamped curve ends at control points; weights that come and go would move them.
         let [from, to] = self.knots.clamped_ends();
-        let joint = |k: usize| -> [f64; D] {
+        let joint_of = |k: usize| -> [f64; D] {
             let at = k * p;
             match (k == 0 && from, at + 1 == w.len() && to) {
                 (true, _) => first,
@@ -147,6 +147,16 @@ impl<const D: usize> NurbsCurve<D> {
                 _ => x[at].map(|x| x / w[at][0]),
             }
         };
+        let reach = self.control.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
+        // Derived: a coefficient is a weighted mean in p steps of three roundings, of products with a weight, and divided by
+        // one; a quadratic as a cubic takes three more. Each coordinate of a point is off by less than 4p + 8 steps.
+        let rounding = (4 * p + 8) as f64 * f64::EPSILON * D as f64 * reach;
+        // Knots that go around may miss the start by rounding.
+        let n = self.knots.n_pieces();
+        let missed = length(difference(joint_of(n), joint_of(0)));
+        let is_closed = missed <= rounding;
+        let joint = |k: usize| if k == n && is_closed { joint_of(0) } else { joint_of(k) };
+        let slack = if is_closed { rounding + 2.0 * missed } else { rounding };
         let piece = |k: usize| {
             let (x, w) = (&x[k * p..=(k + 1) * p], &w[k * p..=(k + 1) * p]);
             let (start, end) = (joint(k), joint(k + 1));
@@ -158,12 +168,7 @@ impl<const D: usize> NurbsCurve<D> {
                 _ => CurveSegment::Rational(RationalBezier::new(x.to_vec(), w.to_vec(), [start, end])),
             }
         };
-        let pieces: Vec<CurveSegment<D>> = (0..self.knots.n_pieces()).map(piece).collect();
-        let is_closed = joint(0) == joint(self.knots.n_pieces());
-        let reach = self.control.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-        // Derived: a coefficient is a weighted mean in p steps of three roundings, of products with a weight, and divided by
-        // one; a quadratic as a cubic takes three more. Each coordinate of a point is off by less than 4p + 8 steps.
-        let slack = (4 * p + 8) as f64 * f64::EPSILON * D as f64 * reach;
+        let pieces: Vec<CurveSegment<D>> = (0..n).map(piece).collect();
         Ok(Curve::new(pieces, CurveEnds::from(is_closed))?.with_slack(slack))
     }
 
