@@ -146,6 +146,7 @@ fn every_real_file_ends_well() {
                         }
                         Content::Polygons(polygons) => format!("{:>7} polygons", polygons.cage.n_faces()),
                         Content::Patches(patches, _) => format!("{:>7} patches", patches.len()),
+                        Content::Surfaces(surfaces, _) => format!("{:>7} surfaces", surfaces.len()),
                         Content::Drawing(drawing) => format!("{:>7} curves", drawing.lines.len()),
                         Content::Curves(curves) => format!("{:>7} curves", curves.lines.len()),
                         Content::Field { field, .. } => format!("{:>7} steps", field.tape().len()),

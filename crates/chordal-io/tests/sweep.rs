@@ -101,6 +101,10 @@ fn check(name: &str, bytes: &[u8], format: Format) {
         Ok(ReadOutcome { content: Content::Patches(patches, _), .. }) => {
             assert!(patches.iter().all(chordal::Patch::is_finite), "{name}");
         }
+        Ok(ReadOutcome { content: Content::Surfaces(surfaces, _), .. }) => {
+            let numbers = surfaces.iter().flat_map(|surface| surface.control().as_flattened());
+            assert!(numbers.into_iter().all(|x| x.is_finite()), "{name}");
+        }
         Ok(ReadOutcome { content: Content::Drawing(drawing), .. }) => {
             assert!(drawing.lines.iter().all(sound) && drawing.owners.len() == drawing.lines.len(), "{name}");
         }

@@ -224,7 +224,7 @@ mod tests {
         {
             for wanted in [1e-1, 1e-3] {
                 let made = nurbs_to_mesh(
-                    &[surface.clone()],
+                    std::slice::from_ref(&surface),
                     &Budget::length(Tolerance::new(wanted).unwrap()),
                     &Job::default(),
                 )

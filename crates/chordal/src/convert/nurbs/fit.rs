@@ -36,7 +36,7 @@ struct SurfaceFitter<'a> {
 
 /// A rectangle of a piece, by indices of its parts.
 #[derive(Clone, Copy)]
-struct Part {
+struct SubRectangle {
     piece: [usize; 2],
     part: [usize; 2],
 }
@@ -70,12 +70,10 @@ impl<'a> SurfaceFitter<'a> {
     fn new(surface: &'a NurbsSurface) -> Self {
         let net = surface.bezier_net();
         let [n, m] = net.n_pieces();
-        let corner_distance = {
-            let bounds = surface.bounds();
-            EQUAL * bounds.min.iter().chain(&bounds.max).fold(0.0, |far: f64, x| greater(x.abs(), far))
-        };
+        let bounds = surface.bounds();
+        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |far: f64, x| greater(x.abs(), far));
         // The coefficients of a side are near those of the other where the surface closes.
-        let near = |a: [f64; 3], b: [f64; 3]| distance(a, b) <= corner_distance;
+        let near = |a: [f64; 3], b: [f64; 3]| distance(a, b) <= EQUAL * reach;
         let sides = net.sides();
         let is_closed = |k: usize| {
             let [from, to] = &sides[k];
@@ -86,18 +84,19 @@ impl<'a> SurfaceFitter<'a> {
             side.iter().all(|x| near(point(x), first)).then_some(first)
         };
         let poles = sides.each_ref().map(|ends| ends.each_ref().map(pole));
-        let factors = ProductFactors::new(net.degrees());
+        let factors = ProductFactors::new(net.degrees(), reach);
         Self { closes: [0, 1].map(is_closed), poles, factors, cuts: [vec![1; n], vec![1; m]], net }
     }
 
     /// All parts, row by row.
-    fn parts(&self) -> Vec<Part> {
+    fn parts(&self) -> Vec<SubRectangle> {
         let [along_u, along_v] = self.cuts.each_ref().map(|cuts| {
             let of = |(piece, n): (usize, &usize)| (0..*n).map(move |part| (piece, part));
             cuts.iter().enumerate().flat_map(of).collect::<Vec<_>>()
         });
-        let row =
-            |(b, t): (usize, usize)| along_u.iter().map(move |(a, s)| Part { piece: [*a, b], part: [*s, t] });
+        let row = |(b, t): (usize, usize)| {
+            along_u.iter().map(move |(a, s)| SubRectangle { piece: [*a, b], part: [*s, t] })
+        };
         along_v.iter().copied().flat_map(row).collect()
     }
 
@@ -109,7 +108,7 @@ impl<'a> SurfaceFitter<'a> {
     }
 
     /// The patch of a part and its distance.
-    fn patch(&self, part: Part) -> (Patch, f64) {
+    fn patch(&self, part: SubRectangle) -> (Patch, f64) {
         let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|end| self.corner(part, end));
         let scale = [0, 1].map(|k| 1.0 / (3.0 * self.cuts[k][part.piece[k]] as f64));
         let patch = hermite_patch(&corners, scale);
@@ -123,7 +122,7 @@ impl<'a> SurfaceFitter<'a> {
     }
 
     /// The position and derivatives at a corner; at a seam those along it are taken from its first side.
-    fn corner(&self, Part { piece, part }: Part, end: [usize; 2]) -> SurfaceJet {
+    fn corner(&self, SubRectangle { piece, part }: SubRectangle, end: [usize; 2]) -> SurfaceJet {
         let step = [0, 1].map(|k| part[k] + end[k]);
         let place = |k: usize| step[k] as f64 / self.cuts[k][piece[k]] as f64;
         let places = [0, 1].map(place);
@@ -186,7 +185,7 @@ impl<'a> SurfaceFitter<'a> {
 
     /// How far the middles of the patch's sides along `u`, and along `v`, are from the surface's points there, and in its
     /// middle.
-    fn errors_along(&self, Part { piece, part }: Part, patch: &Patch) -> [f64; 2] {
+    fn errors_along(&self, SubRectangle { piece, part }: SubRectangle, patch: &Patch) -> [f64; 2] {
         let place = |k: usize, at: f64| (part[k] as f64 + at) / self.cuts[k][piece[k]] as f64;
         let off = |u: f64, v: f64| {
             let there = self.net.jet(piece, [place(0, u), place(1, v)]).position;

@@ -10,28 +10,33 @@
 //! each coordinate is off by less than `8(p + q + 1)·ε` of `R·W`, `R` the largest coordinate, for the weights, the pieces
 //! and the parts. The patch is taken as it is, rounded numbers included. Differences to its corner and products lose
 //! `16·ε·R·W` and the sums, of at most `16(p + 1)(q + 1)` terms with factors that add up to 1, `(p + q + 8)·ε` of theirs.
-//! Three coordinates of both are below `64(p + q + 4)·ε·R·W`, and so is the division by the least weight. Products below
-//! the normal numbers lose less than the 1e-290 that is added.
+//! Three coordinates of both are below `64(p + q + 4)·ε·R·W`, and so is the division by the least weight.
 use crate::explicit::Patch;
 use crate::explicit::nurbs::{BernsteinRow, binomials};
 use crate::math::{greater, lesser};
+
+/// Lengths below 1e-154 have squares that lose digits or vanish, and products below the normal numbers lose less: nothing
+/// shorter than this is distinguished from 0.
+const LEAST: f64 = 1e-150;
 
 /// The factors of products of two polynomials in Bernstein form, of which the second is a cubic.
 #[derive(Debug)]
 pub(super) struct ProductFactors {
     degrees: [usize; 2],
+    /// The largest coordinate of a control point of the surface.
+    reach: f64,
     /// By direction: of each coefficient of the first, those with the four of the second.
     factors: [Vec<[f64; 4]>; 2],
 }
 
 impl ProductFactors {
-    pub fn new(degrees: [usize; 2]) -> Self {
+    pub fn new(degrees: [usize; 2], reach: f64) -> Self {
         let of = |degree: usize| {
             let (first, second, both) = (binomials(degree), binomials(3), binomials(degree + 3));
             let factor = |i: usize, k: usize| first[i] * second[k] / both[i + k];
             (0..=degree).map(|i| std::array::from_fn(|k| factor(i, k))).collect()
         };
-        Self { degrees, factors: degrees.map(of) }
+        Self { degrees, reach, factors: degrees.map(of) }
     }
 
     /// The largest distance between points of equal parameters of a part, by the rows of its coefficients, and of a patch.
@@ -42,13 +47,12 @@ impl ProductFactors {
         let control = patch.control.map(|row| row.map(from_corner));
         let width = p + 4;
         let mut sums = vec![[0.0; 3]; width * (q + 4)];
-        let (mut least, mut most, mut reach) = (f64::INFINITY, 0.0, 0.0);
+        let (mut least, mut most) = (f64::INFINITY, 0.0);
         for (j, row) in part.iter().enumerate() {
             for (i, x) in row.0.iter().enumerate() {
                 let w = x[3];
                 (least, most) = (lesser(w, least), greater(w, most));
                 let point: [f64; 3] = std::array::from_fn(|k| x[k] - corner[k] * w);
-                reach = greater((0..3).fold(0.0, |far: f64, k| greater(x[k].abs() / w, far)), reach);
                 for (l, along_v) in self.factors[1][j].iter().enumerate() {
                     for (k, along_u) in self.factors[0][i].iter().enumerate() {
                         let factor = along_u * along_v;
@@ -60,12 +64,11 @@ impl ProductFactors {
                 }
             }
         }
-        for x in patch.control.as_flattened().as_flattened() {
-            reach = greater(x.abs(), reach);
-        }
         let largest_sq =
             sums.iter().fold(0.0, |far, d| greater(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], far));
-        let rounding = 64.0 * (p + q + 4) as f64 * f64::EPSILON * reach * most + 1e-290;
+        // Derived at the head of this file.
+        let rounding = 64.0 * (p + q + 4) as f64 * f64::EPSILON * self.reach * most + LEAST;
+        // The square root of three products and their sums, the sum and the quotient: derived, half a rounding each.
         let bound = (largest_sq.sqrt() * (1.0 + 8.0 * f64::EPSILON) + rounding) / least;
         (bound * (1.0 + 4.0 * f64::EPSILON)).next_up()
     }

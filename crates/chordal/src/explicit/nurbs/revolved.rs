@@ -24,7 +24,7 @@ const AROUND: [[f64; 2]; 9] = [
 const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 fn turn_weight(k: usize) -> f64 {
-    if k % 2 == 0 { 1.0 } else { CORNER }
+    if k.is_multiple_of(2) { 1.0 } else { CORNER }
 }
 
 impl<const D: usize> NurbsCurve<D> {
