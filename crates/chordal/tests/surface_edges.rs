@@ -104,8 +104,7 @@ fn a_cylinder_runs_smoothly_into_a_plane_and_the_curvature_jumps_by_its_own() {
     // square of its first step.
     let h = 0.5;
     let bent = Bezier { control: [[0.0; 3], [h, 0.0, 0.0], [0.9, 0.0, 1.5 * h * h], [1.0, 0.0, 1.0]] };
-    let straight =
-        Bezier { control: [[-3.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]] };
+    let straight = Bezier { control: [[-3.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]] };
     for (scale, offset) in [(1.0, 0.0), (1e-6, 0.0), (1e150, 0.0), (1e-150, 0.0), (1.0, 1e3)] {
         let pair = [bent, straight].map(|profile| {
             let patch = extruded(profile, [0.0, 2.0, 0.0]);
@@ -136,10 +135,9 @@ fn halves_of_a_patch_are_c2_and_parts_of_unequal_width_g2() {
     let mut random = Random::new(11);
     for case in 0..40 {
         let patch = random_patch(&mut random);
-        let map = AffineMap {
-            columns: std::array::from_fn(|_| random.point_within::<3>(2.0)),
-            offset: random.point_within(random.power(-3.0, 3.0)),
-        };
+        let far = random.power(-3.0, 3.0);
+        let columns = std::array::from_fn(|_| random.point_within::<3>(2.0));
+        let map = AffineMap { columns, offset: random.point_within(far) };
         let patch = mapped(&patch, &map);
         for pair in [patch.halves_u(), patch.halves_v()] {
             in_every_order(pair, |join| assert_eq!(classes(&join), [Some(2); 2], "{case} {join:?}"));
@@ -272,7 +270,8 @@ fn an_edge_that_every_point_shares_with_a_doubled_row_has_the_direction_of_the_n
     for row in &mut ramp.control {
         *row = [row[0]; 4];
     }
-    let sides = [(0, PatchSide::Right), (1, PatchSide::Left)].map(|(patch, side)| PatchSideId { patch, side });
+    let sides =
+        [(0, PatchSide::Right), (1, PatchSide::Left)].map(|(patch, side)| PatchSideId { patch, side });
     let join = edge_join(&[floor, ramp], sides);
     assert_eq!((join.angle_rad, classes(&join)), (None, [Some(0), Some(0)]));
 }
@@ -309,9 +308,8 @@ fn sides_that_nearly_meet_are_gaps_and_others_are_boundary() {
 fn many_sides_that_nearly_coincide_take_no_longer_than_others() {
     // Squares in a heap, each moved by a part of the reach: nearly all are near each other.
     let mut random = Random::new(13);
-    let heap: Vec<Patch> = (0..2000)
-        .map(|_| Patch::flat(random.point_within(1e-5), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
-        .collect();
+    let heap: Vec<Patch> =
+        (0..2000).map(|_| Patch::flat(random.point_within(1e-5), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])).collect();
     let found = surface_edges(&heap);
     assert_eq!(2 * found.joins.len() + found.boundary.len(), 8000);
     assert!(found.joins.iter().all(|join| join.geometric.is_none() && join.position_gap.value < 1e-4));

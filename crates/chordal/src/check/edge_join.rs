@@ -115,12 +115,11 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
     let gap = if is_shared { None } else { largest(&steps, |t| Some(edge.gap(t))) };
     let angles = largest(&edge.approached(&steps), |t| edge.angle(t));
     let bends = largest(&steps, |t| edge.curvature_gap(t));
-    let geometric = is_shared.then(|| match (angles, bends) {
-        (Some((_, angle)), _) if angle > 0.0 => 0,
-        (Some(_), Some((_, bend))) if bend == 0.0 => 2,
-        (Some(_), _) => 1,
-        (None, _) => 0,
-    });
+    let class = match (angles, bends) {
+        (Some((_, 0.0)), Some((_, 0.0))) => 2,
+        (Some((_, 0.0)), _) => 1,
+        _ => 0,
+    };
     EdgeJoin {
         sides,
         fronts_agree,
@@ -128,7 +127,7 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
         angle_rad: angles.map(|angle| at(angle, 1.0)),
         curvature_gap: bends.map(|bend| at(bend, scale)),
         parametric: is_shared.then(|| edge.parametric()),
-        geometric,
+        geometric: is_shared.then_some(class),
     }
 }
 
@@ -168,9 +167,7 @@ impl CrossBoundary {
         Self {
             edge: Bezier { control: rows[0] },
             across: towards(next),
-            bend: curve(&|i, k| {
-                6.0 * ((rows[0][i][k] - rows[1][i][k]) - (rows[1][i][k] - rows[2][i][k]))
-            }),
+            bend: curve(&|i, k| 6.0 * ((rows[0][i][k] - rows[1][i][k]) - (rows[1][i][k] - rows[2][i][k]))),
             is_doubled,
         }
     }
@@ -198,8 +195,7 @@ impl CrossBoundary {
         let (size, square) = (length(normal), dot(inward, inward));
         let normal = normal.map(|x| x / size);
         // The second fundamental form in the direction that is perpendicular to the edge: N − 2λM + λ²L.
-        let (bent, mixed, own) =
-            (self.bend.at(t), self.across.tangent(t), self.edge.second_derivative(t));
+        let (bent, mixed, own) = (self.bend.at(t), self.across.tangent(t), self.edge.second_derivative(t));
         let form: [f64; 3] =
             std::array::from_fn(|k| (bent[k] - 2.0 * lean * mixed[k]) + lean * lean * own[k]);
         let curvature = dot(form, normal) / square;
