@@ -36,20 +36,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (path, colour) in [(&c1, ORANGE), (&c2, BLUE)] {
         let drawn =
             convert::curve_to_polyline(path, &Budget::length(Tolerance::new(1e-3)?), &Job::default())?;
-        draw(&drawn.shape.points, colour, &|[x, y]| [30.0 + 67.0 * x, 205.0 - 55.0 * y]);
+        draw(&drawn.shape.points, colour, &|[x, y]| [30.0 + 67.0 * x, 222.0 - 55.0 * y]);
     }
     for [x, y] in POINTS {
         println!(
             r##"<circle cx="{:.2}" cy="{:.2}" r="4" fill="#111111"/>"##,
             30.0 + 67.0 * x,
-            205.0 - 55.0 * y
+            222.0 - 55.0 * y
         );
     }
     label(30.0, 28.0, ORANGE, "Catmull–Rom: C1");
     label(30.0, 48.0, BLUE, "natural spline: C2");
     label(30.0, 68.0, "#666666", "through the same points at the same times");
     // The accelerations over time: one line for each piece, so that a jump is a gap.
-    let to_chart = |[t, size]: [f64; 2]| [30.0 + 82.0 * t, 440.0 - 62.0 * size];
+    let to_chart = |[t, size]: [f64; 2]| [30.0 + 82.0 * t, 440.0 - 53.0 * size];
     for i in 0..POINTS.len() {
         let x = to_chart([i as f64, 0.0])[0];
         println!(r##"<path d="M{x:.1} 440V270" stroke="#e2e2e2" fill="none"/>"##);
