@@ -2,6 +2,7 @@
 mod camera;
 mod color;
 mod color_ramp;
+mod comb_picture;
 mod drawing;
 mod field;
 mod heat_map;
@@ -21,6 +22,7 @@ mod traced_surface;
 mod zebra;
 
 pub use camera::frame;
+pub use comb_picture::{CombPicture, render_comb};
 pub use options::{Background, CullMode, RenderOptions, RenderStyle, UpAxis, Viewpoint};
 pub use overshade::{DARKEST_LANES, render_overshade};
 pub use picture::Picture;
