@@ -62,13 +62,24 @@ fn inspect_says_where_patches_kink_and_by_how_much() {
 }
 
 #[test]
-fn inspect_of_the_teapot_names_its_kinks() {
+fn inspect_of_the_teapot_finds_no_kink_and_the_foot_worst() {
     let report = run(&["inspect", TEAPOT, "--json"]).report();
     follows_the_schema(&report);
     let edges = &report["inspection"]["edges"];
-    let sides = |key: &str| edges[key].as_u64().unwrap();
-    assert_eq!(2 * sides("shared") + sides("boundary") + sides("collapsed"), 4 * 32);
-    println!("{edges:#}");
+    // Of 128 sides: 8 in the two poles, 16 where rims, handle and spout end.
+    assert_eq!(
+        (&edges["shared"], &edges["boundary"], &edges["collapsed"]),
+        (&json!(52), &json!(16), &json!(8))
+    );
+    assert_eq!(edges["geometric"], json!({ "gaps": 0, "g0": 0, "g1": 20, "g2": 32 }));
+    assert_eq!(edges["parametric"], json!({ "c0": 6, "c1": 46, "c2": 0 }));
+    let worst = edges["worst"].as_array().unwrap();
+    assert_eq!(
+        (worst.len(), &worst[0]["patches"], &worst[0]["angle_deg"]["value"]),
+        (20, &json!([8, 31]), &json!(0.0))
+    );
+    // The wall is nearly straight there; the floor's rim turns by a right angle within 0.15.
+    assert!((worst[0]["curvature_gap"]["value"].as_f64().unwrap() - 68.427).abs() < 1e-3);
 }
 
 #[test]
