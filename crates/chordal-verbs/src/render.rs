@@ -18,10 +18,11 @@ use chordal::explicit::Topology;
 use chordal::explicit::query::{HitSides, facing};
 use chordal::implicit::query::BeamCounts;
 use chordal::math::{Box3, greater};
+use chordal::render::drawings::render_comb as draw_comb;
 use chordal::render::fields::{FieldRenderError, ReferenceSurface, render_field};
 use chordal::render::{
     CullMode, Picture, RenderOptions, RenderStyle, UpAxis, Viewpoint, frame, render as trace,
-    render_against as trace_against, render_comb as draw_comb, render_overshade,
+    render_against as trace_against, render_overshade,
 };
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, PictureFormat, WriteError};

@@ -216,8 +216,9 @@ struct EdgePair {
 }
 
 impl EdgePair {
-    /// See [`FIRST`].
+    /// How far rounding may move first and second derivatives.
     fn offs(&self) -> [f64; 2] {
+        // See FIRST.
         [FIRST, SECOND].map(|steps| steps * f64::EPSILON * self.size)
     }
 

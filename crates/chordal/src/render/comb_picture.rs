@@ -37,7 +37,7 @@ const WIDTHS: [f64; 3] = [3.0, 1.5, 0.75];
 /// [`JobError::Refused`] where nothing bends, and as for [`render`].
 ///
 /// ```
-/// use chordal::{Bezier, Job, render::{RenderOptions, render_comb}};
+/// use chordal::{Bezier, Job, render::{RenderOptions, drawings::render_comb}};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
 /// let made = render_comb(&[arch.into()], &RenderOptions::sized(80, 60), &Job::default())?;
 /// assert_eq!(made.picture.width, 80);

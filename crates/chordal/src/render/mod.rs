@@ -22,11 +22,15 @@ mod traced_surface;
 mod zebra;
 
 pub use camera::frame;
-pub use comb_picture::{CombPicture, render_comb};
 pub use options::{Background, CullMode, RenderOptions, RenderStyle, UpAxis, Viewpoint};
 pub use overshade::{DARKEST_LANES, render_overshade};
 pub use picture::Picture;
 pub use trace::{render, render_against};
+
+/// Pictures of paths in the plane.
+pub mod drawings {
+    pub use super::comb_picture::{CombPicture, render_comb};
+}
 
 /// Pictures of fields, and of what they are compared with.
 pub mod fields {
