@@ -43,7 +43,7 @@ fn inspect_says_where_patches_kink_and_by_how_much() {
         "fronts      disagree across 1 edge",
         "joins       1 gap, 1 kink, 0 G1, 1 G2",
         "1 C0, 0 C1, 1 C2",
-        "patch 0 bottom, 3 bottom: gap of 0.0003 at (0.5, 0, 0), u 0.5, v 0",
+        "patch 0 bottom, 3 bottom: gap of 3e-4 at (0.5, 0, 0), u 0.5, v 0",
         "patch 0 right, 1 left: 30° at (1, ",
     ] {
         assert!(shown.stdout.contains(part), "no '{part}' in {shown:?}");
