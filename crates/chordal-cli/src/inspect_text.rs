@@ -4,8 +4,9 @@ use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
-    CageFacts, ComponentFacts, DrawingFacts, EmbeddedCertificate, FieldFacts, FindingFacts, Inspection,
-    KinkFacts, Report, SharpnessFacts, SurfaceFacts, ValidityFacts, WitnessFacts, cures_of_all,
+    CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EmbeddedCertificate, FieldFacts, FindingFacts,
+    Inspection, KinkFacts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts,
+    WitnessFacts, cures_of_all,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -56,6 +57,9 @@ pub fn inspect(report: &Report, argument: &str) -> String {
 fn add_contents(lines: &mut SummaryLines, inspection: &Inspection) {
     lines.add("size", size(inspection.bytes));
     lines.add_if("patches", inspection.patches.map(grouped));
+    if let Some(facts) = &inspection.edges {
+        edges(lines, facts);
+    }
     if let Some(drawing) = &inspection.drawing {
         curves(lines, drawing);
     }
@@ -176,6 +180,53 @@ fn kink_text(kink: &KinkFacts) -> String {
     let name = if kink.name.is_empty() { String::new() } else { format!(" '{}'", kink.name.escape_debug()) };
     let angle = kink.angle_deg.map_or_else(|| "no direction".to_owned(), |deg| format!("{deg:.1}°"));
     format!("{} {}{name}, piece {}: {angle} at {}", kink.kind, kink.element, kink.piece, point(kink.at))
+}
+
+/// How patches meet.
+fn edges(lines: &mut SummaryLines, facts: &SurfaceEdgeFacts) {
+    let all = [
+        (facts.shared, "shared"),
+        (facts.boundary, "on the boundary"),
+        (facts.collapsed, "collapsed to points"),
+        (facts.branching, "of three patches or more"),
+    ];
+    let counted = all.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} {what}", grouped(*n)));
+    lines.add("edges", listed(counted, "none"));
+    lines.add_if(
+        "fronts",
+        (facts.opposed > 0).then(|| format!("disagree across {}", plural(facts.opposed, "edge"))),
+    );
+    if facts.shared == 0 {
+        return;
+    }
+    let (seen, run) = (facts.geometric, facts.parametric);
+    let gaps = if seen.gaps > 0 { format!("{}, ", plural(seen.gaps, "gap")) } else { String::new() };
+    let smooth = format!("{} G1, {} G2", grouped(seen.g1), grouped(seen.g2));
+    lines.add("joins", format!("{gaps}{}, {smooth}", plural(seen.g0, "kink")));
+    lines.add("", format!("{} C0, {} C1, {} C2", grouped(run.c0), grouped(run.c1), grouped(run.c2)));
+    let shown = facts.worst.len().min(KINKS);
+    for edge in &facts.worst[..shown] {
+        lines.add("", edge_text(edge));
+    }
+    let rest = seen.gaps + seen.g0 + seen.g1 - shown as u64;
+    lines.add_if("", (rest > 0).then(|| format!("and {} more that are not G2", grouped(rest))));
+}
+
+/// `patch 3 right, 7 left: 30° at (1, 2, 0), u 1, v 0.25`
+fn edge_text(edge: &EdgeFacts) -> String {
+    let number = |x: f64| short(x, RoundingDirection::Nearest);
+    let (what, worst) = match (edge.geometric, edge.angle_deg, edge.curvature_gap) {
+        (None, ..) => (format!("gap of {}", number(edge.position_gap.value)), Some(edge.position_gap)),
+        (Some(0), Some(angle), _) => (format!("{}°", number(angle.value)), Some(angle)),
+        (Some(0), None, _) => ("no direction".to_owned(), None),
+        (Some(_), _, Some(gap)) => (format!("curvature jumps by {}", number(gap.value)), Some(gap)),
+        (Some(_), _, None) => ("no curvature".to_owned(), None),
+    };
+    let place = worst.map_or_else(String::new, |worst| {
+        format!(" at {}, u {}, v {}", point(worst.at), number(worst.uv[0]), number(worst.uv[1]))
+    });
+    let ([a, b], [of_a, of_b]) = (edge.patches, edge.sides);
+    format!("patch {a} {of_a}, {b} {of_b}: {what}{place}")
 }
 
 /// What the surface measures and what holds of it.

@@ -19,7 +19,7 @@ use chordal::budget::{Length, Pixels, View};
 use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
 use chordal_io::PictureFormat;
 use chordal_verbs::report::{Report, RunFacts};
-use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against};
+use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against, render_comb};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -84,6 +84,8 @@ pub enum RenderMode {
     Normals,
     /// Stripes as the surface mirrors them: kinks in its curvature show as kinks
     Zebra,
+    /// The curvature along the paths of a drawing, as teeth on the outer side of each bend
+    Comb,
     /// How many lanes a graphics processor launches for each pixel, from light for one to dark for 16 and
     /// more; the report counts quads, helper lanes, triangles too small to be seen, and flicker
     Overshade,
@@ -137,6 +139,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     }
     let outcome = match against {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
+        None if args.show == RenderMode::Comb => render_comb(&input, &options, &job),
         None => render(&input, &options, fineness(args), &job),
     };
     let outcome = outcome.spelled(&CommandLine).map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
@@ -198,8 +201,8 @@ fn shown(show: RenderMode) -> Shown {
         RenderMode::Normals => Shown::Normals,
         RenderMode::Zebra => Shown::Zebra,
         RenderMode::Overshade => Shown::Overshade,
-        // Colours over light.
-        RenderMode::Deviation => Shown::Shaded,
+        // Colours over light; strips, whose style is their own.
+        RenderMode::Deviation | RenderMode::Comb => Shown::Shaded,
     }
 }
 

@@ -19,6 +19,7 @@ mod lod;
 mod mend;
 mod normals;
 mod output;
+mod patches;
 mod render;
 mod report;
 mod script;

@@ -1,7 +1,7 @@
 //! `chordal mesh drawing.svg` and its neighbours, from end to end.
 use crate::common;
 
-use common::{Folder, run};
+use common::{Folder, TEAPOT, run};
 use serde_json::Value;
 
 const DRAWING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/drawing.svg");
@@ -85,6 +85,28 @@ fn inspect_names_pieces_and_kinks() {
     let report = run(&["inspect", DRAWING, "--json"]).report();
     follows("report", &report);
     assert_eq!(report["inspection"]["drawing"]["kinks"][0]["name"], "branch");
+}
+
+#[test]
+fn a_comb_is_drawn_of_paths_that_bend_and_refused_for_what_has_none() {
+    let folder = Folder::new("drawing-comb");
+    let png = folder.text("comb.png");
+    let drawn = run(&["render", DRAWING, "--show", "comb", "--size", "120x90", "-o", &png, "--json"]);
+    let report = drawn.report();
+    follows("report", &report);
+    let notes = report["certificate"]["notes"].to_string();
+    assert!(notes.contains("teeth are as long as the curvature times"), "{notes}");
+    assert_eq!(&std::fs::read(&png).unwrap()[1..4], b"PNG");
+    // More is drawn than by the paths alone: a circle of radius 2 has teeth of one length all around it.
+    let circle =
+        folder.file("c.svg", "<svg xmlns='http://www.w3.org/2000/svg'><circle r='2' fill='none'/></svg>");
+    let report = run(&["render", &circle, "--show", "comb", "-o", &png, "--force", "--json"]).report();
+    let notes = report["certificate"]["notes"].to_string();
+    assert!(notes.contains("the largest curvature of a tooth is 5.000e-1"), "{notes}");
+    let straight = folder.file("s.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L3 4'/></svg>");
+    let comb = |input: &str| run(&["render", input, "--show", "comb", "-o", &png, "--force"]);
+    comb(&straight).fails_with(3, &["no path bends"]);
+    comb(TEAPOT).fails_with(3, &["a curvature comb is drawn of the paths of a drawing", "patches"]);
 }
 
 #[test]

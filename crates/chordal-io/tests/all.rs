@@ -19,6 +19,7 @@ mod patches;
 mod pictures;
 mod png;
 mod round_trip;
+mod surfaces;
 mod svg;
 mod threemf;
 mod tiles;

@@ -11,7 +11,8 @@ fn error(text: &str) -> String {
 #[test]
 fn a_surface_is_read_with_its_weights() {
     let text = format!(r#"{{"up": "z", "surfaces": [{BILINEAR}]}}"#);
-    let Content::Surfaces(surfaces, frame) = shape_json::read(text.as_bytes(), &Limits::default()).unwrap().content
+    let Content::Surfaces(surfaces, frame) =
+        shape_json::read(text.as_bytes(), &Limits::default()).unwrap().content
     else {
         panic!("surfaces")
     };
@@ -19,7 +20,8 @@ fn a_surface_is_read_with_its_weights() {
     assert_eq!(surfaces[0].at(1.0, 0.5), [1.0, 0.5, 0.5]);
     assert_eq!(surfaces[0].weights(), [1.0; 4]);
     let weighted = text.replace("[1, 1, 1]]]}", "[1, 1, 1]]], \"weights\": [[1, 1], [1, 3]]}");
-    let Content::Surfaces(surfaces, _) = shape_json::read(weighted.as_bytes(), &Limits::default()).unwrap().content
+    let Content::Surfaces(surfaces, _) =
+        shape_json::read(weighted.as_bytes(), &Limits::default()).unwrap().content
     else {
         panic!("surfaces")
     };
@@ -28,17 +30,38 @@ fn a_surface_is_read_with_its_weights() {
 
 #[test]
 fn what_is_wrong_with_a_surface_is_one_sentence_with_its_place() {
-    let with = |from: &str, to: &str| error(&format!(r#"{{"surfaces": [{}]}}"#, BILINEAR.replacen(from, to, 1)));
+    let with =
+        |from: &str, to: &str| error(&format!(r#"{{"surfaces": [{}]}}"#, BILINEAR.replacen(from, to, 1)));
     for (from, to, says) in [
         ("[0, 0, 1, 1]", "[0, 1, 0, 1]", "/surfaces/0: along u: knot 2 is less than the one before"),
-        ("[0, 0, 1, 1]", "[0, 0, 0, 0]", "/surfaces/0: along u: the knots have no length: the first and the last parameter are equal"),
-        ("[0, 0, 1, 1]", "[0, 1, 1]", "/surfaces/0: along u: degree 1 needs 4 knots at least, and there are 3"),
-        ("[0, 0, 1, 1]", "[0, 0, 0.5, 1, 1]", "/surfaces/0: row 0 has 2 control points where the knots along u need 3"),
+        (
+            "[0, 0, 1, 1]",
+            "[0, 0, 0, 0]",
+            "/surfaces/0: along u: the knots have no length: the first and the last parameter are equal",
+        ),
+        (
+            "[0, 0, 1, 1]",
+            "[0, 1, 1]",
+            "/surfaces/0: along u: degree 1 needs 4 knots at least, and there are 3",
+        ),
+        (
+            "[0, 0, 1, 1]",
+            "[0, 0, 0.5, 1, 1]",
+            "/surfaces/0: row 0 has 2 control points where the knots along u need 3",
+        ),
         ("[1, 1],", "[0, 1],", "/surfaces/0: along u: the degree is 0, and must be from 1 to 30"),
         ("[1, 1],", "[1.5, 1],", "/surfaces/0: the degree 1.5 along u is no whole number"),
         ("\"degree\": [1, 1],", "", "/surfaces/0: there is no member \"degree\""),
-        ("[1, 1, 1]]]", "[1, 1, 1]]], \"weights\": [[1, 1], [1, -1]]", "/surfaces/0: weight 3 is not above 0"),
-        ("[1, 1, 1]]]", "[1, 1, 1]]], \"weights\": [[1, 1]]", "/surfaces/0: 2 weights where the knots need 4"),
+        (
+            "[1, 1, 1]]]",
+            "[1, 1, 1]]], \"weights\": [[1, 1], [1, -1]]",
+            "/surfaces/0: weight 3 is not above 0",
+        ),
+        (
+            "[1, 1, 1]]]",
+            "[1, 1, 1]]], \"weights\": [[1, 1]]",
+            "/surfaces/0: 2 weights where the knots need 4",
+        ),
     ] {
         assert_eq!(with(from, to), says, "{to}");
     }
@@ -54,7 +77,8 @@ fn splines_are_read_beside_chains_of_cubics() {
         {"degree": 2, "knots": [0, 0, 0, 1, 1, 1], "control": [[1, 0], [1, 1], [0, 1]], "weights": [1, 0.5, 1]},
         {"degree": 5, "control": [[0, 0], [1, 0], [2, 0], [3, 0], [4, 0], [5, 0], [6, 1]]},
         {"control": [[0, 0], [1, 0], [2, 0], [3, 0]]}]}"#;
-    let Content::Drawing(drawing) = shape_json::read(text.as_bytes(), &Limits::default()).unwrap().content else {
+    let Content::Drawing(drawing) = shape_json::read(text.as_bytes(), &Limits::default()).unwrap().content
+    else {
         panic!("a drawing")
     };
     let pieces: Vec<usize> = drawing.lines.iter().map(|line| line.segments().len()).collect();

@@ -58,6 +58,15 @@ impl FilledRegions {
     }
 }
 
+/// The paths of a drawing, with y up.
+pub(crate) fn upright(drawing: &Drawing) -> Vec<Curve<2>> {
+    let mut paths = drawing.lines.clone();
+    if drawing.y_down {
+        paths.iter_mut().for_each(flip_y);
+    }
+    paths
+}
+
 /// Negates every y, which is exact.
 fn flip_y(contour: &mut Curve<2>) {
     let mirror = AffineMap { columns: [[1.0, 0.0], [0.0, -1.0]], offset: [0.0; 2] };

@@ -106,7 +106,7 @@ pub use mesh::{mesh, needs_budget};
 pub use normals::{InvalidNormals, Normals};
 pub use outcome::{MeshOutcome, Tessellation};
 pub use output_form::OutputForm;
-pub use render::{PictureTolerance, RenderOutcome, USUAL_SCREEN, render, render_against};
+pub use render::{PictureTolerance, RenderOutcome, USUAL_SCREEN, render, render_against, render_comb};
 pub use seal::seal_of;
 pub use shape::Shape;
 pub use smoothing_width::SmoothingWidth;

@@ -1,7 +1,7 @@
 //! `render`: a picture of any shape. Smooth shapes are meshed first, finely enough for the picture; fields
 //! are ray traced directly.
 use crate::deviation::ComparedPair;
-use crate::drawing_regions::FilledRegions;
+use crate::drawing_regions::{self, FilledRegions};
 use crate::field;
 use crate::isosurface::surface_of;
 use crate::merged_parts;
@@ -18,6 +18,7 @@ use chordal::explicit::Topology;
 use chordal::explicit::query::{HitSides, facing};
 use chordal::implicit::query::BeamCounts;
 use chordal::math::{Box3, greater};
+use chordal::render::drawings::render_comb as draw_comb;
 use chordal::render::fields::{FieldRenderError, ReferenceSurface, render_field};
 use chordal::render::{
     CullMode, Picture, RenderOptions, RenderStyle, UpAxis, Viewpoint, frame, render as trace,
@@ -262,6 +263,37 @@ pub fn render_against(
     let picture = trace_against(&mesh, ReferenceSurface { mesh: &other, most }, &options, job)?;
     let back_share = back_share(&mesh, &camera);
     Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most), back_share })
+}
+
+/// Renders the paths of a drawing with their curvature combs. A note of the certificate says how long the teeth are.
+///
+/// # Errors
+/// For what is no drawing; as for [`chordal::render::render_comb`].
+pub fn render_comb(input: &Input, options: &RenderOptions, job: &Job) -> Result<RenderOutcome, MeshFailure> {
+    let Shape::Drawing(drawing) = &input.shape else {
+        let message = format!(
+            "a curvature comb is drawn of the paths of a drawing, and the input holds {}",
+            input.shape.kind()
+        );
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
+    };
+    let paths = drawing_regions::upright(drawing);
+    let made = draw_comb(&paths, options, job)?;
+    let mut certificate = Certificate::from_input(input);
+    certificate.notes.push(
+        format!(
+            "teeth are as long as the curvature times {:.3e}; the largest curvature of a tooth is {:.3e}",
+            made.scale, made.most
+        )
+        .into(),
+    );
+    Ok(RenderOutcome {
+        picture: made.picture,
+        camera: made.camera,
+        certificate,
+        darkest: None,
+        back_share: None,
+    })
 }
 
 /// The fraction of triangles that back-face culling would save.

@@ -52,6 +52,7 @@ mod self_intersections;
 mod solids;
 mod spline_laws;
 mod surface_at_least;
+mod surface_edges;
 mod t_junctions;
 mod tangents;
 mod triangle_laws;

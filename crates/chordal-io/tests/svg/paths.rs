@@ -53,7 +53,7 @@ fn quadratics_and_smooth_quadratics() {
     let second = quadratic([[2.0, 0.0], [3.0, -2.0], [4.0, 0.0]]);
     let third = quadratic([[4.0, 0.0], [5.0, 2.0], [6.0, 0.0]]);
     for d in ["M0 0Q1 2 2 0T4 0T6 0", "m0 0q1 2 2 0t2 0 2 0", "M0 0Q1 2 2 0 3-2 4 0T6 0"] {
-        assert_eq!(pieces(d), [first, second, third], "{d}");
+        assert_eq!(pieces(d), [first.clone(), second.clone(), third.clone()], "{d}");
     }
     assert_eq!(pieces("M0 0L2 0T4 0")[1], quadratic([[2.0, 0.0], [2.0, 0.0], [4.0, 0.0]]));
     // A cubic that stands for a quadratic is rounded, and says so.

@@ -1,7 +1,7 @@
 //! The description of an input in the report; only from `inspect`.
 use super::{
-    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, TriangleFacts, VolumeFacts,
-    to_value,
+    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, SurfaceEdgeFacts,
+    TriangleFacts, VolumeFacts, to_value,
 };
 use crate::file_rows::rows_of;
 use crate::{Input, Shape};
@@ -25,6 +25,9 @@ pub struct Inspection {
     pub bounds: Option<[[f64; 3]; 2]>,
     /// The number of patches; `None` for other shapes.
     pub patches: Option<u64>,
+    /// How the patches meet; absent for other shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edges: Option<SurfaceEdgeFacts>,
     /// The parts of a scene; `None` for other shapes.
     pub parts: Option<Vec<PartFacts>>,
     /// The facts of curves; `None` for other shapes.
@@ -131,7 +134,7 @@ impl Inspection {
             Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => None,
         };
         let patches = match &input.shape {
-            Shape::Patches { patches, .. } => Some(patches.len() as u64),
+            Shape::Patches { patches, .. } => Some(patches),
             Shape::Surfaces { .. }
             | Shape::Scene(_)
             | Shape::Cage(_)
@@ -143,7 +146,8 @@ impl Inspection {
         Self {
             bytes: input.n_bytes,
             bounds: (bounds != Box3::EMPTY && !endless).then_some([bounds.min, bounds.max]),
-            patches,
+            patches: patches.map(|patches| patches.len() as u64),
+            edges: patches.map(|patches| SurfaceEdgeFacts::from_patches(patches)),
             parts: scene.map(|scene| PartFacts::list(scene, input.format)),
             drawing,
             cage: if let Shape::Cage(polygons) = &input.shape {

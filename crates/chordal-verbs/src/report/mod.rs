@@ -25,6 +25,7 @@ mod repairs;
 mod scene_check;
 mod smoothing;
 mod surface;
+mod surface_edges;
 mod validity;
 mod validity_counts;
 mod volume;
@@ -55,6 +56,9 @@ pub(crate) use part_check::{CheckDepth, CountError};
 pub use repairs::{ChangeFacts, RepairFacts};
 pub use smoothing::SmoothingFacts;
 pub use surface::{ComponentFacts, MOST_COMPONENTS, OpenSeamFacts, SurfaceFacts};
+pub use surface_edges::{
+    EdgeFacts, EdgeMaximumFacts, GeometricEdgeCounts, MOST_EDGES, ParametricEdgeCounts, SurfaceEdgeFacts,
+};
 pub(crate) use validity::CountedTriangles;
 pub use validity::{OtherCounts, PartValidity, ValidityFacts};
 pub use validity_counts::ValidityCounts;

@@ -33,8 +33,8 @@ pub struct Join<const D: usize> {
 /// derivative is a difference times 3, the second three terms times 6 that add up to 24. In units of ε times
 /// the size, doubled for both sides and for the control points of splines, which are sums of a few rounded
 /// terms themselves.
-const FIRST: f64 = 32.0;
-const SECOND: f64 = 256.0;
+pub(super) const FIRST: f64 = 32.0;
+pub(super) const SECOND: f64 = 256.0;
 
 /// All joins of a path: between neighbouring pieces, and for a closed path also between its last and first
 /// piece.
@@ -146,7 +146,7 @@ fn curvature<const D: usize>(first: [f64; D], second: [f64; D]) -> Option<[f64; 
 }
 
 /// The angle between two directions, accurate near 0 and near π as well (W. Kahan, 2006).
-fn angle<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+pub(super) fn angle<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     let (la, lb) = (length(a), length(b));
     let (u, v) = (a.map(|x| x * lb), b.map(|x| x * la));
     let sum: [f64; D] = std::array::from_fn(|k| u[k] + v[k]);

@@ -7,6 +7,7 @@ mod defect;
 mod degenerate;
 mod deviation;
 mod duplicates;
+mod edge_join;
 mod edge_topology;
 mod exact_point;
 mod fans;
@@ -25,6 +26,7 @@ mod point_tree;
 mod self_intersections;
 mod smooth_deviation;
 mod surface_at_least;
+mod surface_edges;
 mod t_junctions;
 mod thin;
 mod triangle_intersection;
@@ -92,4 +94,10 @@ pub mod shading {
     pub use super::overshade::{
         Flicker, MicroTriangles, Overshade, ShadingCounts, flicker, micro_triangles, overshade,
     };
+}
+
+/// Continuity of patches across their edges.
+pub mod surfaces {
+    pub use super::edge_join::{EdgeJoin, EdgeMaximum, PatchSideId, edge_join};
+    pub use super::surface_edges::{SurfaceEdges, surface_edges};
 }

@@ -1,7 +1,5 @@
 //! The arrow from a cage's limit surface to triangles: adaptive, crack-free by shared indices, proved.
-use super::patches::adjacency::{
-    PatchAdjacency, PatchEdge, PatchEdgeUse, SideBoundary, classify_corners, side_corners,
-};
+use super::patches::adjacency::{PatchAdjacency, PatchEdge, SideBoundary, classify_corners, side_corners};
 use super::patches::allowance::{Allowance, InfeasibleTolerance, TessellationFailure};
 use super::patches::budget::mesh_within;
 use super::patches::extraordinary_tile;
@@ -11,7 +9,9 @@ use super::patches::texcoords::SheetTexcoords;
 use super::triangles::{self, mesher::LoopMesher};
 use crate::budget::{Bounded, Budget, Failure, Job, Reference, RefusalCode, par_map};
 use crate::explicit::cage::limit::QuadPatchTree;
-use crate::explicit::{Cage, Chart, DisjointSets, LimitSheet, LimitSurface, Mesh, Patch, PatchSide, Scheme};
+use crate::explicit::{
+    Cage, Chart, DisjointSets, LimitSheet, LimitSurface, Mesh, Patch, PatchEdgeUse, PatchSide, Scheme,
+};
 use crate::math::{Box3, flushes_subnormals, greater};
 
 /// Meshes the limit surface of a cage within a budget.

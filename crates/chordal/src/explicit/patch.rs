@@ -36,6 +36,17 @@ pub enum PatchSide {
 impl PatchSide {
     /// All four, counter-clockwise.
     pub const ALL: [Self; 4] = [Self::Bottom, Self::Right, Self::Top, Self::Left];
+
+    /// `(u, v)` of the patch at the parameter `t` of the side, which runs counter-clockwise.
+    #[must_use]
+    pub fn uv(self, t: f64) -> [f64; 2] {
+        match self {
+            Self::Bottom => [t, 0.0],
+            Self::Right => [1.0, t],
+            Self::Top => [1.0 - t, 1.0],
+            Self::Left => [0.0, 1.0 - t],
+        }
+    }
 }
 
 impl Patch {
@@ -176,6 +187,28 @@ impl Patch {
             PatchSide::Left => [c[3][0], c[2][0], c[1][0], c[0][0]],
         };
         Bezier { control }
+    }
+
+    /// The same patch, turned so that `side` is its bottom. Its front stays.
+    ///
+    /// ```
+    /// use chordal::Patch;
+    /// use chordal::explicit::parametric::PatchSide;
+    /// let patch = Patch::flat([0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    /// let turned = patch.turned(PatchSide::Right);
+    /// assert_eq!(turned.side(PatchSide::Bottom), patch.side(PatchSide::Right));
+    /// assert_eq!(turned.normal(0.5, 0.5), patch.normal(0.5, 0.5));
+    /// ```
+    #[must_use]
+    pub fn turned(&self, side: PatchSide) -> Self {
+        let c = &self.control;
+        let point = |row: usize, k: usize| match side {
+            PatchSide::Bottom => c[row][k],
+            PatchSide::Right => c[k][3 - row],
+            PatchSide::Top => c[3 - row][3 - k],
+            PatchSide::Left => c[3 - k][row],
+        };
+        Self { control: std::array::from_fn(|row| std::array::from_fn(|k| point(row, k))) }
     }
 
     /// The bounding box of the control points, which contains the patch.

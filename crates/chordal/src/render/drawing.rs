@@ -52,7 +52,7 @@ pub(super) fn draw(
 }
 
 /// An orthographic camera along −z onto the whole box.
-fn top_view_camera(place: &Box3, screen: Screen) -> Result<Camera, FieldRenderError> {
+pub(super) fn top_view_camera(place: &Box3, screen: Screen) -> Result<Camera, FieldRenderError> {
     let finite = (0..2).all(|k| place.min[k].is_finite() && place.max[k].is_finite());
     // Drawings of formulas are commonly made for this square where they give none.
     let (min, max) = if finite { (place.min, place.max) } else { ([-1.0; 3], [1.0; 3]) };

@@ -2,6 +2,7 @@
 mod camera;
 mod color;
 mod color_ramp;
+mod comb_picture;
 mod drawing;
 mod field;
 mod heat_map;
@@ -25,6 +26,11 @@ pub use options::{Background, CullMode, RenderOptions, RenderStyle, UpAxis, View
 pub use overshade::{DARKEST_LANES, render_overshade};
 pub use picture::Picture;
 pub use trace::{render, render_against};
+
+/// Pictures of paths in the plane.
+pub mod drawings {
+    pub use super::comb_picture::{CombPicture, render_comb};
+}
 
 /// Pictures of fields, and of what they are compared with.
 pub mod fields {

@@ -3,8 +3,7 @@
 //! Two sides are the same curve when their four control points are equal, forwards or backwards. Corners are
 //! joined only along shared curves (and along sides that are one point): patches that merely touch in a point
 //! stay separate, so that no vertex becomes non-manifold.
-use crate::explicit::{Bezier, DisjointSets, Patch, PatchSide};
-use std::cmp::Ordering;
+use crate::explicit::{DisjointSets, Patch, PatchEdgeUse, PatchSide, shared_sides};
 
 /// One boundary curve, in one of its directions.
 pub(crate) struct PatchEdge {
@@ -14,15 +13,6 @@ pub(crate) struct PatchEdge {
     pub(crate) uses: Vec<PatchEdgeUse>,
     /// The fewest segments that keep its vertices apart from those of other curves.
     pub(crate) min_segments: u32,
-}
-
-/// A side of a sheet that is a shared curve or contains it.
-#[derive(Clone, Copy)]
-pub(crate) struct PatchEdgeUse {
-    pub(crate) sheet: u32,
-    pub(crate) side: PatchSide,
-    /// Whether the side runs against the curve.
-    pub(crate) reversed: bool,
 }
 
 /// The boundary along one side of a sheet.
@@ -64,7 +54,10 @@ pub(crate) struct PatchAdjacency {
 impl PatchAdjacency {
     /// Finds shared curves by sorting: O(n log n) for n patches.
     pub(crate) fn new(patches: &[Patch]) -> Self {
-        let mut edges = collect_edges(patches);
+        let mut edges: Vec<PatchEdge> = shared_sides(patches)
+            .into_iter()
+            .map(|uses| PatchEdge { ends: [0; 2], uses, min_segments: 1 })
+            .collect();
         let mut seams = vec![[SideBoundary::Point; 4]; patches.len()];
         let mut classes = DisjointSets::new(4 * patches.len());
         for (index, edge) in edges.iter().enumerate() {
@@ -153,35 +146,6 @@ pub(crate) fn classify_corners(seams: &[[SideBoundary; 4]]) -> Vec<[PatchCorner;
         }
     }
     meetings
-}
-
-fn collect_edges(patches: &[Patch]) -> Vec<PatchEdge> {
-    let mut found: Vec<(Bezier<3>, PatchEdgeUse)> = Vec::with_capacity(4 * patches.len());
-    for (patch, shape) in patches.iter().enumerate() {
-        for side in PatchSide::ALL {
-            let curve = shape.side(side);
-            if curve.is_point() {
-                continue;
-            }
-            let back = curve.reversed();
-            let reversed = compare(&back, &curve) == Ordering::Less;
-            let used = PatchEdgeUse { sheet: patch as u32, side, reversed };
-            found.push((if reversed { back } else { curve }, used));
-        }
-    }
-    found.sort_by(|a, b| compare(&a.0, &b.0).then((a.1.sheet, a.1.side).cmp(&(b.1.sheet, b.1.side))));
-    let runs = found.chunk_by(|a, b| compare(&a.0, &b.0) == Ordering::Equal);
-    let mut edges: Vec<PatchEdge> = runs
-        .map(|run| PatchEdge { ends: [0; 2], uses: run.iter().map(|f| f.1).collect(), min_segments: 1 })
-        .collect();
-    // In the order of the input, so that vertices are numbered in file order.
-    edges.sort_by_key(|edge| (edge.uses[0].sheet, edge.uses[0].side));
-    edges
-}
-
-fn compare(a: &Bezier<3>, b: &Bezier<3>) -> Ordering {
-    let (a, b) = (a.control.as_flattened(), b.control.as_flattened());
-    a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// The flat corner indices at the start and end of a side.
