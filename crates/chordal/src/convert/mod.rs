@@ -25,6 +25,7 @@ mod mesh_to_grid;
 mod open_boundary;
 mod outline_to_field;
 mod outlines_to_mesh;
+mod outlines_to_solid;
 mod patches;
 mod patches_to_mesh;
 mod redistance;
@@ -47,6 +48,7 @@ pub use mesh_to_field::{MeshField, SolidReport, mesh_to_field};
 pub use mesh_to_grid::{DistanceGrid, mesh_to_grid, mesh_to_sparse_grid};
 pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
+pub use outlines_to_solid::outlines_to_solid;
 pub use patches_to_mesh::patches_to_mesh;
 pub use redistance::redistance;
 
