@@ -6,6 +6,7 @@ mod cages;
 mod collada;
 mod common;
 mod corpus;
+mod font;
 mod glb;
 mod hostile_obj;
 mod hostile_off;

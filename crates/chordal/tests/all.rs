@@ -35,6 +35,7 @@ mod materials;
 mod mend;
 mod normals;
 mod outlines;
+mod outlines_to_solid;
 mod overshade;
 mod patch_grid_laws;
 mod planted;
