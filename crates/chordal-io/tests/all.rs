@@ -7,6 +7,7 @@ mod collada;
 mod common;
 mod corpus;
 mod font;
+mod font_glyphs;
 mod glb;
 mod hostile_obj;
 mod hostile_off;
