@@ -47,7 +47,7 @@ pub struct InputArgs {
 
     /// For a font: the length of its em, in which capitals are about 0.7 high; 1 unless said
     #[arg(long, value_name = "LENGTH", requires = "text", allow_hyphen_values = true)]
-    pub size: Option<f64>,
+    pub em: Option<f64>,
 
     /// For a variable font: where one of its axes is, as in wght=700; may be given several times
     #[arg(long = "axis", value_name = "TAG=VALUE", value_parser = setting, requires = "text", allow_hyphen_values = true)]
@@ -86,7 +86,7 @@ impl InputArgs {
     /// What a font is to set.
     pub fn letters(&self) -> Option<Letters> {
         let text = self.text.as_deref()?;
-        Some(Letters { size: self.size.unwrap_or(1.0), axes: self.axes.clone(), ..Letters::new(text) })
+        Some(Letters { em: self.em.unwrap_or(1.0), axes: self.axes.clone(), ..Letters::new(text) })
     }
 
     /// The most memory: what was said, else a share of what there is.

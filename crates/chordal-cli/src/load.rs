@@ -124,7 +124,7 @@ fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
         args.region = args.region.filter(|_| format == Some(Format::Vm));
     }
     if format != Some(Format::Ttf) {
-        (args.text, args.size) = (None, None);
+        (args.text, args.em) = (None, None);
         args.axes.clear();
     }
     args.surface = args.surface.filter(|_| format == Some(Format::Obj));
@@ -195,9 +195,10 @@ impl RawInput {
                 read_allowed(&args.allow, path, limits.bytes).unwrap_or_else(nowhere)
             }
         };
-        let mut input = load_within(&self.bytes, self.hint(args, letters.as_ref()), &mut open, &limits, &self.job)
-            .spelled(&CommandLine)
-            .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
+        let mut input =
+            load_within(&self.bytes, self.hint(args, letters.as_ref()), &mut open, &limits, &self.job)
+                .spelled(&CommandLine)
+                .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
         self.check_memory(&input, args)?;
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);

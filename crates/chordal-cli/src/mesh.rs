@@ -40,7 +40,7 @@ Examples:
   chordal mesh drawing.svg --tol 0.25 -o drawing.json
   chordal mesh drawing.svg --tol 0.25 -o drawing.glb
   chordal mesh drawing.svg --extrude 2 --tol 0.25 -o drawing.stl
-  chordal mesh font.ttf --text Word --size 10 --extrude 2 --tol 0.01 -o word.stl
+  chordal mesh font.ttf --text Word --em 10 --extrude 2 --tol 0.01 -o word.stl
   chordal mesh brain.nii.gz --iso 60 -o brain.glb
   chordal mesh liver_mask.nii.gz --smooth 0.8vox --tol 3mm -o liver.glb
   chordal mesh organs.nii.gz --labels all --tol 2mm -o organs.glb

@@ -10,8 +10,8 @@ use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{Limits, SceneAssets};
 use crate::{
-    amf, bpt, collada, dicom, font, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg, teaset,
-    threemf, usd, vm, vti, vtk,
+    amf, bpt, collada, dicom, font, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg,
+    teaset, threemf, usd, vm, vti, vtk,
 };
 use chordal::explicit::Topology;
 use std::fmt;

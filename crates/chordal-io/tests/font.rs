@@ -5,7 +5,8 @@ use chordal_io::{Content, Drawing, ForeignFormat, Format, Limits, read};
 use chordal_testkit::{Random, cases, corpus, tiny_font, tiny_glyph_area};
 
 fn set(letters: &Letters) -> Drawing {
-    let read = read_letters(&tiny_font(), letters, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
+    let read =
+        read_letters(&tiny_font(), letters, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
     let Content::Drawing(drawing) = read.content else { panic!("letters are a drawing") };
     drawing
 }
@@ -25,7 +26,11 @@ fn signed_area(curve: &Curve<2>) -> f64 {
         CurveSegment::Cubic(cubic) => {
             // The integral of a product of two Bernstein polynomials with a derivative, summed by hand.
             let [a, b, c, d] = cubic.control;
-            (6.0 * cross(a, b) + 3.0 * cross(a, c) + cross(a, d) + 3.0 * cross(b, c) + 3.0 * cross(b, d)
+            (6.0 * cross(a, b)
+                + 3.0 * cross(a, c)
+                + cross(a, d)
+                + 3.0 * cross(b, c)
+                + 3.0 * cross(b, d)
                 + 6.0 * cross(c, d))
                 / 20.0
         }
@@ -36,14 +41,16 @@ fn signed_area(curve: &Curve<2>) -> f64 {
 
 fn extent(drawing: &Drawing) -> [[f64; 2]; 2] {
     let boxes = drawing.lines.iter().map(Curve::bounds);
-    boxes.reduce(|[a, b], [c, d]| [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]).unwrap()
+    boxes
+        .reduce(|[a, b], [c, d]| [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]])
+        .unwrap()
 }
 
 #[test]
 fn glyphs_have_their_area_at_any_size() {
     for size in [1e-3, 1.0, 12.5, 1e6] {
         for (text, n_contours) in [("A", 1), ("O", 2), ("V", 1)] {
-            let drawing = set(&Letters { size, ..Letters::new(text) });
+            let drawing = set(&Letters { em: size, ..Letters::new(text) });
             assert_eq!(drawing.lines.len(), n_contours);
             assert!(drawing.lines.iter().all(Curve::is_closed) && !drawing.y_down);
             // Contours of TrueType have the filled side on their right.
@@ -58,7 +65,10 @@ fn glyphs_have_their_area_at_any_size() {
 fn a_text_is_one_element_that_is_filled_where_contours_wind() {
     let drawing = set(&Letters::new("AX O"));
     let [element] = &drawing.elements[..] else { panic!("one element") };
-    assert_eq!((element.kind, &*element.name, element.rule, element.filled), ("text", "AX O", FillRule::NonZero, true));
+    assert_eq!(
+        (element.kind, &*element.name, element.rule, element.filled),
+        ("text", "AX O", FillRule::NonZero, true)
+    );
     assert_eq!((drawing.lines.len(), drawing.owners.len()), (5, 5));
 }
 
@@ -71,7 +81,7 @@ fn letters_stand_where_advances_pairs_and_lines_put_them() {
     // The pair of the table.
     assert_eq!(right(&Letters::new("AV")), (600.0 - 150.0 + 500.0) / 1000.0);
     // From line to line: 800 up, 200 down, 100 between; the capital is 700 high.
-    let [[_, low], [_, high]] = extent(&set(&Letters { size: 10.0, ..Letters::new("A\nA\r\n\nA") }));
+    let [[_, low], [_, high]] = extent(&set(&Letters { em: 10.0, ..Letters::new("A\nA\r\n\nA") }));
     assert_eq!((low, high), (-33.0, 7.0));
 }
 
@@ -90,7 +100,7 @@ fn axes_move_points_and_advances() {
 #[test]
 fn slack_counts_the_rounding_of_places() {
     // A tenth of a unit of the font has no end in binary.
-    let drawing = set(&Letters { size: 0.1, ..Letters::new("O") });
+    let drawing = set(&Letters { em: 0.1, ..Letters::new("O") });
     for curve in &drawing.lines {
         let slack = curve.slack();
         assert!(slack > 0.0 && slack < 1e-15, "{slack}");
@@ -112,9 +122,9 @@ fn what_no_font_can_set_is_refused_in_a_sentence() {
         (axis("weight", 500.0), "no-axis", "'weight'"),
         (axis("wght", 100.0), "axis-range", "from 400 to 900"),
         (axis("wght", f64::NAN), "axis-range", "from 400 to 900"),
-        (Letters { size: 0.0, ..Letters::new("A") }, "size", "not 0"),
-        (Letters { size: f64::NAN, ..Letters::new("A") }, "size", "NaN"),
-        (Letters { size: -1.0, ..Letters::new("A") }, "size", "-1"),
+        (Letters { em: 0.0, ..Letters::new("A") }, "em", "not 0"),
+        (Letters { em: f64::NAN, ..Letters::new("A") }, "em", "NaN"),
+        (Letters { em: -1.0, ..Letters::new("A") }, "em", "-1"),
         (Letters::new("AאV"), "two-directions", "right to left"),
         (Letters::new("א1"), "two-directions", "right to left"),
     ] {
@@ -200,8 +210,10 @@ fn broken_tables_are_refused_or_read_and_never_more() {
 #[test]
 fn fonts_of_others_end_well_however_they_are_broken() {
     let Some(folder) = corpus::find("outline/vello/examples/assets") else { return };
-    let fonts: Vec<_> =
-        corpus::files(&folder).into_iter().filter(|file| file.extension().is_some_and(|e| e == "ttf")).collect();
+    let fonts: Vec<_> = corpus::files(&folder)
+        .into_iter()
+        .filter(|file| file.extension().is_some_and(|e| e == "ttf"))
+        .collect();
     assert!(!fonts.is_empty(), "there are fonts");
     let seed = 6;
     println!("seed {seed}");
@@ -209,7 +221,8 @@ fn fonts_of_others_end_well_however_they_are_broken() {
     for file in fonts {
         let font = std::fs::read(&file).unwrap();
         let letters = Letters::new("AVATAR fi ß é q0@");
-        read_letters(&font, &letters, &Limits::default()).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        read_letters(&font, &letters, &Limits::default())
+            .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         for _ in 0..cases(200) {
             let mut broken = font.clone();
             for _ in 0..8 {

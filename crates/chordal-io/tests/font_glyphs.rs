@@ -63,14 +63,19 @@ fn plain_area(contours: &[Curve<2>]) -> Option<(f64, f64)> {
             }
         }
         // Alone it winds once around what it fills; a hole takes that back.
-        let around: i32 =
-            polygons.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| winding(other, one[0])).sum();
+        let around: i32 = polygons
+            .iter()
+            .enumerate()
+            .filter(|(j, _)| *j != i)
+            .map(|(_, other)| winding(other, one[0]))
+            .sum();
         let own = if green(std::slice::from_ref(&contours[i])) > 0.0 { 1 } else { -1 };
         if around * own > 0 || around.abs() > 1 {
             return None;
         }
     }
-    let length = polygons.iter().flat_map(|points| sides(points)).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
+    let length =
+        polygons.iter().flat_map(|points| sides(points)).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
     Some((green(contours).abs(), length))
 }
 
@@ -109,7 +114,10 @@ fn every_letter_is_filled_to_its_own_area_and_raised_to_a_solid() {
             let made = convert::outlines_to_solid(&outlines, 0.25, &budget, &Job::default())
                 .unwrap_or_else(|error| panic!("{c}: {error}"));
             let found = validity(&made.shape, Topology::Indices);
-            assert!(found.closed && found.edge_manifold && found.vertex_manifold && found.oriented, "{c}: {found:?}");
+            assert!(
+                found.closed && found.edge_manifold && found.vertex_manifold && found.oriented,
+                "{c}: {found:?}"
+            );
             let bound = made.bound.at_most().unwrap();
             assert!(bound <= TOLERANCE, "{c}: {bound}");
             let area = measure(&made.shape).signed_volume / 0.25;

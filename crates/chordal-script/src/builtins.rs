@@ -199,7 +199,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         text: &str,
         font: &str,
         tolerance: Value<'v>,
-        size: Option<Value<'v>>,
+        em: Option<Value<'v>>,
         #[starlark(kwargs)] axes: SmallMap<String, Value<'v>>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
@@ -207,15 +207,15 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let Some(tolerance) = number(tolerance).filter(|length| *length > 0.0 && length.is_finite()) else {
             return Err(wrong("it needs a length above 0 for its curves".to_owned()));
         };
-        let size = size.map_or(Some(1.0), number).filter(|size| *size > 0.0 && size.is_finite());
-        let size = size.ok_or_else(|| wrong("the size of letters is a number above 0".to_owned()))?;
+        let em = em.map_or(Some(1.0), number).filter(|em| *em > 0.0 && em.is_finite());
+        let em = em.ok_or_else(|| wrong("the em of letters is a number above 0".to_owned()))?;
         let place = |(name, value): (String, Value<'v>)| match number(value) {
             Some(value) => Ok((name, value)),
             None => Err(wrong(format!("the axis {name} needs a number, not {}", arg_of(value).kind()))),
         };
         let axes = axes.into_iter().map(place).collect::<starlark::Result<_>>()?;
         check_name(font).map_err(wrong)?;
-        let wanted = FileUse::Letters(FontText { text: text.to_owned(), size, axes, tolerance });
+        let wanted = FileUse::Letters(FontText { text: text.to_owned(), em, axes, tolerance });
         let field = Meter::from_eval(eval).shape_of(font, wanted);
         let field = field.map_err(|why| unusable("text", font, &why))?;
         to_starlark(Arg::shape(field), eval)

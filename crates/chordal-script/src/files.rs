@@ -26,7 +26,7 @@ pub struct FontText {
     /// The text.
     pub text: String,
     /// The length of the em.
-    pub size: f64,
+    pub em: f64,
     /// Where axes of the font are, by their tags.
     pub axes: Vec<(String, f64)>,
     /// The length within which curves are polygons.

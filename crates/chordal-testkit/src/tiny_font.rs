@@ -65,7 +65,9 @@ fn glyphs() -> Vec<TinyGlyph> {
     // Clockwise, as contours of TrueType run around what is filled.
     let corners = |points: &[(i16, i16)]| points.iter().map(|(x, y)| (*x, *y, true)).collect::<Vec<_>>();
     let bar = |x: i16, y: i16, w: i16, h: i16| corners(&[(x, y), (x, y + h), (x + w, y + h), (x + w, y)]);
-    let round = |low: i16, high: i16| [(low, low), (low, high), (high, high), (high, low)].map(|(x, y)| (x, y, false));
+    let round = |low: i16, high: i16| {
+        [(low, low), (low, high), (high, high), (high, low)].map(|(x, y)| (x, y, false))
+    };
     let mut hole = round(150, 450).to_vec();
     hole.reverse();
     let glyph = |contours, advance| TinyGlyph { contours, advance };

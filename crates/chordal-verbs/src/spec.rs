@@ -60,7 +60,8 @@ impl BudgetSpec {
             return Err(MeshFailure::Usage(message.into()));
         }
         if !matches!(shape, Shape::Drawing(_)) {
-            let message = format!("only drawings and letters are raised to a height, and this is {}", shape.kind());
+            let message =
+                format!("only drawings and letters are raised to a height, and this is {}", shape.kind());
             return Err(MeshFailure::Usage(message.into()));
         }
         let diagonal = if matches!(height, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };

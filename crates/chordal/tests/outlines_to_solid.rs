@@ -49,7 +49,10 @@ fn a_solid_has_the_volume_of_its_flat_mesh_times_its_height() {
             let flat = convert::outlines_to_mesh(&ring, &length(tolerance * scale), &Job::default()).unwrap();
             assert_eq!(made.bound, flat.bound);
             let n = flat.shape.positions().len();
-            assert_eq!((made.shape.positions().len(), made.shape.faces().len()), (2 * n, 2 * flat.shape.faces().len() + 2 * n));
+            assert_eq!(
+                (made.shape.positions().len(), made.shape.faces().len()),
+                (2 * n, 2 * flat.shape.faces().len() + 2 * n)
+            );
             let volume = measure(&made.shape).signed_volume;
             let truth = measure(&flat.shape).area * height * scale;
             assert!((volume / truth - 1.0).abs() < 1e-9, "{volume}, not {truth}");
@@ -144,7 +147,8 @@ fn pixels_count_where_the_solid_comes_nearest() {
     let disc = nonzero(vec![circle([0.0; 2], 1.0)]);
     // The eye is 10 above the plane, and 2 above the upper cap.
     let view: View = "1000x1000 fov=90 eye=0,0,10 target=0,0,0".parse().unwrap();
-    let budget = Budget { pixels: Some(PixelBudget { pixels: "1px".parse().unwrap(), view }), ..Budget::default() };
+    let budget =
+        Budget { pixels: Some(PixelBudget { pixels: "1px".parse().unwrap(), view }), ..Budget::default() };
     let flat = convert::outlines_to_mesh(&disc, &budget, &Job::default()).unwrap();
     let made = convert::outlines_to_solid(&disc, 8.0, &budget, &Job::default()).unwrap();
     assert!(made.bound.pixels.unwrap() <= 1.0);

@@ -4,8 +4,8 @@ use super::typesetter::{PlacedGlyph, character};
 use crate::text::show;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::{Message, Setting};
-use harfrust::font::glyph::outline::{DrawMemory, DrawOptions};
 use harfrust::font::Variation;
+use harfrust::font::glyph::outline::{DrawMemory, DrawOptions};
 use harfrust::{Font, GlyphId, Tag};
 
 /// What a collection of fonts starts with.
@@ -30,7 +30,10 @@ impl FontFile {
         let metrics = font.metrics();
         if metrics.raw_units_per_em != metrics.units_per_em {
             let units = metrics.raw_units_per_em;
-            return refuse("em", format!("the em of the font has {units} units; 16 to 16384 are allowed"));
+            return refuse(
+                "units-per-em",
+                format!("the em of the font has {units} units; 16 to 16384 are allowed"),
+            );
         }
         if !font.charmap().has_unicode() {
             return refuse("no-characters", "the font does not say which characters its glyphs are (cmap)");
@@ -58,7 +61,8 @@ impl FontFile {
             };
             let (low, high) = (f64::from(axis.min_value()), f64::from(axis.max_value()));
             if !(low..=high).contains(value) {
-                let message = format!("the axis {name} of the font goes from {low} to {high}, not to {value}");
+                let message =
+                    format!("the axis {name} of the font goes from {low} to {high}, not to {value}");
                 return refuse("axis-range", message);
             }
             // Single precision holds what a font does: 16 bits before the point.
@@ -79,7 +83,8 @@ impl FontFile {
     pub fn line_distance(&self) -> f64 {
         let line = self.font.metrics().h_line();
         let given = line.map(|line| {
-            let [up, down, gap] = [line.ascender, line.descender, line.line_gap].map(|x| f64::from(x.to_f32()));
+            let [up, down, gap] =
+                [line.ascender, line.descender, line.line_gap].map(|x| f64::from(x.to_f32()));
             up - down + gap
         });
         given.filter(|distance| *distance > 0.0).unwrap_or_else(|| f64::from(self.units_per_em()))
@@ -111,7 +116,9 @@ fn chosen_font(bytes: &[u8], asked: Option<u64>) -> Result<u32, ReadError> {
         }
         Some(index) => match u32::try_from(index).ok().filter(|index| *index < count) {
             Some(index) => Ok(index),
-            None => refuse("no-such-font", format!("there is no font {index} in the file, which has {count}")),
+            None => {
+                refuse("no-such-font", format!("there is no font {index} in the file, which has {count}"))
+            }
         },
     }
 }

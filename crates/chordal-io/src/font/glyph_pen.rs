@@ -5,8 +5,8 @@ use harfrust::font::glyph::outline::PathSink;
 
 /// Draws glyphs, contour by contour.
 pub(super) struct GlyphPen {
-    /// What a unit of the font is long: the size over the units of an em.
-    size: f64,
+    /// The length of the em, and the units that it has.
+    em: f64,
     units: f64,
     /// Where the glyph stands, in units.
     at: [f64; 2],
@@ -20,9 +20,9 @@ pub(super) struct GlyphPen {
 }
 
 impl GlyphPen {
-    pub fn new(size: f64, units_per_em: u16) -> Self {
+    pub fn new(em: f64, units_per_em: u16) -> Self {
         Self {
-            size,
+            em,
             units: f64::from(units_per_em),
             at: [0.0; 2],
             pieces: Vec::new(),
@@ -52,7 +52,7 @@ impl GlyphPen {
     }
 
     fn point(&self, x: f32, y: f32) -> [f64; 2] {
-        [f64::from(x) + self.at[0], f64::from(y) + self.at[1]].map(|unit| unit * self.size / self.units)
+        [f64::from(x) + self.at[0], f64::from(y) + self.at[1]].map(|unit| unit * self.em / self.units)
     }
 
     fn piece(&mut self, piece: CurveSegment<2>) {

@@ -26,7 +26,7 @@ pub struct Letters {
     /// The text; a line break starts a new line.
     pub text: String,
     /// The length of the font's em: letters are about 0.7 of it high.
-    pub size: f64,
+    pub em: f64,
     /// Where the axes of a variable font are, by their tags; the others are where the font says.
     pub axes: Vec<(String, f64)>,
 }
@@ -35,11 +35,11 @@ impl Letters {
     /// A text in the em that is 1 long.
     ///
     /// ```
-    /// assert_eq!(chordal_io::font::Letters::new("Ab").size, 1.0);
+    /// assert_eq!(chordal_io::font::Letters::new("Ab").em, 1.0);
     /// ```
     #[must_use]
     pub fn new(text: &str) -> Self {
-        Self { text: text.to_owned(), size: 1.0, axes: Vec::new() }
+        Self { text: text.to_owned(), em: 1.0, axes: Vec::new() }
     }
 }
 
@@ -75,7 +75,7 @@ pub fn read_letters(bytes: &[u8], letters: &Letters, limits: &Limits) -> Result<
     check(letters)?;
     let font = FontFile::read(bytes, limits)?.at(&letters.axes)?;
     let placed = Typesetter::new(&font).set(&letters.text)?;
-    let mut pen = GlyphPen::new(letters.size, font.units_per_em());
+    let mut pen = GlyphPen::new(letters.em, font.units_per_em());
     for glyph in &placed {
         pen.place(glyph.at);
         font.draw(glyph, &mut pen)?;
@@ -99,8 +99,7 @@ pub fn read_letters(bytes: &[u8], letters: &Letters, limits: &Limits) -> Result<
         rule: FillRule::NonZero,
         filled: true,
     };
-    let drawing =
-        Drawing {
+    let drawing = Drawing {
         owners: vec![0; curves.len()],
         lines: curves,
         elements: vec![element],
@@ -122,8 +121,8 @@ fn check(letters: &Letters) -> Result<(), ReadError> {
         return refuse("too-large", format!("the text has more than {most} characters, which is the limit"));
     }
     // Beyond these, squares of lengths leave the range of numbers.
-    if !(letters.size >= 1e-100 && letters.size <= 1e100) {
-        return refuse("size", format!("a size of letters is from 1e-100 to 1e100, not {}", letters.size));
+    if !(letters.em >= 1e-100 && letters.em <= 1e100) {
+        return refuse("em", format!("the em of letters is from 1e-100 to 1e100 long, not {}", letters.em));
     }
     Ok(())
 }

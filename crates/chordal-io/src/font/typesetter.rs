@@ -32,7 +32,11 @@ fn refuse<T>(code: &'static str, message: String) -> Result<T, ReadError> {
 /// A character in a message, with its number.
 pub(super) fn character(c: char) -> String {
     let number = u32::from(c);
-    if c.is_control() || c.is_whitespace() { format!("U+{number:04X}") } else { format!("'{c}' (U+{number:04X})") }
+    if c.is_control() || c.is_whitespace() {
+        format!("U+{number:04X}")
+    } else {
+        format!("'{c}' (U+{number:04X})")
+    }
 }
 
 impl<'a> Typesetter<'a> {

@@ -45,14 +45,14 @@ pub struct LettersFacts {
     /// The text.
     pub text: String,
     /// The length of the em.
-    pub size: f64,
+    pub em: f64,
     /// Where the font's axes are, as far as they were given.
     pub axes: BTreeMap<String, f64>,
 }
 
 impl LettersFacts {
     fn new(letters: &Letters) -> Self {
-        Self { text: letters.text.clone(), size: letters.size, axes: letters.axes.iter().cloned().collect() }
+        Self { text: letters.text.clone(), em: letters.em, axes: letters.axes.iter().cloned().collect() }
     }
 }
 

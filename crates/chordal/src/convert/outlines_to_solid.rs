@@ -43,7 +43,8 @@ pub fn outlines_to_solid(
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     if !(height > 0.0 && height < LARGEST) {
-        let message = format!("a solid over outlines has a height above 0 and below {LARGEST:e}, not {height}");
+        let message =
+            format!("a solid over outlines has a height above 0 and below {LARGEST:e}, not {height}");
         return Err(Failure::refused(RefusalCode::Budget, message));
     }
     let outlines = ClosedOutlines::new(outlines, Some(height))?;
