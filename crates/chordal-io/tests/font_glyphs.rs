@@ -1,5 +1,6 @@
 //! Every letter of fonts of others: its filled area against its outline's own integral, and solids over it.
-use chordal::check::findings::{measure, validity};
+use chordal::check::findings::measure;
+use chordal::check::validity;
 use chordal::explicit::{Curve, CurveSegment, Outline, Topology};
 use chordal::{Budget, Job, Tolerance, convert};
 use chordal_io::font::{Letters, read_letters};
@@ -29,17 +30,18 @@ fn sides(points: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + Clone + '
     points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
-/// Whether sides of two polygons cross, or touch.
-fn meet(one: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
+/// Whether two sides cross, or touch.
+fn meet_sides([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
     let apart = |a: f64, b: f64| a > 0.0 && b > 0.0 || a < 0.0 && b < 0.0;
-    sides(one).any(|[a, b]| {
-        sides(other).any(|[c, d]| {
-            !apart(cross(a, b, c), cross(a, b, d)) && !apart(cross(c, d, a), cross(c, d, b)) && {
-                // In one line they meet only where their boxes do.
-                (0..2).all(|k| a[k].min(b[k]) <= c[k].max(d[k]) && c[k].min(d[k]) <= a[k].max(b[k]))
-            }
-        })
-    })
+    // In one line they meet only where their boxes do.
+    (0..2).all(|k| a[k].min(b[k]) <= c[k].max(d[k]) && c[k].min(d[k]) <= a[k].max(b[k]))
+        && !apart(cross(a, b, c), cross(a, b, d))
+        && !apart(cross(c, d, a), cross(c, d, b))
+}
+
+/// Whether sides of two polygons do.
+fn meet(one: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
+    sides(one).any(|side| sides(other).any(|other| meet_sides(side, other)))
 }
 
 fn winding(points: &[[f64; 2]], at: [f64; 2]) -> i32 {
@@ -52,15 +54,20 @@ fn winding(points: &[[f64; 2]], at: [f64; 2]) -> i32 {
         .sum()
 }
 
-/// The area of what contours wind around, where none meets another and none winds around another in the same sense;
+/// Whether sides of a polygon meet that are no neighbours.
+fn meets_itself(points: &[[f64; 2]]) -> bool {
+    let all: Vec<_> = sides(points).collect();
+    let n = all.len();
+    (0..n).any(|i| (i + 2..n).any(|j| (i, j) != (0, n - 1) && meet_sides(all[i], all[j])))
+}
+
+/// The area of what contours wind around, where none meets itself or another and none winds around another in the same sense;
 /// and the length of all.
 fn plain_area(contours: &[Curve<2>]) -> Option<(f64, f64)> {
     let polygons: Vec<_> = contours.iter().map(sampled).collect();
     for (i, one) in polygons.iter().enumerate() {
-        for (j, other) in polygons.iter().enumerate() {
-            if i < j && meet(one, other) {
-                return None;
-            }
+        if meets_itself(one) || polygons[i + 1..].iter().any(|other| meet(one, other)) {
+            return None;
         }
         // Alone it winds once around what it fills; a hole takes that back.
         let around: i32 = polygons

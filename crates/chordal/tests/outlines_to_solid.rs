@@ -1,7 +1,8 @@
 //! The arrow `outlines_to_solid`: volumes in closed form, solids that are closed and manifold whatever their
 //! outline, and what is refused.
 use chordal::budget::{PixelBudget, View};
-use chordal::check::findings::{measure, validity};
+use chordal::check::findings::measure;
+use chordal::check::validity;
 use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, FillRule, Outline, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
 use chordal_testkit::{Random, cases};

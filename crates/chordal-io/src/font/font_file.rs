@@ -28,6 +28,12 @@ impl FontFile {
             return refuse("no-font", "the list of tables of a font is cut off or wrong");
         };
         let metrics = font.metrics();
+        if metrics.raw_units_per_em == 0 {
+            return refuse(
+                "no-font",
+                "the font's table of basic numbers (head) is missing, cut off or empty",
+            );
+        }
         if metrics.raw_units_per_em != metrics.units_per_em {
             let units = metrics.raw_units_per_em;
             return refuse(
