@@ -68,6 +68,9 @@ pub fn outlines_to_solid(
     }
 }
 
+/// Positions and faces.
+pub(super) type SolidTriangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
 /// The solid over counter-clockwise triangles in the plane z = 0 that meet along whole edges.
 ///
 /// # Errors
@@ -76,7 +79,7 @@ pub(super) fn upright_solid(
     positions: &[[f64; 3]],
     faces: &[[u32; 3]],
     height: f64,
-) -> Result<(Vec<[f64; 3]>, Vec<[u32; 3]>), Failure<Mesh>> {
+) -> Result<SolidTriangles, Failure<Mesh>> {
     let flat = FanFaces::new(faces);
     let n_bottom = flat.origins.len();
     let n_top = u32::try_from(n_bottom).ok().filter(|n| *n < u32::MAX / 2).ok_or_else(|| {
