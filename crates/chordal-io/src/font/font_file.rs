@@ -1,6 +1,6 @@
 //! `FontFile`: a font of a file, at one place of its axes.
 use super::glyph_pen::GlyphPen;
-use super::typesetter::{PlacedGlyph, character};
+use super::placed_glyph::{PlacedGlyph, character};
 use crate::text::show;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::{Message, Setting};

@@ -3,6 +3,7 @@
 //! The baseline of the first line is y = 0, and x = 0 is where it starts; y grows upwards.
 mod font_file;
 mod glyph_pen;
+mod placed_glyph;
 mod typesetter;
 
 use crate::drawing::{Drawing, DrawingElement};

@@ -1,16 +1,8 @@
 //! `Typesetter`: the glyphs of a text, and where they stand.
 use super::font_file::FontFile;
+use super::placed_glyph::{PlacedGlyph, character};
 use crate::{FileLocation, ReadError};
 use harfrust::{Buffer, Direction, Script, ShapeOptions, ShaperFont, shape};
-
-/// A glyph at a place, in units of the font.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PlacedGlyph {
-    pub id: u32,
-    pub at: [f64; 2],
-    /// The first character that it stands for.
-    pub of: char,
-}
 
 /// Chooses and places glyphs by the tables of a font.
 pub(super) struct Typesetter<'a> {
@@ -27,16 +19,6 @@ struct ScriptRun<'t> {
 
 fn refuse<T>(code: &'static str, message: String) -> Result<T, ReadError> {
     Err(ReadError::new(code, FileLocation::File, message))
-}
-
-/// A character in a message, with its number.
-pub(super) fn character(c: char) -> String {
-    let number = u32::from(c);
-    if c.is_control() || c.is_whitespace() {
-        format!("U+{number:04X}")
-    } else {
-        format!("'{c}' (U+{number:04X})")
-    }
 }
 
 impl<'a> Typesetter<'a> {
