@@ -3,6 +3,7 @@ use crate::memory;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{InvalidLength, Length, Unit};
 use chordal::math::Box3;
+use chordal_io::font::Letters;
 use chordal_io::{Axis, Format, PolygonSurface};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -40,6 +41,18 @@ pub struct InputArgs {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting, allow_hyphen_values = true)]
     pub set: Vec<(String, f64)>,
 
+    /// For a font: the text to set; a line break in it starts a new line
+    #[arg(long, value_name = "TEXT", allow_hyphen_values = true)]
+    pub text: Option<String>,
+
+    /// For a font: the length of its em, in which capitals are about 0.7 high; 1 unless said
+    #[arg(long, value_name = "LENGTH", requires = "text", allow_hyphen_values = true)]
+    pub em: Option<f64>,
+
+    /// For a variable font: where one of its axes is, as in wght=700; may be given several times
+    #[arg(long = "axis", value_name = "TAG=VALUE", value_parser = setting, requires = "text", allow_hyphen_values = true)]
+    pub axes: Vec<(String, f64)>,
+
     /// For a shape script: a folder, beside its own, below which the meshes that it names are looked for; may be
     /// given several times
     #[arg(long, value_name = "FOLDER")]
@@ -70,6 +83,12 @@ pub struct InputArgs {
 }
 
 impl InputArgs {
+    /// What a font is to set.
+    pub fn letters(&self) -> Option<Letters> {
+        let text = self.text.as_deref()?;
+        Some(Letters { em: self.em.unwrap_or(1.0), axes: self.axes.clone(), ..Letters::new(text) })
+    }
+
     /// The most memory: what was said, else a share of what there is.
     pub fn memory_limit(&self) -> Option<u64> {
         self.max_memory.or_else(memory::default_limit)

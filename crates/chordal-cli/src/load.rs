@@ -11,6 +11,7 @@ use crate::spelling::CommandLine;
 use chordal::Job;
 use chordal::budget::RefusalCode;
 use chordal::budget::advice::Spell;
+use chordal_io::font::Letters;
 use chordal_io::{Conformance, Format, Limits};
 use chordal_verbs::{FormatHint, Input, Shape, load_within, sha256};
 use std::path::{Path, PathBuf};
@@ -94,6 +95,9 @@ pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<
     let bytes = [RawInput::read(first, job)?, RawInput::read(second, job)?];
     let formats = [bytes[0].format(first), bytes[1].format(second)];
     let has_script = formats.contains(&Some(Format::Star));
+    if first.text.is_some() && !formats.contains(&Some(Format::Ttf)) && !formats.contains(&None) {
+        return Err(Fault::usage("--text is for fonts, and neither of the two is one"));
+    }
     let has_field = has_script || formats.contains(&Some(Format::Vm));
     // A text that nobody knows is refused for that.
     if !first.set.is_empty() && !has_script && !formats.contains(&None) {
@@ -118,6 +122,10 @@ fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
     if format != Some(Format::Star) {
         args.set.clear();
         args.region = args.region.filter(|_| format == Some(Format::Vm));
+    }
+    if format != Some(Format::Ttf) {
+        (args.text, args.em) = (None, None);
+        args.axes.clear();
     }
     args.surface = args.surface.filter(|_| format == Some(Format::Obj));
     args
@@ -146,14 +154,14 @@ impl RawInput {
         Ok(Self { name: source.name(), source, bytes, is_folder: folder, job: job.clone() })
     }
 
-    fn hint<'a>(&'a self, args: &'a InputArgs) -> FormatHint<'a> {
+    fn hint<'a>(&'a self, args: &'a InputArgs, letters: Option<&'a Letters>) -> FormatHint<'a> {
         let is_file = matches!(self.source, InputSource::File(_)) && !self.is_folder;
         let name = is_file.then_some(self.name.as_str());
-        FormatHint { name, format: args.from, set: &args.set, region: args.region }
+        FormatHint { name, format: args.from, set: &args.set, letters, region: args.region }
     }
 
     fn format(&self, args: &InputArgs) -> Option<Format> {
-        self.hint(args).format_of(&self.bytes)
+        self.hint(args, None).format_of(&self.bytes)
     }
 
     fn load(&self, args: &InputArgs, console: &Console) -> Result<Input, Fault> {
@@ -171,6 +179,7 @@ impl RawInput {
 
     fn parse(&self, args: &InputArgs) -> Result<Input, Fault> {
         let name = &self.name;
+        let letters = args.letters();
         let limits = Limits { threads: self.job.threads, ..limits(args) };
         let mut open = |path: &str| match &self.source {
             // Files in a folder are beside its list.
@@ -186,9 +195,10 @@ impl RawInput {
                 read_allowed(&args.allow, path, limits.bytes).unwrap_or_else(nowhere)
             }
         };
-        let mut input = load_within(&self.bytes, self.hint(args), &mut open, &limits, &self.job)
-            .spelled(&CommandLine)
-            .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
+        let mut input =
+            load_within(&self.bytes, self.hint(args, letters.as_ref()), &mut open, &limits, &self.job)
+                .spelled(&CommandLine)
+                .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
         self.check_memory(&input, args)?;
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);

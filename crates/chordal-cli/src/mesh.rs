@@ -39,6 +39,8 @@ Examples:
   chordal mesh painted.glb --tol 0.5% -o painted.gltf --separate
   chordal mesh drawing.svg --tol 0.25 -o drawing.json
   chordal mesh drawing.svg --tol 0.25 -o drawing.glb
+  chordal mesh drawing.svg --extrude 2 --tol 0.25 -o drawing.stl
+  chordal mesh font.ttf --text Word --em 10 --extrude 2 --tol 0.01 -o word.stl
   chordal mesh brain.nii.gz --iso 60 -o brain.glb
   chordal mesh liver_mask.nii.gz --smooth 0.8vox --tol 3mm -o liver.glb
   chordal mesh organs.nii.gz --labels all --tol 2mm -o organs.glb
@@ -143,6 +145,11 @@ pub struct ResultArgs {
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
 
+    /// For a drawing or letters: the height to which they are raised, as solids that stand on z = 0; 2, 2mm, or 10% of
+    /// the diagonal of its box
+    #[arg(long, value_name = "LENGTH", value_parser = length, conflicts_with = "level", allow_hyphen_values = true)]
+    pub extrude: Option<Length>,
+
     /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth
     /// surface; 0 keeps them
     #[arg(long, value_name = "N", conflicts_with = "budget")]
@@ -226,6 +233,9 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
 
     let name = source.name();
     let form = args.set.form(to);
+    if !others.is_empty() && args.result.extrude.is_some() {
+        return Err(Fault::usage("--extrude makes a solid of its own: write it, and combine the file"));
+    }
     let made = if others.is_empty() {
         mesh(input, &spec, form, job)
     } else {
@@ -318,6 +328,7 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         segments: args.budget.segments,
         spacing,
         effort,
+        extrude: args.result.extrude,
         normals: args.result.normals,
         require: args.budget.require,
     })

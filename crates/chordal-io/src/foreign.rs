@@ -24,6 +24,7 @@ pub struct ForeignFormat {
 const CAD: &str = "export triangles from the CAD program, as 3MF, STL or glTF at the tolerance that you need";
 const SCENE: &str = "export it as glTF (.glb) or USD from the program that it is of, or from Blender";
 const PICTURE: &str = "a picture is no shape";
+const UNPACK: &str = "fonttools unpacks it: TTFont(name), flavor = None, save as .ttf";
 const POINTS: &str =
     "points have no surface: a program such as MeshLab or CloudCompare makes triangles of them (PLY)";
 
@@ -37,7 +38,7 @@ const fn row(
 }
 
 /// The table. Only beginnings that no text or number of a known format could have stand in it.
-static TABLE: [ForeignFormat; 34] = [
+static TABLE: [ForeignFormat; 36] = [
     row("FBX", &["fbx"], &[b"Kaydara FBX Binary", b"; FBX "], SCENE),
     row("STEP", &["step", "stp", "p21"], &[b"ISO-10303-21"], CAD),
     row("IFC", &["ifc"], &[], "IfcConvert or FreeCAD exports its shapes as glTF"),
@@ -91,6 +92,8 @@ static TABLE: [ForeignFormat; 34] = [
     row("a WebP picture", &["webp"], &[], PICTURE),
     row("a GIF picture", &["gif"], &[b"GIF87a", b"GIF89a"], PICTURE),
     row("a BMP picture", &["bmp"], &[], PICTURE),
+    row("WOFF, a packed font", &["woff"], &[b"wOFF"], UNPACK),
+    row("WOFF2, a packed font", &["woff2"], &[b"wOF2"], UNPACK),
     row("a PDF document", &["pdf"], &[b"%PDF-"], "export the drawing as SVG"),
 ];
 

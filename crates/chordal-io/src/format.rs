@@ -10,8 +10,8 @@ use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{Limits, SceneAssets};
 use crate::{
-    amf, bpt, collada, dicom, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg, teaset,
-    threemf, usd, vm, vti, vtk,
+    amf, bpt, collada, dicom, font, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg,
+    teaset, threemf, usd, vm, vti, vtk,
 };
 use chordal::explicit::Topology;
 use std::fmt;
@@ -66,6 +66,8 @@ pub enum Format {
     Usdz,
     /// Scalable Vector Graphics.
     Svg,
+    /// A font of TrueType or OpenType, or a collection of some: its letters are a drawing once a text is set.
+    Ttf,
     /// An expression graph as an op list, in fidget's text format.
     Vm,
     /// NumPy array with three axes.
@@ -174,7 +176,7 @@ const USD_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 29] = [
+static TABLE: [FormatRow; 30] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
@@ -339,6 +341,10 @@ static TABLE: [FormatRow; 29] = [
         polylines: Some(svg::write),
         ..only_read(Format::Svg, "svg", |bytes| svg::looks_like(text_start(bytes)), svg::read)
     },
+    FormatRow {
+        extensions: &["otf", "ttc", "otc"],
+        ..only_read(Format::Ttf, "ttf", font::looks_like, font::read)
+    },
     only_read(
         Format::Vm,
         "vm",
@@ -382,7 +388,7 @@ static TABLE: [FormatRow; 29] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 28] = [
+const BY_CONTENT: [Format; 29] = [
     Format::Glb,
     Format::Usdc,
     Format::Usdz,
@@ -396,6 +402,7 @@ const BY_CONTENT: [Format; 28] = [
     Format::MetaImage,
     Format::Dicom,
     Format::Slc,
+    Format::Ttf,
     Format::Vtp,
     Format::Vtu,
     Format::Vtk,
@@ -586,7 +593,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, ttf, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -11,6 +11,7 @@ mod drawing;
 mod error;
 mod faces;
 mod files;
+pub mod font;
 mod foreign;
 mod forest;
 mod format;

@@ -6,6 +6,8 @@ mod cages;
 mod collada;
 mod common;
 mod corpus;
+mod font;
+mod font_glyphs;
 mod glb;
 mod hostile_obj;
 mod hostile_off;

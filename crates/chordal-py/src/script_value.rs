@@ -246,6 +246,7 @@ impl ScriptValue {
         let input = Input {
             shape: Shape::Field(implicit),
             format: Format::Star,
+            letters: None,
             n_bytes: 0,
             sha256: sha256(&[]),
             files: Vec::new(),

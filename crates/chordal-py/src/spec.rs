@@ -62,6 +62,7 @@ impl BudgetArguments {
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,
             effort: parse_effort(&self.effort)?,
+            extrude: None,
             normals: Normals::default(),
             require: parse_argument("require", self.require.as_deref())?,
         })

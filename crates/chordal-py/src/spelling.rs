@@ -25,6 +25,7 @@ impl Spelling for Keywords {
             Setting::Quantize => "quantize=True".to_owned(),
             Setting::Level => "Cage.refined".to_owned(),
             Setting::Index
+            | Setting::Text
             | Setting::TileTriangles
             | Setting::MaxMemory
             | Setting::SelfIntersections

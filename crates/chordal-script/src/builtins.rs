@@ -1,12 +1,13 @@
 //! Python's common built-in functions, metered against the script's limits.
 use crate::compare::{is_key, order};
-use crate::files::{FileError, FileUse, check_name};
+use crate::files::{FileError, FileUse, FontText, check_name};
 use crate::language::{Arg, CallError, operate};
 use crate::meter::Meter;
 use crate::operators::of_numbers;
 use crate::parameter::Parameter;
 use crate::texts::text_of;
 use crate::values::{StarlarkShape, arg_of, elements, fault, number, to_starlark};
+use starlark::collections::SmallMap;
 use starlark::environment::GlobalsBuilder;
 use starlark::eval::Evaluator;
 use starlark::values::dict::DictRef;
@@ -191,6 +192,32 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let wanted = FileUse::Drawing { tolerance: length };
         let field = Meter::from_eval(eval).shape_of(name, wanted);
         let field = field.map_err(|why| unusable("svg", name, &why))?;
+        to_starlark(Arg::shape(field), eval)
+    }
+
+    fn text<'v>(
+        text: &str,
+        font: &str,
+        tolerance: Value<'v>,
+        em: Option<Value<'v>>,
+        #[starlark(kwargs)] axes: SmallMap<String, Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let wrong = |why: String| fault(CallError(format!("text(): {why}")));
+        let Some(tolerance) = number(tolerance).filter(|length| *length > 0.0 && length.is_finite()) else {
+            return Err(wrong("it needs a length above 0 for its curves".to_owned()));
+        };
+        let em = em.map_or(Some(1.0), number).filter(|em| *em > 0.0 && em.is_finite());
+        let em = em.ok_or_else(|| wrong("the em of letters is a number above 0".to_owned()))?;
+        let place = |(name, value): (String, Value<'v>)| match number(value) {
+            Some(value) => Ok((name, value)),
+            None => Err(wrong(format!("the axis {name} needs a number, not {}", arg_of(value).kind()))),
+        };
+        let axes = axes.into_iter().map(place).collect::<starlark::Result<_>>()?;
+        check_name(font).map_err(wrong)?;
+        let wanted = FileUse::Letters(FontText { text: text.to_owned(), em, axes, tolerance });
+        let field = Meter::from_eval(eval).shape_of(font, wanted);
+        let field = field.map_err(|why| unusable("text", font, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// What a script wants of a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum FileUse {
     /// Its text, as another script.
     Script,
@@ -14,8 +14,23 @@ pub enum FileUse {
         /// The length.
         tolerance: f64,
     },
+    /// The letters of a text in a font, as a shape of the plane.
+    Letters(FontText),
     /// Its triangles as a shape.
     Mesh,
+}
+
+/// What a script has a font set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FontText {
+    /// The text.
+    pub text: String,
+    /// The length of the em.
+    pub em: f64,
+    /// Where axes of the font are, by their tags.
+    pub axes: Vec<(String, f64)>,
+    /// The length within which curves are polygons.
+    pub tolerance: f64,
 }
 
 /// What a file was found to be.
@@ -65,8 +80,8 @@ impl std::error::Error for FileError {}
 /// The most files that one script opens, those of its files included. Chosen.
 pub(crate) const MOST_FILES: usize = 64;
 
-/// A file that was opened as a shape: its name, and the bits of the length for its curves; none for a mesh.
-pub(crate) type ShapeKey = (String, Option<u64>);
+/// A file that was opened as a shape: its name, and in words what it was opened for.
+pub(crate) type ShapeKey = (String, String);
 
 /// The shapes of the files that were opened so far.
 pub(crate) type OpenedShapes = BTreeMap<ShapeKey, Field>;

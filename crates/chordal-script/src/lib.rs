@@ -33,7 +33,7 @@ mod values;
 mod warning;
 
 pub use error::ScriptError;
-pub use files::{FileUse, NoFiles, OpenedFile, ScriptFiles};
+pub use files::{FileUse, FontText, NoFiles, OpenedFile, ScriptFiles};
 pub use limits::Limits;
 pub use parameter::Parameter;
 pub use script::{RunOptions, Script, ScriptBody, run, run_with};

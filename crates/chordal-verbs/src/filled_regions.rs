@@ -7,12 +7,13 @@ use chordal::budget::{Bounded, Failure};
 use chordal::{Bound, Job, convert};
 use chordal_io::{Drawing, Scene};
 
+const RAISED: &str = "the drawing is raised to solids, one for each element, from z = 0 to";
 const VANISHED: &str = "no triangles are left: all that the drawing fills is thinner than the bound";
 
-/// The triangles of a drawing at the precision of the format, their bound, and the request for their bounding
+/// The triangles of a drawing, or of the solid of a height over it, at the precision of the format, their bound, and the request for their bounding
 /// box.
 pub(crate) fn fill(
-    drawing: &Drawing,
+    (drawing, height): (&Drawing, Option<f64>),
     request: &MeshRequest,
     certificate: &mut Certificate,
     job: &Job,
@@ -20,9 +21,17 @@ pub(crate) fn fill(
     let filling =
         FilledRegions::from_drawing(drawing, &mut certificate.notes).map_err(MeshFailure::Refused)?;
     certificate.frame = FrameFacts::new(&filling.frame);
-    let request = MeshRequest::new(request.budget, request.form(), filling.bounds);
+    let mut bounds = filling.bounds;
+    if let Some(height) = height {
+        bounds.max[2] = height;
+        certificate.notes.push(format!("{RAISED} z = {height}").into());
+    }
+    let request = MeshRequest::new(request.budget, request.form(), bounds);
     let Bounded { shape: mesh, bound } = request.run(job, |budget| {
-        let made = convert::outlines_to_mesh(&filling.outlines, budget, job);
+        let made = match height {
+            Some(height) => convert::outlines_to_solid(&filling.outlines, height, budget, job),
+            None => convert::outlines_to_mesh(&filling.outlines, budget, job),
+        };
         let best = match &made {
             Ok(made) => Some(made),
             Err(Failure::Unmet(best)) => Some(&**best),

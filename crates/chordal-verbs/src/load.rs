@@ -6,6 +6,7 @@ use crate::{Shape, formats, script};
 use chordal::Job;
 use chordal::budget::advice::{Message, Setting};
 use chordal::math::Box3;
+use chordal_io::font::{Letters, read_letters};
 use chordal_io::{
     FileLocation, FileOpener, ForeignFormat, Format, Limits, PolygonSurface, ReadError, Warning,
 };
@@ -19,6 +20,8 @@ pub struct FormatHint<'a> {
     pub format: Option<Format>,
     /// Values for a script's parameters.
     pub set: &'a [(String, f64)],
+    /// What a font sets.
+    pub letters: Option<&'a Letters>,
     /// The box that clips a field, instead of the format's own.
     pub region: Option<Box3>,
 }
@@ -40,6 +43,8 @@ pub struct Input {
     pub shape: Shape,
     /// The format of the bytes.
     pub format: Format,
+    /// What the font has set, if it is one.
+    pub letters: Option<Letters>,
     /// The number of bytes.
     pub n_bytes: u64,
     /// Their SHA-256, in hexadecimal.
@@ -133,6 +138,11 @@ fn load_from(
     if let Some(surface) = limits.surface {
         check_surface(surface, format)?;
     }
+    if hint.letters.is_some() && format != Format::Ttf {
+        let message = Message::from("only fonts set letters: ").setting(Setting::Text);
+        let message = message.words(format_args!(" says nothing of {format}"));
+        return Err(ReadError::new("no-font", FileLocation::File, message));
+    }
     let mut files: Vec<InputFile> = Vec::new();
     let mut open = open.map(|open| {
         |path: &str| {
@@ -153,9 +163,10 @@ fn load_from(
             let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");
             return Err(ReadError::new("unknown-parameter", FileLocation::File, message));
         }
-        let loaded = match &mut open {
-            Some(open) => chordal_io::read_with(&content, format, open, limits)?,
-            None => chordal_io::read(&content, format, limits)?,
+        let loaded = match (hint.letters, &mut open) {
+            (Some(letters), _) if format == Format::Ttf => read_letters(&content, letters, limits)?,
+            (_, Some(open)) => chordal_io::read_with(&content, format, open, limits)?,
+            (_, None) => chordal_io::read(&content, format, limits)?,
         };
         (loaded.content.into(), loaded.warnings)
     };
@@ -167,7 +178,8 @@ fn load_from(
             return Err(ReadError::new("no-field", FileLocation::File, message));
         }
     }
-    Ok(Input { shape, format, n_bytes: bytes.len() as u64, sha256: sha256(bytes), files, warnings })
+    let letters = hint.letters.cloned();
+    Ok(Input { shape, format, letters, n_bytes: bytes.len() as u64, sha256: sha256(bytes), files, warnings })
 }
 
 /// Only OBJ and USD keep polygons; triangles of other files are faceted as they are.

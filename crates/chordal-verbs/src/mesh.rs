@@ -21,7 +21,7 @@ use chordal_io::Scene;
 /// The bound covers everything from the parsed numbers to the triangles as they read back from a file of the
 /// format `to`: the rounding to that format is reserved from the budget first, and its actual size is added
 /// to the bound, and so is that to a lattice where the form asks for 16 bits. Triangle meshes are simplified, part by part; see `chordal::lod::simplify`. For a format of
-/// triangles the regions that a drawing's outlines enclose are filled, in the plane z = 0.
+/// triangles the regions that a drawing's outlines enclose are filled, in the plane z = 0, or raised to a solid.
 ///
 /// # Errors
 /// When the budget or the format has no meaning for this shape; when the budget is not met, with the best
@@ -55,6 +55,7 @@ pub fn mesh(
         ));
     }
     spec.check_attributes(&input.shape)?;
+    let height = spec.height(&input.shape, lines)?;
     let mut certificate = Certificate::from_input(&input);
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
@@ -72,7 +73,7 @@ pub fn mesh(
         }
         Shape::Drawing(drawing) => {
             let (mut scene, bound, request) =
-                filled_regions::fill(&drawing, &request, &mut certificate, job)?;
+                filled_regions::fill((&drawing, height), &request, &mut certificate, job)?;
             spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
             return finish_triangles(scene, bound, &request, certificate);
         }

@@ -6,8 +6,9 @@ use chordal::convert::{mesh_to_field, outline_to_field};
 use chordal::implicit::Field;
 use chordal::math::greater;
 use chordal::{Budget, Job, Mesh, Tolerance};
+use chordal_io::font::{Letters, read_letters};
 use chordal_io::{Content, FileLocation, FileOpener, Format, Frame, Limits, Warning};
-use chordal_script::{FileUse, OpenedFile, ScriptFiles};
+use chordal_script::{FileUse, FontText, OpenedFile, ScriptFiles};
 use std::cell::RefCell;
 
 /// What was read so far.
@@ -109,7 +110,17 @@ impl ScriptFiles for FilesBeside<'_, '_> {
                 let bytes = self.bytes(name)?;
                 String::from_utf8(bytes).map(OpenedFile::Script).map_err(|_| "it is not UTF-8".to_owned())
             }
-            FileUse::Drawing { tolerance } => drawing(&self.bytes(name)?, tolerance, self.limits, job),
+            FileUse::Drawing { tolerance } => {
+                let read = chordal_io::read(&self.bytes(name)?, Format::Svg, self.limits);
+                drawing(read.map_err(|error| error.to_string())?.content, tolerance, job)
+            }
+            FileUse::Letters(FontText { text, em, axes, tolerance }) => {
+                let bytes = self.bytes(name)?;
+                let content = chordal_io::unpacked(&bytes, Some(Format::Ttf), self.limits);
+                let content = content.map_err(|error| error.to_string())?;
+                let read = read_letters(&content, &Letters { text, em, axes }, self.limits);
+                drawing(read.map_err(|error| error.to_string())?.content, tolerance, job)
+            }
             FileUse::Mesh => self.mesh(name, job).map(|field| OpenedFile::Shape(field, Vec::new())),
         }
     }
@@ -141,9 +152,8 @@ impl FilesBeside<'_, '_> {
 }
 
 /// What a drawing fills, with y up, as one shape of the plane.
-fn drawing(bytes: &[u8], tolerance: f64, limits: &Limits, job: &Job) -> Result<OpenedFile, String> {
-    let read = chordal_io::read(bytes, Format::Svg, limits).map_err(|error| error.to_string())?;
-    let Content::Drawing(drawing) = read.content else { return Err("it is no drawing".to_owned()) };
+fn drawing(content: Content, tolerance: f64, job: &Job) -> Result<OpenedFile, String> {
+    let Content::Drawing(drawing) = content else { return Err("it is no drawing".to_owned()) };
     let mut notes = Vec::new();
     let filled = FilledRegions::from_drawing(&drawing, &mut notes)
         .map_err(|_| "it fills nothing: lines alone have no inside".to_owned())?;

@@ -32,6 +32,8 @@ pub struct BudgetSpec {
     pub spacing: Spacing,
     /// How much work a count of triangles is worth where triangles are simplified.
     pub effort: Effort,
+    /// How high a drawing is raised to a solid; it is meshed in its plane where there is none.
+    pub extrude: Option<Length>,
     /// The normals that triangles get.
     pub normals: Normals,
     /// The required evidence. The default is a proof; for a field with a part whose ranges are unknown, a
@@ -45,6 +47,26 @@ impl BudgetSpec {
     pub fn has_limit(&self) -> bool {
         let counted = self.triangles.is_some() || self.segments.is_some();
         counted || self.length.is_some() || self.pixels.is_some()
+    }
+
+    /// The height of the solid over a drawing.
+    ///
+    /// # Errors
+    /// When there is one and the result is none of triangles, or the shape no drawing; as for [`Self::resolve`].
+    pub(crate) fn height(&self, shape: &Shape, lines: bool) -> Result<Option<f64>, MeshFailure> {
+        let Some(height) = self.extrude else { return Ok(None) };
+        if lines {
+            let message = "polylines have no height: for a solid write a format of triangles";
+            return Err(MeshFailure::Usage(message.into()));
+        }
+        if !matches!(shape, Shape::Drawing(_)) {
+            let message =
+                format!("only drawings and letters are raised to a height, and this is {}", shape.kind());
+            return Err(MeshFailure::Usage(message.into()));
+        }
+        let diagonal = if matches!(height, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
+        let height = height.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
+        Ok(Some(height.get()))
     }
 
     /// Checks that counts apply: polylines have segments and meshes have triangles.

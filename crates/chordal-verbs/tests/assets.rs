@@ -134,6 +134,7 @@ fn weights_of_joints_are_blended_where_vertices_go() {
     let input = Input {
         shape,
         format: Format::Glb,
+        letters: None,
         n_bytes: 0,
         sha256: "0".repeat(64),
         files: Vec::new(),
@@ -175,6 +176,7 @@ fn white_stays_white() {
     let input = Input {
         shape: Shape::Scene(Scene::from_mesh("sheet", sheet, Frame::default())),
         format: Format::Glb,
+        letters: None,
         n_bytes: 0,
         sha256: "0".repeat(64),
         files: Vec::new(),

@@ -27,7 +27,7 @@ fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
 }
 
 fn loaded(bytes: &[u8], format: Format) -> chordal_verbs::Input {
-    let hint = FormatHint { name: None, format: Some(format), set: &[], region: None };
+    let hint = FormatHint { format: Some(format), ..FormatHint::default() };
     load(bytes, hint, &Limits::default()).expect("readable")
 }
 

@@ -29,6 +29,7 @@ fn input(shape: Shape) -> Input {
     Input {
         shape,
         format: Format::Bpt,
+        letters: None,
         n_bytes: 0,
         sha256: "0".repeat(64),
         files: Vec::new(),

@@ -40,7 +40,7 @@ fn sheet(n: usize, corner: [f64; 3]) -> String {
 }
 
 fn loaded(bytes: &[u8], format: Format) -> Input {
-    let hint = FormatHint { name: None, format: Some(format), set: &[], region: None };
+    let hint = FormatHint { format: Some(format), ..FormatHint::default() };
     load(bytes, hint, &Limits::default()).expect("readable")
 }
 

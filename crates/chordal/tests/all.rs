@@ -36,6 +36,7 @@ mod mend;
 mod normals;
 mod nurbs_referee;
 mod outlines;
+mod outlines_to_solid;
 mod overshade;
 mod patch_grid_laws;
 mod planted;

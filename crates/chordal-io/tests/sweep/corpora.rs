@@ -23,6 +23,7 @@ fn target_of(format: Format) -> &'static str {
         Format::Vtk => "vtk",
         Format::Usda | Format::Usdc | Format::Usdz => "usd",
         Format::Svg => "svg",
+        Format::Ttf => "ttf",
         Format::Vm => "vm",
         Format::Npy => "npy",
         Format::Nrrd => "nrrd",

@@ -2,16 +2,21 @@
 use super::message_text::message_text;
 use crate::{Input, InputFile};
 use chordal::budget::advice::Message;
+use chordal_io::font::Letters;
 use chordal_io::{Axis, Frame, Warning};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The input.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InputFacts {
     /// The kind of shape, as in "patches".
     pub kind: &'static str,
     /// The format of the bytes.
     pub format: String,
+    /// What the font has set; only where the input is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub letters: Option<LettersFacts>,
     /// The SHA-256 of the bytes, in hexadecimal.
     pub sha256: String,
     /// The files beside it that were read, in the order of reading; only where there are some.
@@ -26,10 +31,28 @@ impl InputFacts {
         Self {
             kind: input.shape.kind(),
             format: input.format.to_string(),
+            letters: input.letters.as_ref().map(LettersFacts::new),
             sha256: input.sha256.clone(),
             files: input.files.iter().map(InputFileFacts::new).collect(),
             warnings: input.warnings.iter().map(WarningFacts::new).collect(),
         }
+    }
+}
+
+/// What a font has set.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LettersFacts {
+    /// The text.
+    pub text: String,
+    /// The length of the em.
+    pub em: f64,
+    /// Where the font's axes are, as far as they were given.
+    pub axes: BTreeMap<String, f64>,
+}
+
+impl LettersFacts {
+    fn new(letters: &Letters) -> Self {
+        Self { text: letters.text.clone(), em: letters.em, axes: letters.axes.iter().cloned().collect() }
     }
 }
 

@@ -16,6 +16,8 @@ pub enum Setting {
     Lenient,
     /// The box that a field is cut off at: its lower corner, a space, its upper corner.
     Region,
+    /// The text that a font sets.
+    Text,
     /// The level of an isosurface.
     Iso,
     /// The labels that get a surface each.
@@ -46,13 +48,14 @@ pub enum Setting {
 
 impl Setting {
     /// All but the repairs, of which [`Cure::ALL`] has the list.
-    pub const PLAIN: [Self; 18] = [
+    pub const PLAIN: [Self; 19] = [
         Self::Unit,
         Self::From,
         Self::Surface,
         Self::Index,
         Self::Lenient,
         Self::Region,
+        Self::Text,
         Self::Iso,
         Self::Labels,
         Self::Smooth,
@@ -83,6 +86,7 @@ impl Setting {
             Self::Index => "index",
             Self::Lenient => "lenient",
             Self::Region => "region",
+            Self::Text => "text",
             Self::Iso => "iso",
             Self::Labels => "labels",
             Self::Smooth => "smooth",

@@ -27,6 +27,7 @@ mod nurbs_to_mesh;
 mod open_boundary;
 mod outline_to_field;
 mod outlines_to_mesh;
+mod outlines_to_solid;
 mod patches;
 mod patches_to_mesh;
 mod redistance;
@@ -50,6 +51,7 @@ pub use mesh_to_grid::{DistanceGrid, mesh_to_grid, mesh_to_sparse_grid};
 pub use nurbs_to_mesh::{nurbs_to_mesh, nurbs_to_patches};
 pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
+pub use outlines_to_solid::outlines_to_solid;
 pub use patches_to_mesh::patches_to_mesh;
 pub use redistance::redistance;
 

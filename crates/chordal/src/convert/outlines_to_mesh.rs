@@ -1,6 +1,7 @@
 //! The arrow from outlines to triangles: the areas that their fill rules enclose, in the plane z = 0.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
+use super::outlines_to_solid::upright_solid;
 use crate::budget::{
     Bound, Bounded, Budget, Failure, Job, PixelBudget, Pixels, Progress, RefusalCode, Tolerance,
 };
@@ -51,41 +52,17 @@ pub fn outlines_to_mesh(
     budget: &Budget,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let outlines = ClosedOutlines::new(outlines)?;
-    job.run(|| match (budget.length.is_some() || budget.pixels.is_some(), budget.triangles) {
-        (false, None) => Err(Failure::refused(
-            RefusalCode::Budget,
-            "a budget for outlines needs a length, pixels at a view, or triangles",
-        )),
-        (true, None) => outlines.mesh_within(budget, job),
-        (true, Some(most)) => {
-            let alone = Budget { triangles: None, ..*budget };
-            match outlines.mesh_within(&alone, job) {
-                Ok(made) if made.shape.faces().len() as u64 <= most => Ok(made),
-                Ok(_) => {
-                    let best = outlines.by_count(most, job)?;
-                    // Fewer segments than the length alone takes may still keep within it.
-                    let is_within = |limit: f64| best.bound.at_most().is_some_and(|most| most <= limit);
-                    let by_length = budget.length.is_none_or(|length| is_within(length.get()));
-                    if by_length && budget.pixels.is_none() {
-                        Ok(best)
-                    } else {
-                        Err(Failure::Unmet(Box::new(best)))
-                    }
-                }
-                Err(failure) => Err(failure),
-            }
-        }
-        (false, Some(most)) => outlines.by_count(most, job),
-    })
+    ClosedOutlines::new(outlines, None)?.mesh(budget, job)
 }
 
 /// Outlines whose contours are all closed.
-struct ClosedOutlines {
+pub(super) struct ClosedOutlines {
     contours: Vec<Curve<2>>,
     /// For each outline the number of its contours, and its rule.
     outlines: Vec<(usize, FillRule)>,
     grids: Vec<SnapGrid>,
+    /// The height of a solid over them, if it is not the plane that is meshed.
+    height: Option<f64>,
     bounds: Box3,
 }
 
@@ -107,9 +84,14 @@ const LARGEST: f64 = 1e150;
 const TRIES: u32 = 32;
 
 impl ClosedOutlines {
-    fn new(outlines: &[Outline]) -> Result<Self, Failure<Mesh>> {
-        let mut closed =
-            Self { contours: Vec::new(), outlines: Vec::new(), grids: Vec::new(), bounds: Box3::EMPTY };
+    pub fn new(outlines: &[Outline], height: Option<f64>) -> Result<Self, Failure<Mesh>> {
+        let mut closed = Self {
+            contours: Vec::new(),
+            outlines: Vec::new(),
+            grids: Vec::new(),
+            height,
+            bounds: Box3::EMPTY,
+        };
         for (index, outline) in outlines.iter().enumerate() {
             let mut hull: Option<[[f64; 2]; 2]> = None;
             for contour in &outline.contours {
@@ -130,10 +112,46 @@ impl ClosedOutlines {
             let hull = hull.unwrap_or_default();
             closed.outlines.push((outline.contours.len(), outline.rule));
             closed.grids.push(SnapGrid::new(hull));
-            let [low, high] = hull.map(|[x, y]| [x, y, 0.0]);
-            closed.bounds = closed.bounds.union(Box3 { min: low, max: high });
+            let [[x, y], [right, top]] = hull;
+            let max = [right, top, height.unwrap_or(0.0)];
+            closed.bounds = closed.bounds.union(Box3 { min: [x, y, 0.0], max });
         }
         Ok(closed)
+    }
+
+    /// A box that holds all of it.
+    pub fn bounds(&self) -> &Box3 {
+        &self.bounds
+    }
+
+    /// The triangles within a budget.
+    pub fn mesh(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+        job.run(|| match (budget.length.is_some() || budget.pixels.is_some(), budget.triangles) {
+            (false, None) => Err(Failure::refused(
+                RefusalCode::Budget,
+                "a budget for outlines needs a length, pixels at a view, or triangles",
+            )),
+            (true, None) => self.mesh_within(budget, job),
+            (true, Some(most)) => {
+                let alone = Budget { triangles: None, ..*budget };
+                match self.mesh_within(&alone, job) {
+                    Ok(made) if made.shape.faces().len() as u64 <= most => Ok(made),
+                    Ok(_) => {
+                        let best = self.by_count(most, job)?;
+                        // Fewer segments than the length alone takes may still keep within it.
+                        let is_within = |limit: f64| best.bound.at_most().is_some_and(|most| most <= limit);
+                        let by_length = budget.length.is_none_or(|length| is_within(length.get()));
+                        if by_length && budget.pixels.is_none() {
+                            Ok(best)
+                        } else {
+                            Err(Failure::Unmet(Box::new(best)))
+                        }
+                    }
+                    Err(failure) => Err(failure),
+                }
+            }
+            (false, Some(most)) => self.by_count(most, job),
+        })
     }
 
     /// The most that rounding to the grids moves a point.
@@ -184,16 +202,17 @@ impl ClosedOutlines {
             Err(other) => Err(mesh_failure(other)),
         };
         // 1. A polygon of n corners has n − 2 triangles, and two more for each hole: start with as many
-        // segments.
+        // segments. A solid has these twice, and two for each side.
+        let each = if self.height.is_some() { 4 } else { 1 };
         let (mut fits, mut fails) = (None, None::<u64>);
-        let mut segments = most.saturating_add(2);
+        let mut segments = (most / each).saturating_add(2);
         for _ in 0..TRIES {
             let (is_met, polylines) = flatten(segments)?;
             let mesh = self.fill(polylines, &Budget::default(), job)?;
             let n = mesh.shape.faces().len() as u64;
             if n <= most {
                 // 2. Add segments while more triangles are allowed.
-                let room = most - n;
+                let room = (most - n) / each;
                 let stop = room == 0 || fails.is_some_and(|fails| fails <= segments + 1);
                 fits = Some((segments, mesh));
                 if stop {
@@ -211,7 +230,7 @@ impl ClosedOutlines {
                 };
             } else {
                 fails = Some(segments);
-                let excess = n - most;
+                let excess = (n - most).div_ceil(each);
                 let low = fits.as_ref().map_or(1, |(fits, _)| fits + 1);
                 if low >= segments {
                     break;
@@ -246,6 +265,9 @@ impl ClosedOutlines {
             let filled = fill_outline(own, *rule, grid, job).map_err(|stop| fill_failure(stop, index))?;
             append(&filled, grid, &mut positions, &mut faces)?;
             job.report(Progress { stage: "fill", done: index as u64 + 1, total });
+        }
+        if let Some(height) = self.height {
+            (positions, faces) = upright_solid(&positions, &faces, height)?;
         }
         let mesh = Mesh::new(positions, faces)
             .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;

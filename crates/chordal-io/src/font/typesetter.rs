@@ -1,0 +1,131 @@
+//! `Typesetter`: the glyphs of a text, and where they stand.
+use super::font_file::FontFile;
+use super::placed_glyph::{PlacedGlyph, character};
+use crate::{FileLocation, ReadError};
+use harfrust::{Buffer, Direction, Script, ShapeOptions, ShaperFont, shape};
+
+/// Chooses and places glyphs by the tables of a font.
+pub(super) struct Typesetter<'a> {
+    font: ShaperFont<'a, 'static>,
+    line_distance: f64,
+    buffer: Buffer,
+}
+
+/// A part of a line in one script.
+struct ScriptRun<'t> {
+    text: &'t str,
+    script: Option<Script>,
+}
+
+fn refuse<T>(code: &'static str, message: String) -> Result<T, ReadError> {
+    Err(ReadError::new(code, FileLocation::File, message))
+}
+
+impl<'a> Typesetter<'a> {
+    pub fn new(font: &'a FontFile) -> Self {
+        let line_distance = font.line_distance();
+        Self { font: ShaperFont::new(font.font()), line_distance, buffer: Buffer::new() }
+    }
+
+    /// The glyphs of a text, line below line.
+    pub fn set(mut self, text: &str) -> Result<Vec<PlacedGlyph>, ReadError> {
+        let mut placed = Vec::new();
+        // Breaks of a line are a line feed, or one with a carriage return before it.
+        for (index, line) in text.lines().enumerate() {
+            let y = -(index as f64) * self.line_distance;
+            self.set_line(line, y, &mut placed)?;
+        }
+        Ok(placed)
+    }
+
+    fn set_line(&mut self, line: &str, y: f64, placed: &mut Vec<PlacedGlyph>) -> Result<(), ReadError> {
+        let mut runs = self.runs(line);
+        let directions: Vec<Direction> = runs.iter().map(|run| self.direction(run)).collect();
+        let is_backward = directions.first() == Some(&Direction::RightToLeft);
+        let is_mixed = directions.windows(2).any(|pair| pair[0] != pair[1]);
+        // Digits run from left to right among letters that do not.
+        if is_mixed || is_backward && line.chars().any(char::is_numeric) {
+            let message = "a line of the text has parts that run from left to right and parts that run from right to \
+                           left: each is to be a text of its own";
+            return refuse("two-directions", message.to_owned());
+        }
+        if is_backward {
+            runs.reverse();
+        }
+        // Whole numbers below 2^53, and so exact.
+        let mut pen = [0_i64, 0];
+        for run in runs {
+            self.shape(&run)?;
+            let glyphs = self.buffer.glyph_infos().iter().zip(self.buffer.glyph_positions());
+            for (info, position) in glyphs {
+                let of = run.text.get(info.cluster as usize..).and_then(|rest| rest.chars().next());
+                let of = of.unwrap_or(char::REPLACEMENT_CHARACTER);
+                if info.glyph_id == 0 {
+                    let message = format!("the font has no glyph for {}", character(of));
+                    return refuse("no-glyph", message);
+                }
+                let [x, up] = [
+                    pen[0].saturating_add(i64::from(position.x_offset)),
+                    pen[1].saturating_add(i64::from(position.y_offset)),
+                ];
+                placed.push(PlacedGlyph { id: info.glyph_id, at: [x as f64, up as f64 + y], of });
+                pen[0] = pen[0].saturating_add(i64::from(position.x_advance));
+                pen[1] = pen[1].saturating_add(i64::from(position.y_advance));
+            }
+        }
+        Ok(())
+    }
+
+    /// The parts of a line in one script each. What is of no script of its own (spaces, signs, digits) belongs to what
+    /// comes before it, at the start to what follows.
+    fn runs<'t>(&mut self, line: &'t str) -> Vec<ScriptRun<'t>> {
+        let mut runs: Vec<ScriptRun<'t>> = Vec::new();
+        let mut start = 0;
+        for (at, c) in line.char_indices() {
+            let Some(script) = self.script(c) else { continue };
+            match runs.last_mut() {
+                Some(run) if run.script == Some(script) => {}
+                Some(run) => {
+                    run.text = &line[start..at];
+                    start = at;
+                    runs.push(ScriptRun { text: "", script: Some(script) });
+                }
+                None => runs.push(ScriptRun { text: "", script: Some(script) }),
+            }
+        }
+        match runs.last_mut() {
+            Some(run) => run.text = &line[start..],
+            None => runs.push(ScriptRun { text: line, script: None }),
+        }
+        runs
+    }
+
+    fn script(&mut self, c: char) -> Option<Script> {
+        self.buffer.reset();
+        self.buffer.push(u32::from(c), 0);
+        self.buffer.guess_segment_properties();
+        self.buffer.script()
+    }
+
+    fn direction(&mut self, run: &ScriptRun<'_>) -> Direction {
+        self.buffer.reset();
+        self.buffer.set_script(run.script);
+        self.buffer.guess_segment_properties();
+        self.buffer.direction()
+    }
+
+    /// Shapes a part of a line in the buffer.
+    fn shape(&mut self, run: &ScriptRun<'_>) -> Result<(), ReadError> {
+        self.buffer.reset();
+        self.buffer.push_str(run.text);
+        self.buffer.set_script(run.script);
+        self.buffer.guess_segment_properties();
+        match shape(&self.font, &mut self.buffer, ShapeOptions::new()) {
+            Err(error) => refuse("shaping", format!("the text cannot be set: {error}")),
+            Ok(()) if !self.buffer.allocation_successful() => {
+                refuse("shaping", "the font's rules take too much work to set the text".to_owned())
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The arrow from outlines to solids: what their fill rules enclose, raised from the plane z = 0 to a height.
+use super::outlines_to_mesh::ClosedOutlines;
+use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
+use crate::explicit::{Mesh, Outline};
+
+/// Beyond this, squares of differences leave the range of numbers, as in the plane.
+const LARGEST: f64 = 1e150;
+
+/// Turns outlines into upright solids between the planes z = 0 and z = `height`: two caps with the triangles of
+/// [`outlines_to_mesh`](super::outlines_to_mesh), and walls of two triangles a side between their boundaries.
+///
+/// **Bound.** Two-sided Hausdorff distance between the wall over each contour and that over the closed polyline
+/// that replaces it, *proved*, rounding included: it is the distance of the two in the plane, since both are
+/// raised to the same height, which is kept to the last bit. So a point that is inside one of the solids and not
+/// inside the other, that of the outline, is no farther than the bound from the wall over a contour.
+///
+/// **Triangles.** Each edge has two triangles, which run along it in opposite directions, and all face outwards.
+/// Where a region touches itself in a point, the vertices there are doubled, so that each vertex has one fan of
+/// triangles; by position four walls meet there. Solids of different outlines stay separate.
+///
+/// **Budgets.** As for [`outlines_to_mesh`](super::outlines_to_mesh); pixels count anywhere between the planes.
+///
+/// # Errors
+/// [`Failure::Refused`]: as for [`outlines_to_mesh`](super::outlines_to_mesh); a height that is not above 0 or
+/// not below 1e150. [`Failure::Unmet`] with the best mesh; [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::explicit::{Curve, CurveEnds, CurveSegment, FillRule, Outline};
+/// use chordal::{Budget, Job, Tolerance, convert};
+/// let corners = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [0.0, 0.0]];
+/// let sides = corners.windows(2).map(|ends| CurveSegment::Line([ends[0], ends[1]])).collect();
+/// let outline = Outline { contours: vec![Curve::new(sides, CurveEnds::Closed)?], rule: FillRule::NonZero };
+/// let budget = Budget::length(Tolerance::new(1e-3)?);
+/// let wedge = convert::outlines_to_solid(&[outline], 3.0, &budget, &Job::default()).expect("reachable").shape;
+/// assert_eq!(wedge.faces().len(), 8);
+/// assert!((chordal::check::findings::measure(&wedge).signed_volume - 6.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn outlines_to_solid(
+    outlines: &[Outline],
+    height: f64,
+    budget: &Budget,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    if !(height > 0.0 && height < LARGEST) {
+        let message =
+            format!("a solid over outlines has a height above 0 and below {LARGEST:e}, not {height}");
+        return Err(Failure::refused(RefusalCode::Budget, message));
+    }
+    let outlines = ClosedOutlines::new(outlines, Some(height))?;
+    let Some(asked) = budget.pixels else { return outlines.mesh(budget, job) };
+    // The walls come nearer to the eye than the plane in which curves are cut.
+    let too_close = || {
+        let message = "the solid comes so close to the eye that there is no bound in pixels";
+        Failure::refused(RefusalCode::TooClose, message)
+    };
+    let length = budget.length_in(outlines.bounds()).and_then(|length| Tolerance::new(length).ok());
+    let by_length = Budget { length: Some(length.ok_or_else(too_close)?), pixels: None, ..*budget };
+    let in_pixels = |mut made: Bounded<Mesh>| {
+        let most = made.bound.at_most();
+        made.bound.pixels = most.and_then(|most| asked.view.pixels_of(most, outlines.bounds()));
+        made
+    };
+    match outlines.mesh(&by_length, job) {
+        Ok(made) => Ok(in_pixels(made)),
+        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(in_pixels(*best)))),
+        Err(other) => Err(other),
+    }
+}
+
+/// Positions and faces.
+pub(super) type SolidTriangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// The solid over counter-clockwise triangles in the plane z = 0 that meet along whole edges.
+///
+/// # Errors
+/// When it has more vertices than there are indices.
+pub(super) fn upright_solid(
+    positions: &[[f64; 3]],
+    faces: &[[u32; 3]],
+    height: f64,
+) -> Result<SolidTriangles, Failure<Mesh>> {
+    let flat = FanFaces::new(faces);
+    let n_bottom = flat.origins.len();
+    let n_top = u32::try_from(n_bottom).ok().filter(|n| *n < u32::MAX / 2).ok_or_else(|| {
+        Failure::refused(RefusalCode::TooManyTriangles, "the solid has more vertices than 2^32 - 1")
+    })?;
+    let at = |z: f64| {
+        flat.origins.iter().map(move |origin| {
+            let [x, y, _] = positions[*origin as usize];
+            [x, y, z]
+        })
+    };
+    let solid_positions = at(0.0).chain(at(height)).collect();
+    let top = |i: u32| i + n_top;
+    let mut solid_faces = Vec::with_capacity(2 * (flat.faces.len() + flat.border.len()));
+    solid_faces.extend(flat.faces.iter().map(|[a, b, c]| [*a, *c, *b]));
+    solid_faces.extend(flat.faces.iter().map(|face| face.map(top)));
+    // The region is on the left of its border, and the outside on the right.
+    solid_faces.extend(flat.border.iter().flat_map(|[a, b]| [[*a, *b, top(*b)], [*a, top(*b), top(*a)]]));
+    Ok((solid_positions, solid_faces))
+}
+
+/// Triangles whose vertices have one fan each: a vertex where regions only touch is one vertex a region.
+struct FanFaces {
+    faces: Vec<[u32; 3]>,
+    /// The vertex that each was before.
+    origins: Vec<u32>,
+    /// The edges that one triangle has, in its direction.
+    border: Vec<[u32; 2]>,
+}
+
+impl FanFaces {
+    fn new(faces: &[[u32; 3]]) -> Self {
+        // 1. Each edge with the corner that it starts at, sorted by the edge whatever its direction.
+        let corner = |face: usize, k: usize| 3 * face + k % 3;
+        let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.len());
+        for (index, face) in faces.iter().enumerate() {
+            edges.extend((0..3).map(|k| {
+                let (a, b) = (face[k], face[(k + 1) % 3]);
+                ([a.min(b), a.max(b)], corner(index, k))
+            }));
+        }
+        edges.sort_unstable();
+        // 2. Corners of triangles that share an edge are of one fan.
+        let next = |c: usize| corner(c / 3, c % 3 + 1);
+        let mut fans = DisjointCorners((0..3 * faces.len()).collect());
+        let mut open = Vec::new();
+        for pair in edges.chunk_by(|a, b| a.0 == b.0) {
+            match pair {
+                [(_, a), (_, b)] => {
+                    fans.join(*a, next(*b));
+                    fans.join(next(*a), *b);
+                }
+                // Triangles that do not overlap have an edge once or twice.
+                lone => open.extend(lone.iter().map(|(_, c)| *c)),
+            }
+        }
+        // 3. A number for each fan, in the order of the triangles.
+        const NONE: u32 = u32::MAX;
+        let mut number = vec![NONE; 3 * faces.len()];
+        let mut origins = Vec::new();
+        let mut of_corner = |c: usize| {
+            let fan = fans.first(c);
+            if number[fan] == NONE {
+                number[fan] = origins.len() as u32;
+                origins.push(faces[c / 3][c % 3]);
+            }
+            number[fan]
+        };
+        let split = (0..faces.len()).map(|face| [0, 1, 2].map(|k| of_corner(corner(face, k)))).collect();
+        open.sort_unstable();
+        let border = open.into_iter().map(|c| [of_corner(c), of_corner(next(c))]).collect();
+        Self { faces: split, origins, border }
+    }
+}
+
+/// Disjoint sets of corners: each points to another one of its set, or to itself.
+struct DisjointCorners(Vec<usize>);
+
+impl DisjointCorners {
+    fn first(&mut self, mut corner: usize) -> usize {
+        while self.0[corner] != corner {
+            self.0[corner] = self.0[self.0[corner]];
+            corner = self.0[corner];
+        }
+        corner
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.first(a), self.first(b));
+        self.0[a.max(b)] = a.min(b);
+    }
+}
