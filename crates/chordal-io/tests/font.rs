@@ -34,7 +34,7 @@ fn signed_area(curve: &Curve<2>) -> f64 {
                 + 6.0 * cross(c, d))
                 / 20.0
         }
-        CurveSegment::Arc(_) => panic!("fonts have no arcs"),
+        CurveSegment::Arc(_) | CurveSegment::Rational(_) => panic!("fonts have neither"),
     });
     pieces.sum()
 }

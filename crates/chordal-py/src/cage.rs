@@ -168,6 +168,7 @@ impl Cage {
                 sha256,
                 files: Vec::new(),
                 warnings: Vec::new(),
+                letters: None,
             })
         })?;
         made.map(|input| Source::from_input(input, Vec::new())).map_err(|error| failure::write(py, &error))

@@ -26,6 +26,7 @@ pub(crate) fn curves(numbers: &[u8], n_points: usize, width: usize, frame: Frame
         sha256: sha256(numbers),
         files: Vec::new(),
         warnings: Vec::new(),
+        letters: None,
     })
 }
 

@@ -124,7 +124,15 @@ impl Outcome {
             outcome.write(&mut bytes).ok()?;
             let (shape, format) = (Shape::Scene(scene), outcome.format);
             let (n_bytes, sha256) = (bytes.len() as u64, sha256(&bytes));
-            Some(Input { shape, format, n_bytes, sha256, files: Vec::new(), warnings: Vec::new() })
+            Some(Input {
+                shape,
+                format,
+                n_bytes,
+                sha256,
+                files: Vec::new(),
+                warnings: Vec::new(),
+                letters: None,
+            })
         })?;
         let input = input.ok_or_else(|| failure::internal(py, "there are no triangles"))?;
         Ok(NamedInput { input: Arc::new(input), name: None })

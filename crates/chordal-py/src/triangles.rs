@@ -30,5 +30,6 @@ pub(crate) fn triangles(numbers: &[u8], indices: &[u8], frame: Frame) -> Result<
         sha256: sha256(&bytes),
         files: Vec::new(),
         warnings: Vec::new(),
+        letters: None,
     })
 }
