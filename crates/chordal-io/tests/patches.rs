@@ -164,7 +164,7 @@ fn json_errors_name_their_pointer() {
     let patch = json_points();
     let cases = [
         ("[]".to_owned(), "", "an object should stand here"),
-        ("{}".to_owned(), "", "no member \"patches\", \"curves\" or \"polylines\""),
+        ("{}".to_owned(), "", "no member \"patches\", \"surfaces\", \"curves\" or \"polylines\""),
         ("{\"patches\": 3}".to_owned(), "/patches", "an array should stand here"),
         (format!("{{\"patches\": [{patch}, [[]]]}}"), "/patches/1/0", "0 points where 4 are needed"),
         (format!("{{\"patches\": [{patch}, []]}}"), "/patches/1", "0 rows where 4 are needed"),
