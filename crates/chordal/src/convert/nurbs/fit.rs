@@ -16,6 +16,8 @@ pub(in crate::convert) struct FittedSurface {
 const MOST_CUTS: usize = 1 << 12;
 /// The most rounds of cuts. Measured: 3 to 5 are used.
 const MOST_ROUNDS: usize = 24;
+/// Rounds without a nearer result before rounding is all that is left. Chosen.
+const MOST_WORSE: usize = 2;
 /// The share of the length that errors along one direction may have. Chosen: both add up, with what is in between.
 const ALONG: f64 = 0.4;
 /// Points closer than this, relative to the largest coordinate, at the two ends of a closed direction or along a side that
@@ -45,22 +47,31 @@ struct SubRectangle {
 pub(in crate::convert) fn fit(surface: &NurbsSurface, wanted: f64, job: &Job) -> FittedSurface {
     let mut fitter = SurfaceFitter::new(surface);
     let most = (job.memory_limit / PATCH_BYTES).min(job.triangle_limit);
-    let mut best = fitter.patches(job);
+    let (mut made, mut n_worse) = (fitter.patches(job), 0);
+    let mut best = made.clone();
     for _ in 0..MOST_ROUNDS {
-        if best.at_most <= wanted || job.is_cancelled() || !fitter.cut_further(wanted) {
+        if farthest(&made) <= wanted || job.is_cancelled() || !fitter.cut_further(&made, wanted) {
             break;
         }
         let count = fitter.cuts.each_ref().map(|of| of.iter().sum::<usize>() as u64);
         if count[0].saturating_mul(count[1]) > most {
             break;
         }
-        let next = fitter.patches(job);
-        if next.at_most >= best.at_most {
-            break; // Rounding is all that is left.
+        made = fitter.patches(job);
+        n_worse = if farthest(&made) < farthest(&best) { 0 } else { n_worse + 1 };
+        if n_worse == 0 {
+            best.clone_from(&made);
         }
-        best = next;
+        if n_worse > MOST_WORSE {
+            break;
+        }
     }
-    best
+    FittedSurface { at_most: farthest(&best), patches: best.into_iter().map(|(patch, _)| patch).collect() }
+}
+
+/// The largest distance of patches; infinite where one is not known.
+fn farthest(made: &[(Patch, f64)]) -> f64 {
+    made.iter().fold(0.0, |far, (_, off)| if off.is_nan() { f64::INFINITY } else { greater(*off, far) })
 }
 
 /// A patch with its bound, and what is made of it while it is meshed.
@@ -100,11 +111,9 @@ impl<'a> SurfaceFitter<'a> {
         along_v.iter().copied().flat_map(row).collect()
     }
 
-    fn patches(&self, job: &Job) -> FittedSurface {
-        let parts = self.parts();
-        let made = par_map(job, &parts, |_, part| self.patch(*part));
-        let at_most = made.iter().fold(0.0, |far, (_, bound)| greater(*bound, far));
-        FittedSurface { patches: made.into_iter().map(|(patch, _)| patch).collect(), at_most }
+    /// The patches of all parts, each with its distance.
+    fn patches(&self, job: &Job) -> Vec<(Patch, f64)> {
+        par_map(job, &self.parts(), |_, part| self.patch(*part))
     }
 
     /// The patch of a part and its distance.
@@ -157,14 +166,13 @@ impl<'a> SurfaceFitter<'a> {
     }
 
     /// Cuts pieces in the directions in which parts are too far; whether any was cut.
-    fn cut_further(&mut self, most: f64) -> bool {
+    fn cut_further(&mut self, made: &[(Patch, f64)], most: f64) -> bool {
         let mut cuts = self.cuts.clone();
-        for part in self.parts() {
-            let (patch, bound) = self.patch(part);
-            if bound <= most {
+        for (part, (patch, off)) in self.parts().into_iter().zip(made) {
+            if *off <= most {
                 continue;
             }
-            let errors = self.errors_along(part, &patch);
+            let errors = self.errors_along(part, patch);
             let allowed = ALONG * most;
             let is_clear = errors.iter().any(|error| *error > allowed);
             for k in 0..2 {
