@@ -1,10 +1,8 @@
 //! The arrow from NURBS surfaces to triangles: through bicubic patches, proved.
-use super::length_from_pixels::length_from_pixels;
+use super::length_from_pixels::{length_from_pixels, remaining_pixels};
 use super::nurbs::fit::fit;
 use super::patches_to_mesh::patches_to_mesh;
-use crate::budget::{
-    Bound, Bounded, Budget, Failure, Job, PixelBudget, Pixels, Reference, RefusalCode, Tolerance,
-};
+use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::explicit::nurbs::{HEAVIEST, NurbsSurface};
 use crate::explicit::{Mesh, Patch};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
@@ -12,8 +10,8 @@ use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 /// The part of an allowed length that patches may be off the surface. Chosen: triangles get 5 % more, and patches are
 /// half as many as with a twentieth.
 const SHARE: f64 = 0.1;
-/// The first length for a number of triangles, relative to the diagonal.
-const FIRST: f64 = 1e-3;
+/// The first lengths for a number of triangles, relative to the diagonal: a coarser one where patches alone are too many.
+const FIRST: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Squares of differences of coordinates below this stay far from the end of numbers.
 const LARGEST: f64 = 1e150;
 
@@ -59,6 +57,11 @@ pub fn nurbs_to_patches(
             }
             at_most = greater(fitted.at_most, at_most);
             all.shape.extend(fitted.patches);
+        }
+        if !(at_most < LARGEST) {
+            let message =
+                "a patch near a surface would leave the range of numbers: the weights differ too much";
+            return Err(Failure::refused(RefusalCode::NotFinite, message));
         }
         all.bound = Bound::proved(0.0, at_most, Reference::NurbsSurfaces);
         Ok(all)
@@ -115,11 +118,17 @@ pub fn nurbs_to_mesh(
     match wanted {
         Some(wanted) => mesh_at(surfaces, budget, SHARE * wanted, job),
         None => {
-            let first = mesh_at(surfaces, budget, FIRST * bounds.diagonal(), job)?;
+            let at = |part: f64| mesh_at(surfaces, budget, part * bounds.diagonal(), job);
+            let first = FIRST[1..].iter().fold(at(FIRST[0]), |made, part| match made {
+                Err(Failure::Unmet(_)) => at(*part),
+                other => other,
+            })?;
             let Some(reached) = first.bound.at_most() else { return Ok(first) };
-            let again = mesh_at(surfaces, budget, SHARE * reached, job)?;
-            let is_better = again.bound.at_most().is_some_and(|most| most < reached);
-            Ok(if is_better { again } else { first })
+            match mesh_at(surfaces, budget, SHARE * reached, job) {
+                Ok(again) if again.bound.at_most().is_some_and(|most| most < reached) => Ok(again),
+                Err(Failure::Cancelled) => Err(Failure::Cancelled),
+                _ => Ok(first),
+            }
         }
     }
 }
@@ -156,31 +165,21 @@ fn mesh_at(
         let mut bound = fitted.bound.then(&made.bound);
         bound.pixels = budget
             .pixels
-            .and_then(|px| px.view.pixels_of_two_steps(px.view.pixels_of(lost, &place)?, made.bound.pixels?));
+            .and_then(|px| px.view.pixels_of_two_steps(made.bound.pixels?, px.view.pixels_of(lost, &place)?));
         bound.at = made.bound.at;
         Bounded { shape: made.shape, bound }
     };
     match patches_to_mesh(&fitted.shape, &left, job) {
-        Ok(made) => Ok(join(made)),
+        Ok(made) => {
+            let made = join(made);
+            // Both steps are rounded up, and their sum.
+            let is_met =
+                budget.length.is_none_or(|all| made.bound.at_most().is_some_and(|most| most <= all.get()));
+            if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+        }
         Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(join(*best)))),
         other => other,
     }
-}
-
-/// What is left of a budget of pixels after a step of a length at a place.
-fn remaining_pixels(px: &PixelBudget, lost: f64, place: &Box3) -> Option<PixelBudget> {
-    let wanted = px.pixels.get();
-    let lost = px.view.pixels_of(lost, place)?;
-    let mut left = sub_down(wanted, lost);
-    // Both together are a little more than their sum.
-    for _ in 0..64 {
-        let both = px.view.pixels_of_two_steps(lost, left)?;
-        if both <= wanted {
-            return Some(PixelBudget { pixels: Pixels::new(left).ok()?, ..*px });
-        }
-        left = sub_down(left, 2.0 * (both - wanted)).next_down();
-    }
-    None
 }
 
 fn bounds_of(surfaces: &[NurbsSurface]) -> Box3 {

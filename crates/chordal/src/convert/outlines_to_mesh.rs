@@ -1,10 +1,9 @@
 //! The arrow from outlines to triangles: the areas that their fill rules enclose, in the plane z = 0.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
+use super::length_from_pixels::remaining_pixels;
 use super::outlines_to_solid::upright_solid;
-use crate::budget::{
-    Bound, Bounded, Budget, Failure, Job, PixelBudget, Pixels, Progress, RefusalCode, Tolerance,
-};
+use crate::budget::{Bound, Bounded, Budget, Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
 use crate::explicit::fill::snap_grid::SnapGrid;
 use crate::explicit::fill::sweep::InsideRule;
@@ -180,11 +179,10 @@ impl ClosedOutlines {
             let left = Tolerance::new(sub_down(length.get(), lost));
             inner.length = Some(left.map_err(|_| too_small(length.to_string()))?);
         }
-        if let Some(PixelBudget { pixels, view }) = budget.pixels {
-            let lost_px = view.pixels_of(lost, &self.bounds).ok_or_else(too_close)?;
-            let left = Pixels::new(sub_down(pixels.get(), lost_px));
-            inner.pixels =
-                Some(PixelBudget { pixels: left.map_err(|_| too_small(pixels.to_string()))?, view });
+        if let Some(px) = budget.pixels {
+            px.view.pixels_of(lost, &self.bounds).ok_or_else(too_close)?;
+            let left = remaining_pixels(&px, lost, &self.bounds);
+            inner.pixels = Some(left.ok_or_else(|| too_small(px.pixels.to_string()))?);
         }
         Ok(inner)
     }
@@ -279,7 +277,8 @@ impl ClosedOutlines {
         bound.at = before.at;
         bound.pixels = match (budget.pixels, before.pixels) {
             (Some(px), Some(pixels)) => {
-                px.view.pixels_of(lost, &self.bounds).map(|lost_px| add_up(pixels, lost_px))
+                let lost_px = px.view.pixels_of(lost, &self.bounds);
+                lost_px.and_then(|lost_px| px.view.pixels_of_two_steps(pixels, lost_px))
             }
             _ => None,
         };

@@ -59,6 +59,9 @@ const BYTES_PER_POINT: f64 = 64.0;
 /// segments. A larger bound with more segments then occurs in 16 of 400 series of hard curves instead of 20
 /// (`tests/curve_referee/counts.rs`).
 const COUNTED: u64 = 4096;
+/// Roundings of a rational deviation are below this part of what is allowed for all roundings. Chosen: some are 1, of 64
+/// times the square of a degree of 5 at least.
+const ROUNDED: f64 = 256.0;
 /// Lengths per octave in the geometric series of candidate lengths, and the length of the series: it extends
 /// below the rounding of any shape.
 const RUNGS: u32 = 32;
@@ -178,7 +181,10 @@ impl<'a, const D: usize> Flattener<'a, D> {
         }
         // One step less, because the sum of this tolerance and the part's own error is rounded up again.
         let left = sub_down(length.next_down(), part.rounding_error);
-        if left > 0.0 {
+        // A rational piece's deviation has roundings that do not shrink with a chord: below, no steps are enough.
+        let is_rational = matches!(part.chords, Chords::Rational(_));
+        let least = if is_rational { part.rounding_error / ROUNDED } else { 0.0 };
+        if left > least {
             return Ok(left);
         }
         let message = format!(

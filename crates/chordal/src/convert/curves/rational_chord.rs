@@ -110,8 +110,8 @@ pub(super) fn rounding<const D: usize>(curve: &RationalBezier<D>) -> f64 {
     points.extend(curve.ends());
     let reach = coordinate_reach(&points);
     let rounding = 64.0 * n * n * f64::EPSILON * reach * (most / least);
-    // As for cubics: squares of less lose digits.
-    if reach == 0.0 { 0.0 } else { greater(rounding, 1e-150) }
+    // As for cubics: squares of less lose digits; those of products with small weights earlier.
+    if reach == 0.0 { 0.0 } else { greater(rounding, 1e-150 * (most / least)) }
 }
 
 #[cfg(test)]

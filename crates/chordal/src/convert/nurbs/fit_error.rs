@@ -7,7 +7,7 @@
 //! pair all of both surfaces, so that the bound holds in both directions.
 //!
 //! *Rounding.* All coefficients of the surface are weighted means of control points times weights with positive factors:
-//! each coordinate is off by less than `8(p + q + 1)·ε` of `R·W`, `R` the largest coordinate, for the weights, the pieces
+//! each coordinate is off by less than `8(p + q + 1)·ε` of `R·W`, `R` the largest coordinate of a control point of the surface or the patch, for the weights, the pieces
 //! and the parts. The patch is taken as it is, rounded numbers included. Differences to its corner and products lose
 //! `16·ε·R·W` and the sums, of at most `16(p + 1)(q + 1)` terms with factors that add up to 1, `(p + q + 8)·ε` of theirs.
 //! Three coordinates of both are below `64(p + q + 4)·ε·R·W`, and so is the division by the least weight.
@@ -64,10 +64,22 @@ impl ProductFactors {
                 }
             }
         }
-        let largest_sq =
-            sums.iter().fold(0.0, |far, d| greater(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], far));
+        let squares = sums.iter().map(|d| d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        // No number is not small.
+        let more = |far: f64, one: f64| if one.is_nan() { f64::INFINITY } else { greater(one, far) };
+        let largest_sq = squares.fold(0.0, more);
+        if !(least > 0.0 && most.is_finite()) {
+            return f64::INFINITY;
+        }
+        // A patch's control points may be farther out than the surface's.
+        let reach = patch
+            .control
+            .as_flattened()
+            .as_flattened()
+            .iter()
+            .fold(self.reach, |far, x| greater(x.abs(), far));
         // Derived at the head of this file.
-        let rounding = 64.0 * (p + q + 4) as f64 * f64::EPSILON * self.reach * most + LEAST;
+        let rounding = 64.0 * (p + q + 4) as f64 * f64::EPSILON * reach * most + LEAST;
         // The square root of three products and their sums, the sum and the quotient: derived, half a rounding each.
         let bound = (largest_sq.sqrt() * (1.0 + 8.0 * f64::EPSILON) + rounding) / least;
         (bound * (1.0 + 4.0 * f64::EPSILON)).next_up()

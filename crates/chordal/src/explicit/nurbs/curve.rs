@@ -26,6 +26,13 @@ pub struct NurbsCurve<const D: usize> {
 /// digits. Chosen.
 pub(crate) const HEAVIEST: f64 = 1e30;
 
+/// The weights times a power of two, so that the largest is between 1 and 2: squares of products stay in range.
+pub(super) fn scaled_weights(weights: &[f64]) -> Vec<f64> {
+    let most = weights.iter().fold(0.0, |most: f64, w| greater(*w, most));
+    let (_, exponent) = libm::frexp(most);
+    weights.iter().map(|w| libm::ldexp(*w, 1 - exponent)).collect()
+}
+
 /// Whether control points and weights are as many as needed, finite, and the weights above 0.
 pub(super) fn check<const D: usize>(
     control: &[[f64; D]],
@@ -174,8 +181,9 @@ impl<const D: usize> NurbsCurve<D> {
 
     /// The points times their weights, and the weights.
     fn weighted(&self) -> (Vec<[f64; D]>, Vec<[f64; 1]>) {
-        let points = self.control.iter().zip(&self.weights).map(|(p, w)| p.map(|x| x * w)).collect();
-        (points, self.weights.iter().map(|w| [*w]).collect())
+        let weights = scaled_weights(&self.weights);
+        let points = self.control.iter().zip(&weights).map(|(p, w)| p.map(|x| x * w)).collect();
+        (points, weights.iter().map(|w| [*w]).collect())
     }
 
     /// The weighted points and the weights of a piece, in Bernstein form.

@@ -26,6 +26,9 @@ pub struct KnotVector {
 /// digits. Chosen: CAD systems stop at 25 or before.
 const MOST: usize = 30;
 
+/// Knots beyond this have differences that are not finite, or quotients without digits. Chosen.
+const FARTHEST: f64 = 1e150;
+
 impl KnotVector {
     /// # Errors
     /// When the degree is 0 or beyond 30, a number is not finite, knots decrease or repeat more often than the degree
@@ -36,6 +39,9 @@ impl KnotVector {
         }
         if let Some(index) = knots.iter().position(|x| !x.is_finite()) {
             return Err(InvalidNurbs::NotFinite { what: "knot", index });
+        }
+        if let Some(index) = knots.iter().position(|x| x.abs() > FARTHEST) {
+            return Err(InvalidNurbs::Far(index));
         }
         if knots.len() < 2 * (degree + 1) {
             return Err(InvalidNurbs::TooFewKnots { degree, knots: knots.len() });
@@ -137,8 +143,9 @@ impl KnotVector {
             let t = at(r - 1);
             for i in (r..=p).rev() {
                 let (low, high) = (self.knots[span - p + i], self.knots[span + 1 + i - r]);
-                let part = (t - low) / (high - low);
-                row[i] = std::array::from_fn(|k| (1.0 - part) * row[i - 1][k] + part * row[i][k]);
+                // Both accurate for themselves: 1 − part would lose digits where weights balance a small share.
+                let (part, rest) = ((t - low) / (high - low), (high - t) / (high - low));
+                row[i] = std::array::from_fn(|k| rest * row[i - 1][k] + part * row[i][k]);
             }
         }
         row[p]
@@ -177,6 +184,8 @@ pub enum InvalidNurbs {
         /// Its index.
         index: usize,
     },
+    /// The knot with this index is beyond 1e150.
+    Far(usize),
     /// There are fewer than 2(p + 1) knots.
     TooFewKnots {
         /// The degree.
@@ -222,6 +231,7 @@ impl fmt::Display for InvalidNurbs {
         match self {
             Self::Degree(degree) => write!(f, "the degree is {degree}, and must be from 1 to {MOST}"),
             Self::NotFinite { what, index } => write!(f, "{what} {index} is not a finite number"),
+            Self::Far(index) => write!(f, "knot {index} is beyond {FARTHEST:e}"),
             Self::TooFewKnots { degree, knots } => {
                 write!(f, "degree {degree} needs {} knots at least, and there are {knots}", 2 * (degree + 1))
             }

@@ -108,8 +108,9 @@ impl NurbsSurface {
     /// The surface as rational Bézier pieces.
     pub(crate) fn bezier_net(&self) -> BezierNet<'_> {
         let n = self.knots[0].n_control();
+        let weights = super::curve::scaled_weights(&self.weights);
         let weighted: Vec<[f64; 4]> =
-            self.control.iter().zip(&self.weights).map(|(p, w)| [p[0] * w, p[1] * w, p[2] * w, *w]).collect();
+            self.control.iter().zip(weights).map(|(p, w)| [p[0] * w, p[1] * w, p[2] * w, w]).collect();
         let rows: Vec<Vec<[f64; 4]>> = weighted.chunks(n).map(|row| self.knots[0].to_bezier(row)).collect();
         let width = rows[0].len();
         let columns: Vec<Vec<[f64; 4]>> = (0..width)
