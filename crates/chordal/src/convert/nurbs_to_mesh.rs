@@ -58,7 +58,7 @@ pub fn nurbs_to_patches(
             at_most = greater(fitted.at_most, at_most);
             all.shape.extend(fitted.patches);
         }
-        if !(at_most < LARGEST) {
+        if at_most >= LARGEST || at_most.is_nan() {
             let message =
                 "a patch near a surface would leave the range of numbers: the weights differ too much";
             return Err(Failure::refused(RefusalCode::NotFinite, message));
