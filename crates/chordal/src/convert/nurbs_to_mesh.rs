@@ -7,8 +7,8 @@ use crate::explicit::nurbs::{HEAVIEST, NurbsSurface};
 use crate::explicit::{Mesh, Patch};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 
-/// The part of an allowed length that patches may be off the surface. Chosen: triangles get 5 % more, and patches are
-/// half as many as with a twentieth.
+/// The part of an allowed length that patches may be off the surface. Chosen: the number of triangles goes like 1 over
+/// what is left.
 const SHARE: f64 = 0.1;
 /// The first lengths for a number of triangles, relative to the diagonal: a coarser one where patches alone are too many.
 const FIRST: [f64; 3] = [1e-3, 1e-2, 1e-1];

@@ -2,7 +2,7 @@
 use super::knots::{InvalidNurbs, KnotVector};
 use super::{BernsteinRow, RationalBezier, binomials};
 use crate::explicit::{Bezier, Curve, CurveEnds, CurveSegment, InvalidCurve};
-use crate::math::{difference, greater, length};
+use crate::math::{difference, exponent, greater, length, power_of_two};
 
 /// A curve `Σ Nᵢ(t) wᵢ Pᵢ / Σ Nᵢ(t) wᵢ` of any degree, in the plane or in space.
 ///
@@ -26,11 +26,11 @@ pub struct NurbsCurve<const D: usize> {
 /// digits. Chosen.
 pub(crate) const HEAVIEST: f64 = 1e30;
 
-/// The weights times a power of two, so that the largest is between 1 and 2: squares of products stay in range.
+/// The weights times a power of two, so that the largest is from 1/2 to 1: squares of products stay in range.
 pub(super) fn scaled_weights(weights: &[f64]) -> Vec<f64> {
     let most = weights.iter().fold(0.0, |most: f64, w| greater(*w, most));
-    let (_, exponent) = libm::frexp(most);
-    weights.iter().map(|w| libm::ldexp(*w, 1 - exponent)).collect()
+    let scale = power_of_two(-exponent(most));
+    weights.iter().map(|w| w * scale).collect()
 }
 
 /// Whether control points and weights are as many as needed, finite, and the weights above 0.

@@ -222,6 +222,8 @@ pub enum InvalidNurbs {
     },
     /// The weight with this index is 0 or less.
     Weight(usize),
+    /// Two curves that have to have the same knots have different ones.
+    Knots,
     /// The radius of this control point of a profile is negative.
     Radius(usize),
 }
@@ -251,6 +253,7 @@ impl fmt::Display for InvalidNurbs {
                 f.write_str("the knots have no length: the first and the last parameter are equal")
             }
             Self::Count { what, found, needed } => write!(f, "{found} {what} where the knots need {needed}"),
+            Self::Knots => f.write_str("the two curves have different degrees or knots"),
             Self::Radius(index) => write!(f, "the radius of control point {index} is negative"),
             Self::Weight(index) => write!(f, "weight {index} is not above 0"),
         }

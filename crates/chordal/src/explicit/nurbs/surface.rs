@@ -1,7 +1,7 @@
 //! `NurbsSurface`: a rational tensor-product B-spline surface of any degrees.
 use super::knots::{InvalidNurbs, KnotVector};
 use super::{BernsteinRow, NurbsCurve};
-use crate::math::{Box3, greater, lesser};
+use crate::math::Box3;
 
 /// A tensor-product surface, `Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
 ///
@@ -98,11 +98,7 @@ impl NurbsSurface {
     /// A box that contains the surface: its control points are in it.
     #[must_use]
     pub fn bounds(&self) -> Box3 {
-        let first = self.control[0];
-        self.control.iter().fold(Box3 { min: first, max: first }, |all, p| Box3 {
-            min: std::array::from_fn(|k| lesser(p[k], all.min[k])),
-            max: std::array::from_fn(|k| greater(p[k], all.max[k])),
-        })
+        Box3::from_points(&self.control)
     }
 
     /// The surface as rational Bézier pieces.
@@ -124,15 +120,10 @@ impl NurbsSurface {
     /// parameter; `v` runs from the first to the second.
     ///
     /// # Errors
-    /// When the curves have different knots: elevate or refine them before.
+    /// When the curves have different degrees or knots.
     pub fn ruled(from: &NurbsCurve<3>, to: &NurbsCurve<3>) -> Result<Self, InvalidNurbs> {
-        let n = from.knots().n_control();
         if from.knots() != to.knots() {
-            return Err(InvalidNurbs::Count {
-                what: "control points of the second curve",
-                found: to.knots().n_control(),
-                needed: n,
-            });
+            return Err(InvalidNurbs::Knots);
         }
         let control = [from.control(), to.control()].concat();
         let weights = [from.weights(), to.weights()].concat();
@@ -183,9 +174,7 @@ impl BezierNet<'_> {
         let uv = std::array::from_fn(|k| (xuv[k] - u[k] * xv[3] - v[k] * xu[3] - position[k] * xuv[3]) / w);
         SurfaceJet { position, u, v, uv }
     }
-}
 
-impl BezierNet<'_> {
     /// By direction: the coefficients of the sides where it starts and where it ends.
     pub fn sides(&self) -> [[Vec<[f64; 4]>; 2]; 2] {
         let ([n, m], [p, q]) = (self.n_pieces(), self.degrees());
