@@ -50,7 +50,7 @@ fn what_is_wrong_with_a_surface_is_one_sentence_with_its_place() {
             "/surfaces/0: row 0 has 2 control points where the knots along u need 3",
         ),
         ("[1, 1],", "[0, 1],", "/surfaces/0: along u: the degree is 0, and must be from 1 to 30"),
-        ("[1, 1],", "[1.5, 1],", "/surfaces/0: the degree 1.5 along u is no whole number"),
+        ("[1, 1],", "[1.5, 1],", "/surfaces/0: along u: the degree 1.5 is no whole number"),
         ("\"degree\": [1, 1],", "", "/surfaces/0: there is no member \"degree\""),
         (
             "[1, 1, 1]]]",
@@ -61,6 +61,11 @@ fn what_is_wrong_with_a_surface_is_one_sentence_with_its_place() {
             "[1, 1, 1]]]",
             "[1, 1, 1]]], \"weights\": [[1, 1]]",
             "/surfaces/0: 2 weights where the knots need 4",
+        ),
+        (
+            "[1, 1, 1]]]",
+            "[1, 1, 1]]], \"weights\": [[1, 1, 1], [1]]",
+            "/surfaces/0: row 0 has 3 weights where the knots along u need 2",
         ),
     ] {
         assert_eq!(with(from, to), says, "{to}");

@@ -10,8 +10,8 @@ use chordal_io::{Drawing, Scene};
 const RAISED: &str = "the drawing is raised to solids, one for each element, from z = 0 to";
 const VANISHED: &str = "no triangles are left: all that the drawing fills is thinner than the bound";
 
-/// The triangles of a drawing, or of the solid of a height over it, at the precision of the format, their bound, and the request for their bounding
-/// box.
+/// The triangles of a drawing, or of the solid of a height over it, at the precision of the format, their bound, and
+/// the request for their bounding box.
 pub(crate) fn fill(
     (drawing, height): (&Drawing, Option<f64>),
     request: &MeshRequest,

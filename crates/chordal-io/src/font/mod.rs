@@ -66,7 +66,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
 ///
 /// [`Curve::slack`]: chordal::explicit::Curve::slack
 ///
-/// **Cost.** About 2 µs a letter, and the size of the file once.
+/// **Cost.** Time and memory go with the letters, and the size of the file once.
 ///
 /// # Errors
 /// A font that cannot be read, a collection without an index, a text that is empty or too long, a character that

@@ -1,5 +1,5 @@
 //! Curves and polylines in JSON, in the plane or in space.
-use super::surfaces::numbers;
+use super::surfaces::{numbers, whole_degree};
 use super::{check_rows, set, width};
 use crate::drawing::{DrawingElement, PathSet};
 use crate::grow::{push, with_room};
@@ -70,12 +70,7 @@ impl SplineEntry {
 
     /// The path of a spline with these control points.
     fn path<const D: usize>(&self, control: Vec<[f64; D]>) -> Result<Curve<D>, InvalidCurveEntry> {
-        let degree = self.degree.unwrap_or(CUBIC);
-        if degree.fract() != 0.0 || degree < 0.0 {
-            return Err(InvalidCurveEntry(format!("the degree {degree} is no whole number")));
-        }
-        // A cast of a float that is too large saturates, and is refused as a degree.
-        let degree = degree as usize;
+        let degree = whole_degree(self.degree.unwrap_or(CUBIC)).map_err(InvalidCurveEntry)?;
         let knots = match &self.knots {
             Some(knots) => KnotVector::new(degree, knots.clone()),
             None => KnotVector::clamped(degree, control.len()),

@@ -5,7 +5,7 @@ use crate::grow::push;
 use crate::json::{JsonKind, JsonReader};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits};
-use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, NurbsSurface};
+use chordal::explicit::nurbs::{KnotVector, NurbsSurface};
 
 /// Reads one surface: its degrees, knots, rows of control points, and weights.
 pub(super) fn surface(
@@ -15,7 +15,7 @@ pub(super) fn surface(
 ) -> Result<NurbsSurface, ReadError> {
     let (mut degrees, mut knots) = (None, None);
     let (mut control, mut row_lengths) = (Vec::new(), Vec::new());
-    let mut weights: Option<Vec<f64>> = None;
+    let mut weights: Option<Vec<Vec<f64>>> = None;
     let place = json.place();
     json.object(|json, key| {
         match key {
@@ -32,12 +32,12 @@ pub(super) fn surface(
                 })?;
             }
             "weights" => {
-                let mut all = Vec::new();
+                let mut rows = Vec::new();
                 json.array(|json, row| {
                     check_rows(json, "rows", row, limits)?;
-                    numbers(json, limits)?.into_iter().try_for_each(|weight| push(&mut all, weight))
+                    push(&mut rows, numbers(json, limits)?)
                 })?;
-                weights = Some(all);
+                weights = Some(rows);
             }
             _ => {
                 super::unknown(json, key, warnings);
@@ -53,23 +53,29 @@ pub(super) fn surface(
     if row_lengths.is_empty() {
         return Err(missing("control"));
     }
-    let checked = |error: InvalidNurbs| wrong(error.to_string());
     let mut vectors = Vec::new();
     for ((degree, knots), name) in degrees.into_iter().zip(knots).zip(["u", "v"]) {
-        if degree.fract() != 0.0 || degree < 0.0 {
-            return Err(wrong(format!("the degree {degree} along {name} is no whole number")));
-        }
-        // A cast of a float that is too large saturates, and is refused as a degree.
-        let vector = KnotVector::new(degree as usize, knots);
-        vectors.push(vector.map_err(|error| wrong(format!("along {name}: {error}")))?);
+        let along = |error: String| wrong(format!("along {name}: {error}"));
+        let vector = KnotVector::new(whole_degree(degree).map_err(along)?, knots);
+        vectors.push(vector.map_err(|error| along(error.to_string()))?);
     }
     let Ok(vectors) = <[KnotVector; 2]>::try_from(vectors) else { return Err(missing("knots")) };
     let needed = vectors[0].n_control() as u64;
     if let Some((row, n)) = row_lengths.iter().enumerate().find(|(_, n)| **n != needed) {
         return Err(wrong(format!("row {row} has {n} control points where the knots along u need {needed}")));
     }
-    let weights = weights.unwrap_or_else(|| vec![1.0; control.len()]);
-    NurbsSurface::new(vectors, control, weights).map_err(checked)
+    let weights = match weights {
+        Some(rows) => {
+            if let Some((row, n)) = rows.iter().map(Vec::len).enumerate().find(|(_, n)| *n as u64 != needed) {
+                return Err(wrong(format!(
+                    "row {row} has {n} weights where the knots along u need {needed}"
+                )));
+            }
+            rows.concat()
+        }
+        None => vec![1.0; control.len()],
+    };
+    NurbsSurface::new(vectors, control, weights).map_err(|error| wrong(error.to_string()))
 }
 
 /// Two of the same, for `u` and for `v`.
@@ -87,6 +93,15 @@ fn both<T>(
         if i < 2 { push(&mut found, one) } else { Ok(()) }
     })?;
     <[T; 2]>::try_from(found).ok().filter(|_| n == 2).ok_or_else(|| width(json, n, "values", 2))
+}
+
+/// A degree as it is counted.
+pub(super) fn whole_degree(degree: f64) -> Result<usize, String> {
+    if degree.fract() != 0.0 || degree < 0.0 {
+        return Err(format!("the degree {degree} is no whole number"));
+    }
+    // A cast of a float that is too large saturates, and is refused as a degree.
+    Ok(degree as usize)
 }
 
 /// A list of numbers.

@@ -1,16 +1,17 @@
 //! A bound on the distance between a part of a rational surface and the bicubic patch in its place.
 //!
-//! With numerator `X` and denominator `W` of the surface in Bernstein form, and the patch `H`, points of equal parameters
-//! are `|X − H·W| / W` apart. The numerator is a polynomial, of three degrees more than `X` in each direction; its
-//! coefficients are sums of products, and the largest of them bounds it everywhere, as the least weight bounds `W`. It
-//! vanishes twice at each side's ends, and goes down with the fourth power of the part's size. Points of equal parameters
-//! pair all of both surfaces, so that the bound holds in both directions.
+//! With numerator `X` and denominator `W` of the surface in Bernstein form, and the patch `H`, points of equal
+//! parameters are `|X − H·W| / W` apart. The numerator is a polynomial, of three degrees more than `X` in each
+//! direction; its coefficients are sums of products, and the largest of them bounds it everywhere, as the least weight
+//! bounds `W`. It vanishes twice at each side's ends, and goes down with the fourth power of the part's size. Points of
+//! equal parameters pair all of both surfaces, so that the bound holds in both directions.
 //!
-//! *Rounding.* All coefficients of the surface are weighted means of control points times weights with positive factors:
-//! each coordinate is off by less than `8(p + q + 1)·ε` of `R·W`, `R` the largest coordinate of a control point of the surface or the patch, for the weights, the pieces
-//! and the parts. The patch is taken as it is, rounded numbers included. Differences to its corner and products lose
-//! `16·ε·R·W` and the sums, of at most `16(p + 1)(q + 1)` terms with factors that add up to 1, `(p + q + 8)·ε` of theirs.
-//! Three coordinates of both are below `64(p + q + 4)·ε·R·W`, and so is the division by the least weight.
+//! *Rounding.* All coefficients of the surface are weighted means of control points times weights with positive
+//! factors: each coordinate is off by less than `8(p + q + 1)·ε` of `R·W`, `R` the largest coordinate of a control
+//! point of the surface or the patch, for the weights, the pieces and the parts. The patch is taken as it is, rounded
+//! numbers included. Differences to its corner and products lose `16·ε·R·W`, and sums, of 16 terms at most with factors
+//! that add up to 1, `24·ε`. Three coordinates of all are below `64(p + q + 4)·ε·R·W`, and so is the division by the
+//! least weight.
 use crate::explicit::Patch;
 use crate::explicit::nurbs::{BernsteinRow, binomials};
 use crate::math::{greater, lesser};
