@@ -32,6 +32,7 @@ mod patches;
 mod patches_to_mesh;
 mod redistance;
 mod triangles;
+mod trimmed_surfaces_to_mesh;
 mod view_dependent_mesher;
 
 pub use cage_to_mesh::cage_to_mesh;
@@ -54,6 +55,7 @@ pub use outlines_to_mesh::outlines_to_mesh;
 pub use outlines_to_solid::outlines_to_solid;
 pub use patches_to_mesh::patches_to_mesh;
 pub use redistance::redistance;
+pub use trimmed_surfaces_to_mesh::trimmed_surfaces_to_mesh;
 
 /// Meshers, a cutter and a sampler that are kept for many budgets, views or lattices, and many curves at once.
 pub mod batch {

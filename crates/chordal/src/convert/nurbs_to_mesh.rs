@@ -46,7 +46,7 @@ pub fn nurbs_to_patches(
     length: Tolerance,
     job: &Job,
 ) -> Result<Bounded<Vec<Patch>>, Failure<Vec<Patch>>> {
-    check(surfaces)?;
+    check_surfaces(surfaces.iter())?;
     let made = job.run(|| {
         let mut all = Bounded { shape: Vec::new(), bound: Bound::proved(0.0, 0.0, Reference::NurbsSurfaces) };
         let mut at_most = 0.0;
@@ -103,7 +103,7 @@ pub fn nurbs_to_mesh(
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     budget.check_for_surfaces().map_err(Failure::Refused)?;
-    check(surfaces)?;
+    check_surfaces(surfaces.iter())?;
     if budget.angle_deg.is_some() {
         let message = "NURBS surfaces cannot be meshed to an angle yet: give a length or pixels";
         return Err(Failure::refused(RefusalCode::Unsupported, message));
@@ -190,15 +190,18 @@ fn around(bounds: &Box3, by: f64) -> Box3 {
     Box3 { min: bounds.min.map(|x| sub_down(x, by)), max: bounds.max.map(|x| add_up(x, by)) }
 }
 
-fn check<T>(surfaces: &[NurbsSurface]) -> Result<(), Failure<T>> {
-    if surfaces.is_empty() {
+/// Whether there are surfaces, and their numbers allow a proof.
+pub(super) fn check_surfaces<'a, T>(
+    mut surfaces: impl ExactSizeIterator<Item = &'a NurbsSurface>,
+) -> Result<(), Failure<T>> {
+    if surfaces.len() == 0 {
         return Err(Failure::refused(RefusalCode::Empty, "there are no surfaces"));
     }
     let sane = |surface: &NurbsSurface| {
         surface.control().as_flattened().iter().all(|x| x.abs() < LARGEST)
             && surface.weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
     };
-    if let Some(index) = surfaces.iter().position(|surface| !sane(surface)) {
+    if let Some(index) = surfaces.position(|surface| !sane(surface)) {
         let message = format!(
             "surface {index} has a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
         );

@@ -47,6 +47,7 @@ pub(crate) use cage::limit::{LimitSheet, LimitSurface};
 pub use cage::{Cage, InvalidCage};
 pub(crate) use cage::{Chart, Scheme};
 pub(crate) use closest_point::SurfaceTree;
+pub(crate) use closest_point::box_tree::{BoxTree, BoxTreeNode};
 pub(crate) use corner_block::{BLOCK, CornerBlock, Lanes};
 pub use curve::{Curve, CurveEnds, InvalidCurve};
 pub(crate) use curve_segment::AffineMap;

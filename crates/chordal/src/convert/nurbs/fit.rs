@@ -7,8 +7,11 @@ use crate::math::{difference, greater, length, lesser};
 
 /// Patches near a surface, and how far they are from it at most.
 pub(in crate::convert) struct FittedSurface {
+    /// Row by row.
     pub patches: Vec<Patch>,
     pub at_most: f64,
+    /// By direction and piece: into how many parts it is cut.
+    pub cuts: [Vec<usize>; 2],
 }
 
 /// The most cuts of a piece in one direction. Chosen: errors go down with its fourth power, so that all digits of a
@@ -48,7 +51,7 @@ pub(in crate::convert) fn fit(surface: &NurbsSurface, wanted: f64, job: &Job) ->
     let mut fitter = SurfaceFitter::new(surface);
     let most = (job.memory_limit / PATCH_BYTES).min(job.triangle_limit);
     let (mut made, mut n_worse) = (fitter.patches(job), 0);
-    let mut best = made.clone();
+    let mut best = (made.clone(), fitter.cuts.clone());
     for _ in 0..MOST_ROUNDS {
         if farthest(&made) <= wanted || job.is_cancelled() || !fitter.cut_further(&made, wanted) {
             break;
@@ -58,15 +61,20 @@ pub(in crate::convert) fn fit(surface: &NurbsSurface, wanted: f64, job: &Job) ->
             break;
         }
         made = fitter.patches(job);
-        n_worse = if farthest(&made) < farthest(&best) { 0 } else { n_worse + 1 };
+        n_worse = if farthest(&made) < farthest(&best.0) { 0 } else { n_worse + 1 };
         if n_worse == 0 {
-            best.clone_from(&made);
+            best = (made.clone(), fitter.cuts.clone());
         }
         if n_worse > MOST_WORSE {
             break;
         }
     }
-    FittedSurface { at_most: farthest(&best), patches: best.into_iter().map(|(patch, _)| patch).collect() }
+    let (best, cuts) = best;
+    FittedSurface {
+        at_most: farthest(&best),
+        patches: best.into_iter().map(|(patch, _)| patch).collect(),
+        cuts,
+    }
 }
 
 /// The largest distance of patches; infinite where one is not known.

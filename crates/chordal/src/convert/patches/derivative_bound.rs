@@ -244,6 +244,29 @@ impl PatchDerivatives {
         let (square, product) = (du * du * uuuv + dv * dv * uvvv, du * dv);
         (4.0 * square * product + 6.0 * (product * product) * uuvv) / 64.0
     }
+
+    /// The bound of one triangle by its corners in the parameter plane and in space, with the derivatives at the middle of
+    /// its box; without rounding, for which [`rounding`] allows.
+    pub(crate) fn triangle_bound(&self, corners: [[f64; 2]; 3], at: [DVec3; 3]) -> f64 {
+        let range = |k: usize| {
+            let [x, y, z] = corners.map(|corner| corner[k]);
+            let (low, high) = if x < y { (x, y) } else { (y, x) };
+            (lesser(z, low), greater(z, high))
+        };
+        let (u, v) = (range(0), range(1));
+        let middle = [0.5 * (u.0 + u.1), 0.5 * (v.0 + v.1)];
+        let jet = self.at(middle[0], middle[1]);
+        let corners = corners.map(|corner| [corner[0] - middle[0], corner[1] - middle[1]]);
+        let side = |i: usize, j: usize| {
+            let ([pu, pv], [qu, qv]) = (corners[i], corners[j]);
+            let bend = jet.half_along([qu - pu, qv - pv], [0.5 * (pu + qu), 0.5 * (pv + qv)]);
+            across(bend, at[j] - at[i])
+        };
+        let slack = 4.0 * f64::EPSILON; // a parameter is off by at most an ulp of 1 at each end
+        max_barycentric_quadratic(side(0, 1), side(1, 2), side(2, 0))
+            + jet.third_order_bound(corners)
+            + self.remainder(u.1 - u.0 + slack, v.1 - v.0 + slack)
+    }
 }
 
 impl PatchDerivativeRow {

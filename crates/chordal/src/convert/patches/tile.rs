@@ -8,7 +8,7 @@ use super::subpatch::{Subpatch, SubpatchShape};
 use super::tile_border::{BorderVertex, walk_side};
 use super::tile_counts::cell_counts;
 use crate::explicit::{Patch, PatchSide, bernstein, face_normal};
-use crate::math::{Box3, greater, lesser};
+use crate::math::{Box3, greater};
 use glam::DVec3;
 
 /// A vertex of a tile: its parameters in the tile's unit square and its position.
@@ -423,27 +423,9 @@ impl TileTriangulator<'_> {
         (across(jet.second.half_along(du, dv), b.at - a.at), du * du + dv * dv)
     }
 
-    /// The bound of one triangle by the derivatives at the middle of its box.
     fn triangle_bound(&self, triangle: [u32; 3]) -> f64 {
         let knots = triangle.map(|id| self.vertex(id));
-        let [a, b, c] = knots;
-        let range = |x: f64, y: f64, z: f64| {
-            let (low, high) = if x < y { (x, y) } else { (y, x) };
-            (lesser(z, low), greater(z, high))
-        };
-        let (u, v) = (range(a.u, b.u, c.u), range(a.v, b.v, c.v));
-        let middle = [0.5 * (u.0 + u.1), 0.5 * (v.0 + v.1)];
-        let jet = self.derivatives.at(middle[0], middle[1]);
-        let corners = knots.map(|knot| [knot.u - middle[0], knot.v - middle[1]]);
-        let side = |i: usize, j: usize| {
-            let ([pu, pv], [qu, qv]) = (corners[i], corners[j]);
-            let bend = jet.half_along([qu - pu, qv - pv], [0.5 * (pu + qu), 0.5 * (pv + qv)]);
-            across(bend, knots[j].at - knots[i].at)
-        };
-        let slack = 4.0 * f64::EPSILON; // a parameter is off by at most an ulp of 1 at each end
-        max_barycentric_quadratic(side(0, 1), side(1, 2), side(2, 0))
-            + jet.third_order_bound(corners)
-            + self.derivatives.remainder(u.1 - u.0 + slack, v.1 - v.0 + slack)
+        self.derivatives.triangle_bound(knots.map(|knot| [knot.u, knot.v]), knots.map(|knot| knot.at))
     }
 
     fn emit(&mut self, triangle: [u32; 3], bound: f64) {

@@ -6,13 +6,13 @@ const ITEM: u32 = 1 << 31;
 
 /// A binary tree over boxes.
 #[derive(Clone, Debug)]
-pub(super) struct BoxTree {
+pub(crate) struct BoxTree {
     nodes: Vec<[(Box3, u32); 2]>,
     root: Option<(Box3, u32)>,
 }
 
 /// The content of a child.
-pub(super) enum BoxTreeNode {
+pub(crate) enum BoxTreeNode {
     Inner([(Box3, u32); 2]),
     Leaf(usize),
 }

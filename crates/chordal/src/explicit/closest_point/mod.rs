@@ -1,5 +1,5 @@
 //! `SurfaceTree`: closest points on smooth surfaces, patches and limit surfaces, with proved distances.
-mod box_tree;
+pub(in crate::explicit) mod box_tree;
 mod offset_patch;
 mod search;
 

@@ -8,6 +8,7 @@ mod knots;
 mod rational;
 mod revolved;
 mod surface;
+mod trimmed;
 
 pub(crate) use bernstein::{BernsteinRow, binomials};
 pub(crate) use curve::HEAVIEST;
@@ -16,3 +17,4 @@ pub use knots::{InvalidNurbs, KnotVector};
 pub use rational::RationalBezier;
 pub use surface::NurbsSurface;
 pub(crate) use surface::{BezierNet, SurfaceJet};
+pub use trimmed::{InvalidTrim, TrimmedSurface};

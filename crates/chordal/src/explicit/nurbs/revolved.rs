@@ -38,6 +38,14 @@ impl<const D: usize> NurbsCurve<D> {
         let weights = (0..AROUND.len()).map(turn_weight).collect();
         Self::new(quarters()?, AROUND.iter().map(|at| point(*at)).collect(), weights)
     }
+
+    /// The straight line from one point to another.
+    ///
+    /// # Errors
+    /// When a number is not finite.
+    pub fn line(from: [f64; D], to: [f64; D]) -> Result<Self, InvalidNurbs> {
+        Self::new(KnotVector::clamped(1, 2)?, vec![from, to], vec![1.0; 2])
+    }
 }
 
 impl NurbsSurface {

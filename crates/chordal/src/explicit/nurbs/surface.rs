@@ -74,8 +74,7 @@ impl NurbsSurface {
     /// The point at two parameters; outside of the knots' range that of the nearer end.
     #[must_use]
     pub fn at(&self, u: f64, v: f64) -> [f64; 3] {
-        let [(a, s), (b, t)] = [self.knots[0].locate(u), self.knots[1].locate(v)];
-        self.bezier_net().jet([a, b], [s, t]).position
+        self.bezier_net().at(u, v)
     }
 
     /// Points at so many equal steps along `u` and `v` of each piece, ends included.
@@ -158,6 +157,12 @@ impl BezierNet<'_> {
         (b * q..=(b + 1) * q)
             .map(|j| BernsteinRow(self.net[j * width + a * p..=j * width + (a + 1) * p].to_vec()))
             .collect()
+    }
+
+    /// The point at two parameters; outside of the knots' range that of the nearer end.
+    pub fn at(&self, u: f64, v: f64) -> [f64; 3] {
+        let [(a, s), (b, t)] = [self.knots[0].locate(u), self.knots[1].locate(v)];
+        self.jet([a, b], [s, t]).position
     }
 
     /// Position and derivatives of a piece at parameters from 0 to 1. At 0 and 1 those along a side depend on that side's

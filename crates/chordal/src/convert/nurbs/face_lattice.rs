@@ -1,0 +1,275 @@
+//! `FaceLattice`: a surface as a lattice of bicubic patches, and the lines that cut these into cells.
+//!
+//! *Lattice coordinates* are whole numbers where patches meet: `x` from column to column, `y` from row to row.
+use crate::convert::patches::derivative_bound::{PatchDerivatives, rounding};
+use crate::explicit::Patch;
+use crate::explicit::nurbs::NurbsSurface;
+use crate::math::{difference, dot, greater, length, lesser};
+use glam::DVec3;
+
+/// Coordinates nearer to a line than this, in units of a patch, are moved onto it: slivers show nothing. Chosen: far
+/// below what is seen, and above rounding. What is moved counts.
+const NEAR_LINE: f64 = 1e-10;
+/// The most parts of a patch in one direction. Chosen: errors go down with the square of it.
+const MOST_PARTS: f64 = 4096.0;
+/// Places in a patch where its bending is estimated, along one direction. Chosen: ends, middle, and between.
+const PLACES: usize = 5;
+/// Rounds in which parts are added until estimates fit. Chosen: each multiplies by what is missing.
+const ROUNDS: usize = 12;
+
+/// A surface as patches and lines.
+pub(super) struct FaceLattice {
+    patches: Vec<Patch>,
+    derivatives: Vec<PatchDerivatives>,
+    /// Numbers of columns and rows of patches.
+    pub n: [usize; 2],
+    /// By direction: the surface's parameters where patches meet.
+    breaks: [Vec<f64>; 2],
+    /// By direction: the lines between cells, the ends included.
+    pub lines: [Vec<f64>; 2],
+    /// By direction and cell: the column or row of its patches.
+    patch_of: [Vec<usize>; 2],
+    /// By patch: upper bounds of the derivatives by the surface's two parameters, and of their product.
+    speeds: Vec<[f64; 3]>,
+    /// What rounding of parameters may cost, as a length.
+    pub parameter_rounding: f64,
+    /// What rounding of triangles may cost.
+    pub rounding: f64,
+}
+
+/// A rectangle of parameters.
+pub(super) type ParameterBox = [[f64; 2]; 2];
+
+impl FaceLattice {
+    /// The patches of a surface, row by row, with the number of parts of each of its pieces.
+    pub fn new(surface: &NurbsSurface, patches: Vec<Patch>, cuts: &[Vec<usize>; 2], degree: usize) -> Self {
+        let breaks = [0, 1].map(|k| {
+            let knots = &surface.knots()[k];
+            let of = |(piece, n): (usize, &usize)| {
+                let ([a, b], n) = (knots.piece(piece), *n);
+                (0..n).map(move |part| a + (b - a) * (part as f64 / n as f64))
+            };
+            let mut all: Vec<f64> = cuts[k].iter().enumerate().flat_map(of).collect();
+            all.push(knots.domain()[1]);
+            all
+        });
+        let n = [0, 1].map(|k| breaks[k].len() - 1);
+        let width = |k: usize, i: usize| breaks[k][i + 1] - breaks[k][i];
+        let speed = |index: usize| {
+            let control = &patches[index].control;
+            let along_u: Vec<[f64; 3]> =
+                control.iter().flat_map(|row| row.windows(2).map(|p| difference(p[1], p[0]))).collect();
+            let up = |j: usize| (0..4).map(move |i| [j, i]);
+            let along_v: Vec<[f64; 3]> =
+                (0..3).flat_map(up).map(|[j, i]| difference(control[j + 1][i], control[j][i])).collect();
+            let longest = |all: &[[f64; 3]]| all.iter().fold(0.0, |most: f64, d| greater(length(*d), most));
+            // Derivatives are means of these vectors, and so is their product of the products of all pairs.
+            let product =
+                along_u.iter().flat_map(|a| along_v.iter().map(|b| dot(*a, *b).abs())).fold(0.0, greater);
+            // Lengths and products are rounded by a few parts in 2⁵², these ones of the lengths.
+            let most = 3.0 * (1.0 + 16.0 * f64::EPSILON);
+            let widths = [width(0, index % n[0]), width(1, index / n[0])];
+            let [u, v] = [longest(&along_u), longest(&along_v)];
+            let product = product + 16.0 * f64::EPSILON * u * v;
+            [most * u / widths[0], most * v / widths[1], most * most * product / (widths[0] * widths[1])]
+        };
+        let speeds: Vec<[f64; 3]> = (0..patches.len()).map(speed).collect();
+        let fastest = [0, 1].map(|k| speeds.iter().fold(0.0, |most: f64, s| greater(s[k], most)));
+        // Derived: a parameter is a weighted mean of control points, in as many steps as its degree, off by 8(p + 8) of its
+        // range's largest number; coordinates of the lattice lose 16 of the number of patches, each as wide as this.
+        let parameter_rounding = (0..2).fold(0.0, |sum, k| {
+            let reach = greater(breaks[k][0].abs(), breaks[k][n[k]].abs());
+            let widest = (0..n[k]).fold(0.0, |most: f64, i| greater(width(k, i), most));
+            let steps = 8.0 * (degree + 8) as f64 * reach + 16.0 * n[k] as f64 * widest;
+            sum + fastest[k] * steps * f64::EPSILON
+        });
+        let mut made = Self {
+            derivatives: patches.iter().map(PatchDerivatives::new).collect(),
+            rounding: patches.iter().map(rounding).fold(0.0, greater),
+            patches,
+            n,
+            breaks,
+            lines: [Vec::new(), Vec::new()],
+            patch_of: [Vec::new(), Vec::new()],
+            speeds,
+            parameter_rounding,
+        };
+        made.set_lines(&n.map(|n| vec![1.0; n]));
+        made
+    }
+
+    /// Cuts patches so that their cells' triangles are expected within a length.
+    pub fn cut(&mut self, wanted: f64) {
+        let mut parts = self.n.map(|n| vec![1.0; n]);
+        for (index, derivatives) in self.derivatives.iter().enumerate() {
+            let [a, b] = [index % self.n[0], index / self.n[0]];
+            let own = self.parts_of(index, derivatives, wanted);
+            parts[0][a] = greater(own[0], parts[0][a]);
+            parts[1][b] = greater(own[1], parts[1][b]);
+        }
+        self.set_lines(&parts);
+    }
+
+    /// Lines that cut each column and row of patches into equal parts.
+    fn set_lines(&mut self, parts: &[Vec<f64>; 2]) {
+        for k in 0..2 {
+            let (mut lines, mut patch_of) = (Vec::new(), Vec::new());
+            for (patch, n) in parts[k].iter().enumerate() {
+                let n = *n as usize;
+                lines.extend((0..n).map(|part| patch as f64 + part as f64 / n as f64));
+                patch_of.extend(std::iter::repeat_n(patch, n));
+            }
+            lines.push(self.n[k] as f64);
+            (self.lines[k], self.patch_of[k]) = (lines, patch_of);
+        }
+    }
+
+    /// The largest distance of a patch from its two halves, by its derivatives.
+    pub fn bending(&self) -> f64 {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let of = |(patch, derivatives): (&Patch, &PatchDerivatives)| {
+            let [a, b] =
+                diagonal_bounds(derivatives, square, square.map(|[u, v]| DVec3::from(patch.at(u, v))));
+            lesser(a, b)
+        };
+        self.patches.iter().zip(&self.derivatives).map(of).fold(0.0, greater)
+    }
+
+    /// The number of parts of a patch along both directions.
+    fn parts_of(&self, index: usize, derivatives: &PatchDerivatives, wanted: f64) -> [f64; 2] {
+        let patch = &self.patches[index];
+        let mut parts = [1.0; 2];
+        for _ in 0..ROUNDS {
+            let mut worst = [0.0_f64; 3];
+            for j in 0..PLACES {
+                for i in 0..PLACES {
+                    let size = parts.map(|n| 1.0 / n);
+                    let at = [i, j].map(|k| k as f64 / (PLACES - 1) as f64);
+                    let from = [0, 1].map(|k| at[k] * (1.0 - size[k]));
+                    let corner = |du: f64, dv: f64| [from[0] + du * size[0], from[1] + dv * size[1]];
+                    let square = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+                    let points = square.map(|[u, v]| DVec3::from(patch.at(u, v)));
+                    let [first, second] = diagonal_bounds(derivatives, square, points);
+                    worst[2] = greater(worst[2], lesser(first, second));
+                    for (k, [p, q]) in [[0, 1], [0, 3]].into_iter().enumerate() {
+                        // The triangle with its third corner in the middle of a side has that side's bending alone.
+                        let middle = std::array::from_fn(|axis| 0.5 * (square[p][axis] + square[q][axis]));
+                        let there = 0.5 * (points[p] + points[q]);
+                        let flat = derivatives
+                            .triangle_bound([square[p], square[q], middle], [points[p], points[q], there]);
+                        worst[k] = greater(worst[k], flat);
+                    }
+                }
+            }
+            if worst[2] <= wanted {
+                break;
+            }
+            let missing = (worst[2] / wanted).sqrt();
+            let along = greater(worst[0], worst[1]);
+            for k in 0..2 {
+                // Only where a good part of it comes from, or where neither side bends and the patch is twisted.
+                let is_cause = worst[k] >= 0.25 * along || along < 0.1 * worst[2];
+                if is_cause {
+                    let times = lesser(missing, 8.0);
+                    parts[k] = lesser(greater((parts[k] * times).ceil(), parts[k] + 1.0), MOST_PARTS);
+                }
+            }
+        }
+        parts
+    }
+
+    /// The lattice coordinate of a parameter, on a line if it is near one.
+    pub fn coordinate(&self, k: usize, parameter: f64) -> f64 {
+        let x = self.raw_coordinate(k, parameter);
+        let lines = &self.lines[k];
+        let after = lines.partition_point(|line| *line < x).min(lines.len() - 1);
+        let near = [after.saturating_sub(1), after].map(|i| lines[i]);
+        near.into_iter().find(|line| (x - line).abs() < NEAR_LINE).unwrap_or(x)
+    }
+
+    fn raw_coordinate(&self, k: usize, parameter: f64) -> f64 {
+        let breaks = &self.breaks[k];
+        let last = self.n[k] - 1;
+        let i = breaks.partition_point(|b| *b <= parameter).saturating_sub(1).min(last);
+        let part = (parameter - breaks[i]) / (breaks[i + 1] - breaks[i]);
+        i as f64 + if part > 0.0 { lesser(part, 1.0) } else { 0.0 }
+    }
+
+    /// The parameter of a lattice coordinate.
+    pub fn parameter(&self, k: usize, x: f64) -> f64 {
+        let i = (x as usize).min(self.n[k] - 1);
+        let (a, b) = (self.breaks[k][i], self.breaks[k][i + 1]);
+        a + (b - a) * (x - i as f64)
+    }
+
+    /// The cells, one or two, in whose closed range a coordinate lies.
+    pub fn cells_at(&self, k: usize, x: f64) -> [usize; 2] {
+        let lines = &self.lines[k];
+        let after = lines.partition_point(|line| *line < x);
+        let last = lines.len() - 2;
+        if lines.get(after) == Some(&x) {
+            [after.saturating_sub(1), after.min(last)]
+        } else {
+            [after.saturating_sub(1).min(last); 2]
+        }
+    }
+
+    /// The patch of a cell.
+    pub fn patch_at(&self, [i, j]: [usize; 2]) -> usize {
+        self.patch_of[1][j] * self.n[0] + self.patch_of[0][i]
+    }
+
+    /// The place in a patch of lattice coordinates.
+    fn place(&self, patch: usize, [x, y]: [f64; 2]) -> [f64; 2] {
+        // Exact: both are multiples of the same steps, or one is 0.
+        [x - (patch % self.n[0]) as f64, y - (patch / self.n[0]) as f64]
+    }
+
+    /// The point of the patches at lattice coordinates.
+    pub fn position(&self, at: [f64; 2]) -> [f64; 3] {
+        let (patch, [u, v]) = self.patch_and_place(at);
+        self.patches[patch].at(u, v)
+    }
+
+    /// Their unit normal there; none where tangents vanish.
+    pub fn normal(&self, at: [f64; 2]) -> Option<[f64; 3]> {
+        let (patch, [u, v]) = self.patch_and_place(at);
+        self.patches[patch].normal(u, v)
+    }
+
+    fn patch_and_place(&self, at: [f64; 2]) -> (usize, [f64; 2]) {
+        let [i, j] = [0, 1].map(|k| (at[k] as usize).min(self.n[k] - 1));
+        let patch = j * self.n[0] + i;
+        (patch, self.place(patch, at))
+    }
+
+    /// The distance bound of a triangle within a patch, without rounding.
+    pub fn triangle_bound(&self, patch: usize, corners: [[f64; 2]; 3], at: [[f64; 3]; 3]) -> f64 {
+        self.derivatives[patch].triangle_bound(corners.map(|at| self.place(patch, at)), at.map(DVec3::from))
+    }
+
+    /// The bounds of both ways to halve a cell.
+    pub fn diagonal_bounds(&self, patch: usize, corners: [[f64; 2]; 4], at: [[f64; 3]; 4]) -> [f64; 2] {
+        let corners = corners.map(|at| self.place(patch, at));
+        diagonal_bounds(&self.derivatives[patch], corners, at.map(DVec3::from))
+    }
+
+    /// Upper bounds of the derivatives by both parameters, and of their product, over the patches that a rectangle of
+    /// parameters touches.
+    pub fn speeds(&self, [u, v]: ParameterBox) -> [f64; 3] {
+        let range = |k: usize, [from, to]: [f64; 2]| {
+            let first = self.breaks[k].partition_point(|b| *b < from).saturating_sub(1);
+            let end = self.breaks[k].partition_point(|b| *b <= to).clamp(1, self.n[k]);
+            first.min(end - 1)..end
+        };
+        let (columns, rows) = (range(0, u), range(1, v));
+        let touched = rows.flat_map(|j| columns.clone().map(move |i| j * self.n[0] + i));
+        touched.fold([0.0; 3], |most, patch| std::array::from_fn(|k| greater(self.speeds[patch][k], most[k])))
+    }
+}
+
+/// The larger bound of the two triangles on each side of the diagonal from the first corner, and of the other one.
+fn diagonal_bounds(derivatives: &PatchDerivatives, corners: [[f64; 2]; 4], at: [DVec3; 4]) -> [f64; 2] {
+    let bound = |t: [usize; 3]| derivatives.triangle_bound(t.map(|k| corners[k]), t.map(|k| at[k]));
+    [greater(bound([0, 1, 2]), bound([0, 2, 3])), greater(bound([0, 1, 3]), bound([1, 2, 3]))]
+}

@@ -1,0 +1,272 @@
+//! Sews faces: vertices of loops that are at one place become one, and where a vertex of one loop lies on an edge of
+//! another, that edge gets a vertex there.
+//!
+//! What belongs together is a guess by distance. Nothing rests on it: how far vertices were moved is measured, and part
+//! of the bound.
+use super::face_lattice::FaceLattice;
+use super::trim_loops::{TrimEdge, TrimPieces, TrimPolygons};
+use crate::budget::{Job, par_map};
+use crate::explicit::nurbs::BezierNet;
+use crate::explicit::{BoxTree, BoxTreeNode, DisjointSets};
+use crate::math::{Box3, difference, greater, length, lesser};
+
+/// Steps of a golden-section search. Chosen: each keeps 0.618 of a part, so that a ten-millionth is left.
+const STEPS: usize = 34;
+/// Parts of an edge at whose ends it is first looked for a nearest place. Chosen: a half turn has one between two of them.
+const SAMPLES: usize = 6;
+/// The golden ratio's inverse.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// A face whose loops are polygons.
+pub(super) struct TrimmedFace<'a> {
+    pub net: BezierNet<'a>,
+    pub lattice: FaceLattice,
+    pub pieces: TrimPieces,
+    pub polygons: TrimPolygons,
+    /// The surface's point at each vertex of the polygons.
+    pub positions: Vec<[f64; 3]>,
+    /// How far the patches are from the surface.
+    pub off: f64,
+}
+
+/// Which vertices of all loops are one.
+pub(super) struct SewnVertices {
+    /// By face: the number of its first vertex.
+    pub first: Vec<u32>,
+    /// By vertex of all faces: the earliest that is the same.
+    pub same: Vec<u32>,
+}
+
+/// An edge of all faces.
+#[derive(Clone, Copy)]
+struct EdgePlace {
+    face: u32,
+    around: u32,
+    edge: u32,
+}
+
+/// What is found for a vertex.
+enum VertexMatch {
+    /// It is this vertex of a face.
+    Same(u32, u32),
+    /// It lies on this edge, at this parameter of its piece.
+    On(EdgePlace, f64),
+}
+
+impl TrimmedFace<'_> {
+    /// The surface's own point at coordinates of the lattice: patches of two faces are apart by as much as both are off.
+    pub fn surface_point(&self, at: [f64; 2]) -> [f64; 3] {
+        let [u, v] = [0, 1].map(|k| self.lattice.parameter(k, at[k]));
+        self.net.at(u, v)
+    }
+
+    fn point(&self, piece: usize, t: f64) -> [f64; 3] {
+        self.surface_point(self.pieces.lattice_point(&self.lattice, piece, t))
+    }
+
+    /// The place of an edge's part nearest to a point: beside the nearest of some samples, by golden sections.
+    fn nearest(&self, edge: &TrimEdge, p: [f64; 3], near: f64) -> Option<f64> {
+        let far = |t: f64| distance(self.point(edge.piece, t), p);
+        let [from, to] = edge.part;
+        let at = |k: usize| from + (to - from) * (k as f64 / SAMPLES as f64);
+        let (nearest, _) = (0..=SAMPLES).fold((0, f64::INFINITY), |best, k| {
+            let off = far(at(k));
+            if off < best.1 { (k, off) } else { best }
+        });
+        let [mut low, mut high] = [at(nearest.saturating_sub(1)), at((nearest + 1).min(SAMPLES))];
+        let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+        let mut off = inner.map(far);
+        for _ in 0..STEPS {
+            if off[0] < off[1] {
+                high = inner[1];
+                (inner[1], off[1]) = (inner[0], off[0]);
+                inner[0] = high - GOLDEN * (high - low);
+                off[0] = far(inner[0]);
+            } else {
+                low = inner[0];
+                (inner[0], off[0]) = (inner[1], off[1]);
+                inner[1] = low + GOLDEN * (high - low);
+                off[1] = far(inner[1]);
+            }
+        }
+        let t = 0.5 * (low + high);
+        (far(t) <= near).then_some(t)
+    }
+}
+
+/// Sews faces where they are nearer than a length, and cuts the edges of each until they are as near to its loops as
+/// wanted of it.
+///
+/// What one face needs the other gets. So edges are cut for the loops' sake only after the vertices that cells need have
+/// been exchanged.
+pub(super) fn sew(faces: &mut [TrimmedFace<'_>], wanted: &[f64], near: f64, job: &Job) -> SewnVertices {
+    let mut unions = exchange(faces, near, job);
+    for (face, wanted) in faces.iter_mut().zip(wanted) {
+        face.pieces.refine(&face.lattice, *wanted, &mut face.polygons);
+        for k in face.positions.len()..face.polygons.vertices.len() {
+            face.positions.push(face.surface_point(face.polygons.vertices[k]));
+        }
+    }
+    unions.extend(exchange(faces, near, job));
+    let mut first = Vec::with_capacity(faces.len());
+    let mut n = 0;
+    for face in faces.iter_mut() {
+        first.push(n as u32);
+        n += face.positions.len();
+        face.polygons.off = face.pieces.distance(&face.lattice, &face.polygons);
+    }
+    let mut sets = DisjointSets::new(n);
+    let global = |[face, vertex]: [u32; 2]| first[face as usize] + vertex;
+    for [a, b] in unions {
+        sets.union(global(a), global(b));
+    }
+    let same = (0..n as u32).map(|vertex| sets.find(vertex)).collect();
+    SewnVertices { first, same }
+}
+
+/// Gives edges the vertices of others that lie on them; which vertices are one, each by its face and its number there.
+fn exchange(faces: &mut [TrimmedFace<'_>], near: f64, job: &Job) -> Vec<[[u32; 2]; 2]> {
+    let mut places = Vec::new();
+    let mut boxes = Vec::new();
+    for (face, own) in faces.iter().enumerate() {
+        for (around, edges) in own.polygons.loops.iter().enumerate() {
+            for (index, edge) in edges.iter().enumerate() {
+                places.push(EdgePlace { face: face as u32, around: around as u32, edge: index as u32 });
+                boxes.push(own.edge_box(edge, near));
+            }
+        }
+    }
+    let tree = BoxTree::over(&boxes);
+    let vertices: Vec<[u32; 2]> = faces
+        .iter()
+        .enumerate()
+        .flat_map(|(f, face)| (0..face.positions.len()).map(move |v| [f as u32, v as u32]))
+        .collect();
+    let shared: &[TrimmedFace<'_>] = faces;
+    let found: Vec<Vec<VertexMatch>> =
+        par_map(job, &vertices, |_, vertex| matches_of(shared, *vertex, &tree, &places, near));
+
+    // Vertices on edges, by edge and along it.
+    let mut inserted: Vec<([u32; 3], f64, [u32; 2])> = Vec::new();
+    let mut unions: Vec<[[u32; 2]; 2]> = Vec::new();
+    for (vertex, matches) in vertices.iter().zip(found) {
+        for one in matches {
+            match one {
+                VertexMatch::Same(face, other) => unions.push([*vertex, [face, other]]),
+                VertexMatch::On(place, t) => {
+                    inserted.push(([place.face, place.around, place.edge], t, *vertex))
+                }
+            }
+        }
+    }
+    inserted.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    // From the last edge on, so that the numbers of those before stay.
+    for run in inserted.chunk_by(|a, b| a.0 == b.0).collect::<Vec<_>>().into_iter().rev() {
+        let [face, around, edge] = run[0].0;
+        let own = &mut faces[face as usize];
+        let whole = own.polygons.loops[around as usize][edge as usize];
+        let mut made: Vec<TrimEdge> = vec![whole];
+        let mut last: Option<([f64; 3], u32)> = None;
+        for (_, t, vertex) in run {
+            let at = own.in_cell_of(&whole, *t);
+            let position = own.surface_point(at);
+            let id = match last {
+                Some((there, id)) if distance(there, position) <= near => id,
+                _ => {
+                    own.polygons.vertices.push(at);
+                    own.positions.push(position);
+                    let id = own.positions.len() as u32 - 1;
+                    let rest = made.len() - 1;
+                    let [from, to] = [made[rest].ends[0], made[rest].ends[1]];
+                    let [start, end] = made[rest].part;
+                    made[rest] = TrimEdge { part: [start, *t], ends: [from, id], ..whole };
+                    made.push(TrimEdge { part: [*t, end], ends: [id, to], ..whole });
+                    last = Some((position, id));
+                    id
+                }
+            };
+            unions.push([*vertex, [face, id]]);
+        }
+        let edge = edge as usize;
+        own.polygons.loops[around as usize].splice(edge..=edge, made);
+    }
+    unions
+}
+
+/// The vertices and edges near a vertex.
+fn matches_of(
+    faces: &[TrimmedFace<'_>],
+    [face, vertex]: [u32; 2],
+    tree: &BoxTree,
+    places: &[EdgePlace],
+    near: f64,
+) -> Vec<VertexMatch> {
+    let p = faces[face as usize].positions[vertex as usize];
+    let holds = |bounds: &Box3| (0..3).all(|k| bounds.min[k] <= p[k] && p[k] <= bounds.max[k]);
+    let mut found = Vec::new();
+    let mut open: Vec<u32> =
+        tree.root().into_iter().filter(|(bounds, _)| holds(bounds)).map(|(_, c)| c).collect();
+    while let Some(child) = open.pop() {
+        let item = match tree.node(child) {
+            BoxTreeNode::Inner(children) => {
+                open.extend(children.iter().filter(|(bounds, _)| holds(bounds)).map(|(_, child)| *child));
+                continue;
+            }
+            BoxTreeNode::Leaf(item) => item,
+        };
+        let place = places[item];
+        let own = &faces[place.face as usize];
+        let edge = &own.polygons.loops[place.around as usize][place.edge as usize];
+        if place.face == face && edge.ends.contains(&vertex) {
+            continue;
+        }
+        let ends = edge.ends.map(|id| own.positions[id as usize]);
+        let far = ends.map(|end| distance(end, p));
+        let nearer = usize::from(far[1] < far[0]);
+        if far[nearer] <= near {
+            found.push(VertexMatch::Same(place.face, edge.ends[nearer]));
+            continue;
+        }
+        found.extend(own.nearest(edge, p, near).map(|t| VertexMatch::On(place, t)));
+    }
+    found
+}
+
+impl TrimmedFace<'_> {
+    /// A box around an edge's part of the surface and what is near.
+    fn edge_box(&self, edge: &TrimEdge, near: f64) -> Box3 {
+        let [from, to] = edge.part;
+        let at = |k: usize| self.point(edge.piece, from + (to - from) * (k as f64 / SAMPLES as f64));
+        let mut points: Vec<[f64; 3]> = (0..=SAMPLES).map(at).collect();
+        // Twice the largest height of an arch over two samples, of which each half has a quarter.
+        let room = points.windows(3).fold(0.0, |most: f64, p| {
+            let between = std::array::from_fn(|k| 0.5 * (p[0][k] + p[2][k]));
+            greater(distance(p[1], between), most)
+        });
+        points.extend(edge.ends.map(|id| self.positions[id as usize]));
+        let (all, room) = (Box3::from_points(&points), near + 0.5 * room);
+        Box3 { min: all.min.map(|x| x - room), max: all.max.map(|x| x + room) }
+    }
+
+    /// The place of an edge's part at a parameter, in the cell that has the edge.
+    fn in_cell_of(&self, edge: &TrimEdge, t: f64) -> [f64; 2] {
+        let at = self.pieces.lattice_point(&self.lattice, edge.piece, t);
+        let ends = edge.ends.map(|id| self.polygons.vertices[id as usize]);
+        std::array::from_fn(|k| {
+            let [a, b] = ends.map(|end| self.lattice.cells_at(k, end[k]));
+            let cell = if b.contains(&a[0]) { a[0] } else { a[1] };
+            let lines = &self.lattice.lines[k];
+            // A straight edge on a line stays on it.
+            let (low, high) = if ends[0][k] == ends[1][k] {
+                (ends[0][k], ends[0][k])
+            } else {
+                (lines[cell], lines[cell + 1])
+            };
+            lesser(greater(at[k], low), high)
+        })
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    length(difference(a, b))
+}

@@ -1,0 +1,377 @@
+//! Triangulates what polygons enclose, cell by cell.
+//!
+//! Cells without an edge of a polygon are halved along a diagonal. All others are triangulated on their own, the edges
+//! in them kept and their corners and all vertices on their sides being vertices, so that neighbours fit. To the left of
+//! an edge is the inside; the rest of a cell, and cells without edges, follow from their neighbours.
+use super::face_lattice::FaceLattice;
+use super::trim_loops::TrimPolygons;
+use spade::handles::FixedVertexHandle;
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use std::collections::BTreeMap;
+use std::collections::VecDeque;
+
+/// Coordinates below this in size are too small for the triangulation's exact predicates; they become 0. Defined: by the
+/// crate, 1e-43 or so.
+const SMALLEST: f64 = 1e-40;
+
+/// Triangles of a face.
+pub(super) struct FaceTriangles {
+    /// Vertices in coordinates of the lattice; those of the polygons come first.
+    pub vertices: Vec<[f64; 2]>,
+    /// Each with its patch.
+    pub triangles: Vec<([u32; 3], usize)>,
+}
+
+/// Why polygons enclose no area.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TrimConflict {
+    /// Two edges cross, or the same area is inside by one and outside by another.
+    Crossing,
+    /// The inside reaches the end of the surface.
+    Open,
+}
+
+/// What lies in a cell.
+#[derive(Default)]
+struct CellContent {
+    vertices: Vec<u32>,
+    edges: Vec<[u32; 2]>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum CellState {
+    Unknown,
+    Inside,
+    Outside,
+    Mixed,
+}
+
+struct CellVertex {
+    at: Point2<f64>,
+    id: u32,
+}
+
+impl HasPosition for CellVertex {
+    type Scalar = f64;
+    fn position(&self) -> Point2<f64> {
+        self.at
+    }
+}
+
+/// A mixed cell: its inner triangles, by side whether what is next to it is inside, and the same for each edge there.
+struct MixedCell {
+    triangles: Vec<[u32; 3]>,
+    sides: [bool; 4],
+    borders: Vec<([u32; 2], bool)>,
+}
+
+struct CellTriangulator<'a> {
+    lattice: &'a FaceLattice,
+    vertices: Vec<[f64; 2]>,
+    by_place: BTreeMap<[u64; 2], u32>,
+    /// Cells along both directions.
+    n: [usize; 2],
+}
+
+/// The triangles of what polygons enclose.
+pub(super) fn triangulate(
+    lattice: &FaceLattice,
+    polygons: &TrimPolygons,
+) -> Result<FaceTriangles, TrimConflict> {
+    let n = [0, 1].map(|k| lattice.lines[k].len() - 1);
+    let mut work = CellTriangulator {
+        lattice,
+        vertices: polygons.vertices.iter().map(|at| at.map(not_tiny)).collect(),
+        by_place: BTreeMap::new(),
+        n,
+    };
+    // Vertices at one place are one.
+    let ids: Vec<u32> = (0..work.vertices.len() as u32)
+        .map(|id| *work.by_place.entry(key(work.vertices[id as usize])).or_insert(id))
+        .collect();
+    let mut contents: BTreeMap<[usize; 2], CellContent> = BTreeMap::new();
+    for id in &ids {
+        for cell in work.cells_at(*id) {
+            contents.entry(cell).or_default().vertices.push(*id);
+        }
+    }
+    for edge in polygons.loops.iter().flatten() {
+        let [a, b] = edge.ends.map(|id| ids[id as usize]);
+        if a == b {
+            continue;
+        }
+        let of_b = work.cells_at(b);
+        let mut is_in_one = false;
+        for cell in work.cells_at(a) {
+            if of_b.contains(&cell) {
+                is_in_one = true;
+                contents.entry(cell).or_default().edges.push([a, b]);
+            }
+        }
+        if !is_in_one {
+            return Err(TrimConflict::Crossing);
+        }
+    }
+    work.run(contents)
+}
+
+fn not_tiny(x: f64) -> f64 {
+    if x.abs() < SMALLEST { 0.0 } else { x }
+}
+
+fn key([x, y]: [f64; 2]) -> [u64; 2] {
+    [x.to_bits(), y.to_bits()]
+}
+
+impl CellTriangulator<'_> {
+    /// The cells whose closed rectangle has a vertex.
+    fn cells_at(&self, id: u32) -> Vec<[usize; 2]> {
+        let at = self.vertices[id as usize];
+        let [x, y] = [0, 1].map(|k| self.lattice.cells_at(k, at[k]));
+        let mut cells = vec![[x[0], y[0]], [x[1], y[0]], [x[0], y[1]], [x[1], y[1]]];
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
+
+    /// The vertex where two lines cross.
+    fn corner(&mut self, i: usize, j: usize) -> u32 {
+        let at = [self.lattice.lines[0][i], self.lattice.lines[1][j]];
+        let next = self.vertices.len() as u32;
+        let id = *self.by_place.entry(key(at)).or_insert(next);
+        if id == next {
+            self.vertices.push(at);
+        }
+        id
+    }
+
+    fn corners(&mut self, [i, j]: [usize; 2]) -> [u32; 4] {
+        [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|[i, j]| self.corner(i, j))
+    }
+
+    fn run(mut self, contents: BTreeMap<[usize; 2], CellContent>) -> Result<FaceTriangles, TrimConflict> {
+        let [n, m] = self.n;
+        let mut states = vec![CellState::Unknown; n * m];
+        let mut sides = BTreeMap::new();
+        let mut triangles = Vec::new();
+        let mut borders = BTreeMap::new();
+        for (cell, content) in &contents {
+            let Some(mixed) = self.mixed_cell(*cell, content)? else { continue };
+            states[cell[1] * n + cell[0]] = CellState::Mixed;
+            let patch = self.lattice.patch_at(*cell);
+            triangles.extend(mixed.triangles.into_iter().map(|t| (t, patch)));
+            sides.insert(*cell, mixed.sides);
+            for (edge, is_inside) in mixed.borders {
+                if *borders.entry(edge).or_insert(is_inside) != is_inside {
+                    return Err(TrimConflict::Crossing);
+                }
+            }
+        }
+        if sides.is_empty() {
+            return Err(TrimConflict::Crossing);
+        }
+        self.spread(&sides, &mut states)?;
+        for j in 0..m {
+            for i in 0..n {
+                let cell = [i, j];
+                if states[j * n + i] != CellState::Inside {
+                    continue;
+                }
+                let patch = self.lattice.patch_at(cell);
+                match contents.get(&cell) {
+                    // Vertices of neighbours on its sides, without an edge.
+                    Some(content) => {
+                        let all = self.cell_triangles(cell, content)?;
+                        triangles.extend(all.into_iter().map(|t| (t, patch)));
+                    }
+                    None => triangles.extend(self.halves(cell, patch).map(|t| (t, patch))),
+                }
+            }
+        }
+        Ok(FaceTriangles { vertices: self.vertices, triangles })
+    }
+
+    /// Gives the state of cells beside those that are known to cells without edges.
+    fn spread(
+        &self,
+        sides: &BTreeMap<[usize; 2], [bool; 4]>,
+        states: &mut [CellState],
+    ) -> Result<(), TrimConflict> {
+        let [n, m] = self.n;
+        let neighbour = |[i, j]: [usize; 2], side: usize| match side {
+            0 => (j > 0).then(|| [i, j - 1]),
+            1 => (i + 1 < n).then_some([i + 1, j]),
+            2 => (j + 1 < m).then_some([i, j + 1]),
+            _ => (i > 0).then(|| [i - 1, j]),
+        };
+        let mut queue: VecDeque<([usize; 2], bool)> = VecDeque::new();
+        for (cell, inside) in sides {
+            let beside = (0..4).filter_map(|side| Some((neighbour(*cell, side)?, inside[side])));
+            queue.extend(beside);
+        }
+        while let Some((cell, is_inside)) = queue.pop_front() {
+            let state = &mut states[cell[1] * n + cell[0]];
+            let wanted = if is_inside { CellState::Inside } else { CellState::Outside };
+            match *state {
+                CellState::Unknown => *state = wanted,
+                CellState::Mixed => continue,
+                known if known == wanted => continue,
+                _ => return Err(TrimConflict::Crossing),
+            }
+            for side in 0..4 {
+                match neighbour(cell, side) {
+                    Some(next) => queue.push_back((next, is_inside)),
+                    None if is_inside => return Err(TrimConflict::Open),
+                    None => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The two triangles of a cell, along the diagonal that is nearer to the surface.
+    fn halves(&mut self, cell: [usize; 2], patch: usize) -> [[u32; 3]; 2] {
+        let ids = self.corners(cell);
+        let places = ids.map(|id| self.vertices[id as usize]);
+        let points = places.map(|at| self.lattice.position(at));
+        let [first, second] = self.lattice.diagonal_bounds(patch, places, points);
+        let [a, b, c, d] = ids;
+        if first <= second { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+    }
+
+    /// The Delaunay triangulation of a cell's corners and vertices.
+    fn points(
+        &mut self,
+        cell: [usize; 2],
+        content: &CellContent,
+    ) -> Result<(ConstrainedDelaunayTriangulation<CellVertex>, BTreeMap<u32, FixedVertexHandle>), TrimConflict>
+    {
+        let mut made = ConstrainedDelaunayTriangulation::new();
+        let mut handles = BTreeMap::new();
+        for id in self.corners(cell).into_iter().chain(content.vertices.iter().copied()) {
+            let [x, y] = self.vertices[id as usize];
+            let vertex = CellVertex { at: Point2::new(x, y), id };
+            let handle = made.insert(vertex).map_err(|_| TrimConflict::Crossing)?;
+            handles.insert(id, handle);
+        }
+        Ok((made, handles))
+    }
+
+    /// All triangles of a cell that is inside.
+    fn cell_triangles(
+        &mut self,
+        cell: [usize; 2],
+        content: &CellContent,
+    ) -> Result<Vec<[u32; 3]>, TrimConflict> {
+        let (made, _) = self.points(cell, content)?;
+        Ok(made.inner_faces().map(|face| face.vertices().map(|vertex| vertex.data().id)).collect())
+    }
+
+    /// A cell with edges; none where edges cancel.
+    fn mixed_cell(
+        &mut self,
+        cell: [usize; 2],
+        content: &CellContent,
+    ) -> Result<Option<MixedCell>, TrimConflict> {
+        // An edge that runs both ways bounds nothing.
+        let mut net: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+        for [a, b] in &content.edges {
+            let (pair, sign) = if a < b { ([*a, *b], 1) } else { ([*b, *a], -1) };
+            *net.entry(pair).or_default() += sign;
+        }
+        net.retain(|_, n| *n != 0);
+        if net.is_empty() {
+            return Ok(None);
+        }
+        if net.values().any(|n| n.abs() > 1) {
+            return Err(TrimConflict::Crossing);
+        }
+        let (mut made, handles) = self.points(cell, content)?;
+        for [a, b] in net.keys() {
+            let [a, b] = [a, b].map(|id| handles[id]);
+            if !made.can_add_constraint(a, b) {
+                return Err(TrimConflict::Crossing);
+            }
+            made.add_constraint(a, b);
+        }
+        let n = made.num_all_faces();
+        let mut inside: Vec<Option<bool>> = vec![None; n];
+        let mut open = VecDeque::new();
+        let set =
+            |inside: &mut Vec<Option<bool>>, open: &mut VecDeque<_>, face: usize, value: bool| match inside
+                [face]
+            {
+                None => {
+                    inside[face] = Some(value);
+                    open.push_back(face);
+                    Ok(())
+                }
+                Some(known) if known == value => Ok(()),
+                Some(_) => Err(TrimConflict::Crossing),
+            };
+        for (pair, sign) in &net {
+            let [a, b] = if *sign > 0 { *pair } else { [pair[1], pair[0]] };
+            let Some(edge) = made.get_edge_from_neighbors(handles[&a], handles[&b]) else {
+                // A vertex lies on it.
+                return Err(TrimConflict::Crossing);
+            };
+            for (edge, value) in [(edge, true), (edge.rev(), false)] {
+                if let Some(face) = edge.face().as_inner() {
+                    set(&mut inside, &mut open, face.fix().index(), value)?;
+                }
+            }
+        }
+        let faces: BTreeMap<usize, _> = made.inner_faces().map(|face| (face.fix().index(), face)).collect();
+        while let Some(index) = open.pop_front() {
+            let value = inside[index] == Some(true);
+            for edge in faces[&index].adjacent_edges() {
+                if edge.is_constraint_edge() {
+                    continue;
+                }
+                if let Some(next) = edge.rev().face().as_inner() {
+                    set(&mut inside, &mut open, next.fix().index(), value)?;
+                }
+            }
+        }
+        let mut mixed = MixedCell { triangles: Vec::new(), sides: [false; 4], borders: Vec::new() };
+        for (index, face) in &faces {
+            let is_inside = inside[*index] == Some(true);
+            if is_inside {
+                mixed.triangles.push(face.vertices().map(|vertex| vertex.data().id));
+            }
+            for edge in face.adjacent_edges() {
+                if !edge.rev().face().is_outer() || edge.is_constraint_edge() {
+                    continue;
+                }
+                let [from, to] = edge.positions();
+                let side = self.side_of(cell, from, to);
+                mixed.sides[side] = is_inside;
+                let [a, b] = edge.vertices().map(|vertex| vertex.data().id);
+                mixed.borders.push((if a < b { [a, b] } else { [b, a] }, is_inside));
+                if is_inside && self.is_border(cell, side) {
+                    return Err(TrimConflict::Open);
+                }
+            }
+        }
+        Ok(Some(mixed))
+    }
+
+    /// The side of a cell on which an edge lies.
+    fn side_of(&self, [i, j]: [usize; 2], from: Point2<f64>, to: Point2<f64>) -> usize {
+        let [x, y] = &self.lattice.lines;
+        if from.y == y[j] && to.y == y[j] {
+            0
+        } else if from.x == x[i + 1] && to.x == x[i + 1] {
+            1
+        } else if from.y == y[j + 1] && to.y == y[j + 1] {
+            2
+        } else {
+            3
+        }
+    }
+
+    fn is_border(&self, [i, j]: [usize; 2], side: usize) -> bool {
+        let [n, m] = self.n;
+        [j == 0, i + 1 == n, j + 1 == m, i == 0][side]
+    }
+}

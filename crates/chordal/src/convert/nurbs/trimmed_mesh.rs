@@ -1,0 +1,344 @@
+//! Trimmed surfaces as one mesh: patches near each surface, polygons near its loops, sewn, cut into cells, triangulated,
+//! joined.
+use super::face_lattice::FaceLattice;
+use super::fit::fit;
+use super::sew::{SewnVertices, TrimmedFace, sew};
+use super::trim_cells::{FaceTriangles, TrimConflict, triangulate};
+use super::trim_loops::TrimPieces;
+use crate::budget::{Failure, Job, RefusalCode, par_map};
+use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
+use crate::explicit::Mesh;
+use crate::explicit::nurbs::TrimmedSurface;
+use crate::math::{Box3, difference, greater, length};
+use glam::DVec3;
+
+/// The parts of a length that go to patches, to loops, and to sewing. Chosen: the number of triangles goes like 1 over
+/// what is left.
+const PATCHES: f64 = 0.05;
+const LOOPS: f64 = 0.3;
+const SEWING: f64 = 0.05;
+/// What triangles are first expected to need. Chosen: a little less than what is left.
+const TRIANGLES: f64 = 0.55;
+/// What goes to the loops of a plane, whose triangles lose nothing, or to the triangles between straight loops.
+const ONLY: f64 = 0.85;
+/// Below this something is as if it were straight.
+const STRAIGHT: f64 = 0.05;
+/// Faces nearer than this part of the whole are sewn even where the length would allow more: what is farther apart is
+/// meant so. Chosen.
+const NEAREST: f64 = 1e-4;
+/// Rounds until what triangles are expected to need is what they need. Chosen.
+const ROUNDS: usize = 5;
+
+/// A mesh, and how far it is from its surfaces, at most.
+pub(in crate::convert) struct TrimmedMesh {
+    pub mesh: Mesh,
+    pub at_most: f64,
+    /// The middle of the triangle that is farthest, as far as is known.
+    pub worst: Option<[f64; 3]>,
+}
+
+/// The triangles of one face and what they lose.
+struct BoundedFace {
+    triangles: Vec<[u32; 3]>,
+    /// Of the vertices that are not on a loop.
+    inner: Vec<[f64; 3]>,
+    normals: Vec<[f64; 3]>,
+    /// What triangles lose.
+    bent: f64,
+    /// What patches, polygons and rounding lose.
+    off: f64,
+    worst: Option<[f64; 3]>,
+}
+
+/// A mesh within a length of surfaces, or the nearest that was reached.
+pub(in crate::convert) fn mesh_within(
+    faces: &[TrimmedSurface],
+    wanted: f64,
+    bounds: &Box3,
+    job: &Job,
+) -> Result<TrimmedMesh, Failure<Mesh>> {
+    let fitted = par_map(job, faces, |_, face| {
+        let pieces = TrimPieces::new(face.surface(), face.loops());
+        let fitted = fit(face.surface(), PATCHES * wanted, &job.clone().with_threads(1));
+        let off = fitted.at_most;
+        let lattice = FaceLattice::new(face.surface(), fitted.patches, &fitted.cuts, pieces.degree);
+        (pieces, lattice, off)
+    });
+    if job.is_cancelled() {
+        return Err(Failure::Cancelled);
+    }
+    let mut prepared = fitted;
+    let near = {
+        let all = NEAREST * bounds.diagonal();
+        let part = SEWING * wanted;
+        if part < all { part } else { all }
+    };
+    let mut best: Option<TrimmedMesh> = None;
+    let mut scale = 1.0;
+    for _ in 0..ROUNDS {
+        let (made, bent, kept) = one_round(faces, prepared, [scale, wanted], near, job)?;
+        prepared = kept;
+        let (reached, is_met) = (made.at_most, made.at_most <= wanted);
+        if best.as_ref().is_none_or(|best| reached < best.at_most) {
+            best = Some(made);
+        }
+        // What is left where patches, loops and sewing have taken theirs.
+        let left = wanted - (reached - bent);
+        if is_met || left <= 0.0 || bent <= 0.0 {
+            break;
+        }
+        // Errors go with what is expected.
+        scale *= 0.95 * left / bent;
+    }
+    best.ok_or(Failure::Cancelled)
+}
+
+type PreparedFace = (TrimPieces, FaceLattice, f64);
+
+/// One mesh whose triangles are expected within a length; what they lose of its bound.
+fn one_round(
+    surfaces: &[TrimmedSurface],
+    prepared: Vec<PreparedFace>,
+    [scale, wanted]: [f64; 2],
+    near: f64,
+    job: &Job,
+) -> Result<(TrimmedMesh, f64, Vec<PreparedFace>), Failure<Mesh>> {
+    let most = (job.memory_limit / CELL_BYTES).min(job.triangle_limit);
+    let (mut cells, mut loops) = (0_u64, Vec::new());
+    let mut faces = Vec::with_capacity(prepared.len());
+    for ((pieces, mut lattice, off), surface) in prepared.into_iter().zip(surfaces) {
+        let (is_flat, is_straight) =
+            (lattice.bending() <= STRAIGHT * wanted, pieces.bulge(&lattice) <= STRAIGHT * wanted);
+        lattice.cut(scale * wanted * if is_straight { ONLY } else { TRIANGLES });
+        loops.push(wanted * if is_flat { ONLY } else { LOOPS });
+        cells += lattice.lines.iter().map(|lines| lines.len() as u64 - 1).product::<u64>();
+        if cells > most {
+            let message =
+                format!("the budget needs more than {most} cells, which is more than the job allows");
+            return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
+        }
+        let polygons = pieces.polygons(&lattice);
+        let net = surface.surface().bezier_net();
+        let mut face = TrimmedFace { net, lattice, pieces, polygons, positions: Vec::new(), off };
+        face.positions = face.polygons.vertices.iter().map(|at| face.surface_point(*at)).collect();
+        faces.push(face);
+    }
+    let sewn = sew(&mut faces, &loops, near, job);
+    if job.is_cancelled() {
+        return Err(Failure::Cancelled);
+    }
+    let moved = moved_to(&faces, &sewn);
+    let indices: Vec<usize> = (0..faces.len()).collect();
+    let made = par_map(job, &indices, |_, index| {
+        let face = &faces[*index];
+        let triangles = triangulate(&face.lattice, &face.polygons)?;
+        let first = sewn.first[*index] as usize;
+        let targets = &moved[first..first + face.positions.len()];
+        Ok(bounded_face(face, &triangles, targets, surfaces[*index].is_flipped()))
+    });
+    if job.is_cancelled() {
+        return Err(Failure::Cancelled);
+    }
+    let mut bounded = Vec::with_capacity(made.len());
+    for (index, one) in made.into_iter().enumerate() {
+        bounded.push(one.map_err(|conflict| refusal(index, &faces[index], conflict))?);
+    }
+    let bent = bounded.iter().fold(0.0, |most: f64, face| greater(face.bent, most));
+    let mesh = join(&faces, &sewn, &moved, bounded)?;
+    let kept = faces.into_iter().map(|face| (face.pieces, face.lattice, face.off)).collect();
+    Ok((mesh, bent, kept))
+}
+
+/// What a cell needs until its triangles are joined. Measured: some 150 bytes a triangle.
+const CELL_BYTES: u64 = 400;
+
+/// Where each vertex of a loop goes: where the first one that is the same is.
+fn moved_to(faces: &[TrimmedFace<'_>], sewn: &SewnVertices) -> Vec<[f64; 3]> {
+    let all: Vec<[f64; 3]> = faces.iter().flat_map(|face| face.positions.iter().copied()).collect();
+    sewn.same.iter().map(|leader| all[*leader as usize]).collect()
+}
+
+/// The triangles of a face with what they lose.
+fn bounded_face(
+    face: &TrimmedFace<'_>,
+    triangles: &FaceTriangles,
+    targets: &[[f64; 3]],
+    is_flipped: bool,
+) -> BoundedFace {
+    let n_border = targets.len();
+    let positions: Vec<[f64; 3]> = triangles.vertices.iter().map(|at| face.lattice.position(*at)).collect();
+    let turned = |normal: [f64; 3]| if is_flipped { normal.map(|x| -x) } else { normal };
+    let normals =
+        triangles.vertices.iter().map(|at| turned(face.lattice.normal(*at).unwrap_or_default())).collect();
+    // A few roundings of a length.
+    let moved: Vec<f64> = (0..n_border)
+        .map(|k| length(difference(positions[k], targets[k])) * (1.0 + 8.0 * f64::EPSILON))
+        .collect();
+    let (mut bent, mut worst) = (0.0, None);
+    for (corners, patch) in &triangles.triangles {
+        let places = corners.map(|k| triangles.vertices[k as usize]);
+        let at = corners.map(|k| positions[k as usize]);
+        let shift = corners
+            .iter()
+            .filter_map(|k| moved.get(*k as usize))
+            .fold(0.0, |most: f64, moved| greater(*moved, most));
+        let bound = face.lattice.triangle_bound(*patch, places, at) + shift;
+        if bound > bent {
+            bent = bound;
+            worst = Some(std::array::from_fn(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0));
+        }
+        if bound.is_nan() {
+            bent = f64::INFINITY;
+        }
+    }
+    let lattice = &face.lattice;
+    let off = face.off + face.polygons.off + lattice.rounding + lattice.parameter_rounding;
+    let ordered = |t: [u32; 3]| if is_flipped { [t[0], t[2], t[1]] } else { t };
+    BoundedFace {
+        triangles: triangles.triangles.iter().map(|(t, _)| ordered(*t)).collect(),
+        inner: positions[n_border..].to_vec(),
+        normals,
+        bent,
+        off,
+        worst,
+    }
+}
+
+/// All faces as one mesh.
+fn join(
+    faces: &[TrimmedFace<'_>],
+    sewn: &SewnVertices,
+    moved: &[[f64; 3]],
+    bounded: Vec<BoundedFace>,
+) -> Result<TrimmedMesh, Failure<Mesh>> {
+    // Positions: those of loops by their first, then those within faces.
+    let n_border = sewn.same.len() as u32;
+    let mut positions: Vec<[f64; 3]> = moved.to_vec();
+    let mut corners: Vec<[u32; 3]> = Vec::new();
+    let mut normals: Vec<[f64; 3]> = vec![[0.0; 3]; positions.len()];
+    let (mut at_most, mut worst) = (0.0, None);
+    let mut faces_of = Vec::with_capacity(bounded.len());
+    for (index, one) in bounded.iter().enumerate() {
+        let (first, own) = (sewn.first[index], faces[index].positions.len() as u32);
+        let inner = positions.len() as u32;
+        positions.extend_from_slice(&one.inner);
+        for (k, normal) in one.normals.iter().enumerate() {
+            let k = k as u32;
+            if k < own { normals[(first + k) as usize] = *normal } else { normals.push(*normal) }
+        }
+        let begin = corners.len();
+        let number = |k: u32| if k < own { first + k } else { inner + (k - own) };
+        corners.extend(one.triangles.iter().map(|t| t.map(number)));
+        faces_of.push(begin..corners.len());
+        let total = (one.bent + one.off) * (1.0 + 8.0 * f64::EPSILON);
+        if total > at_most || total.is_nan() {
+            (at_most, worst) = (if total.is_nan() { f64::INFINITY } else { total }, one.worst);
+        }
+    }
+    let leader = |k: u32| if k < n_border { sewn.same[k as usize] } else { k };
+    let is_flat = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(leader);
+        a == b || b == c || c == a
+    };
+    let (dropped, kept): (Vec<[u32; 3]>, Vec<[u32; 3]>) = corners.into_iter().partition(is_flat);
+    if kept.is_empty() {
+        let message = "nothing of the surfaces is larger than the budget";
+        return Err(Failure::refused(RefusalCode::Budget, message));
+    }
+    at_most += uncovered(&dropped, &kept, leader, &positions);
+    if !at_most.is_finite() {
+        let message = "a patch near a surface would leave the range of numbers: the weights differ too much";
+        return Err(Failure::refused(RefusalCode::NotFinite, message));
+    }
+    Ok(TrimmedMesh { mesh: shaded(&positions, &normals, kept, leader), at_most: at_most.next_up(), worst })
+}
+
+/// How far what dropped triangles cover is from all others: their image is an edge or a point, most often of a triangle
+/// that is kept.
+fn uncovered(
+    dropped: &[[u32; 3]],
+    kept: &[[u32; 3]],
+    leader: impl Fn(u32) -> u32 + Copy,
+    positions: &[[f64; 3]],
+) -> f64 {
+    if dropped.is_empty() {
+        return 0.0;
+    }
+    let sides = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(leader);
+        [[a, b], [b, c], [c, a], [a, a], [b, b], [c, c]].map(|[a, b]| if a < b { [a, b] } else { [b, a] })
+    };
+    let mut seen: Vec<[u32; 2]> = kept.iter().flat_map(sides).collect();
+    seen.sort_unstable();
+    let has = |side: [u32; 2]| seen.binary_search(&side).is_ok();
+    let mut off = 0.0;
+    for triangle in dropped {
+        let all = sides(triangle);
+        if all.iter().all(|side| has(*side)) {
+            continue;
+        }
+        let far = all[..3].iter().fold(0.0, |far: f64, [a, b]| {
+            greater(length(difference(positions[*a as usize], positions[*b as usize])), far)
+        });
+        let touches = all[3..].iter().any(|side| has(*side));
+        off = greater(off, if touches { far * (1.0 + 8.0 * f64::EPSILON) } else { f64::INFINITY });
+    }
+    off
+}
+
+/// The mesh, with vertices split where normals differ.
+fn shaded(
+    positions: &[[f64; 3]],
+    normals: &[[f64; 3]],
+    faces: Vec<[u32; 3]>,
+    leader: impl Fn(u32) -> u32,
+) -> Mesh {
+    // Vertices at one position, one after the other.
+    let mut used: Vec<u32> = faces.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
+    used.sort_by_key(|vertex| (leader(*vertex), *vertex));
+    let mut becomes = vec![u32::MAX; positions.len()];
+    let (mut points, mut ids): (Vec<[f64; 3]>, Vec<u32>) = (Vec::new(), Vec::new());
+    let mut sums: Vec<DVec3> = Vec::new();
+    for run in used.chunk_by(|a, b| leader(*a) == leader(*b)) {
+        let first = points.len() as u32;
+        let mut groups: Vec<(DVec3, u32)> = Vec::new();
+        for vertex in run {
+            let normal = DVec3::from(normals[*vertex as usize]);
+            let known =
+                groups.iter().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL || normal == DVec3::ZERO);
+            let target = known.map(|group| group.1).unwrap_or_else(|| {
+                points.push(positions[*vertex as usize]);
+                ids.push(first);
+                sums.push(DVec3::ZERO);
+                groups.push((normal, points.len() as u32 - 1));
+                points.len() as u32 - 1
+            });
+            sums[target as usize] += normal;
+            becomes[*vertex as usize] = target;
+        }
+    }
+    let faces: Vec<[u32; 3]> = faces.into_iter().map(|t| t.map(|k| becomes[k as usize])).collect();
+    let mut normals: Vec<[f64; 3]> = sums.into_iter().map(|sum| sum.normalize_or_zero().into()).collect();
+    fill_missing_normals(&points, &faces, &mut normals);
+    let is_split = ids.iter().enumerate().any(|(k, id)| *id != k as u32);
+    mesh_with_normals(points, faces, normals, is_split.then_some(ids))
+}
+
+/// What is said of loops that enclose no area.
+fn refusal(surface: usize, face: &TrimmedFace<'_>, conflict: TrimConflict) -> Failure<Mesh> {
+    let wrong = face.pieces.backward(&face.lattice, &face.polygons);
+    let message = match (wrong, conflict) {
+        (Some(index), _) => format!(
+            "trim loop {index} of surface {surface} runs backwards: outer loops run counter-clockwise, holes clockwise"
+        ),
+        (None, TrimConflict::Crossing) => {
+            format!("a trim loop of surface {surface} crosses itself or another one")
+        }
+        (None, TrimConflict::Open) => {
+            format!("the trim loops of surface {surface} do not enclose the inside: an outer loop is missing")
+        }
+    };
+    Failure::refused(RefusalCode::Unsupported, message)
+}
