@@ -4,7 +4,7 @@ use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::par_map;
-use chordal::explicit::nurbs::NurbsSurface;
+use chordal::explicit::nurbs::TrimmedSurface;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
 use chordal::math::{Box3, greater};
 use chordal::{Job, Mesh, Patch};
@@ -293,8 +293,8 @@ pub(crate) fn check_patches(patches: &[Patch], warnings: &mut Warnings) -> Resul
     Ok(())
 }
 
-pub(crate) fn check_surfaces(surfaces: &[NurbsSurface], warnings: &mut Warnings) -> Result<(), ReadError> {
-    check_extent(surfaces.iter().flat_map(NurbsSurface::control))?;
+pub(crate) fn check_surfaces(surfaces: &[TrimmedSurface], warnings: &mut Warnings) -> Result<(), ReadError> {
+    check_extent(surfaces.iter().flat_map(|face| face.surface().control()))?;
     warnings.count_all("no-surfaces", u64::from(surfaces.is_empty()), "the file has no surfaces");
     Ok(())
 }

@@ -2,7 +2,7 @@
 use crate::glb::deformation::is_deformed;
 use crate::glb::{GltfPacking, VertexStorage};
 use crate::{Curves, Drawing, Frame, MATERIAL, Marks, Polygons, RareValue, SceneAssets, Volume, Warning};
-use chordal::explicit::nurbs::NurbsSurface;
+use chordal::explicit::nurbs::TrimmedSurface;
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
@@ -83,8 +83,8 @@ pub struct Scene {
 pub enum Content {
     /// Bicubic Bézier patches.
     Patches(Vec<Patch>, Frame),
-    /// NURBS surfaces.
-    Surfaces(Vec<NurbsSurface>, Frame),
+    /// NURBS surfaces, each of them whole or trimmed.
+    Surfaces(Vec<TrimmedSurface>, Frame),
     /// Meshes.
     Scene(Scene),
     /// A polygon cage.

@@ -2,6 +2,7 @@
 //! `curves.schema.json`, `polylines.schema.json` and `surfaces.schema.json`.
 mod lines;
 mod surfaces;
+mod trim;
 mod write;
 
 use crate::assemble::{check_patches, check_surfaces, too_many_rows};
@@ -11,7 +12,7 @@ use crate::text::{grouped, show, text_of};
 use crate::warnings::Warnings;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
-use chordal::explicit::nurbs::NurbsSurface;
+use chordal::explicit::nurbs::TrimmedSurface;
 use lines::{CurveForm, CurveList};
 use serde_json::Value;
 pub use write::write;
@@ -103,7 +104,7 @@ struct ShapeJsonMembers {
     by_index: Vec<[u32; 16]>,
     by_value: Vec<Patch>,
     has_patches: bool,
-    surfaces: Option<Vec<NurbsSurface>>,
+    surfaces: Option<Vec<TrimmedSurface>>,
     lines: CurveList,
     /// The report in the file.
     report: Option<Value>,

@@ -17,15 +17,15 @@ fn a_surface_is_read_with_its_weights() {
         panic!("surfaces")
     };
     assert_eq!((surfaces.len(), frame.up), (1, Some(chordal_io::Axis::Z)));
-    assert_eq!(surfaces[0].at(1.0, 0.5), [1.0, 0.5, 0.5]);
-    assert_eq!(surfaces[0].weights(), [1.0; 4]);
+    assert_eq!(surfaces[0].surface().at(1.0, 0.5), [1.0, 0.5, 0.5]);
+    assert_eq!(surfaces[0].surface().weights(), [1.0; 4]);
     let weighted = text.replace("[1, 1, 1]]]}", "[1, 1, 1]]], \"weights\": [[1, 1], [1, 3]]}");
     let Content::Surfaces(surfaces, _) =
         shape_json::read(weighted.as_bytes(), &Limits::default()).unwrap().content
     else {
         panic!("surfaces")
     };
-    assert_eq!(surfaces[0].at(1.0, 0.5), [1.0, 0.75, 0.75]);
+    assert_eq!(surfaces[0].surface().at(1.0, 0.5), [1.0, 0.75, 0.75]);
 }
 
 #[test]

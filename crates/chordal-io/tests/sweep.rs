@@ -102,7 +102,7 @@ fn check(name: &str, bytes: &[u8], format: Format) {
             assert!(patches.iter().all(chordal::Patch::is_finite), "{name}");
         }
         Ok(ReadOutcome { content: Content::Surfaces(surfaces, _), .. }) => {
-            let numbers = surfaces.iter().flat_map(|surface| surface.control().as_flattened());
+            let numbers = surfaces.iter().flat_map(|face| face.surface().control().as_flattened());
             assert!(numbers.into_iter().all(|x| x.is_finite()), "{name}");
         }
         Ok(ReadOutcome { content: Content::Drawing(drawing), .. }) => {

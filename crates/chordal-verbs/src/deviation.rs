@@ -7,7 +7,7 @@ use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Length, Reference, RefusalCode, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
-use chordal::explicit::nurbs::NurbsSurface;
+use chordal::explicit::nurbs::TrimmedSurface;
 use chordal::math::{add_up, greater, lesser, sub_down};
 use chordal::{Budget, Job, Mesh, convert};
 use std::borrow::Cow;
@@ -145,7 +145,7 @@ enum ComparedSurface {
     /// Patches and their diagonal.
     Patches(Vec<chordal::Patch>, f64),
     /// NURBS surfaces and their diagonal.
-    Surfaces(Vec<NurbsSurface>, f64),
+    Surfaces(Vec<TrimmedSurface>, f64),
     /// A cage and its diagonal.
     Cage(Box<Cage>, f64),
     /// A volume.
@@ -242,7 +242,7 @@ impl ComparedSurface {
                 let made = match self {
                     Self::Cage(cage, _) => chordal::convert::cage_to_mesh(cage, &budget, job),
                     Self::Patches(patches, _) => convert::patches_to_mesh(patches, &budget, job),
-                    Self::Surfaces(surfaces, _) => convert::nurbs_to_mesh(surfaces, &budget, job),
+                    Self::Surfaces(surfaces, _) => convert::trimmed_surfaces_to_mesh(surfaces, &budget, job),
                     Self::Triangles(mesh, off) => {
                         return Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles));
                     }

@@ -83,7 +83,8 @@ pub fn mesh(
             (Scene::from_mesh("patches", made.shape, frame), made.bound)
         }
         Shape::Surfaces { surfaces, frame } => {
-            let made = request.run(job, |budget| convert::nurbs_to_mesh(&surfaces, budget, job))?;
+            let made =
+                request.run(job, |budget| convert::trimmed_surfaces_to_mesh(&surfaces, budget, job))?;
             (Scene::from_mesh("surfaces", made.shape, frame), made.bound)
         }
         Shape::Cage(polygons) => {

@@ -401,7 +401,7 @@ fn draw_mesh(
 fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
     let made = match shape {
         Shape::Patches { patches, .. } => convert::patches_to_mesh(patches, budget, job),
-        Shape::Surfaces { surfaces, .. } => convert::nurbs_to_mesh(surfaces, budget, job),
+        Shape::Surfaces { surfaces, .. } => convert::trimmed_surfaces_to_mesh(surfaces, budget, job),
         Shape::Cage(polygons) => chordal::convert::cage_to_mesh(&polygons.cage, budget, job),
         other => {
             let message = format!("{} have no patches", other.kind());

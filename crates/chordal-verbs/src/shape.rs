@@ -2,7 +2,7 @@
 use crate::implicit::ImplicitShape;
 use crate::{SurfaceSpec, VolumeShape, cage_size};
 use chordal::Patch;
-use chordal::explicit::nurbs::NurbsSurface;
+use chordal::explicit::nurbs::TrimmedSurface;
 use chordal::explicit::{Curve, CurveSegment};
 use chordal::math::{Box3, add_up, greater, mul_down, mul_up, sqrt_down, sub_down};
 use chordal_io::{Content, Curves, Drawing, Frame, Polygons, Scene, WriteError};
@@ -21,7 +21,7 @@ pub enum Shape {
     /// NURBS surfaces.
     Surfaces {
         /// The surfaces.
-        surfaces: Vec<NurbsSurface>,
+        surfaces: Vec<TrimmedSurface>,
         /// The frame of their coordinates.
         frame: Frame,
     },
@@ -172,9 +172,8 @@ impl Shape {
 }
 
 /// A lower bound of the diagonal of surfaces, by samples of them.
-fn surfaces_diagonal(surfaces: &[NurbsSurface]) -> f64 {
-    let samples: Vec<[f64; 3]> =
-        surfaces.iter().flat_map(|surface| surface.lattice(SAMPLES as usize)).collect();
+fn surfaces_diagonal(surfaces: &[TrimmedSurface]) -> f64 {
+    let samples: Vec<[f64; 3]> = surfaces.iter().flat_map(|face| face.samples(SAMPLES as usize)).collect();
     let sampled = Box3::from_points(&samples);
     let bounds = surfaces.iter().fold(Box3::EMPTY, |hull, surface| hull.union(surface.bounds()));
     let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| greater(x.abs(), most));

@@ -50,7 +50,8 @@ pub(crate) fn tessellate_scene(
             return Ok((Scene::from_mesh("patches", made.shape, *shape.frame()), made.bound));
         }
         Shape::Surfaces { surfaces, .. } => {
-            let made = convert::nurbs_to_mesh(surfaces, &budget, job).or_else(Failure::best_effort)?;
+            let made =
+                convert::trimmed_surfaces_to_mesh(surfaces, &budget, job).or_else(Failure::best_effort)?;
             return Ok((Scene::from_mesh("surfaces", made.shape, *shape.frame()), made.bound));
         }
         Shape::Cage(polygons) => cage::limit_surface(polygons, &request, job),

@@ -1,24 +1,28 @@
 //! NURBS surfaces in JSON.
+use super::trim::trim_loops;
 use super::{check_rows, point, width};
 use crate::ReadError;
 use crate::grow::push;
 use crate::json::{JsonKind, JsonReader};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits};
-use chordal::explicit::nurbs::{KnotVector, NurbsSurface};
+use chordal::explicit::nurbs::{KnotVector, NurbsSurface, TrimmedSurface};
 
-/// Reads one surface: its degrees, knots, rows of control points, and weights.
+/// Reads one surface: its degrees, knots, rows of control points, weights, and the loops that trim it.
 pub(super) fn surface(
     json: &mut JsonReader,
     limits: &Limits,
     warnings: &mut Warnings,
-) -> Result<NurbsSurface, ReadError> {
+) -> Result<TrimmedSurface, ReadError> {
     let (mut degrees, mut knots) = (None, None);
     let (mut control, mut row_lengths) = (Vec::new(), Vec::new());
     let mut weights: Option<Vec<Vec<f64>>> = None;
+    let (mut loops, mut is_flipped) = (Vec::new(), false);
     let place = json.place();
     json.object(|json, key| {
         match key {
+            "trim" => loops = trim_loops(json, limits, warnings)?,
+            "flip" => is_flipped = json.flag()?,
             "degree" => degrees = Some(both(json, |json| json.number())?),
             "knots" => knots = Some(both(json, |json| numbers(json, limits))?),
             "control" => {
@@ -75,7 +79,9 @@ pub(super) fn surface(
         }
         None => vec![1.0; control.len()],
     };
-    NurbsSurface::new(vectors, control, weights).map_err(|error| wrong(error.to_string()))
+    let surface = NurbsSurface::new(vectors, control, weights).map_err(|error| wrong(error.to_string()))?;
+    let trimmed = TrimmedSurface::new(surface, loops).map_err(|error| wrong(error.to_string()))?;
+    Ok(if is_flipped { trimmed.flipped() } else { trimmed })
 }
 
 /// Two of the same, for `u` and for `v`.

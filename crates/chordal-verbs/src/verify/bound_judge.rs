@@ -6,16 +6,16 @@ use crate::seal::seal_of;
 use crate::volume::{ValueRange, VolumeShape};
 use crate::zero_set::level_field;
 use crate::{Input, MeshFailure, Shape, field, flatten, merged_parts};
-use chordal::budget::{Bound, JobError, Metric, Reference, Tolerance};
+use chordal::budget::{Bound, Failure, JobError, Metric, Reference, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::convert::has_meshes;
 use chordal::convert::{self, Inside};
 use chordal::explicit::Cage;
-use chordal::explicit::nurbs::NurbsSurface;
+use chordal::explicit::nurbs::{NurbsSurface, TrimmedSurface};
 use chordal::explicit::query::{Bvh, Enclosure};
 use chordal::implicit::Grid;
 use chordal::math::{add_up, greater, sub_down};
-use chordal::{Job, Mesh};
+use chordal::{Budget, Job, Mesh};
 use chordal_io::{Frame, Scene};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -77,7 +77,7 @@ impl BoundJudge<'_> {
                 let found = check::patch_deviation(&mesh.mesh, patches, &goal, self.job);
                 conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
             }
-            Shape::Surfaces { surfaces, .. } => self.against_surfaces(&mesh, surfaces, said),
+            Shape::Surfaces { surfaces, .. } => self.against_surfaces(&mesh, surfaces, said, &goal),
             Shape::Cage(polygons) => self.against_cage(&mesh, &polygons.cage, said, &goal),
             Shape::Field(implicit) if !implicit.bodies.is_empty() => {
                 unable("there is no judge of several shapes of a script at once")
@@ -102,19 +102,37 @@ impl BoundJudge<'_> {
         JudgedMesh::new(without_frame_nodes(scene, self.result.format, self.frame).into_owned())
     }
 
-    /// Through patches near the surfaces, whose distance is proved anew and counted as a move of the triangles.
+    /// Through patches near whole surfaces, or through nearer triangles of trimmed ones: their distance is proved anew and
+    /// counted as a move of the triangles.
     fn against_surfaces(
         &self,
         mesh: &JudgedMesh,
-        surfaces: &[NurbsSurface],
+        faces: &[TrimmedSurface],
         said: &Bound,
+        goal: &Goal,
     ) -> Result<JudgedBound, MeshFailure> {
         /// The part of a claim for patches near the surfaces. Chosen: a claim is made with a tenth.
         const NEAR: f64 = 1.0 / 64.0;
-        let Some(near) = said.at_most().and_then(|most| Tolerance::new(NEAR * most).ok()) else {
+        /// The part of a claim for triangles near trimmed ones. Chosen: a claim is seldom nearer to the truth than this,
+        /// and less costs more triangles.
+        const NEARER: f64 = 1.0 / 16.0;
+        let within = |part: f64| said.at_most().and_then(|most| Tolerance::new(part * most).ok());
+        let Some((near, nearer)) = within(NEAR).zip(within(NEARER)) else {
             return unable("the claim has no upper bound");
         };
-        let fitted = match convert::nurbs_to_patches(surfaces, near, self.job) {
+        if faces.iter().any(|face| !face.loops().is_empty()) {
+            let made = convert::trimmed_surfaces_to_mesh(faces, &Budget::length(nearer), self.job);
+            let made = made.or_else(Failure::best_effort)?;
+            let lost = made.bound.at_most().unwrap_or(f64::INFINITY);
+            let found = check::deviation(&mesh.mesh, &made.shape, goal, self.job);
+            return conclude(
+                found.map(|found| (found.bound, found.backward)),
+                add_up(mesh.moved, lost),
+                said,
+            );
+        }
+        let surfaces: Vec<NurbsSurface> = faces.iter().map(|face| face.surface().clone()).collect();
+        let fitted = match convert::nurbs_to_patches(&surfaces, near, self.job) {
             Ok(made) => made,
             Err(failure) => failure.best_effort()?,
         };

@@ -69,7 +69,7 @@ pub fn trimmed_surfaces_to_mesh(
         let message = "trimmed surfaces cannot be meshed to an angle yet: give a length or pixels";
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
-    let all = faces.iter().map(|face| face.surface().bounds());
+    let all = faces.iter().map(TrimmedSurface::bounds);
     let bounds = all.reduce(|a, b| a.union(b)).unwrap_or(Box3::EMPTY);
     let by_view = budget.pixels.map(|px| length_from_pixels(&bounds, &px)).transpose()?;
     let wanted = match (by_view, budget.length.map(Tolerance::get)) {
@@ -176,12 +176,6 @@ mod tests {
             let budget = Budget::length(Tolerance::new(tol).unwrap());
             let made = trimmed_surfaces_to_mesh(&pipe(), &budget, &Job::default()).unwrap();
             let valid = validity(&made.shape, Topology::Positions);
-            println!(
-                "{tol} {} {} {:?}",
-                made.bound.at_most().unwrap(),
-                made.shape.faces().len(),
-                start.elapsed()
-            );
             assert!(valid.closed && valid.edge_manifold && valid.oriented, "{tol} {valid:?}");
         }
     }

@@ -1,4 +1,5 @@
 //! The referee of rational splines: bounds against samplers that share no code with the library.
+mod trimmed;
 mod truth;
 
 use chordal::budget::Bounded;
@@ -270,10 +271,11 @@ impl Sheet {
 
     /// The point at two parameters from 0 to 1 over the whole domain.
     fn at(&self, place: [f64; 2]) -> [f64; 3] {
-        let [u, v] = [0, 1].map(|k| {
-            let (knots, p) = (&self.knots[k], self.degrees[k]);
-            basis(knots, p, parameter(knots, p, place[k]))
-        });
+        self.at_parameters(std::array::from_fn(|k| parameter(&self.knots[k], self.degrees[k], place[k])))
+    }
+
+    fn at_parameters(&self, at: [f64; 2]) -> [f64; 3] {
+        let [u, v] = [0, 1].map(|k| basis(&self.knots[k], self.degrees[k], at[k]));
         let factors = v.iter().flat_map(|b| u.iter().map(move |a| a * b));
         mean(factors.zip(&self.weights).map(|(f, w)| f * w), &self.control)
     }

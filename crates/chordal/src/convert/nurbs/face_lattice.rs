@@ -187,6 +187,16 @@ impl FaceLattice {
         near.into_iter().find(|line| (x - line).abs() < NEAR_LINE).unwrap_or(x)
     }
 
+    /// Moves points to the end of the range of a parameter where all of them are beyond it.
+    pub fn cut_off(&self, k: usize, points: &mut [[f64; 2]]) {
+        let [from, to] = [self.breaks[k][0], self.breaks[k][self.n[k]]];
+        if points.iter().all(|p| p[k] < from) {
+            points.iter_mut().for_each(|p| p[k] = from);
+        } else if points.iter().all(|p| p[k] > to) {
+            points.iter_mut().for_each(|p| p[k] = to);
+        }
+    }
+
     fn raw_coordinate(&self, k: usize, parameter: f64) -> f64 {
         let breaks = &self.breaks[k];
         let last = self.n[k] - 1;

@@ -14,6 +14,9 @@ use crate::math::{Box3, difference, greater, length, lesser};
 const STEPS: usize = 34;
 /// Parts of an edge at whose ends it is first looked for a nearest place. Chosen: a half turn has one between two of them.
 const SAMPLES: usize = 6;
+/// What of a length is near within a face: its own seam and poles meet but for rounding, and the next steps of a border
+/// are near each other without being one. Chosen.
+const OWN: f64 = 1e-3;
 /// The golden ratio's inverse.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -220,6 +223,7 @@ fn matches_of(
         if place.face == face && edge.ends.contains(&vertex) {
             continue;
         }
+        let near = if place.face == face { OWN * near } else { near };
         let ends = edge.ends.map(|id| own.positions[id as usize]);
         let far = ends.map(|end| distance(end, p));
         let nearer = usize::from(far[1] < far[0]);

@@ -5,6 +5,7 @@
 //! an edge is the inside; the rest of a cell, and cells without edges, follow from their neighbours.
 use super::face_lattice::FaceLattice;
 use super::trim_loops::TrimPolygons;
+use crate::math::{Orientation, orient2d};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 use std::collections::BTreeMap;
@@ -275,9 +276,12 @@ impl CellTriangulator<'_> {
     ) -> Result<Option<MixedCell>, TrimConflict> {
         // An edge that runs both ways bounds nothing.
         let mut net: BTreeMap<[u32; 2], i32> = BTreeMap::new();
-        for [a, b] in &content.edges {
-            let (pair, sign) = if a < b { ([*a, *b], 1) } else { ([*b, *a], -1) };
-            *net.entry(pair).or_default() += sign;
+        for edge in &content.edges {
+            let stops = self.stops(*edge, &content.vertices);
+            for [a, b] in stops.array_windows::<2>() {
+                let (pair, sign) = if a < b { ([*a, *b], 1) } else { ([*b, *a], -1) };
+                *net.entry(pair).or_default() += sign;
+            }
         }
         net.retain(|_, n| *n != 0);
         if net.is_empty() {
@@ -354,6 +358,27 @@ impl CellTriangulator<'_> {
             }
         }
         Ok(Some(mixed))
+    }
+
+    /// The ends of an edge, and vertices that lie on it, in its order.
+    fn stops(&self, [a, b]: [u32; 2], vertices: &[u32]) -> Vec<u32> {
+        let [p, q] = [a, b].map(|id| self.vertices[id as usize]);
+        let axis = usize::from((q[1] - p[1]).abs() > (q[0] - p[0]).abs());
+        let is_on = |id: &u32| {
+            let at = self.vertices[*id as usize];
+            let (low, high) = if p[axis] < q[axis] { (p[axis], q[axis]) } else { (q[axis], p[axis]) };
+            at[axis] > low && at[axis] < high && orient2d(p, q, at) == Orientation::Flat
+        };
+        let mut between: Vec<u32> = vertices.iter().copied().filter(is_on).collect();
+        between.sort_by(|x, y| {
+            let along = |id: u32| self.vertices[id as usize][axis];
+            if p[axis] < q[axis] { along(*x).total_cmp(&along(*y)) } else { along(*y).total_cmp(&along(*x)) }
+        });
+        between.dedup();
+        let mut stops = vec![a];
+        stops.extend(between);
+        stops.push(b);
+        stops
     }
 
     /// The side of a cell on which an edge lies.

@@ -3,7 +3,7 @@
 //! *Bound.* Let `c` be a part of a loop and `e` the edge in its place. The point of `e` nearest to `c(t)` moves with `t`
 //! without jumps. Distance from a convex set is a convex function, so that of a point of `c` is at most the mean of its
 //! control points' distances, by the parts they have in it. Moving all points of all loops to their edges changes on which side of the loops a point
-//! lies only where the move sweeps over it; so a point of one area that is not in the other is, along a straight line
+//! lies only where the move sweeps over it, and nor does moving what is beyond the surface's range to the end of it; so a point of one area that is not in the other is, along a straight line
 //! of parameters, at most that far from both boundaries. A step `(du, dv)` moves the surface by the root of
 //! `E·du² + 2F·du·dv + G·dv²` at most, `E` and `G` the squares of its largest speeds over the box of control points and
 //! edge, `F` the largest product of both derivatives; that is `√(1 + F/√(EG))` of the distance in the units `√E` and `√G`.
@@ -11,12 +11,14 @@ use super::face_lattice::FaceLattice;
 use crate::explicit::nurbs::{BernsteinRow, NurbsSurface};
 use crate::explicit::polygons::winding_number;
 use crate::explicit::{Arc, Curve, CurveSegment};
-use crate::math::{greater, lesser, power_of_two};
+use crate::math::{Orientation, greater, lesser, orient2d, power_of_two};
 use std::f64::consts::FRAC_PI_2;
 
 /// Halvings of a loop's piece. Chosen: beyond, its parameters are next to each other.
 const DEEPEST: u32 = 60;
 
+/// Vertices of the loops of a face; beyond, edges stay as they are, and the bound says so. Chosen.
+const MOST_VERTICES: usize = 1 << 22;
 /// Parts into which an edge is cut at once, fewer than this; into two where it is far off or not known how far. Chosen.
 const MOST_AT_ONCE: f64 = 32.0;
 
@@ -227,10 +229,16 @@ impl TrimPieces {
         let ends = edge.ends.map(|id| made.vertices[id as usize]);
         let [from, to] = edge.part;
         let middle = 0.5 * (from + to);
-        let can_halve = from < middle && middle < to && depth < DEEPEST;
+        let can_halve =
+            from < middle && middle < to && depth < DEEPEST && made.vertices.len() < MOST_VERTICES;
         let crossing = self.crossing(lattice, &edge, ends);
         let parts = match crossing {
             Some((at, part)) if can_halve => vec![(at, part)],
+            // A whole loop.
+            None if can_halve && edge.ends[0] == edge.ends[1] => {
+                let part = |k: u8| from + (to - from) * (f64::from(k) / 3.0);
+                [1, 2].map(part).map(|part| (self.lattice_point(lattice, edge.piece, part), part)).to_vec()
+            }
             None if can_halve => {
                 // Errors go with the square of a part's size.
                 let n = if wanted.is_finite() {
@@ -245,9 +253,7 @@ impl TrimPieces {
             _ => Vec::new(),
         };
         if parts.is_empty() {
-            if ends[0] != ends[1] || edge.ends[0] != edge.ends[1] {
-                edges.push(edge);
-            }
+            edges.push(edge);
             return;
         }
         let (mut id, mut begin) = (edge.ends[0], from);
@@ -298,6 +304,9 @@ impl TrimPieces {
     /// How far an edge is from its part of the loop, at most, as a length on the surface.
     fn off(&self, lattice: &FaceLattice, edge: &TrimEdge, ends: [LatticePoint; 2]) -> f64 {
         let Some(mut points) = self.pieces[edge.piece].hull(edge.part) else { return f64::INFINITY };
+        for k in 0..2 {
+            lattice.cut_off(k, &mut points);
+        }
         let ends = ends.map(|end| [0, 1].map(|k| lattice.parameter(k, end[k])));
         let n = points.len();
         points.extend(ends);
@@ -341,14 +350,14 @@ fn distance_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (off[0] * off[0] + off[1] * off[1]).sqrt()
 }
 
+/// Edges of loops that are looked at for where two of them cross, when it is known that something is wrong. Chosen: all
+/// pairs of so many take a second.
+const MOST_CHECKED: usize = 1 << 14;
+
 impl TrimPieces {
     /// A loop that runs the wrong way round, by how many others are around it; none where all are right.
-    pub fn backward(&self, lattice: &FaceLattice, polygons: &TrimPolygons) -> Option<usize> {
-        let points = |edges: &Vec<TrimEdge>| -> Vec<[f64; 2]> {
-            let at = |edge: &TrimEdge| polygons.vertices[edge.ends[0] as usize];
-            edges.iter().map(|edge| [0, 1].map(|k| lattice.parameter(k, at(edge)[k]))).collect()
-        };
-        let loops: Vec<Vec<[f64; 2]>> = polygons.loops.iter().map(points).collect();
+    pub fn backward(lattice: &FaceLattice, polygons: &TrimPolygons) -> Option<usize> {
+        let loops = loops_of(lattice, polygons);
         let area = |p: &[[f64; 2]]| {
             let next = p.iter().cycle().skip(1);
             p.iter().zip(next).fold(0.0, |sum, (a, b)| sum + (a[0] * b[1] - a[1] * b[0]))
@@ -361,4 +370,32 @@ impl TrimPieces {
             (area(&loops[*index]) > 0.0) != around.is_multiple_of(2)
         })
     }
+
+    /// Parameters near which two edges cross; none where there are too many to look at.
+    pub fn crossing_edges(lattice: &FaceLattice, polygons: &TrimPolygons) -> Option<[f64; 2]> {
+        let edges: Vec<[[f64; 2]; 2]> = loops_of(lattice, polygons)
+            .iter()
+            .flat_map(|p| (0..p.len()).map(|k| [p[k], p[(k + 1) % p.len()]]).collect::<Vec<_>>())
+            .collect();
+        if edges.len() > MOST_CHECKED {
+            return None;
+        }
+        let sides = |[a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]| {
+            let both = [orient2d(a, b, p), orient2d(a, b, q)];
+            both.contains(&Orientation::Front) && both.contains(&Orientation::Back)
+        };
+        let crosses = |a: [[f64; 2]; 2], b: [[f64; 2]; 2]| sides(a, b) && sides(b, a);
+        (0..edges.len())
+            .find(|i| edges[..*i].iter().any(|other| crosses(edges[*i], *other)))
+            .map(|i| std::array::from_fn(|k| 0.5 * (edges[i][0][k] + edges[i][1][k])))
+    }
+}
+
+/// The corners of polygons in the plane of parameters.
+fn loops_of(lattice: &FaceLattice, polygons: &TrimPolygons) -> Vec<Vec<[f64; 2]>> {
+    let points = |edges: &Vec<TrimEdge>| -> Vec<[f64; 2]> {
+        let at = |edge: &TrimEdge| polygons.vertices[edge.ends[0] as usize];
+        edges.iter().map(|edge| [0, 1].map(|k| lattice.parameter(k, at(edge)[k]))).collect()
+    };
+    polygons.loops.iter().map(points).collect()
 }

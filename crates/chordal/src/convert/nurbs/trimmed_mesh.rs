@@ -5,7 +5,7 @@ use super::fit::fit;
 use super::sew::{SewnVertices, TrimmedFace, sew};
 use super::trim_cells::{FaceTriangles, TrimConflict, triangulate};
 use super::trim_loops::TrimPieces;
-use crate::budget::{Failure, Job, RefusalCode, par_map};
+use crate::budget::{Failure, Job, RefusalCode, digits, par_map};
 use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
 use crate::explicit::Mesh;
 use crate::explicit::nurbs::TrimmedSurface;
@@ -16,7 +16,7 @@ use glam::DVec3;
 /// what is left.
 const PATCHES: f64 = 0.05;
 const LOOPS: f64 = 0.3;
-const SEWING: f64 = 0.05;
+const SEWING: f64 = 0.25;
 /// What triangles are first expected to need. Chosen: a little less than what is left.
 const TRIANGLES: f64 = 0.55;
 /// What goes to the loops of a plane, whose triangles lose nothing, or to the triangles between straight loops.
@@ -26,6 +26,12 @@ const STRAIGHT: f64 = 0.05;
 /// Faces nearer than this part of the whole are sewn even where the length would allow more: what is farther apart is
 /// meant so. Chosen.
 const NEAREST: f64 = 1e-4;
+/// Cells of all faces. Chosen: as many take some GB and a minute; where the budget needs more, the mesh is coarser.
+const MOST_CELLS: u64 = 1 << 23;
+/// How much coarser it then becomes at once. Chosen.
+const COARSER: f64 = 4.0;
+/// A mesh that uses less of the length than this is made once more with larger triangles. Chosen.
+const USED: f64 = 0.85;
 /// Rounds until what triangles are expected to need is what they need. Chosen.
 const ROUNDS: usize = 5;
 
@@ -75,16 +81,29 @@ pub(in crate::convert) fn mesh_within(
     };
     let mut best: Option<TrimmedMesh> = None;
     let mut scale = 1.0;
-    for _ in 0..ROUNDS {
-        let (made, bent, kept) = one_round(faces, prepared, [scale, wanted], near, job)?;
+    let most = (job.memory_limit / CELL_BYTES).min(job.triangle_limit).min(MOST_CELLS);
+    'rounds: for round in 0..ROUNDS {
+        while cut(&mut prepared, scale, wanted) > most {
+            if best.is_some() {
+                break 'rounds;
+            }
+            scale *= COARSER;
+        }
+        let (made, bent, kept) = one_round(faces, prepared, wanted, near, job)?;
         prepared = kept;
-        let (reached, is_met) = (made.at_most, made.at_most <= wanted);
-        if best.as_ref().is_none_or(|best| reached < best.at_most) {
+        let reached = made.at_most;
+        let is_better = best.as_ref().is_none_or(|best| match (reached <= wanted, best.at_most <= wanted) {
+            (true, true) => made.mesh.faces().len() < best.mesh.faces().len(),
+            (false, false) => reached < best.at_most,
+            (is_met, _) => is_met,
+        });
+        if is_better {
             best = Some(made);
         }
         // What is left where patches, loops and sewing have taken theirs.
         let left = wanted - (reached - bent);
-        if is_met || left <= 0.0 || bent <= 0.0 {
+        let is_used = reached > USED * wanted || round > 0;
+        if reached <= wanted && is_used || left <= 0.0 || bent <= 0.0 {
             break;
         }
         // Errors go with what is expected.
@@ -93,30 +112,33 @@ pub(in crate::convert) fn mesh_within(
     best.ok_or(Failure::Cancelled)
 }
 
+/// Cuts all faces into cells whose triangles are expected within a length; how many.
+fn cut(prepared: &mut [PreparedFace], scale: f64, wanted: f64) -> u64 {
+    let mut cells = 0_u64;
+    for (pieces, lattice, _) in prepared {
+        let is_straight = pieces.bulge(lattice) <= STRAIGHT * wanted;
+        lattice.cut(scale * wanted * if is_straight { ONLY } else { TRIANGLES });
+        let own = lattice.lines.iter().map(|lines| lines.len() as u64 - 1).product::<u64>();
+        cells = cells.saturating_add(own);
+    }
+    cells
+}
+
 type PreparedFace = (TrimPieces, FaceLattice, f64);
 
-/// One mesh whose triangles are expected within a length; what they lose of its bound.
+/// One mesh of faces that are cut into cells; what triangles lose of its bound.
 fn one_round(
     surfaces: &[TrimmedSurface],
     prepared: Vec<PreparedFace>,
-    [scale, wanted]: [f64; 2],
+    wanted: f64,
     near: f64,
     job: &Job,
 ) -> Result<(TrimmedMesh, f64, Vec<PreparedFace>), Failure<Mesh>> {
-    let most = (job.memory_limit / CELL_BYTES).min(job.triangle_limit);
-    let (mut cells, mut loops) = (0_u64, Vec::new());
+    let mut loops = Vec::new();
     let mut faces = Vec::with_capacity(prepared.len());
-    for ((pieces, mut lattice, off), surface) in prepared.into_iter().zip(surfaces) {
-        let (is_flat, is_straight) =
-            (lattice.bending() <= STRAIGHT * wanted, pieces.bulge(&lattice) <= STRAIGHT * wanted);
-        lattice.cut(scale * wanted * if is_straight { ONLY } else { TRIANGLES });
+    for ((pieces, lattice, off), surface) in prepared.into_iter().zip(surfaces) {
+        let is_flat = lattice.bending() <= STRAIGHT * wanted;
         loops.push(wanted * if is_flat { ONLY } else { LOOPS });
-        cells += lattice.lines.iter().map(|lines| lines.len() as u64 - 1).product::<u64>();
-        if cells > most {
-            let message =
-                format!("the budget needs more than {most} cells, which is more than the job allows");
-            return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
-        }
         let polygons = pieces.polygons(&lattice);
         let net = surface.surface().bezier_net();
         let mut face = TrimmedFace { net, lattice, pieces, polygons, positions: Vec::new(), off };
@@ -328,17 +350,21 @@ fn shaded(
 
 /// What is said of loops that enclose no area.
 fn refusal(surface: usize, face: &TrimmedFace<'_>, conflict: TrimConflict) -> Failure<Mesh> {
-    let wrong = face.pieces.backward(&face.lattice, &face.polygons);
-    let message = match (wrong, conflict) {
-        (Some(index), _) => format!(
+    let (lattice, polygons) = (&face.lattice, &face.polygons);
+    let message = if let Some([u, v]) = TrimPieces::crossing_edges(lattice, polygons) {
+        format!(
+            "a trim loop of surface {surface} crosses itself or another one near u {}, v {}",
+            digits(u),
+            digits(v)
+        )
+    } else if let Some(index) = TrimPieces::backward(lattice, polygons) {
+        format!(
             "trim loop {index} of surface {surface} runs backwards: outer loops run counter-clockwise, holes clockwise"
-        ),
-        (None, TrimConflict::Crossing) => {
-            format!("a trim loop of surface {surface} crosses itself or another one")
-        }
-        (None, TrimConflict::Open) => {
-            format!("the trim loops of surface {surface} do not enclose the inside: an outer loop is missing")
-        }
+        )
+    } else if conflict == TrimConflict::Open {
+        format!("the trim loops of surface {surface} do not enclose the inside: an outer loop is missing")
+    } else {
+        format!("a trim loop of surface {surface} touches itself or another one, or runs along it")
     };
     Failure::refused(RefusalCode::Unsupported, message)
 }
