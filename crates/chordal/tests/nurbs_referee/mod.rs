@@ -1,5 +1,5 @@
 //! The referee of rational splines: bounds against samplers that share no code with the library.
-mod truth;
+pub(crate) mod truth;
 
 use chordal::budget::Bounded;
 use chordal::budget::Pixels;
