@@ -46,7 +46,9 @@ impl<const D: usize> CurveSegment<D> {
             Self::Line(_) => [0.0; D],
             Self::Cubic(cubic) => {
                 let [a, b, c, d] = cubic.control;
-                std::array::from_fn(|k| 6.0 * (((d[k] - c[k]) - (c[k] - b[k])) - ((c[k] - b[k]) - (b[k] - a[k]))))
+                std::array::from_fn(|k| {
+                    6.0 * (((d[k] - c[k]) - (c[k] - b[k])) - ((c[k] - b[k]) - (b[k] - a[k])))
+                })
             }
             Self::Arc(arc) => arc.tangent(t).map(|x| -(arc.sweep_rad() * arc.sweep_rad()) * x),
             Self::Rational(curve) => curve.third_derivative(t),

@@ -56,7 +56,10 @@ impl fmt::Display for InvalidSpline {
             Self::TooFew(n) => write!(f, "the spline needs at least {n} points"),
             Self::Tangents => f.write_str("the spline needs one tangent for each point"),
             Self::Repeated(i) => {
-                write!(f, "point {i} and the next one are equal, and so would be their knots, which depend on distances")
+                write!(
+                    f,
+                    "point {i} and the next one are equal, and so would be their knots, which depend on distances"
+                )
             }
             Self::NotFinite => f.write_str("the spline has a number that is not finite"),
         }

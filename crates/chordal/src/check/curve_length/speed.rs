@@ -103,9 +103,8 @@ impl<const D: usize> SpeedPiece<D> {
         let mut narrowest = range[0];
         let mut sum = Interval::point(0.0);
         for m in (2..=ORDER).step_by(2) {
-            let share = |k: usize| {
-                Interval::point(power_of_two(-(k as i32))) / Interval::point((k + 1) as f64)
-            };
+            let share =
+                |k: usize| Interval::point(power_of_two(-(k as i32))) / Interval::point((k + 1) as f64);
             sum = sum + middle[m - 2] * share(m - 2);
             let all = sum + range[m] * share(m);
             let both = narrowest.intersection(all);
@@ -114,7 +113,11 @@ impl<const D: usize> SpeedPiece<D> {
         }
         let length = (narrowest * width / Interval::point(unit)).max(Interval::point(0.0));
         // What overflowed is not known.
-        if length.is_empty() || length.hi().is_nan() { Interval::from_endpoints(0.0, f64::INFINITY) } else { length }
+        if length.is_empty() || length.hi().is_nan() {
+            Interval::from_endpoints(0.0, f64::INFINITY)
+        } else {
+            length
+        }
     }
 }
 

@@ -63,7 +63,8 @@ impl<const D: usize> Curve<D> {
         for segment in self.segments() {
             pieces.extend(EnclosedPiece::of_segment(segment, p));
             if let CurveSegment::Arc(arc) = segment {
-                slack = greater(slack, if arc.slack() == 0.0 { 0.0 } else { add_up(self.slack(), arc.slack()) });
+                slack =
+                    greater(slack, if arc.slack() == 0.0 { 0.0 } else { add_up(self.slack(), arc.slack()) });
             }
         }
         if pieces.is_empty() {
@@ -145,7 +146,7 @@ struct CurvePart<const D: usize> {
 }
 
 fn search<const D: usize>(
-    pieces: Vec<EnclosedPiece<D>>,
+    mut pieces: Vec<EnclosedPiece<D>>,
     p: [f64; D],
     tolerance: Option<Tolerance>,
 ) -> Option<CurvePlace> {
@@ -171,14 +172,14 @@ fn search<const D: usize>(
     let mut factors: Vec<Option<ProductFactors>> = Vec::new();
     let mut open: BinaryHeap<PriorityItem<CurvePart<D>>> = BinaryHeap::new();
     let mut parts: Vec<CurvePart<D>> = Vec::new();
-    for (piece, mut rows) in pieces.into_iter().enumerate() {
+    for (piece, rows) in pieces.iter_mut().enumerate() {
         rows.scale(scale);
         let degree = rows.points.degree();
         if factors.len() <= degree {
             factors.resize(degree + 1, None);
         }
         factors[degree].get_or_insert_with(|| ProductFactors::new(degree, degree));
-        parts.push(CurvePart { piece, from: 0.0, to: 1.0, rows });
+        parts.push(CurvePart { piece, from: 0.0, to: 1.0, rows: rows.clone() });
     }
     let nearer = |part: &CurvePart<D>, best: &mut CurvePlace| {
         let last = part.rows.points.degree();
@@ -207,9 +208,9 @@ fn search<const D: usize>(
             return Some(best);
         }
         let middle = 0.5 * (part.from + part.to);
-        let [left, right] = part.rows.halves();
-        for (rows, from, to) in [(left, part.from, middle), (right, middle, part.to)] {
-            let half = CurvePart { piece: part.piece, from, to, rows };
+        for [from, to] in [[part.from, middle], [middle, part.to]] {
+            // Of the whole piece: halves of halves would add up their roundings.
+            let half = CurvePart { piece: part.piece, from, to, rows: pieces[part.piece].part(from, to) };
             nearer(&half, &mut best);
             let down = bound(&half);
             // The part it came from was no nearer.

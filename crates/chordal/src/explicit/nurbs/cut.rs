@@ -1,7 +1,7 @@
 //! Parts of a curve, the curve in reverse, over another domain, and under an affine map.
+use super::NurbsCurve;
 use super::insert::SplineRows;
 use super::knots::{InvalidNurbs, KnotVector};
-use super::NurbsCurve;
 use crate::explicit::AffineMap;
 
 impl<const D: usize> NurbsCurve<D> {
@@ -37,7 +37,11 @@ impl<const D: usize> NurbsCurve<D> {
         let (control, weights) = (whole.control(), whole.weights());
         Ok([
             Self::new(KnotVector::new(p, left)?, control[..first].to_vec(), weights[..first].to_vec())?,
-            Self::new(KnotVector::new(p, right)?, control[first - 1..].to_vec(), weights[first - 1..].to_vec())?,
+            Self::new(
+                KnotVector::new(p, right)?,
+                control[first - 1..].to_vec(),
+                weights[first - 1..].to_vec(),
+            )?,
         ])
     }
 

@@ -26,20 +26,6 @@ impl<const N: usize> IntervalRow<N> {
         self.0.len() - 1
     }
 
-    /// The rows over both halves.
-    pub fn halves(&self) -> [Self; 2] {
-        let n = self.degree();
-        let (mut row, mut left, mut right) = (self.0.clone(), Vec::with_capacity(n + 1), vec![self.0[n]; n + 1]);
-        for k in (0..=n).rev() {
-            left.push(row[0]);
-            right[k] = row[k];
-            for i in 0..k {
-                row[i] = std::array::from_fn(|c| half(row[i][c] + row[i + 1][c]));
-            }
-        }
-        [Self(left), Self(right)]
-    }
-
     /// The row over the part from `a` to `b`, with `0 ≤ a < b ≤ 1`.
     pub fn part(&self, a: f64, b: f64) -> Self {
         let (one, from, to) = (Interval::point(1.0), Interval::point(a), Interval::point(b));
@@ -193,14 +179,9 @@ impl<const D: usize> EnclosedPiece<D> {
         Self { points: IntervalRow(points), weights: Some(IntervalRow(vec![[one], [corner], [one]])) }
     }
 
-    /// Its two halves.
-    pub fn halves(&self) -> [Self; 2] {
-        let [left, right] = self.points.halves();
-        let [of_left, of_right] = match self.weights.as_ref().map(IntervalRow::halves) {
-            None => [None, None],
-            Some([left, right]) => [Some(left), Some(right)],
-        };
-        [Self { points: left, weights: of_left }, Self { points: right, weights: of_right }]
+    /// The part from `a` to `b`, with `0 ≤ a < b ≤ 1`.
+    pub fn part(&self, a: f64, b: f64) -> Self {
+        Self { points: self.points.part(a, b), weights: self.weights.as_ref().map(|w| w.part(a, b)) }
     }
 
     /// The piece under a change of the unit of length, and its weights in a unit of which the largest is at most 1.
@@ -228,10 +209,7 @@ impl<const D: usize> EnclosedPiece<D> {
             curve.weights()[span - p..=span].iter().map(|w| [Interval::point(*w)]).collect();
         let weighted: Vec<[Interval; D]> =
             points.iter().zip(&weights).map(|(x, [w])| x.map(|x| x * *w)).collect();
-        Self {
-            points: bezier_row(knots, span, &weighted),
-            weights: Some(bezier_row(knots, span, &weights)),
-        }
+        Self { points: bezier_row(knots, span, &weighted), weights: Some(bezier_row(knots, span, &weights)) }
     }
 }
 
@@ -288,15 +266,15 @@ mod tests {
     use chordal_testkit::Random;
 
     #[test]
-    fn parts_and_halves_contain_the_values_and_are_narrow() {
+    fn parts_contain_the_values_and_are_narrow() {
         let mut random = Random::new(21);
         for _ in 0..200 {
             let control: Vec<[f64; 1]> = (0..2 + random.below(5)).map(|_| random.point()).collect();
             let row = IntervalRow(control.iter().map(|[x]| [Interval::point(*x)]).collect());
             let exact = super::super::BernsteinRow(control.clone());
-            let (a, b) = (0.5 * random.unit(), 0.5 + 0.5 * random.unit());
-            let [left, right] = row.halves();
-            for (part, [from, to]) in [(row.part(a, b), [a, b]), (left, [0.0, 0.5]), (right, [0.5, 1.0])] {
+            let (a, b) = (random.between(0.1, 0.5), random.between(0.5, 0.9));
+            for [from, to] in [[a, b], [0.0, a], [b, 1.0], [0.0, 1.0]] {
+                let part = row.part(from, to);
                 let [middle] = part.middle();
                 let value = exact.at(0.5 * (from + to))[0];
                 assert!((middle.midpoint().unwrap() - value).abs() < 1e-14 && middle.width() < 1e-14);

@@ -1,6 +1,6 @@
 //! Paths as one spline.
-use super::{KnotVector, NurbsCurve};
 use super::knots::InvalidNurbs;
+use super::{KnotVector, NurbsCurve};
 use crate::explicit::{Curve, CurveSegment};
 
 impl<const D: usize> NurbsCurve<D> {

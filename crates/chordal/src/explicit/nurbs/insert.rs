@@ -10,9 +10,9 @@
 //! and the division by it take another two. Together less than `16ε` times the largest coordinate for each knot.
 //!
 //! Source: W. Boehm, *Inserting new knots into B-spline curves*, 1980.
-use super::knots::{InvalidNurbs, KnotVector};
 use super::NurbsCurve;
 use super::curve::scaled_weights;
+use super::knots::{InvalidNurbs, KnotVector};
 use crate::math::{exponent, greater, power_of_two};
 
 /// The control points of a spline with its knots, in the course of changes: weighted ones and weights, or points alone.

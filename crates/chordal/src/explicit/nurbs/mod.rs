@@ -19,9 +19,9 @@ mod revolved;
 mod surface;
 
 pub(crate) use bernstein::{BernsteinRow, binomials};
+pub use compatible::compatible;
 pub(crate) use curve::HEAVIEST;
 pub use curve::NurbsCurve;
-pub use compatible::compatible;
 pub(crate) use enclosed::{EnclosedPiece, IntervalRow, ProductFactors, arc_pieces};
 pub use knots::{InvalidNurbs, KnotVector};
 pub use rational::RationalBezier;

@@ -157,7 +157,8 @@ impl<'a, const D: usize> KnotRemoval<'a, D> {
                 // Shares that sum to 1 have no weight to be divided by.
                 let whole = if is_polynomial { Interval::point(1.0) } else { rest + part };
                 let x = |k: usize| {
-                    (rest * Interval::point(control[i - 1][k]) + part * Interval::point(control[i][k])) / whole
+                    (rest * Interval::point(control[i - 1][k]) + part * Interval::point(control[i][k]))
+                        / whole
                 };
                 (std::array::from_fn(x), whole)
             } else {
@@ -179,9 +180,8 @@ impl<'a, const D: usize> KnotRemoval<'a, D> {
 /// The diagonal of the box of some points, bounded from above.
 fn diagonal_up<const D: usize>(points: &[[f64; D]]) -> f64 {
     let side = |k: usize| {
-        let [low, high] = points
-            .iter()
-            .fold([points[0][k]; 2], |[low, high], p| [lesser(p[k], low), greater(p[k], high)]);
+        let [low, high] =
+            points.iter().fold([points[0][k]; 2], |[low, high], p| [lesser(p[k], low), greater(p[k], high)]);
         greater(sub_up(high, low), 0.0)
     };
     length_up::<D>(std::array::from_fn(side))

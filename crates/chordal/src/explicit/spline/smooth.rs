@@ -177,7 +177,18 @@ impl<const D: usize> TangentSystem<'_, D> {
         let column: Vec<TangentRow<1>> = rows
             .iter()
             .enumerate()
-            .map(|(i, row)| TangentRow(row.0, [if i == 0 { gamma } else if i == n - 1 { c } else { 0.0 }]))
+            .map(|(i, row)| {
+                TangentRow(
+                    row.0,
+                    [if i == 0 {
+                        gamma
+                    } else if i == n - 1 {
+                        c
+                    } else {
+                        0.0
+                    }],
+                )
+            })
             .collect();
         let (mut tangents, column) = (solved(&rows), solved(&column));
         let below = 1.0 + column[0][0] + a / gamma * column[n - 1][0];
