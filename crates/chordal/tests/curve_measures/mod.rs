@@ -254,7 +254,7 @@ fn no_sample_is_nearer_than_the_closest_point() {
             let closest = curve.closest_point(p, None).unwrap();
             let (low, high) = (closest.at_least, closest.at_most);
             assert!(
-                low <= high && high - low <= 64.0 * f64::EPSILON * size,
+                low <= high && high - low <= 40.0 * (degree + 1) as f64 * f64::EPSILON * 3.0 * size,
                 "{case} {query}: {low} {high} {p:?} {curve:?}"
             );
             let sampled = (0..=600)
@@ -291,9 +291,9 @@ fn closest_points_of_arcs_and_circles_have_their_closed_form() {
         let truth = if within { (p[0].hypot(p[1]) - radius).abs() } else { ends[0].min(ends[1]) };
         let spare = 1e-15 * 8.0 * radius;
         assert!(closest.at_least <= truth + spare && truth - spare <= closest.at_most, "{closest:?} {truth}");
-        assert!(closest.at_most - closest.at_least <= 4e-14 * radius, "{closest:?}");
+        assert!(closest.at_most - closest.at_least <= 2e-13 * radius, "{closest:?}");
         let there = distance(path.at(closest.place), p);
-        assert!((there - truth).abs() <= spare + 1e-13 * radius, "{closest:?} {there} {truth}");
+        assert!((there - truth).abs() <= spare + 4e-13 * radius, "{closest:?} {there} {truth}");
         if within && truth < 0.9 * radius {
             assert!((closest.place - along / sweep.abs()).abs() < 1e-5, "{closest:?} {along} {sweep}");
         }
@@ -301,7 +301,7 @@ fn closest_points_of_arcs_and_circles_have_their_closed_form() {
     // All points of a circle are equally close to its centre.
     let circle = NurbsCurve::circle([1.0, 2.0], [[1.0, 0.0], [0.0, 1.0]]).unwrap();
     let closest = circle.closest_point([1.0, 2.0], None).unwrap();
-    assert!(closest.at_least <= 1.0 && 1.0 <= closest.at_most && closest.at_most - closest.at_least < 1e-14);
+    assert!(closest.at_least <= 1.0 && 1.0 <= closest.at_most && closest.at_most - closest.at_least < 1e-13);
     assert!(circle.closest_point([f64::NAN, 0.0], None).is_none());
     let dot = Curve::point([3.0, 4.0]).unwrap().closest_point([0.0, 0.0], None).unwrap();
     assert!(dot.at_least <= 5.0 && 5.0 <= dot.at_most && dot.place == 0.0 && dot.point == [3.0, 4.0]);
@@ -342,4 +342,32 @@ fn curvature_and_torsion_are_those_of_circles_and_helices() {
     let arc = Arc::new([0.0; 3], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], 0.3, 2.0).unwrap();
     let arc = Curve::new(vec![CurveSegment::Arc(arc)], CurveEnds::Open).unwrap();
     assert!((arc.curvature(0.4).unwrap() - 0.5).abs() < 1e-15 && arc.torsion(0.4).unwrap().abs() < 1e-15);
+}
+
+#[test]
+fn the_ends_of_the_range_of_numbers_do_not_break_an_enclosure() {
+    for scale in [1e-323, 1e-310, 1e-160, 1e160, 1e300, 3e307] {
+        let ends = [[0.0, 0.0], [3.0 * scale, 4.0 * scale]];
+        let path = Curve::new(vec![CurveSegment::Line(ends)], CurveEnds::Open).unwrap();
+        let total = CurveLength::from_curve(&path, None).total();
+        let truth = distance(ends[0], ends[1]);
+        assert!(total.lo() <= truth && truth <= total.hi(), "{scale}: {total} {truth}");
+        let closest = path.closest_point([-ends[1][0], -ends[1][1]], None).unwrap();
+        assert!(closest.at_least <= truth && truth <= closest.at_most, "{scale}: {closest:?} {truth}");
+        let knots = KnotVector::clamped(2, 3).unwrap();
+        for weights in [[1e-300, 1.0, 1e-300], [1.0, 1e-300, 1e300], [1e-150; 3], [1e300, 1.0, 1e300]] {
+            // A line, however it is run along.
+            let control = vec![ends[0], [1.5 * scale, 2.0 * scale], ends[1]];
+            let line = NurbsCurve::new(knots.clone(), control, weights.to_vec()).unwrap();
+            let total = CurveLength::from_nurbs(&line, Tolerance::new(0.1 * scale).ok()).total();
+            let spare = 8.0 * f64::EPSILON * truth + 1e-322;
+            assert!(
+                total.lo() <= truth + spare && truth - spare <= total.hi(),
+                "{weights:?}: {total} {truth}"
+            );
+            let closest = line.closest_point([-ends[1][0], -ends[1][1]], None).unwrap();
+            let (low, high) = (closest.at_least, closest.at_most);
+            assert!(low <= truth + spare && truth - spare <= high, "{weights:?}: {closest:?} {truth}");
+        }
+    }
 }

@@ -34,20 +34,21 @@ const MOST_PARTS: usize = 1 << 14;
 /// Parts of a piece stop at this length, 2⁻⁴⁸: the distance depends on its square or is rounding by then.
 const SHORTEST: f64 = 3.552_713_678_800_501e-15;
 
-/// The bounds are as near as makes sense when they differ by less, in units of the largest coordinate as seen from the
-/// query: some roundings. Chosen.
-const NEAR: f64 = 8.0 * f64::EPSILON;
+/// The bounds are as near as rounding lets them when they differ by less, for each coefficient of a piece and in units of the
+/// largest coordinate as seen from the query. Measured on curves of degree 5: 20 without weights and 28 with them.
+const NEAR: f64 = 32.0 * f64::EPSILON;
 
 impl<const D: usize> Curve<D> {
     /// The closest point of the path to `p`; `None` where `p` is not finite.
     ///
     /// Two bounds enclose the distance of the exact path, [`Curve::slack`] included. They are within `tolerance` of each
-    /// other, or, without one, as close as rounding permits: some dozen units in the last place of the larger of distance and
-    /// largest coordinate. Where very many points are nearly equally close, they may stay farther apart but still hold. Of
+    /// other, or, without one, as close as rounding permits: `32(p + 1)·ε` times the largest coordinate of a control point as
+    /// seen from the query, for pieces of degree `p`. Where very many points are nearly equally close, they may stay farther apart but still hold. Of
     /// equally close points it is any, but always the same. Where subnormal numbers are flushed to zero, the bounds are 0
     /// and ∞.
     ///
-    /// *Cost.* All pieces are looked at, some microseconds each, and some hundred parts of those in question.
+    /// *Cost.* All pieces are looked at, some microseconds each, and some hundred parts of those in question: measured 0.5 to
+    /// 2 ms for five pieces of degree 5, and up to 100 ms where weights differ by orders of magnitude.
     ///
     /// ```
     /// use chordal::{Bezier, explicit::Curve};
@@ -168,7 +169,8 @@ fn search<const D: usize>(
         return Some(best);
     }
     let scale = Interval::point(power_of_two(-exponent(far)));
-    let enough = greater(tolerance.map_or(0.0, |t| t.get()), NEAR * far);
+    let most = pieces.iter().fold(0, |most, piece| piece.points.0.len().max(most));
+    let enough = greater(tolerance.map_or(0.0, |t| t.get()), NEAR * most as f64 * far);
     let mut factors: Vec<Option<ProductFactors>> = Vec::new();
     let mut open: BinaryHeap<PriorityItem<CurvePart<D>>> = BinaryHeap::new();
     let mut parts: Vec<CurvePart<D>> = Vec::new();
