@@ -108,31 +108,25 @@ impl<const D: usize> CurveLength<D> {
         };
         let mut open: BinaryHeap<_> = (0..pieces.len()).map(|piece| part(piece, [0.0, 1.0], 0)).collect();
         let mut parts = Vec::new();
-        let (mut widths, most) = (width_of(&open), pieces.len() * MOST_PARTS);
-        // The widest first. What does not get narrower is rounding, and stays.
-        while widths > goal && open.len() + parts.len() < most {
+        let (mut waiting, mut settled, most) = (width_of(&open), 0.0, pieces.len() * MOST_PARTS);
+        // The widest first. What does not get narrower is rounding, and stays; what waits gets small beside it.
+        while waiting > greater(goal - settled, 0.25 * goal) && open.len() + parts.len() < most {
             let Some(PriorityItem { bound, item: (whole, depth) }) = open.pop() else { break };
-            if bound <= SETTLED * whole.own.hi() {
-                parts.push(whole);
-                continue;
-            }
             let middle = 0.5 * (whole.from + whole.to);
             let halves =
                 [[whole.from, middle], [middle, whole.to]].map(|range| part(whole.piece, range, depth + 1));
             let narrower = halves[0].bound + halves[1].bound;
             // Halving a range halves its error, and of polynomials more.
             let is_rounding = narrower > 0.6 * bound && bound <= ROUNDED * whole.own.hi();
-            if depth >= DEEPEST || is_rounding {
+            if depth >= DEEPEST || bound <= SETTLED * whole.own.hi() || is_rounding {
+                (waiting, settled) = (waiting - bound, settled + bound);
                 parts.push(whole);
                 continue;
             }
             open.extend(halves);
             // An infinite width leaves no difference; sums are made anew now and then, as roundings add up.
-            widths = if bound.is_infinite() || open.len().is_power_of_two() {
-                parts.iter().fold(width_of(&open), |sum, part: &LengthPart| sum + part.own.width())
-            } else {
-                widths + (narrower - bound)
-            };
+            let is_new = bound.is_infinite() || open.len().is_power_of_two();
+            waiting = if is_new { width_of(&open) } else { waiting + (narrower - bound) };
         }
         parts.extend(open.into_iter().map(|open| open.item.0));
         parts.sort_by(|a, b| (a.piece, a.from).partial_cmp(&(b.piece, b.from)).unwrap_or(Ordering::Equal));

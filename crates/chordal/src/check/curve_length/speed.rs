@@ -7,7 +7,7 @@
 //!
 //! Of a rational piece `N/W` the derivative is `n(N⁺W⁻ − N⁻W⁺)/W²`, where `N⁻` and `N⁺` have the coefficients of `N` without
 //! the last and without the first: nothing cancels in the products that are left.
-use crate::explicit::nurbs::{EnclosedPiece, IntervalRow, NurbsCurve, ProductFactors};
+use crate::explicit::nurbs::{BernsteinFactors, EnclosedPiece, IntervalRow, NurbsCurve};
 use crate::explicit::{Arc, CurveSegment};
 use crate::math::{Interval, exponent, greater, power_of_two};
 
@@ -64,7 +64,7 @@ impl<const D: usize> SpeedPiece<D> {
             return Self::Rows { h: piece.points.derivative().unwrap_or_else(zero), w: None, unit };
         };
         let (x, n) = (&piece.points.0, piece.points.degree());
-        let factors = ProductFactors::new(n - 1, n - 1);
+        let factors = BernsteinFactors::new(n - 1, n - 1);
         let row = |k: usize| {
             factors.products(|i, j| {
                 // Equal ones cancel.
@@ -152,7 +152,7 @@ fn arc_series<const D: usize>(
     step: Interval,
 ) -> [Series; D] {
     let unit = Interval::point(unit);
-    let (sin, cos) = (angle.sin(), angle.cos());
+    let (sin, cos) = (Interval::sin(angle), Interval::cos(angle));
     // The derivatives of the cosine and the sine, in turn.
     let cosines = [cos, -sin, -cos, sin];
     let sines = [sin, cos, -sin, -cos];

@@ -82,9 +82,9 @@ fn mean<const N: usize>(a: &[Interval; N], b: &[Interval; N], [rest, part]: [Int
 /// The factors `C(n, i)·C(m, j)/C(n + m, i + j)` of coefficients `i` and `j` in the product of two polynomials of degrees `n`
 /// and `m` in Bernstein form.
 #[derive(Clone, Debug)]
-pub(crate) struct ProductFactors(Vec<Vec<Interval>>);
+pub(crate) struct BernsteinFactors(Vec<Vec<Interval>>);
 
-impl ProductFactors {
+impl BernsteinFactors {
     pub fn new(n: usize, m: usize) -> Self {
         let [of_first, of_second, of_both] = [n, m, n + m].map(binomials);
         let row = |i: usize| (0..=m).map(|j| of_first[i] * of_second[j] / of_both[i + j]).collect();
@@ -165,12 +165,12 @@ impl<const D: usize> EnclosedPiece<D> {
         let part = |of: f64| (f64::from(k) + of) / f64::from(n);
         let [u, v] = arc.axes();
         let towards = |angle: Interval| -> [Interval; D] {
-            let (sin, cos) = (angle.sin(), angle.cos());
+            let (sin, cos) = (Interval::sin(angle), Interval::cos(angle));
             std::array::from_fn(|c| cos * Interval::point(u[c]) + sin * Interval::point(v[c]))
         };
         let centre: [Interval; D] = seen_from(origin, arc.centre());
         let one = Interval::point(1.0);
-        let corner = (Interval::point(arc.sweep_rad()) * Interval::point(0.5 / f64::from(n))).cos();
+        let corner = Interval::cos(Interval::point(arc.sweep_rad()) * Interval::point(0.5 / f64::from(n)));
         let point = |of: f64, weight: Interval| -> [Interval; D] {
             let out = towards(angle(part(of)));
             std::array::from_fn(|c| weight * centre[c] + out[c])
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn factors_multiply_polynomials_in_bernstein_form() {
         // t·(1 − t) = 0·B₀ + ½·B₁ + 0·B₂.
-        let factors = ProductFactors::new(1, 1);
+        let factors = BernsteinFactors::new(1, 1);
         let (a, b) = ([0.0, 1.0], [1.0, 0.0]);
         let made = factors.products(|i, j| Some(Interval::point(a[i] * b[j])));
         assert!(made[0].contains(0.0) && made[1].contains(0.5) && made[2].contains(0.0));
