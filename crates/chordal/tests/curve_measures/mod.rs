@@ -57,12 +57,12 @@ fn lengths_with_a_closed_form_are_within_narrow_intervals() {
         let circle = NurbsCurve::circle([scale, -scale], [[scale, 0.0], [0.0, scale]]).unwrap();
         let total = CurveLength::from_nurbs(&circle, None).total();
         // Its weights are the root of ½ up to rounding, and so it is a circle up to rounding.
-        assert!(holds(total, TAU * scale) && total.width() < 2e-13 * scale, "{total}");
+        assert!(holds(total, TAU * scale) && total.width() < 1e-12 * scale, "{total}");
         let sweep = random.between(-6.0, 6.0);
         let arc = Arc::new([5.0 * scale; 3], [[scale, 0.0, 0.0], [0.0, 0.0, scale]], 1.0, sweep).unwrap();
         let path = Curve::new(vec![CurveSegment::Arc(arc)], CurveEnds::Open).unwrap();
         let total = CurveLength::from_curve(&path, None).total();
-        assert!(holds(total, sweep.abs() * scale) && total.width() < 1e-13 * scale, "{total}");
+        assert!(holds(total, sweep.abs() * scale) && total.width() < 1e-12 * scale, "{total}");
         // (t, t²) from 0 to 1: (2√5 + asinh 2)/4, half of it by parameter halves below.
         let parabola = Curve::new(
             vec![CurveSegment::quadratic([[0.0; 2], [0.5, 0.0], [1.0, 1.0]].map(|p| p.map(|x| x * scale)))],
@@ -74,11 +74,11 @@ fn lengths_with_a_closed_form_are_within_narrow_intervals() {
         // Thirds are rounded in the cubic.
         let total = length.total();
         assert!(
-            (total.midpoint().unwrap() - truth).abs() < 1e-15 * scale && total.width() < 1e-14 * scale,
+            (total.midpoint().unwrap() - truth).abs() < 4e-15 * scale && total.width() < 1e-12 * scale,
             "{total}"
         );
         let half = scale * (0.5 * 2.0_f64.sqrt() + 0.5 * 1.0_f64.asinh()) / 2.0;
-        assert!((length.up_to(0.5).midpoint().unwrap() - half).abs() < 1e-15 * scale);
+        assert!((length.up_to(0.5).midpoint().unwrap() - half).abs() < 4e-15 * scale);
     }
     // An ellipse with axes 2 and 1, whose circumference is 8·E(√3/2).
     let ellipse = Arc::new([0.0; 2], [[2.0, 0.0], [0.0, 1.0]], 0.0, TAU).unwrap();
