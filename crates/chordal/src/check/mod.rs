@@ -3,6 +3,7 @@ mod attributes;
 mod comb;
 mod components;
 mod connectivity;
+mod curve_length;
 mod defect;
 mod degenerate;
 mod deviation;
@@ -75,6 +76,7 @@ pub use zero_set::zero_set_deviation;
 /// Joins, gaps and curvature of paths.
 pub mod curves {
     pub use super::comb::{Tooth, curvature_comb};
+    pub use super::curve_length::CurveLength;
     pub use super::gap::{Gap, distance_to_polyline, largest_gap};
     pub use super::joins::{Join, join, joins};
 }

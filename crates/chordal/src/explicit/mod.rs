@@ -8,6 +8,7 @@ mod clusters;
 mod continuity;
 mod corner_block;
 mod curve;
+mod curve_frame;
 mod curve_segment;
 mod disjoint_sets;
 pub(crate) mod fill;
@@ -98,7 +99,7 @@ pub mod query {
     pub use super::bvh::{
         Bvh, Containment, Enclosure, Hit, HitSides, MeshClosestPoint, PointLocation, Ray, WindingNumber,
     };
-    pub use super::closest_point::{SurfaceClosestPoint, SurfaceTree};
+    pub use super::closest_point::{CurveClosestPoint, SurfaceClosestPoint, SurfaceTree};
     pub use super::clusters::{Cluster, FacingCounts, clusters, facing};
 }
 

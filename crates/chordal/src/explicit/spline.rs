@@ -4,8 +4,12 @@
 //! |---|---|---|---|
 //! | [`hermite`] | yes, with given tangents | C1 | 2 pieces |
 //! | [`catmull_rom`] | yes | C1 | 4 pieces |
-//! | [`natural`] | yes | C2 | all pieces, farther ones less |
+//! | [`natural`], [`clamped`], [`periodic`], all of them [`interpolating`] | yes | C2 | all pieces, farther ones less |
 //! | [`b_spline`] | no | C2 | 4 pieces |
+//!
+//! Each is a special case of [`NurbsCurve`](super::nurbs::NurbsCurve), which has any degree, knots and weights:
+//! [`NurbsCurve::from_path`](super::nurbs::NurbsCurve::from_path) makes it of a path,
+//! [`NurbsCurve::through`](super::nurbs::NurbsCurve::through) interpolates with any degree.
 //!
 //! In an interpolating spline piece `i` starts at point `i`. No cubic spline is C2, local and interpolating
 //! at once: each of these gives up one of the three.
@@ -14,7 +18,12 @@
 //! local interpolating splines*, 1974; C. Yuksel, S. Schaefer, J. Keyser, *Parameterization and applications
 //! of Catmull–Rom curves*, 2011 (centripetal: no cusps and no loops within a piece).
 use super::{Bezier, Curve, CurveEnds, CurveSegment, InvalidCurve};
+use crate::math::{exponent, greater, power_of_two};
 use std::fmt;
+
+mod smooth;
+
+pub use smooth::{SplineEnds, clamped, interpolating, natural, periodic};
 
 /// The knots, which are the parameters of the points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,6 +33,8 @@ pub enum Knots {
     Uniform,
     /// Knot intervals are the square roots of the distances of the points.
     Centripetal,
+    /// Knot intervals are the distances of the points: the speed is about 1, and a moved point is felt in proportion.
+    Chordal,
 }
 
 /// Why there is no spline.
@@ -33,7 +44,7 @@ pub enum InvalidSpline {
     TooFew(usize),
     /// The numbers of points and tangents differ.
     Tangents,
-    /// This point and the next are equal, and so would be their centripetal knots.
+    /// This point and the next are equal, and so would be their centripetal or chordal knots.
     Repeated(usize),
     /// A number is not finite, or an intermediate one overflows.
     NotFinite,
@@ -45,7 +56,10 @@ impl fmt::Display for InvalidSpline {
             Self::TooFew(n) => write!(f, "the spline needs at least {n} points"),
             Self::Tangents => f.write_str("the spline needs one tangent for each point"),
             Self::Repeated(i) => {
-                write!(f, "point {i} and the next one are equal, so their centripetal knots would be too")
+                write!(
+                    f,
+                    "point {i} and the next one are equal, and so would be their knots, which depend on distances"
+                )
             }
             Self::NotFinite => f.write_str("the spline has a number that is not finite"),
         }
@@ -89,8 +103,8 @@ pub fn hermite<const D: usize>(
 /// path takes the slopes of its first and its last chord.
 ///
 /// # Errors
-/// When there are fewer than two points (three for a closed path), equal points in a row with centripetal
-/// knots, or numbers that are not finite.
+/// When there are fewer than two points (three for a closed path), equal points in a row with
+/// centripetal or chordal knots, or numbers that are not finite.
 ///
 /// ```
 /// use chordal::explicit::{CurveEnds, spline::{self, Knots}};
@@ -135,10 +149,11 @@ pub fn catmull_rom<const D: usize>(
     path(pieces, ends)
 }
 
-/// The knot intervals of [`catmull_rom`], with respect to which the path is C1.
+/// The knot intervals of [`catmull_rom`], with respect to which the path is C1, and of [`interpolating`], with respect to
+/// which it is C2.
 ///
 /// # Errors
-/// When two points in a row are equal and the knots are centripetal.
+/// When two points in a row are equal and the knots are centripetal or chordal.
 pub fn widths<const D: usize>(
     points: &[[f64; D]],
     knots: Knots,
@@ -146,64 +161,27 @@ pub fn widths<const D: usize>(
 ) -> Result<Vec<f64>, InvalidSpline> {
     let width = |i: usize| {
         let (a, b) = (points[i], points[(i + 1) % points.len()]);
-        match knots {
-            Knots::Uniform => Ok(1.0),
-            Knots::Centripetal => {
-                let square = (0..D).fold(0.0, |sum, k| sum + (b[k] - a[k]) * (b[k] - a[k]));
-                let width = square.sqrt().sqrt();
-                if width > 0.0 { Ok(width) } else { Err(InvalidSpline::Repeated(i)) }
-            }
-        }
+        let width = match knots {
+            Knots::Uniform => 1.0,
+            Knots::Centripetal => distance(a, b).sqrt(),
+            Knots::Chordal => distance(a, b),
+        };
+        // Not a number, or infinite: the path will be refused for that.
+        if width == 0.0 { Err(InvalidSpline::Repeated(i)) } else { Ok(width) }
     };
     (0..n_pieces).map(width).collect()
 }
 
-/// The smoothest path through `points`: C2, with second derivatives of zero at its two ends.
-///
-/// Among all paths through the points at whole parameters it has the least integral of the squared second
-/// derivative. It solves one tridiagonal system in linear time.
-///
-/// # Errors
-/// When there are fewer than two points, or numbers that are not finite.
-///
-/// ```
-/// use chordal::explicit::spline;
-/// let path = spline::natural(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]])?;
-/// assert_eq!(path.at(1.0), [1.0, 1.0]);
-/// assert_eq!(path.at(0.5)[1], 0.6875);
-/// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
-/// ```
-pub fn natural<const D: usize>(points: &[[f64; D]]) -> Result<Curve<D>, InvalidSpline> {
-    at_least(points, 2)?;
-    let n = points.len();
-    // Rows [2 1], [1 4 1] …, [1 2] times the tangents are 3·(next − before). Elimination downwards, then
-    // upwards (L. H. Thomas, 1949); the matrix is diagonally dominant, so it is stable without pivoting.
-    let right = |i: usize| -> [f64; D] {
-        let (before, next) = (points[i.saturating_sub(1)], points[(i + 1).min(n - 1)]);
-        std::array::from_fn(|k| 3.0 * (next[k] - before[k]))
+/// The distance of two points; 0 only where they are equal.
+fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    let root = |scale: f64| {
+        let square = (0..D).fold(0.0, |sum, k| sum + (scale * (b[k] - a[k])) * (scale * (b[k] - a[k])));
+        square.sqrt() / scale
     };
-    let mut upper = Vec::with_capacity(n);
-    let mut tangents: Vec<[f64; D]> = Vec::with_capacity(n);
-    for i in 0..n {
-        let own = if i == 0 || i == n - 1 { 2.0 } else { 4.0 };
-        let (before, row) = match tangents.last() {
-            None => (0.0, right(i)),
-            Some(last) => {
-                let r = right(i);
-                (upper[i - 1], std::array::from_fn(|k| r[k] - last[k]))
-            }
-        };
-        let pivot: f64 = own - before;
-        upper.push(1.0 / pivot);
-        tangents.push(row.map(|x| x / pivot));
-    }
-    for i in (0..n - 1).rev() {
-        let next = tangents[i + 1];
-        for k in 0..D {
-            tangents[i][k] -= upper[i] * next[k];
-        }
-    }
-    hermite(points, &tangents)
+    let most = (0..D).fold(0.0, |most: f64, k| greater((b[k] - a[k]).abs(), most));
+    // Squares of common lengths neither vanish nor overflow: 2^±400, chosen.
+    let is_common = exponent(most).abs() < 400;
+    if most == 0.0 || is_common { root(1.0) } else { root(power_of_two(-exponent(most))) }
 }
 
 /// The uniform cubic B-spline with these control points: C2, near them but not through them, inside their

@@ -1,6 +1,6 @@
 //! The referee of rational splines: bounds against samplers that share no code with the library.
 mod trimmed;
-mod truth;
+pub(crate) mod truth;
 
 use chordal::budget::Bounded;
 use chordal::budget::Pixels;

@@ -1,5 +1,6 @@
 //! `SurfaceTree`: closest points on smooth surfaces, patches and limit surfaces, with proved distances.
 pub(in crate::explicit) mod box_tree;
+mod curve;
 mod offset_patch;
 mod search;
 
@@ -11,6 +12,7 @@ use crate::math::{
     mul_up, power_of_two, sqrt_down, sub_down, sub_up,
 };
 use box_tree::{BoxTree, gaps_down};
+pub use curve::CurveClosestPoint;
 use glam::DVec3;
 use offset_patch::SheetRectangle;
 use search::SurfaceSearch;

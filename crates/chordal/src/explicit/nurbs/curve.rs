@@ -94,26 +94,13 @@ impl<const D: usize> NurbsCurve<D> {
     pub fn derivatives(&self, t: f64, order: usize) -> Vec<[f64; D]> {
         let (piece, place) = self.knots.locate(t);
         let [a, b] = self.knots.piece(piece);
-        let (mut points, mut weights): (Vec<[f64; D]>, Vec<f64>) = (Vec::new(), Vec::new());
-        let (points_row, weights_row) = self.bezier_rows(piece);
+        let (points, weights) = self.bezier_rows(piece);
+        let mut made = quotient_derivatives(&points, &weights, place, order);
         // By the parameter of the whole curve.
         let mut scale = 1.0;
-        for k in 0..=order {
-            points.push(derivative(&points_row, k, place).map(|x| x * scale));
-            weights.push(derivative(&weights_row, k, place)[0] * scale);
+        for derivative in &mut made {
+            *derivative = derivative.map(|x| x * scale);
             scale /= b - a;
-        }
-        // Leibniz' rule for the product of the curve with its denominator.
-        let mut made: Vec<[f64; D]> = Vec::with_capacity(order + 1);
-        for k in 0..=order {
-            let binomial = binomials(k);
-            let mut sum = points[k];
-            for i in 1..=k {
-                for (x, lower) in sum.iter_mut().zip(made[k - i]) {
-                    *x -= binomial[i] * weights[i] * lower;
-                }
-            }
-            made.push(sum.map(|x| x / weights[0]));
         }
         made
     }
@@ -134,7 +121,7 @@ impl<const D: usize> NurbsCurve<D> {
     pub fn to_curve(&self) -> Result<Curve<D>, InvalidCurve> {
         let p = self.knots.degree();
         // Equal weights make no difference, and their means would have roundings.
-        let is_polynomial = self.weights.iter().all(|w| *w == self.weights[0]);
+        let is_polynomial = self.is_polynomial();
         let (x, w) = if is_polynomial {
             let x = self.knots.to_bezier(&self.control);
             let ones = vec![[1.0]; x.len()];
@@ -179,6 +166,11 @@ impl<const D: usize> NurbsCurve<D> {
         Ok(Curve::new(pieces, CurveEnds::from(is_closed))?.with_slack(slack))
     }
 
+    /// Whether all weights are equal, so that they make no difference.
+    pub(crate) fn is_polynomial(&self) -> bool {
+        self.weights.iter().all(|w| *w == self.weights[0])
+    }
+
     /// The points times their weights, and the weights.
     fn weighted(&self) -> (Vec<[f64; D]>, Vec<[f64; 1]>) {
         let weights = scaled_weights(&self.weights);
@@ -191,6 +183,29 @@ impl<const D: usize> NurbsCurve<D> {
         let (weighted, weights) = self.weighted();
         (self.knots.piece_row(&weighted, piece), self.knots.piece_row(&weights, piece))
     }
+}
+
+/// The point of a rational piece at `t`, and its derivatives up to an order.
+pub(super) fn quotient_derivatives<const N: usize>(
+    points: &BernsteinRow<N>,
+    weights: &BernsteinRow<1>,
+    t: f64,
+    order: usize,
+) -> Vec<[f64; N]> {
+    let weights: Vec<f64> = (0..=order).map(|k| derivative(weights, k, t)[0]).collect();
+    // Leibniz' rule for the product of the curve with its denominator.
+    let mut made: Vec<[f64; N]> = Vec::with_capacity(order + 1);
+    for k in 0..=order {
+        let binomial = binomials(k);
+        let mut sum = derivative(points, k, t);
+        for i in 1..=k {
+            for (x, lower) in sum.iter_mut().zip(made[k - i]) {
+                *x -= binomial[i] * weights[i] * lower;
+            }
+        }
+        made.push(sum.map(|x| x / weights[0]));
+    }
+    made
 }
 
 /// The derivative of an order of a polynomial in Bernstein form.

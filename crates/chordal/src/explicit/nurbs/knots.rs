@@ -76,6 +76,25 @@ impl KnotVector {
         Self::new(degree, (0..n_control + degree + 1).map(knot).collect())
     }
 
+    /// Knots at whole numbers for so many control points, as far outside as inside: the curve runs from 0 to the number of
+    /// its pieces, and starts and ends beside its first and last point.
+    ///
+    /// # Errors
+    /// When there are not more control points than the degree, or the degree is 0 or beyond 30.
+    pub fn uniform(degree: usize, n_control: usize) -> Result<Self, InvalidNurbs> {
+        if n_control <= degree {
+            return Err(InvalidNurbs::TooFew { degree, points: n_control });
+        }
+        let before = degree.min(MOST + 1) as f64;
+        Self::new(degree, (0..n_control + degree + 1).map(|k| k as f64 - before).collect())
+    }
+
+    /// How often a number occurs among the knots.
+    #[must_use]
+    pub fn multiplicity(&self, t: f64) -> usize {
+        self.knots.partition_point(|knot| *knot <= t) - self.knots.partition_point(|knot| *knot < t)
+    }
+
     /// The degree of the pieces.
     #[must_use]
     pub fn degree(&self) -> usize {
@@ -129,9 +148,22 @@ impl KnotVector {
         (piece, if place > 0.0 { crate::math::lesser(place, 1.0) } else { 0.0 })
     }
 
+    /// The parameter at a place from 0 to 1 of a piece.
+    #[must_use]
+    pub(crate) fn parameter(&self, piece: usize, place: f64) -> f64 {
+        let [a, b] = self.piece(piece);
+        // Both ends exactly, and never beyond them.
+        crate::math::lesser(crate::math::greater((1.0 - place) * a + place * b, a), b)
+    }
+
+    /// The index of the knot before a piece, and of the control points that it depends on the last.
+    pub(super) fn span(&self, piece: usize) -> usize {
+        self.spans[piece]
+    }
+
     /// The blossom of a piece: de Boor's algorithm with a parameter of its own in each step, all of them within the
     /// piece. All steps are weighted means.
-    fn blossom<const N: usize>(
+    pub(super) fn blossom<const N: usize>(
         &self,
         span: usize,
         control: &[[f64; N]],
@@ -173,7 +205,7 @@ impl KnotVector {
 }
 
 /// Why numbers do not describe a spline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InvalidNurbs {
     /// The degree is 0 or beyond 30.
     Degree(usize),
@@ -226,6 +258,37 @@ pub enum InvalidNurbs {
     Knots,
     /// The radius of this control point of a profile is negative.
     Radius(usize),
+    /// A parameter is not inside of the domain.
+    Outside {
+        /// The parameter.
+        t: f64,
+        /// The domain.
+        domain: [f64; 2],
+    },
+    /// A part or a domain does not start before it ends.
+    Backwards {
+        /// Where it starts.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// No knot is at this parameter inside of the domain.
+    NoKnot(f64),
+    /// Without the knot the curve would be too far away.
+    Moved {
+        /// An upper bound of the distance.
+        by: f64,
+        /// The tolerance.
+        limit: f64,
+    },
+    /// This point and the next are equal, and so would be their parameters.
+    Coincident(usize),
+    /// A path of a single point has no piece.
+    SinglePoint,
+    /// An arc has no sweep, or more than a full turn.
+    Sweep(f64),
+    /// The parameters around this point are too uneven: rounding leaves nothing of its control point.
+    Uneven(usize),
 }
 
 impl fmt::Display for InvalidNurbs {
@@ -255,6 +318,26 @@ impl fmt::Display for InvalidNurbs {
             Self::Count { what, found, needed } => write!(f, "{found} {what} where the knots need {needed}"),
             Self::Knots => f.write_str("the two curves have different degrees or knots"),
             Self::Radius(index) => write!(f, "the radius of control point {index} is negative"),
+            Self::Outside { t, domain: [a, b] } => {
+                write!(f, "the parameter {t} is not inside of the domain from {a} to {b}")
+            }
+            Self::Backwards { from, to } => {
+                write!(f, "a part from {from} to {to} has no length: it must start before it ends")
+            }
+            Self::NoKnot(t) => write!(f, "there is no knot {t} inside of the domain"),
+            Self::Moved { by, limit } => {
+                write!(f, "without the knot the curve may be off by {by:e}, and the tolerance is {limit:e}")
+            }
+            Self::Coincident(index) => {
+                write!(f, "point {index} and the next one are equal, so that their parameters would be too")
+            }
+            Self::Sweep(sweep_rad) => {
+                write!(f, "the sweep of the arc is {sweep_rad}, and must be from −2π to 2π and not 0")
+            }
+            Self::Uneven(index) => {
+                write!(f, "the parameters around point {index} are too uneven to solve for its control point")
+            }
+            Self::SinglePoint => f.write_str("the path is a single point, without a piece"),
             Self::Weight(index) => write!(f, "weight {index} is not above 0"),
         }
     }

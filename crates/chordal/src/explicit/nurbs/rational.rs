@@ -1,5 +1,6 @@
 //! `RationalBezier`: one piece of a rational curve of any degree.
 use super::BernsteinRow;
+use super::curve::quotient_derivatives;
 use crate::explicit::AffineMap;
 use crate::math::{greater, lesser};
 use std::sync::Arc;
@@ -78,6 +79,11 @@ impl<const D: usize> RationalBezier<D> {
         let first: [f64; D] = std::array::from_fn(|k| (dx[k] - point[k] * dw) / w);
         let second = std::array::from_fn(|k| (ddx[k] - 2.0 * first[k] * dw - point[k] * ddw) / w);
         [first, second]
+    }
+
+    /// The third derivative at `t`.
+    pub(crate) fn third_derivative(&self, t: f64) -> [f64; D] {
+        quotient_derivatives(self.weighted(), self.weights(), t, 3)[3]
     }
 
     /// The same piece in reverse.
