@@ -32,6 +32,10 @@ struct PathPiece<'a, const D: usize> {
     place: Box3,
     /// The error of the piece itself, without any chord: rounding, and the error of the path's data.
     rounding_error: f64,
+    /// The part of it that an arc has, and that the path has, from before.
+    arc_slack: f64,
+    path_slack: f64,
+    path: usize,
 }
 
 /// A piece split into chords.
@@ -106,7 +110,15 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 };
                 let lost = if curve.slack() > 0.0 { add_up(own, curve.slack()) } else { own };
                 let place = Box3 { min: to_3d(low), max: to_3d(high) };
-                parts.push(PathPiece { chords: Chords::new(piece), place, rounding_error: lost });
+                let arc_slack = if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
+                parts.push(PathPiece {
+                    chords: Chords::new(piece),
+                    place,
+                    rounding_error: lost,
+                    arc_slack,
+                    path_slack: curve.slack(),
+                    path: index,
+                });
             }
         }
         if flushes_subnormals() {
@@ -187,10 +199,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         if left > least {
             return Ok(left);
         }
-        let message = format!(
-            "the budget of {length:.3e} is less than what rounding may cost at this distance from the origin, {:.3e}",
-            part.rounding_error
-        );
+        let message = format!("the budget of {length:.3e} is less than {}", part.why_uncertain());
         Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
@@ -336,6 +345,27 @@ impl<'a, const D: usize> Flattener<'a, D> {
             first += curve.segments().len();
         }
         (0.0, None)
+    }
+}
+
+impl<const D: usize> PathPiece<'_, D> {
+    /// What makes up most of the piece's own error, in words.
+    fn why_uncertain(&self) -> String {
+        let (all, path) = (self.rounding_error, self.path);
+        let [x, y] = [0, 1].map(|k| 0.5 * self.place.min[k] + 0.5 * self.place.max[k]);
+        if 2.0 * self.arc_slack > all {
+            let slack = self.arc_slack;
+            format!(
+                "what is open of an arc of path {path} about ({x}, {y}), {slack:.3e}: its ends, radii and rounded rotation make it nearly half an ellipse, or its ellipse is very flat"
+            )
+        } else if 2.0 * self.path_slack > all {
+            let slack = self.path_slack;
+            format!(
+                "what rounding of its numbers may have moved path {path} by before, {slack:.3e} (relative coordinates, rotations of arcs, transforms)"
+            )
+        } else {
+            format!("what rounding may cost at this distance from the origin, {all:.3e}")
+        }
     }
 }
 
