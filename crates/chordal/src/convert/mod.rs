@@ -2,6 +2,7 @@
 mod cage_to_mesh;
 mod contours;
 mod cubes;
+mod curve_to_cubics;
 mod curve_to_field;
 mod curve_to_polyline;
 mod curves;
@@ -10,6 +11,7 @@ mod field_to_mesh;
 mod field_to_polyline;
 mod fields;
 mod fields_with_meshes;
+mod fitting;
 mod gradient_normals;
 mod grid_to_mesh;
 mod grid_to_polyline;
@@ -30,12 +32,15 @@ mod outlines_to_mesh;
 mod outlines_to_solid;
 mod patches;
 mod patches_to_mesh;
+mod points_to_spline;
+mod polyline_to_spline;
 mod redistance;
 mod triangles;
 mod view_dependent_mesher;
 
 pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
+pub use curve_to_cubics::curve_to_cubics;
 pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::flatten::Spacing;
@@ -43,6 +48,7 @@ pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
 pub use field_to_mesh::field_to_mesh;
 pub use field_to_polyline::field_to_polyline;
 pub use fields_with_meshes::has_meshes;
+pub use fitting::spans::{Corners, SplineFit};
 pub use gradient_normals::with_gradient_normals;
 pub use grid_to_mesh::{grid_to_mesh, sparse_grid_to_mesh};
 pub use grid_to_polyline::grid_to_polyline;
@@ -53,6 +59,8 @@ pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use outlines_to_solid::outlines_to_solid;
 pub use patches_to_mesh::patches_to_mesh;
+pub use points_to_spline::points_to_spline;
+pub use polyline_to_spline::polyline_to_spline;
 pub use redistance::redistance;
 
 /// Meshers, a cutter and a sampler that are kept for many budgets, views or lattices, and many curves at once.

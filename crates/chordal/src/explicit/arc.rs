@@ -58,8 +58,7 @@ impl<const D: usize> Arc<D> {
         start_rad: f64,
         sweep_rad: f64,
     ) -> Result<Self, InvalidArc> {
-        let mut arc =
-            Self { centre, axes, start_rad, sweep_rad, ends: [centre; 2], slack: 0.0, crown: None };
+        let mut arc = Self { centre, axes, start_rad, sweep_rad, ends: [centre; 2], slack: 0.0, crown: None };
         arc.ends = [arc.round(0.0), arc.round(1.0)];
         // 2π rounded to a number is below 2π; it counts as a full turn.
         if !arc.is_finite() || start_rad.abs() > 4.0 * PI || sweep_rad.abs() > 2.0 * PI {
@@ -250,9 +249,7 @@ impl<const D: usize> Arc<D> {
         };
         let sin = libm::sin(0.5 * crown.half_rad);
         let [a, b] = self.ends;
-        std::array::from_fn(|k| {
-            greater(a[k].abs(), b[k].abs()) + 2.0 * sin * sin * crown.to_middle[k].abs()
-        })
+        std::array::from_fn(|k| greater(a[k].abs(), b[k].abs()) + 2.0 * sin * sin * crown.to_middle[k].abs())
     }
 
     pub(crate) fn is_finite(&self) -> bool {
@@ -274,7 +271,11 @@ impl<const D: usize> Arc<D> {
             centre: map.point(self.centre),
             axes: self.axes.map(|axis| map.vector(axis)),
             ends: self.ends.map(|end| map.point(end)),
-            slack: if self.crown.is_some() || self.sweep_rad.abs() > PI { slack } else { add_up(slack, of_centre) },
+            slack: if self.crown.is_some() || self.sweep_rad.abs() > PI {
+                slack
+            } else {
+                add_up(slack, of_centre)
+            },
             crown: self
                 .crown
                 .map(|crown| ArcCrown { to_middle: map.vector(crown.to_middle), half_rad: crown.half_rad }),

@@ -58,7 +58,8 @@ impl SvgArcShape {
             _ if rx == ry => 0.0,
             _ => rotation_off_rad + 4.0 * f64::EPSILON,
         };
-        let (off, half, size) = (0.5 * step_off, 0.5 * libm::hypot(step[0], step[1]), libm::hypot(p[0], p[1]));
+        let (off, half, size) =
+            (0.5 * step_off, 0.5 * libm::hypot(step[0], step[1]), libm::hypot(p[0], p[1]));
         let moved_in_radii = (turn * half + off) / short;
         // Twice, for the true `p` and the moved one on different sides of the computed one; and its own rounding.
         let part = 2.0 * (moved_in_radii / size + 8.0 * f64::EPSILON);
@@ -79,8 +80,9 @@ impl SvgArcShape {
         let cosine = |size: f64| ((1.0 - size) * (1.0 + size)).sqrt();
         // 3. Nearly half an ellipse.
         let angle_off = 1.6 * cosine(least);
+        let (by_bend, by_half) = if self.large { (4.4, 1.0) } else { (2.0, 0.5) };
         let near_half = if angle_off < 0.8 {
-            step_off + 1.8 * bend_off + angle_off * (4.4 * bend + half)
+            step_off + 1.8 * bend_off + angle_off * (by_bend * bend + by_half * half)
         } else {
             anything
         };
@@ -208,13 +210,17 @@ impl Arc<2> {
         let of_height = lesser(known / height, known.sqrt());
         let step = way.map(|x| x.hi);
         let half_length = libm::hypot(half[0].hi, half[1].hi);
-        let turned_off =
-            if sin == 0.0 || radii[0] == radii[1] { 0.0 } else { shape.moved_by(step, 0.0, 2.0 * f64::EPSILON) };
+        let turned_off = if sin == 0.0 || radii[0] == radii[1] {
+            0.0
+        } else {
+            shape.moved_by(step, 0.0, 2.0 * f64::EPSILON)
+        };
         let is_crown = !shape.large || height == 0.0;
         if !is_crown {
             // Centre and angles have some thirty roundings of what they are made of.
             let longest = greater(rx, ry);
-            let rounding = 64.0 * f64::EPSILON * add_up(longest, arc.reaches().into_iter().fold(0.0, greater));
+            let rounding =
+                64.0 * f64::EPSILON * add_up(longest, arc.reaches().into_iter().fold(0.0, greater));
             let slack = add_up(turned_off, add_up(mul_up(4.0 * of_height, longest), rounding));
             return Ok(arc.with_ends([from, to]).with_more_slack(slack));
         }
@@ -263,7 +269,7 @@ mod tests {
                 assert_eq!(arc.ends(), [[1.0, 2.0], [3.0, 1.0]]);
                 assert_eq!(arc.sweep_rad().abs() > PI, flags[0], "{deg} {flags:?}");
                 assert_eq!(arc.sweep_rad() > 0.0, flags[1]);
-                assert!(arc.slack() < 1e-13, "{}", arc.slack());
+                assert!(arc.slack() < 2e-13, "{}", arc.slack());
                 assert!(off(&arc, arc.ends()[0]) < 1e-14 && off(&arc, arc.ends()[1]) < 1e-14);
                 // The ends of the formula are the given ends.
                 for (t, end) in [(0.0, [1.0, 2.0]), (1.0, [3.0, 1.0])] {
@@ -369,7 +375,7 @@ mod tests {
                 near[usize::from(large)] = near[usize::from(large)].max(far / said);
             }
         }
-        // Measured 0.49 and 0.14: the bound is no idle one.
+        // Measured 0.95 and 0.48: the bound is no idle one.
         eprintln!("{near:?}");
         assert!(near[0] > 0.2 && near[1] > 0.05, "{near:?}");
     }

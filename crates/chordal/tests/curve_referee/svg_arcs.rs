@@ -81,7 +81,8 @@ impl Ellipse {
 /// A random arc: its start, its step and its shape. Chords are long, short, or nearly as long as the ellipse allows.
 fn random_arc(random: &mut Random) -> ([f64; 2], [f64; 2], SvgArcShape) {
     let size = 10_f64.powf(3.0 * random.unit() - 1.0);
-    let (angle, rotation_rad) = (6.0 * random.unit(), if random.unit() < 0.3 { 0.0 } else { 3.0 * random.unit() });
+    let (angle, rotation_rad) =
+        (6.0 * random.unit(), if random.unit() < 0.3 { 0.0 } else { 3.0 * random.unit() });
     let step = [size * angle.cos(), size * angle.sin()];
     let radius = size * 10_f64.powf(6.5 * random.unit() - 0.5);
     let radii = match random.unit() {
@@ -99,7 +100,7 @@ fn random_arc(random: &mut Random) -> ([f64; 2], [f64; 2], SvgArcShape) {
 fn points_of_an_arc_from_its_ends_are_on_the_ellipse() {
     let (mut worst, mut largest_slack) = (0.0_f64, 0.0_f64);
     for seed in 0..cases(20_000) {
-        let mut random = Random::new(seed);
+        let mut random = Random::new(seed as u64);
         let (from, step, shape) = random_arc(&mut random);
         let arc = Arc::through_step(from, step, &shape).expect("an arc");
         let truth = Ellipse::new(from, step.map(Double::from), &shape);
@@ -127,7 +128,7 @@ fn points_of_an_arc_from_its_ends_are_on_the_ellipse() {
 #[test]
 fn an_arc_of_a_radius_of_a_million_chords_keeps_a_length_of_its_ten_millionth() {
     for seed in 0..cases(400) {
-        let mut random = Random::new(seed);
+        let mut random = Random::new(seed as u64);
         let (from, step, shape) = random_arc(&mut random);
         let shape = SvgArcShape { large: false, ..shape };
         let arc = Arc::through_step(from, step, &shape).expect("an arc");

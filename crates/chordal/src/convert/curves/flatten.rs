@@ -47,6 +47,39 @@ struct FlattenedPiece {
     worst: f64,
 }
 
+/// Refuses a path with numbers for which nothing can be proved.
+pub(crate) fn refuse_extremes<const D: usize, T>(curve: &Curve<D>, index: usize) -> Result<(), Failure<T>> {
+    refuse_flushing()?;
+    for piece in curve.segments() {
+        let [low, high] = piece.bounds();
+        let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
+        // A short arc may be near and its centre far.
+        let sane_inside = match piece {
+            CurveSegment::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
+            CurveSegment::Rational(curve) => {
+                curve.control_weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
+            }
+            CurveSegment::Line(_) | CurveSegment::Cubic(_) => true,
+        };
+        if !(piece.is_finite() && sane(&low) && sane(&high) && sane_inside && curve.slack() < LARGEST) {
+            let message = format!(
+                "path {index} has a number that is not finite, a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
+            );
+            return Err(Failure::refused(RefusalCode::NotFinite, message));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses an environment in which nothing can be proved.
+pub(crate) fn refuse_flushing<T>() -> Result<(), Failure<T>> {
+    if flushes_subnormals() {
+        let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
+        return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
+    }
+    Ok(())
+}
+
 /// The paths, prepared for flattening.
 pub(crate) struct Flattener<'a, const D: usize> {
     curves: &'a [Curve<D>],
@@ -79,30 +112,12 @@ impl<'a, const D: usize> Flattener<'a, D> {
         job: &'a Job,
         spacing: Spacing,
     ) -> Result<Self, FlatteningFailure<D>> {
+        refuse_flushing()?;
         let mut parts = Vec::new();
         for (index, curve) in curves.iter().enumerate() {
+            refuse_extremes(curve, index)?;
             for piece in curve.segments() {
                 let [low, high] = piece.bounds();
-                let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
-                // A short arc may be near and its centre far.
-                let sane_inside = |piece: &CurveSegment<D>| match piece {
-                    CurveSegment::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
-                    CurveSegment::Rational(curve) => {
-                        curve.control_weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
-                    }
-                    CurveSegment::Line(_) | CurveSegment::Cubic(_) => true,
-                };
-                if !(piece.is_finite()
-                    && sane(&low)
-                    && sane(&high)
-                    && sane_inside(piece)
-                    && curve.slack() < LARGEST)
-                {
-                    let message = format!(
-                        "path {index} has a number that is not finite, a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
-                    );
-                    return Err(Failure::refused(RefusalCode::NotFinite, message));
-                }
                 let own = match piece {
                     CurveSegment::Line(_) => 0.0,
                     CurveSegment::Cubic(_) | CurveSegment::Rational(_) => rounding(piece),
@@ -120,10 +135,6 @@ impl<'a, const D: usize> Flattener<'a, D> {
                     path: index,
                 });
             }
-        }
-        if flushes_subnormals() {
-            let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
-            return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
         }
         Ok(Self { curves, job, spacing, parts })
     }
