@@ -1,0 +1,94 @@
+//! The referee of fitted cubics: samples the shapes and the cubics by its own arithmetic, and looks for places that are
+//! farther apart than the bound says.
+mod curves;
+mod points;
+mod polylines;
+
+use chordal::explicit::{Curve, CurveSegment};
+
+/// A path as a function of its parameter, from 0 to the number of its pieces.
+pub struct Sampled<'a, const D: usize> {
+    pub at: Box<dyn Fn(f64) -> [f64; D] + 'a>,
+    pub end: f64,
+}
+
+pub fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    let most = (0..D).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+    if most == 0.0 { 0.0 } else { most * (0..D).map(|k| ((a[k] - b[k]) / most).powi(2)).sum::<f64>().sqrt() }
+}
+
+fn between<const D: usize>(a: [f64; D], b: [f64; D], t: f64) -> [f64; D] {
+    std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
+}
+
+/// The result: lines and cubics, by de Casteljau's construction.
+pub fn fitted<const D: usize>(curve: &Curve<D>) -> Sampled<'_, D> {
+    let end = curve.segments().len() as f64;
+    let at = move |s: f64| {
+        let Some(last) = curve.segments().len().checked_sub(1) else { return curve.start() };
+        let i = (s.floor() as usize).min(last);
+        let t = s - i as f64;
+        match &curve.segments()[i] {
+            CurveSegment::Line([a, b]) => between(*a, *b, t),
+            CurveSegment::Cubic(cubic) => {
+                let [a, b, c, d] = cubic.control;
+                let [ab, bc, cd] = [between(a, b, t), between(b, c, t), between(c, d, t)];
+                between(between(ab, bc, t), between(bc, cd, t), t)
+            }
+            other => panic!("neither line nor cubic: {other:?}"),
+        }
+    };
+    Sampled { at: Box::new(at), end }
+}
+
+impl<const D: usize> Sampled<'_, D> {
+    /// The distance of a point: the nearest of many samples, and then nearer and nearer places between its neighbours.
+    pub fn distance(&self, p: [f64; D], grid: &[[f64; D]]) -> f64 {
+        let n = grid.len() - 1;
+        let far: Vec<f64> = grid.iter().map(|q| distance(p, *q)).collect();
+        let mut order: Vec<usize> = (0..=n)
+            .filter(|i| (*i == 0 || far[i - 1] >= far[*i]) && (*i == n || far[i + 1] >= far[*i]))
+            .collect();
+        order.sort_by(|a, b| far[*a].total_cmp(&far[*b]));
+        order.truncate(4);
+        let valley = |i: usize| {
+            let at = |i: usize| self.end * i as f64 / n as f64;
+            let (mut low, mut high) = (at(i.saturating_sub(1)), at((i + 1).min(n)));
+            let mut least = far[i];
+            for _ in 0..60 {
+                let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+                let [x, y] = [a, b].map(|s| distance(p, (self.at)(s)));
+                least = least.min(x).min(y);
+                if x < y { high = b } else { low = a }
+            }
+            least
+        };
+        order.into_iter().map(valley).fold(f64::INFINITY, f64::min)
+    }
+
+    pub fn grid(&self, n: usize) -> Vec<[f64; D]> {
+        (0..=n).map(|i| (self.at)(self.end * i as f64 / n as f64)).collect()
+    }
+
+    /// The largest distance found of a sample of this from the other.
+    pub fn farthest_from(&self, other: &Self, n: usize) -> f64 {
+        let samples = self.grid(n);
+        let grid = other.grid(2 * n);
+        samples.iter().map(|p| other.distance(*p, &grid)).fold(0.0, f64::max)
+    }
+}
+
+/// The largest angle by which a path turns where pieces meet, the start of a closed one included.
+pub fn sharpest<const D: usize>(curve: &Curve<D>) -> f64 {
+    let joins = chordal::check::curves::joins(curve);
+    joins.iter().map(|join| join.angle_rad.unwrap_or(0.0)).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_referee_sees_a_shift() {
+    let arch = chordal::Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+    let moved = chordal::Bezier { control: arch.control.map(|[x, y]| [x, y + 1e-6]) };
+    let (a, b) = (Curve::from(arch), Curve::from(moved));
+    let found = fitted(&a).farthest_from(&fitted(&b), 200);
+    assert!(found > 0.999e-6 && found < 1.001e-6, "{found}");
+}
