@@ -50,12 +50,12 @@ impl<const D: usize> Sampled<'_, D> {
             .filter(|i| (*i == 0 || far[i - 1] >= far[*i]) && (*i == n || far[i + 1] >= far[*i]))
             .collect();
         order.sort_by(|a, b| far[*a].total_cmp(&far[*b]));
-        order.truncate(4);
+        order.truncate(2);
         let valley = |i: usize| {
             let at = |i: usize| self.end * i as f64 / n as f64;
             let (mut low, mut high) = (at(i.saturating_sub(1)), at((i + 1).min(n)));
             let mut least = far[i];
-            for _ in 0..60 {
+            for _ in 0..40 {
                 let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
                 let [x, y] = [a, b].map(|s| distance(p, (self.at)(s)));
                 least = least.min(x).min(y);

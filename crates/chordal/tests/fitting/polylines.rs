@@ -62,7 +62,12 @@ fn no_polyline_is_farther_from_its_spline_than_the_bound_in_both_directions() {
         let made = spline(&line, &fit);
         let bound = made.bound.at_most().expect("a bound");
         let found = distance(&line, &made.shape);
-        assert!(bound <= length && found <= bound * (1.0 + 1e-6), "seed {seed}: {found} > {bound}");
+        assert!(
+            bound <= length && found <= bound * (1.0 + 1e-6),
+            "seed {seed}: {found} > {bound}, kind {kind}, {n} points, closed {}, {fit:?}, {} pieces, size {scale}",
+            line.closed,
+            made.shape.segments().len()
+        );
         worst = worst.max(found / bound);
     }
     eprintln!("largest part of the bound: {worst}");

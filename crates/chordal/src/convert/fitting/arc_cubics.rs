@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(count(&circle, 2.73e-4).0, 4.0);
         assert_eq!(count(&circle, 2.72e-4).0, 5.0);
         // A sixty-fourth of the length for twice as many.
-        assert_eq!((count(&circle, 4.2e-6).0, count(&circle, 4.2e-6 / 64.0).0), (8.0, 16.0));
+        assert_eq!((count(&circle, 4.25e-6).0, count(&circle, 4.25e-6 / 64.0).0), (8.0, 16.0));
         assert!((longest_axis([3.0, 0.0], [0.0, 2.0]) - 3.0).abs() < 1e-13);
     }
 }
