@@ -42,39 +42,64 @@ pub fn fitted<const D: usize>(curve: &Curve<D>) -> Sampled<'_, D> {
 }
 
 impl<const D: usize> Sampled<'_, D> {
-    /// The distance of a point: the nearest of many samples, and then nearer and nearer places between its neighbours.
-    pub fn distance(&self, p: [f64; D], grid: &[[f64; D]]) -> f64 {
+    /// The distance of a point: the nearest of many samples, and then nearer and nearer places between its neighbours,
+    /// wherever one could be nearer.
+    pub fn distance(&self, p: [f64; D], grid: &[(f64, [f64; D])]) -> f64 {
         let n = grid.len() - 1;
-        let far: Vec<f64> = grid.iter().map(|q| distance(p, *q)).collect();
-        let mut order: Vec<usize> = (0..=n)
-            .filter(|i| (*i == 0 || far[i - 1] >= far[*i]) && (*i == n || far[i + 1] >= far[*i]))
+        let far: Vec<f64> = grid.iter().map(|(_, q)| distance(p, *q)).collect();
+        let beside = |i: usize| [i.saturating_sub(1), (i + 1).min(n)];
+        // Nothing between a sample and its neighbours is nearer than this, nearly.
+        let least = |i: usize| {
+            let step = beside(i).map(|j| distance(grid[i].1, grid[j].1));
+            far[i] - step[0].max(step[1])
+        };
+        let mut order: Vec<(f64, usize)> = (0..=n)
+            .filter(|i| beside(*i).iter().all(|j| far[*j] >= far[*i]))
+            .map(|i| (least(i), i))
             .collect();
-        order.sort_by(|a, b| far[*a].total_cmp(&far[*b]));
-        order.truncate(2);
-        let valley = |i: usize| {
-            let at = |i: usize| self.end * i as f64 / n as f64;
-            let (mut low, mut high) = (at(i.saturating_sub(1)), at((i + 1).min(n)));
-            let mut least = far[i];
-            for _ in 0..40 {
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best = far.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+        for (least, i) in order {
+            if least > best {
+                break;
+            }
+            let [mut low, mut high] = beside(i).map(|j| grid[j].0);
+            for _ in 0..80 {
                 let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
                 let [x, y] = [a, b].map(|s| distance(p, (self.at)(s)));
-                least = least.min(x).min(y);
+                best = best.min(x).min(y);
                 if x < y { high = b } else { low = a }
             }
-            least
-        };
-        order.into_iter().map(valley).fold(f64::INFINITY, f64::min)
+        }
+        best
     }
 
-    pub fn grid(&self, n: usize) -> Vec<[f64; D]> {
-        (0..=n).map(|i| (self.at)(self.end * i as f64 / n as f64)).collect()
+    /// Samples: so many, and more where they would be far apart.
+    pub fn grid(&self, n: usize) -> Vec<(f64, [f64; D])> {
+        let at = |s: f64| (s, (self.at)(s));
+        let even: Vec<_> = (0..=n).map(|i| at(self.end * i as f64 / n as f64)).collect();
+        let step = 4.0 / n as f64 * even.windows(2).map(|w| distance(w[0].1, w[1].1)).sum::<f64>();
+        let mut grid = vec![even[0]];
+        for pair in even.windows(2) {
+            let mut left = vec![pair[1]];
+            while let Some(next) = left.last().copied() {
+                let last = grid[grid.len() - 1];
+                let middle = 0.5 * (last.0 + next.0);
+                if distance(last.1, next.1) > step && middle > last.0 && middle < next.0 {
+                    left.push(at(middle));
+                } else {
+                    grid.push(next);
+                    left.pop();
+                }
+            }
+        }
+        grid
     }
 
     /// The largest distance found of a sample of this from the other.
     pub fn farthest_from(&self, other: &Self, n: usize) -> f64 {
-        let samples = self.grid(n);
         let grid = other.grid(2 * n);
-        samples.iter().map(|p| other.distance(*p, &grid)).fold(0.0, f64::max)
+        self.grid(n).iter().map(|(_, p)| other.distance(*p, &grid)).fold(0.0, f64::max)
     }
 }
 

@@ -77,7 +77,7 @@ fn a_noisy_circle_takes_few_pieces_and_is_smooth() {
     assert!(sharpest(&made.shape) < 1e-6);
     // Where there are no points: near the circle all the same.
     let grid = fitted(&made.shape).grid(1000);
-    let off = grid.iter().map(|p| (p[0].hypot(p[1]) - 1.0).abs()).fold(0.0, f64::max);
+    let off = grid.iter().map(|(_, p)| (p[0].hypot(p[1]) - 1.0).abs()).fold(0.0, f64::max);
     assert!(off < 0.03, "{off}");
 }
 
