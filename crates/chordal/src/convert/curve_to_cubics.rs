@@ -20,8 +20,8 @@ const BYTES_PER_PIECE: u64 = 256;
 /// ends, so that joins that were smooth (G1) still are, up to rounding; where a rational piece stops at a cusp, two cubics
 /// may meet there in a kink.
 ///
-/// **Cost.** The error goes down with the sixth power of the number of pieces. About 0.2 µs for each of an arc, 50 µs for
-/// each of a rational piece of degree 2.
+/// **Cost.** The error goes down with the sixth power of the number of pieces. A cubic of a rational piece takes a few
+/// fits and bounds, one of an arc a sine and a cosine.
 ///
 /// # Errors
 /// [`Failure::Refused`]: a number that is not finite, a coordinate beyond 1e150, a weight beyond 1e30 or its inverse, a

@@ -21,7 +21,7 @@ use crate::math::{difference, greater, length};
 /// piece is the cubic with these that is nearest to its points, and goes as far as the length allows. With noise, give the
 /// corners by their indices: between noisy points every angle is large.
 ///
-/// **Cost.** About 20 µs a point.
+/// **Cost.** In time n log n at most: each span is fitted a number of times that is the logarithm of its size.
 ///
 /// # Errors
 /// [`Failure::Refused`]: no point, a number that is not finite or beyond 1e150, a corner that is no point or an angle

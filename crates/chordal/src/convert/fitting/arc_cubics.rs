@@ -45,7 +45,7 @@ pub(crate) fn count<const D: usize>(arc: &Arc<D>, length: f64) -> (f64, f64) {
     // sin(θ/4) < θ/4 and cos²(θ/4) > 0.85.
     let enough = 0.25 * turn * libm::cbrt((2.0 / 27.0 / 0.85 * radius / length).sqrt());
     let mut n = greater(least, (enough - 1.0).floor());
-    while off(n) > length && n < enough + 2.0 {
+    while off(n) > length && n < enough + 4.0 {
         n += 1.0;
     }
     (n, off(n))

@@ -57,6 +57,7 @@ pub(crate) fn fit<const D: usize>(points: &[[f64; D]], directions: &[[f64; D]; 2
         let tried = problem.cost(&next, &mut moved);
         let gained = cost.sum - tried.sum;
         if gained >= 0.0 {
+            // Chosen: the rest of it would change the distance by a millionth.
             let is_done = gained <= 1e-6 * cost.sum;
             (handles, places, cost) = (next, moved, tried);
             damping *= 0.1;
@@ -163,6 +164,7 @@ pub(crate) fn foot<const D: usize>(cubic: &Bezier<D>, point: [f64; D], near: f64
         let next = greater(0.0, lesser(s - step, 1.0));
         let moved = (next - s).abs();
         s = next;
+        // Chosen: the next step would be within rounding.
         if moved < 1e-12 {
             break;
         }

@@ -31,7 +31,7 @@ pub(crate) struct PointPath<const D: usize> {
     smooth: bool,
 }
 
-/// Points on either side of a place that its direction is found from. Measured on noisy circles: more change nothing.
+/// Points on either side of a place that its direction is found from. Chosen.
 const SIDE: usize = 16;
 
 impl<const D: usize> PointPath<D> {

@@ -7,7 +7,7 @@ use crate::explicit::Bezier;
 use crate::explicit::nurbs::RationalBezier;
 use crate::math::{difference, greater, length, lesser};
 
-/// Points of a span that the cubic is fitted to, its ends included. Measured: more do not lower the count.
+/// Points of a span that the cubic is fitted to, its ends included. Chosen.
 const SAMPLES: usize = 14;
 /// Trials for the end of a span; bounds go down with the sixth power of its size, so that three or four are made.
 const TRIALS: u32 = 64;

@@ -29,8 +29,8 @@ impl SplineFit {
 const BYTES_PER_POINT: u64 = 256;
 /// Points of a span that a cubic is fitted to; all of them are judged. Chosen.
 const FITTED: usize = 48;
-/// From how much of a span directions at its ends are found, the first that does: noise wants more, bends less. Measured
-/// on noisy and on exact circles and cubics.
+/// From how much of a span directions at its ends are found, the first that does: noise wants more, bends less. Chosen; with
+/// the first alone a polyline of one cubic took two (`tests/fitting/polylines.rs`).
 const WINDOWS: [f64; 2] = [0.25, 0.08];
 /// The first guess of the number of segments in a span. Chosen.
 const FIRST: usize = 8;
