@@ -63,19 +63,29 @@ impl<const D: usize> Sampled<'_, D> {
             if least > best {
                 break;
             }
-            let [mut low, mut high] = beside(i).map(|j| grid[j].0);
-            for _ in 0..80 {
-                let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-                let [x, y] = [a, b].map(|s| distance(p, (self.at)(s)));
-                best = best.min(x).min(y);
-                if x < y { high = b } else { low = a }
+            // One side after the other: pieces meet at samples, and there the distance may have a kink.
+            for j in beside(i) {
+                let (mut low, mut high) = (grid[i].0.min(grid[j].0), grid[i].0.max(grid[j].0));
+                // The best of nine places and what is beside it, again and again: a bend between may be sharp.
+                while high > low {
+                    let at = |k: usize| low + (high - low) * k as f64 / 8.0;
+                    let far: Vec<f64> = (0..=8).map(|k| distance(p, (self.at)(at(k)))).collect();
+                    let nearest = (0..=8).min_by(|a, b| far[*a].total_cmp(&far[*b])).expect("nine places");
+                    best = best.min(far[nearest]);
+                    let next = (at(nearest.saturating_sub(1)), at((nearest + 1).min(8)));
+                    if next.1 - next.0 < 1e-15 * (1.0 + next.1) || next == (low, high) {
+                        break;
+                    }
+                    (low, high) = next;
+                }
             }
         }
         best
     }
 
-    /// Samples: so many, and more where they would be far apart.
+    /// Samples: about so many, all ends of pieces among them, and more where they would be far apart.
     pub fn grid(&self, n: usize) -> Vec<(f64, [f64; D])> {
+        let n = (n as f64 / self.end.max(1.0)).ceil() as usize * self.end.max(1.0) as usize;
         let at = |s: f64| (s, (self.at)(s));
         let even: Vec<_> = (0..=n).map(|i| at(self.end * i as f64 / n as f64)).collect();
         let step = 4.0 / n as f64 * even.windows(2).map(|w| distance(w[0].1, w[1].1)).sum::<f64>();
