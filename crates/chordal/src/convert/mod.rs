@@ -48,7 +48,6 @@ pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
 pub use field_to_mesh::field_to_mesh;
 pub use field_to_polyline::field_to_polyline;
 pub use fields_with_meshes::has_meshes;
-pub use fitting::spans::{Corners, SplineFit};
 pub use gradient_normals::with_gradient_normals;
 pub use grid_to_mesh::{grid_to_mesh, sparse_grid_to_mesh};
 pub use grid_to_polyline::grid_to_polyline;
@@ -59,8 +58,6 @@ pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use outlines_to_solid::outlines_to_solid;
 pub use patches_to_mesh::patches_to_mesh;
-pub use points_to_spline::points_to_spline;
-pub use polyline_to_spline::polyline_to_spline;
 pub use redistance::redistance;
 
 /// Meshers, a cutter and a sampler that are kept for many budgets, views or lattices, and many curves at once.
@@ -69,6 +66,13 @@ pub mod batch {
     pub use super::curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
     pub use super::mesh_to_grid::DistanceBaker;
     pub use super::view_dependent_mesher::{TileReuse, ViewDependentMesher};
+}
+
+/// Paths of few cubics near points and polylines.
+pub mod splines {
+    pub use super::fitting::spans::{Corners, SplineFit};
+    pub use super::points_to_spline::points_to_spline;
+    pub use super::polyline_to_spline::polyline_to_spline;
 }
 
 /// Buffers for graphics processors.

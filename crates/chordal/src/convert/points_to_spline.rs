@@ -29,7 +29,7 @@ use crate::math::{difference, greater, length};
 /// subnormals. [`Failure::Cancelled`].
 ///
 /// ```
-/// use chordal::convert::{SplineFit, points_to_spline};
+/// use chordal::convert::splines::{SplineFit, points_to_spline};
 /// use chordal::explicit::CurveEnds;
 /// use chordal::{Job, Tolerance};
 /// let wave: Vec<[f64; 2]> = (0..=200).map(|i| f64::from(i) / 20.0).map(|x| [x, x.sin()]).collect();

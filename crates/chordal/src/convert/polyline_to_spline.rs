@@ -26,10 +26,11 @@ use crate::math::{greater, length, lesser};
 /// **Cost.** In time n log n at most: each span is fitted a number of times that is the logarithm of its size.
 ///
 /// # Errors
-/// As for [`points_to_spline`](super::points_to_spline).
+/// As for [`points_to_spline`](super::splines::points_to_spline).
 ///
 /// ```
-/// use chordal::convert::{SplineFit, curve_to_polyline, polyline_to_spline};
+/// use chordal::convert::curve_to_polyline;
+/// use chordal::convert::splines::{SplineFit, polyline_to_spline};
 /// use chordal::{Bezier, Budget, Job, Tolerance};
 /// let (arch, length) = (Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] }, Tolerance::new(1e-3)?);
 /// let fine = Budget::length(Tolerance::new(1e-5)?);
@@ -42,7 +43,7 @@ use crate::math::{greater, length, lesser};
 /// # Ok::<(), chordal::budget::InvalidTolerance>(())
 /// ```
 ///
-/// Source: as for [`points_to_spline`](super::points_to_spline).
+/// Source: as for [`points_to_spline`](super::splines::points_to_spline).
 pub fn polyline_to_spline<const D: usize>(
     line: &Polyline<D>,
     fit: &SplineFit,

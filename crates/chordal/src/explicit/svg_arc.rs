@@ -210,6 +210,7 @@ impl Arc<2> {
         let of_height = lesser(known / height, known.sqrt());
         let step = way.map(|x| x.hi);
         let half_length = libm::hypot(half[0].hi, half[1].hi);
+        // Derived: a sine and a cosine that are each rounded turn by less than this.
         let turned_off = if sin == 0.0 || radii[0] == radii[1] {
             0.0
         } else {

@@ -45,39 +45,29 @@ impl<const D: usize> Sampled<'_, D> {
     /// The distance of a point: the nearest of many samples, and then nearer and nearer places between its neighbours,
     /// wherever one could be nearer.
     pub fn distance(&self, p: [f64; D], grid: &[(f64, [f64; D])]) -> f64 {
-        let n = grid.len() - 1;
         let far: Vec<f64> = grid.iter().map(|(_, q)| distance(p, *q)).collect();
-        let beside = |i: usize| [i.saturating_sub(1), (i + 1).min(n)];
-        // Nothing between a sample and its neighbours is nearer than this, nearly.
-        let least = |i: usize| {
-            let step = beside(i).map(|j| distance(grid[i].1, grid[j].1));
-            far[i] - step[0].max(step[1])
-        };
-        let mut order: Vec<(f64, usize)> = (0..=n)
-            .filter(|i| beside(*i).iter().all(|j| far[*j] >= far[*i]))
-            .map(|i| (least(i), i))
-            .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best = far.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+        // Between two samples nothing is nearer than the sides of a triangle say, nearly: ends of pieces are samples.
+        let least = |i: usize| 0.5 * (far[i] + far[i + 1] - 1.1 * distance(grid[i].1, grid[i + 1].1));
+        let mut order: Vec<(f64, usize)> =
+            (0..grid.len() - 1).map(|i| (least(i), i)).filter(|(least, _)| *least < best).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (least, i) in order {
             if least > best {
                 break;
             }
-            // One side after the other: pieces meet at samples, and there the distance may have a kink.
-            for j in beside(i) {
-                let (mut low, mut high) = (grid[i].0.min(grid[j].0), grid[i].0.max(grid[j].0));
-                // The best of nine places and what is beside it, again and again: a bend between may be sharp.
-                while high > low {
-                    let at = |k: usize| low + (high - low) * k as f64 / 8.0;
-                    let far: Vec<f64> = (0..=8).map(|k| distance(p, (self.at)(at(k)))).collect();
-                    let nearest = (0..=8).min_by(|a, b| far[*a].total_cmp(&far[*b])).expect("nine places");
-                    best = best.min(far[nearest]);
-                    let next = (at(nearest.saturating_sub(1)), at((nearest + 1).min(8)));
-                    if next.1 - next.0 < 1e-15 * (1.0 + next.1) || next == (low, high) {
-                        break;
-                    }
-                    (low, high) = next;
+            let (mut low, mut high) = (grid[i].0, grid[i + 1].0);
+            // The best of nine places and what is beside it, again and again: a bend between may be sharp.
+            while high > low {
+                let at = |k: usize| low + (high - low) * k as f64 / 8.0;
+                let far: Vec<f64> = (0..=8).map(|k| distance(p, (self.at)(at(k)))).collect();
+                let nearest = (0..=8).min_by(|a, b| far[*a].total_cmp(&far[*b])).expect("nine places");
+                best = best.min(far[nearest]);
+                let next = (at(nearest.saturating_sub(1)), at((nearest + 1).min(8)));
+                if next.1 - next.0 < 1e-15 * (1.0 + next.1) || next == (low, high) {
+                    break;
                 }
+                (low, high) = next;
             }
         }
         best

@@ -1,6 +1,6 @@
 //! Points to splines.
 use super::{distance, fitted, sharpest};
-use chordal::convert::{Corners, SplineFit, points_to_spline};
+use chordal::convert::splines::{Corners, SplineFit, points_to_spline};
 use chordal::explicit::{Curve, CurveEnds, CurveSegment};
 use chordal::{Bounded, Failure, Job, Tolerance};
 use chordal_testkit::{Random, cases};

@@ -1,6 +1,7 @@
 //! Polylines to splines.
 use super::{Sampled, fitted, sharpest};
-use chordal::convert::{Corners, SplineFit, curve_to_polyline, polyline_to_spline};
+use chordal::convert::curve_to_polyline;
+use chordal::convert::splines::{Corners, SplineFit, polyline_to_spline};
 use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, Polyline};
 use chordal::{Bounded, Budget, Job, Tolerance};
 use chordal_testkit::{Random, cases};
