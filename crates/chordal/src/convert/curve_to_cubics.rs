@@ -82,7 +82,7 @@ pub fn curve_to_cubics<const D: usize>(
                 at_most = greater(lost, at_most);
             }
             CurveSegment::Arc(arc) => {
-                if !(allowed > 0.0) {
+                if allowed <= 0.0 {
                     return Err(below(before));
                 }
                 let (n, off) = arc_cubics::count(arc, allowed);

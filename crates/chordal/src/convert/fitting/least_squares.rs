@@ -29,9 +29,11 @@ pub(super) fn solve<const N: usize, const M: usize>(
         }
     }
     for row in (0..N).rev() {
-        for k in 0..M {
-            let known: f64 = (row + 1..N).fold(0.0, |sum, j| sum + matrix[row][j] * right[j][k]);
-            right[row][k] = (right[row][k] - known) / matrix[row][row];
+        let (solved, later) = right.split_at_mut(row + 1);
+        for (k, x) in solved[row].iter_mut().enumerate() {
+            let known =
+                later.iter().zip(&matrix[row][row + 1..]).fold(0.0, |sum, (y, factor)| sum + factor * y[k]);
+            *x = (*x - known) / matrix[row][row];
         }
     }
     right.as_flattened().iter().all(|x| x.is_finite()).then_some(right)

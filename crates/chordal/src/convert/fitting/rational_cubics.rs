@@ -105,7 +105,7 @@ impl<const D: usize> RationalSpans<'_, D> {
             at = 1.0;
         }
         for _ in 0..TRIALS {
-            if !(at > from.at) {
+            if at <= from.at || at.is_nan() {
                 break;
             }
             let to = self.end_at(at);

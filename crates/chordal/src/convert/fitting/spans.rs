@@ -100,7 +100,8 @@ pub(crate) fn spline<const D: usize>(
                 return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
             let span = search.longest(at, direction, guess);
-            if !(span.bound <= length.get()) {
+            // A bound is a number or infinite.
+            if span.bound > length.get() {
                 let message = format!(
                     "the length of {:e} is less than what rounding may cost at this distance from the origin, {:.3e}",
                     length.get(),
@@ -140,7 +141,7 @@ impl<const D: usize> SpanSearch<'_, D> {
                 }
             }
         } else {
-            while tried > 1 && !(good.bound <= self.allowed) {
+            while tried > 1 && good.bound > self.allowed {
                 bad = tried;
                 tried /= 2;
                 good = span(tried);
@@ -231,10 +232,10 @@ impl<const D: usize> SpanSearch<'_, D> {
         let mut places = Vec::with_capacity(points.len());
         for i in 1..FITTED {
             let (a, b) = (index(i - 1), index(i));
-            for k in a..b {
-                let part = (k - a) as f64 / (b - a) as f64;
+            for (k, point) in points[a..b].iter().enumerate() {
+                let part = k as f64 / (b - a) as f64;
                 let near = (1.0 - part) * fitted.places[i - 1] + part * fitted.places[i];
-                places.push(foot(&fitted.cubic, points[k], near));
+                places.push(foot(&fitted.cubic, *point, near));
             }
         }
         places.push(1.0);
