@@ -67,7 +67,7 @@ impl SvgArcShape {
         let grown = add_up(greater(1.0, size), moved_in_radii);
         let anything = mul_up(2.0, add_up(step_off, 8.0 * long * grown));
         // Chosen: beyond a quarter nothing of the below holds.
-        if !(part < 0.25) {
+        if part >= 0.25 || part.is_nan() {
             return anything;
         }
         let bend_off = 2.0 * turn * ratio * half + ratio * off;
