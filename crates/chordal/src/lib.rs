@@ -102,6 +102,7 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/enclosure.md")]
 #[doc = include_str!("../../../docs/fields.md")]
 #[doc = include_str!("../../../docs/field_to_mesh.md")]
+#[doc = include_str!("../../../docs/fitting.md")]
 #[doc = include_str!("../../../docs/formats.md")]
 #[doc = include_str!("../../../docs/grid_to_mesh.md")]
 #[doc = include_str!("../../../docs/inspect.md")]

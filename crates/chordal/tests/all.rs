@@ -26,6 +26,7 @@ mod field_rays;
 mod field_referee;
 mod fields;
 mod fields_with_meshes;
+mod fitting;
 mod gpu;
 mod grids;
 mod interval_laws;

@@ -4,7 +4,7 @@ use crate::ReadError;
 use crate::grow::{push, push_large};
 use chordal::explicit::parametric::{InvalidArc, SvgArcShape};
 use chordal::explicit::{Arc, Bezier, Curve, CurveSegment};
-use chordal::math::{add_up, greater, mul_up};
+use chordal::math::{add_up, greater};
 use std::f64::consts::PI;
 
 /// Why drawing stops.
@@ -187,13 +187,14 @@ impl PathBuilder {
             if half_turned.abs() == 90.0 { ([radii[1], radii[0]], 0.0) } else { (radii, half_turned) };
         let [large, positive] = shape.flags;
         let rotation_rad = deg * (PI / 180.0);
-        let Ok(arc) = made(self.current, &SvgArcShape { radii, rotation_rad, large, positive }) else {
+        let (from, shape) = (self.current, SvgArcShape { radii, rotation_rad, large, positive });
+        let Ok(arc) = made(from, &shape) else {
             return Ok(false);
         };
-        let turned = rotation_rad != 0.0 && radii[0] != radii[1];
-        if turned || off_by > 0.0 {
-            let rotation_rad = if turned { rotation_rad } else { 0.0 };
-            self.at_worst(span_error([self.current, to], radii, rotation_rad, off_by));
+        // The rotation was rounded from degrees: a factor and a product, of at most half a turn.
+        let turned_off = if rotation_rad == 0.0 { 0.0 } else { 8.0 * f64::EPSILON };
+        if (turned_off > 0.0 && radii[0] != radii[1]) || off_by > 0.0 {
+            self.at_worst(shape.moved_by([0, 1].map(|k| to[k] - from[k]), off_by, turned_off));
         }
         self.arc(arc)?;
         Ok(true)
@@ -256,31 +257,4 @@ impl PathBuilder {
         }
         Ok(())
     }
-}
-
-/// A bound on the error of an arc. It covers the rotation, which was rounded from degrees to radians, its
-/// sine and cosine, which were rounded again, and a chord from start to end that is off by `off_by`.
-fn span_error([from, to]: [[f64; 2]; 2], [rx, ry]: [f64; 2], rotation_rad: f64, off_by: f64) -> f64 {
-    let (sin, cos) = libm::sincos(rotation_rad);
-    let half = [(from[0] - to[0]) / 2.0, (from[1] - to[1]) / 2.0];
-    let turned = [(half[0] * cos + half[1] * sin) / rx, (half[1] * cos - half[0] * sin) / ry];
-    let square = turned[0] * turned[0] + turned[1] * turned[1];
-    let (long, short) = if rx > ry { (rx, ry) } else { (ry, rx) };
-    // 1. The angle, at most a quarter turn after reduction, is off by less than 2 ε, sine and cosine by one
-    //    more. In units of the radii that moves the half chord by the ratio of the radii times its length, at
-    //    most 1 (or grown to it), and its square by twice that: 8 ε with the sums' own rounding. A chord that
-    //    is off by some length moves the half chord by half of it, in units of the shorter radius, and its
-    //    square, of a length of at most 1 and a bit, by no more than three times that.
-    let by_way = mul_up(1.5, off_by / short);
-    let known = add_up(mul_up(8.0 * f64::EPSILON, long / short), mul_up(by_way, add_up(1.0, by_way)));
-    // 2. The height of the centre above the chord is the root of 1 minus the square.
-    let left = (1.0 - square).abs();
-    let of_height = if left > 4.0 * known {
-        if square > 1.0 { known } else { known / left.sqrt() }
-    } else {
-        // Its root moves by no more than the root of its largest possible value.
-        (5.0 * known).sqrt()
-    };
-    let grown = if square > 1.0 { long * square.sqrt() } else { long };
-    mul_up(grown, mul_up(2.0, add_up(of_height, known)))
 }

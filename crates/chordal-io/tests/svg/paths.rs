@@ -1,6 +1,9 @@
 //! Path data: every command against pieces that were worked out by hand.
 use super::{arc, count, cubic, line, load, near, path, pieces, svg};
+use chordal::convert::{Spacing, curves_to_polylines};
 use chordal::explicit::CurveSegment;
+use chordal::{Budget, Failure, Job, Tolerance};
+use chordal_testkit::Random;
 
 #[test]
 fn lines_in_all_their_spellings() {
@@ -187,4 +190,53 @@ fn a_mirrored_control_point_is_off_by_twice_as_much_as_the_pen() {
     let plain = path("M.1.1l.2.2")[0].slack();
     let smooth = path("M.1.1l.2.2t.1.1t.1.1")[0].slack();
     assert!(plain > 0.0 && smooth >= 3.0 * plain, "{plain} {smooth}");
+}
+
+/// Arcs of sizes from 0.1 to 100: of flat and turned ellipses, of radii too short, and of radii of up to a million times
+/// their chords.
+#[test]
+fn a_drawing_of_arcs_of_all_sizes_keeps_small_budgets() {
+    let mut random = Random::new(150);
+    let mut drawing = String::new();
+    for i in 0..150 {
+        let size = random.power(-1.0, 2.0);
+        let step = random.direction::<2>().map(|x| x * size);
+        let (radii, large) = if i % 2 == 0 {
+            ([0; 2].map(|_| random.power(-1.0, 2.0)), random.below(2))
+        } else {
+            let radius = size * random.power(0.0, 6.0);
+            ([radius, radius * random.power(-0.3, 0.3)], 0)
+        };
+        let from: [f64; 2] = random.point_within(200.0);
+        let (deg, sweep) = (random.between(0.0, 180.0), random.below(2));
+        // By relative steps and by absolute ends after them, which are rounded.
+        let arc = format!("{:.4} {:.4} {deg:.2} {large} {sweep}", radii[0], radii[1]);
+        let [x, y] = [0, 1].map(|k| from[k] + step[k] + 0.1);
+        let end = if i % 3 == 0 {
+            format!("A{arc} {x:.4} {y:.4}")
+        } else {
+            format!("a{arc} {:.4} {:.4}", step[0], step[1])
+        };
+        drawing += &format!("M{:.4} {:.4}l.1.1{end}", from[0], from[1]);
+    }
+    let curves = path(&drawing);
+    assert_eq!(curves.len(), 150);
+    for length in [1e-4, 1e-7] {
+        let budget = Budget::length(Tolerance::new(length).unwrap());
+        let made = curves_to_polylines(&curves, &budget, &Job::default(), Spacing::Fewest).unwrap();
+        assert!(made.bound.at_most().unwrap() <= length);
+    }
+}
+
+#[test]
+fn a_budget_below_what_is_known_of_an_arc_is_refused_with_its_place() {
+    // Half of a turned ellipse: the end of the long axis, to all digits.
+    let half = path("M0 0A20 10 17 0 1 38.252190238521415 11.69486818890947");
+    let budget = Budget::length(Tolerance::new(1e-9).unwrap());
+    let Err(Failure::Refused(why)) = curves_to_polylines(&half, &budget, &Job::default(), Spacing::Fewest)
+    else {
+        panic!("an arc that nobody knows to a billionth")
+    };
+    assert_eq!(why.code.as_str(), "below-precision");
+    assert!(why.message.contains("path 0") && !why.message.contains("origin"), "{}", &*why.message);
 }

@@ -142,6 +142,7 @@ impl StepBound {
         let metric = metrics.into_iter().find(|metric| metric.as_str() == self.metric)?;
         let references = [
             Reference::Curves,
+            Reference::InputPoints,
             Reference::BezierPatches,
             Reference::NurbsSurfaces,
             Reference::LimitSurface,

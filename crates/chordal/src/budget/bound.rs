@@ -96,6 +96,8 @@ impl Metric {
 pub enum Reference {
     /// Paths of lines, cubic Bézier curves and arcs.
     Curves,
+    /// Points.
+    InputPoints,
     /// Bicubic Bézier patches.
     BezierPatches,
     /// Rational B-spline surfaces.
@@ -118,6 +120,7 @@ impl Reference {
     pub fn as_str(&self) -> &'static str {
         match self {
             Self::Curves => "curves",
+            Self::InputPoints => "input points",
             Self::BezierPatches => "bezier patches",
             Self::NurbsSurfaces => "nurbs surfaces",
             Self::LimitSurface => "limit surface",

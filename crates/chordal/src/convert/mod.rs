@@ -2,6 +2,7 @@
 mod cage_to_mesh;
 mod contours;
 mod cubes;
+mod curve_to_cubics;
 mod curve_to_field;
 mod curve_to_polyline;
 mod curves;
@@ -10,6 +11,7 @@ mod field_to_mesh;
 mod field_to_polyline;
 mod fields;
 mod fields_with_meshes;
+mod fitting;
 mod gradient_normals;
 mod grid_to_mesh;
 mod grid_to_polyline;
@@ -30,6 +32,8 @@ mod outlines_to_mesh;
 mod outlines_to_solid;
 mod patches;
 mod patches_to_mesh;
+mod points_to_spline;
+mod polyline_to_spline;
 mod redistance;
 mod triangles;
 mod trimmed_surfaces_to_mesh;
@@ -37,6 +41,7 @@ mod view_dependent_mesher;
 
 pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
+pub use curve_to_cubics::curve_to_cubics;
 pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::flatten::Spacing;
@@ -63,6 +68,13 @@ pub mod batch {
     pub use super::curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
     pub use super::mesh_to_grid::DistanceBaker;
     pub use super::view_dependent_mesher::{TileReuse, ViewDependentMesher};
+}
+
+/// Paths of few cubics near points and polylines.
+pub mod splines {
+    pub use super::fitting::spans::{Corners, SplineFit};
+    pub use super::points_to_spline::points_to_spline;
+    pub use super::polyline_to_spline::polyline_to_spline;
 }
 
 /// Buffers for graphics processors.

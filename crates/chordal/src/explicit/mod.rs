@@ -28,6 +28,7 @@ mod quad;
 mod segment_pair;
 mod shared_sides;
 pub mod spline;
+mod svg_arc;
 mod tangents;
 mod topology;
 mod triangle;
@@ -35,6 +36,7 @@ pub mod triangulate;
 mod twins;
 
 pub use arc::Arc;
+pub(crate) use arc::ArcPart;
 pub use bezier::Bezier;
 pub(crate) use bezier::bernstein;
 #[cfg(feature = "booleans")]
@@ -79,13 +81,14 @@ pub mod adjacency {
 
 /// The mathematics of curve pieces and patches.
 pub mod parametric {
-    pub use super::arc::{InvalidArc, SvgArcShape};
+    pub use super::arc::InvalidArc;
     pub use super::bezier::{DeCasteljau, bernstein};
     pub use super::continuity::Continuity;
     pub use super::curve_segment::AffineMap;
     pub use super::patch::PatchSide;
     pub use super::patch_grid::PatchGrid;
     pub use super::polynomial::Polynomial;
+    pub use super::svg_arc::SvgArcShape;
 }
 
 /// Planar polygons and quads.

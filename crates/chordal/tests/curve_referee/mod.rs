@@ -17,6 +17,7 @@ mod measure;
 mod pixels;
 mod same;
 mod special;
+mod svg_arcs;
 mod truth;
 mod uniform;
 

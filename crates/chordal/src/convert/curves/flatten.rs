@@ -32,6 +32,10 @@ struct PathPiece<'a, const D: usize> {
     place: Box3,
     /// The error of the piece itself, without any chord: rounding, and the error of the path's data.
     rounding_error: f64,
+    /// The part of it that an arc has, and that the path has, from before.
+    arc_slack: f64,
+    path_slack: f64,
+    path: usize,
 }
 
 /// A piece split into chords.
@@ -41,6 +45,39 @@ struct FlattenedPiece {
     at_most: f64,
     /// The parameter where the curve is farthest from its chord.
     worst: f64,
+}
+
+/// Refuses a path with numbers for which nothing can be proved.
+pub(crate) fn refuse_extremes<const D: usize, T>(curve: &Curve<D>, index: usize) -> Result<(), Failure<T>> {
+    refuse_flushing()?;
+    for piece in curve.segments() {
+        let [low, high] = piece.bounds();
+        let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
+        // A short arc may be near and its centre far.
+        let sane_inside = match piece {
+            CurveSegment::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
+            CurveSegment::Rational(curve) => {
+                curve.control_weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
+            }
+            CurveSegment::Line(_) | CurveSegment::Cubic(_) => true,
+        };
+        if !(piece.is_finite() && sane(&low) && sane(&high) && sane_inside && curve.slack() < LARGEST) {
+            let message = format!(
+                "path {index} has a number that is not finite, a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
+            );
+            return Err(Failure::refused(RefusalCode::NotFinite, message));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses an environment in which nothing can be proved.
+pub(crate) fn refuse_flushing<T>() -> Result<(), Failure<T>> {
+    if flushes_subnormals() {
+        let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
+        return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
+    }
+    Ok(())
 }
 
 /// The paths, prepared for flattening.
@@ -75,30 +112,12 @@ impl<'a, const D: usize> Flattener<'a, D> {
         job: &'a Job,
         spacing: Spacing,
     ) -> Result<Self, FlatteningFailure<D>> {
+        refuse_flushing()?;
         let mut parts = Vec::new();
         for (index, curve) in curves.iter().enumerate() {
+            refuse_extremes(curve, index)?;
             for piece in curve.segments() {
                 let [low, high] = piece.bounds();
-                let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
-                // A short arc may be near and its centre far.
-                let sane_inside = |piece: &CurveSegment<D>| match piece {
-                    CurveSegment::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
-                    CurveSegment::Rational(curve) => {
-                        curve.control_weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
-                    }
-                    CurveSegment::Line(_) | CurveSegment::Cubic(_) => true,
-                };
-                if !(piece.is_finite()
-                    && sane(&low)
-                    && sane(&high)
-                    && sane_inside(piece)
-                    && curve.slack() < LARGEST)
-                {
-                    let message = format!(
-                        "path {index} has a number that is not finite, a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
-                    );
-                    return Err(Failure::refused(RefusalCode::NotFinite, message));
-                }
                 let own = match piece {
                     CurveSegment::Line(_) => 0.0,
                     CurveSegment::Cubic(_) | CurveSegment::Rational(_) => rounding(piece),
@@ -106,12 +125,16 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 };
                 let lost = if curve.slack() > 0.0 { add_up(own, curve.slack()) } else { own };
                 let place = Box3 { min: to_3d(low), max: to_3d(high) };
-                parts.push(PathPiece { chords: Chords::new(piece), place, rounding_error: lost });
+                let arc_slack = if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
+                parts.push(PathPiece {
+                    chords: Chords::new(piece),
+                    place,
+                    rounding_error: lost,
+                    arc_slack,
+                    path_slack: curve.slack(),
+                    path: index,
+                });
             }
-        }
-        if flushes_subnormals() {
-            let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
-            return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
         }
         Ok(Self { curves, job, spacing, parts })
     }
@@ -187,10 +210,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         if left > least {
             return Ok(left);
         }
-        let message = format!(
-            "the budget of {length:.3e} is less than what rounding may cost at this distance from the origin, {:.3e}",
-            part.rounding_error
-        );
+        let message = format!("the budget of {length:.3e} is less than {}", part.why_uncertain());
         Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
@@ -336,6 +356,27 @@ impl<'a, const D: usize> Flattener<'a, D> {
             first += curve.segments().len();
         }
         (0.0, None)
+    }
+}
+
+impl<const D: usize> PathPiece<'_, D> {
+    /// What makes up most of the piece's own error, in words.
+    fn why_uncertain(&self) -> String {
+        let (all, path) = (self.rounding_error, self.path);
+        let [x, y] = [0, 1].map(|k| 0.5 * self.place.min[k] + 0.5 * self.place.max[k]);
+        if 2.0 * self.arc_slack > all {
+            let slack = self.arc_slack;
+            format!(
+                "what is open of an arc of path {path} about ({x}, {y}), {slack:.3e}: its ends, radii and rounded rotation make it nearly half an ellipse, or its ellipse is very flat"
+            )
+        } else if 2.0 * self.path_slack > all {
+            let slack = self.path_slack;
+            format!(
+                "what rounding of its numbers may have moved path {path} by before, {slack:.3e} (relative coordinates, rotations of arcs, transforms)"
+            )
+        } else {
+            format!("what rounding may cost at this distance from the origin, {all:.3e}")
+        }
     }
 }
 

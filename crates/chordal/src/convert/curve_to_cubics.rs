@@ -1,0 +1,129 @@
+//! The arrow from curves to lines and cubic Bézier curves, for formats that hold nothing else.
+use super::curves::flatten::refuse_extremes;
+use super::curves::piece::rounding;
+use super::fitting::{arc_cubics, rational_cubics};
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance};
+use crate::explicit::{Curve, CurveSegment};
+use crate::math::{add_up, greater, sub_down};
+use rational_cubics::SpanFailure;
+
+/// Bytes of a cubic in space, twice.
+const BYTES_PER_PIECE: u64 = 256;
+
+/// Turns a path into lines and cubic Bézier curves within a distance, few of them.
+///
+/// **Bound.** Two-sided Hausdorff distance between the path, taken exactly as given, and the new one, *proved*, rounding
+/// and [`Curve::slack`] included. `at_least` is 0.
+///
+/// **Path.** Lines and cubics stay as they are, bit for bit; a path without arcs and rational pieces comes back unchanged.
+/// Pieces meet where they did and in between, bit for bit, and corners stay. A cubic has the directions of the path at its
+/// ends, so that joins that were smooth (G1) still are, up to rounding; where a rational piece stops at a cusp, two cubics
+/// may meet there in a kink.
+///
+/// **Cost.** The error goes down with the sixth power of the number of pieces. A cubic of a rational piece takes a few
+/// fits and bounds, one of an arc a sine and a cosine.
+///
+/// # Errors
+/// [`Failure::Refused`]: a number that is not finite, a coordinate beyond 1e150, a weight beyond 1e30 or its inverse, a
+/// length below rounding, more pieces than the job allows, an environment that flushes subnormals.
+/// [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::explicit::nurbs::NurbsCurve;
+/// use chordal::{Job, Tolerance, convert};
+/// let circle = NurbsCurve::circle([0.0, 0.0], [[1.0, 0.0], [0.0, 1.0]])?.to_curve()?;
+/// let cubics = |length| {
+///     convert::curve_to_cubics(&circle, Tolerance::new(length).unwrap(), &Job::default()).unwrap()
+/// };
+/// assert_eq!(cubics(2.6e-4).shape.segments().len(), 4);
+/// assert!(cubics(1e-9).bound.at_most().unwrap() <= 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Sources: M. Goldapp, *Approximation of circular arcs by cubic polynomials*, 1991; C. de Boor, K. Höllig, M. Sabin,
+/// *High accuracy geometric Hermite interpolation*, 1987. The bound is Chordal's own (`convert/fitting/rational_error.rs`).
+pub fn curve_to_cubics<const D: usize>(
+    curve: &Curve<D>,
+    length: Tolerance,
+    job: &Job,
+) -> Result<Bounded<Curve<D>>, Failure<Curve<D>>> {
+    refuse_extremes(curve, 0)?;
+    let mut pieces = Vec::new();
+    let mut at_most = curve.slack();
+    for (index, piece) in curve.segments().iter().enumerate() {
+        if job.is_cancelled() {
+            return Err(Failure::Cancelled);
+        }
+        let limit = job.triangle_limit.min(job.memory_limit / BYTES_PER_PIECE);
+        let left = limit.saturating_sub(pieces.len() as u64);
+        let too_many = || {
+            let message =
+                format!("piece {index} of the path would be the first beyond the limit of {limit} cubics");
+            Failure::refused(RefusalCode::TooManyTriangles, message)
+        };
+        let below = |least: f64| {
+            let message = format!(
+                "the length of {:e} is less than what rounding may cost at piece {index} of the path, {least:.3e}",
+                length.get()
+            );
+            Failure::refused(RefusalCode::BelowPrecision, message)
+        };
+        let before = match piece {
+            CurveSegment::Arc(arc) => add_up(curve.slack(), add_up(arc.slack(), rounding(piece))),
+            _ => curve.slack(),
+        };
+        // One step less, because the sum of this and the parts from before is rounded up again.
+        let allowed = sub_down(length.get().next_down(), before);
+        match piece {
+            CurveSegment::Line(_) | CurveSegment::Cubic(_) => pieces.push(piece.clone()),
+            CurveSegment::Rational(rational) if rational.degree() == 1 => {
+                pieces.push(CurveSegment::Line(rational.ends()));
+                let lost = add_up(curve.slack(), rounding(piece));
+                at_most = greater(lost, at_most);
+            }
+            CurveSegment::Arc(arc) => {
+                if allowed <= 0.0 {
+                    return Err(below(before));
+                }
+                let (n, off) = arc_cubics::count(arc, allowed);
+                if n > left as f64 {
+                    return Err(too_many());
+                }
+                pieces.extend(arc_cubics::cubics(arc, n as usize).into_iter().map(CurveSegment::Cubic));
+                at_most = greater(add_up(off, before), at_most);
+            }
+            CurveSegment::Rational(rational) => {
+                let made = if allowed > 0.0 {
+                    rational_cubics::cubics(rational, allowed, left, || job.is_cancelled())
+                } else {
+                    Err(SpanFailure::BelowPrecision)
+                };
+                let made = made.map_err(|why| match why {
+                    SpanFailure::TooMany => too_many(),
+                    SpanFailure::BelowPrecision => below(add_up(before, rounding(piece))),
+                    SpanFailure::Cancelled => Failure::Cancelled,
+                })?;
+                pieces.extend(made.cubics.into_iter().map(CurveSegment::Cubic));
+                at_most = greater(add_up(made.at_most, before), at_most);
+            }
+        }
+    }
+    let made = if pieces.is_empty() {
+        Curve::point(curve.start())
+    } else {
+        Curve::new(pieces, curve.is_closed().into())
+    };
+    match made {
+        Ok(shape) if at_most <= length.get() => {
+            Ok(Bounded { shape, bound: Bound::proved(0.0, at_most, Reference::Curves) })
+        }
+        Ok(_) => {
+            let message = format!(
+                "the length of {:e} is less than what rounding has cost the path already, {at_most:.3e}",
+                length.get()
+            );
+            Err(Failure::refused(RefusalCode::BelowPrecision, message))
+        }
+        Err(why) => Err(Failure::refused(RefusalCode::NotFinite, why.to_string())),
+    }
+}

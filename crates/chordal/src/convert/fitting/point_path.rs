@@ -1,0 +1,239 @@
+//! `PointPath`: points in a row with their lengths and corners, and the direction of what runs through them.
+use super::least_squares::solve;
+use crate::budget::{Failure, RefusalCode};
+use crate::convert::curves::flatten::LARGEST;
+use crate::math::{difference, dot, greater, length};
+use std::ops::Range;
+
+/// Where a path through points has corners, at which it is not smooth.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Corners {
+    /// Where it turns by more than this angle between the segments before and after a point.
+    Sharper {
+        /// Between 0 and 180.
+        deg: f64,
+    },
+    /// At the points with these indices.
+    At(Vec<usize>),
+}
+
+/// Points of which no two in a row are equal. A closed path has its first point at the end again.
+#[derive(Debug)]
+pub(crate) struct PointPath<const D: usize> {
+    pub points: Vec<[f64; D]>,
+    pub closed: bool,
+    /// The length up to each point.
+    lengths: Vec<f64>,
+    /// Where smooth runs start and end, in order: corners and the ends of an open path. A closed path without corners has
+    /// its first point twice.
+    stops: Vec<usize>,
+    /// Whether it is closed and has no corner.
+    smooth: bool,
+}
+
+/// Points on either side of a place that its direction is found from. Chosen.
+const SIDE: usize = 16;
+
+impl<const D: usize> PointPath<D> {
+    /// # Errors
+    /// When there is no point, a number is not finite or too large, or a corner's index or angle makes no sense.
+    pub fn new<T>(points: &[[f64; D]], closed: bool, corners: &Corners) -> Result<Self, Failure<T>> {
+        let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
+        if let Some(index) = points.iter().position(|p| !sane(p)) {
+            let message = format!("point {index} has a number that is not finite or beyond {LARGEST:e}");
+            return Err(Failure::refused(RefusalCode::NotFinite, message));
+        }
+        if points.is_empty() {
+            return Err(Failure::refused(RefusalCode::Empty, "a path needs a point"));
+        }
+        let mut kept: Vec<usize> = Vec::with_capacity(points.len() + 1);
+        for index in 0..points.len() {
+            if kept.last().is_none_or(|last| points[*last] != points[index]) {
+                kept.push(index);
+            }
+        }
+        while closed && kept.len() > 1 && points[kept[0]] == points[kept[kept.len() - 1]] {
+            kept.pop();
+        }
+        let is_corner = are_corners(points, &kept, closed, corners)?;
+        // A closed path starts at a corner, if it has one.
+        let first = if closed { is_corner.iter().position(|is| *is).unwrap_or(0) } else { 0 };
+        let n = kept.len();
+        let in_order = |i: usize| (i + first) % n;
+        let mut path = Self {
+            points: (0..n).map(|i| points[kept[in_order(i)]]).collect(),
+            closed: closed && n > 1,
+            lengths: vec![0.0],
+            stops: (0..n).filter(|i| is_corner[in_order(*i)]).collect(),
+            smooth: closed && n > 1 && !is_corner.contains(&true),
+        };
+        if path.closed {
+            path.points.push(path.points[0]);
+        }
+        let last = path.points.len() - 1;
+        if path.stops.first() != Some(&0) {
+            path.stops.insert(0, 0);
+        }
+        if path.stops.last() != Some(&last) {
+            path.stops.push(last);
+        }
+        let mut sum = 0.0;
+        for pair in path.points.windows(2) {
+            sum += length(difference(pair[1], pair[0]));
+            path.lengths.push(sum);
+        }
+        Ok(path)
+    }
+
+    /// The smooth runs, each from a stop to the next.
+    pub fn runs(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.stops.windows(2).map(|pair| [pair[0], pair[1]])
+    }
+
+    /// Whether the path goes on smoothly where it starts and ends.
+    pub fn is_smooth(&self) -> bool {
+        self.smooth
+    }
+
+    /// The length between two points.
+    pub fn length(&self, [from, to]: [usize; 2]) -> f64 {
+        self.lengths[to] - self.lengths[from]
+    }
+
+    /// The direction at a point, from the points of its smooth run within a length on the given sides of it: that of the
+    /// cubic polynomial by length that is nearest to them.
+    pub fn direction(&self, at: usize, reach: f64, sides: Range<f64>) -> [f64; D] {
+        let near = self.near(at, reach, &sides);
+        let far = near.iter().fold(0.0, |far: f64, (u, _)| greater(far, u.abs()));
+        let size = near.iter().fold(0.0, |size: f64, (_, p)| greater(size, length(*p)));
+        if !(far > 0.0 && size > 0.0) {
+            return [0.0; D];
+        }
+        let scaled: Vec<(f64, [f64; D])> = near.iter().map(|(u, p)| (u / far, p.map(|x| x / size))).collect();
+        let slope = match scaled.len() {
+            0..=2 => slope::<2, D>(&scaled),
+            3 => slope::<3, D>(&scaled),
+            _ => slope::<4, D>(&scaled),
+        };
+        let chord = scaled.iter().fold([0.0; D], |sum, (u, p)| std::array::from_fn(|k| sum[k] + u * p[k]));
+        let slope = slope.filter(|slope| dot(*slope, *slope) > 0.0).unwrap_or(chord);
+        let speed = length(slope);
+        if speed > 0.0 && speed.is_finite() { slope.map(|x| x / speed) } else { [0.0; D] }
+    }
+
+    /// The lengths and steps from a point to itself and those near it.
+    fn near(&self, at: usize, reach: f64, sides: &Range<f64>) -> Vec<(f64, [f64; D])> {
+        let last = self.points.len() - 1;
+        let mut near = vec![(0.0, [0.0; D])];
+        for (side, is_on) in [(-1.0, sides.start < 0.0), (1.0, sides.end > 0.0)] {
+            if !is_on {
+                continue;
+            }
+            // Candidates on this side, from the nearest on: up to the stop, or once around.
+            let count = if self.smooth {
+                last - 1
+            } else if side < 0.0 {
+                at - self.stops[self.stops.partition_point(|stop| *stop < at).saturating_sub(1)].min(at)
+            } else {
+                self.stops[self.stops.partition_point(|stop| *stop <= at).min(self.stops.len() - 1)].max(at)
+                    - at
+            };
+            let place = |i: usize| -> (f64, usize) {
+                let (whole, total) = (last, self.lengths[last]);
+                if side < 0.0 {
+                    let wraps = i > at;
+                    let index = if wraps { at + whole - i } else { at - i };
+                    let length = self.lengths[at] - self.lengths[index] + if wraps { total } else { 0.0 };
+                    (length, index)
+                } else {
+                    let wraps = at + i > whole;
+                    let index = if wraps { at + i - whole } else { at + i };
+                    let length = self.lengths[index] - self.lengths[at] + if wraps { total } else { 0.0 };
+                    (length, index)
+                }
+            };
+            // How many are within reach, by halving; one at least.
+            let (mut few, mut many) = (0, count + 1);
+            while many - few > 1 {
+                let middle = few + (many - few) / 2;
+                if place(middle).0 <= reach { few = middle } else { many = middle }
+            }
+            let within = few.max(1).min(count);
+            let step = within.div_ceil(SIDE).max(1);
+            let mut i = within;
+            while i > 0 {
+                let (length, index) = place(i);
+                near.push((side * length, difference(self.points[index], self.points[at])));
+                i = i.saturating_sub(step);
+            }
+        }
+        near
+    }
+}
+
+fn are_corners<const D: usize, T>(
+    points: &[[f64; D]],
+    kept: &[usize],
+    closed: bool,
+    corners: &Corners,
+) -> Result<Vec<bool>, Failure<T>> {
+    let n = kept.len();
+    match corners {
+        Corners::At(indices) => {
+            if let Some(index) = indices.iter().find(|index| **index >= points.len()) {
+                let message = format!("the corner {index} is none of the {} points", points.len());
+                return Err(Failure::refused(RefusalCode::Budget, message));
+            }
+            let mut is_corner = vec![false; n];
+            for index in indices {
+                // A point that repeats the one before stands for it; the last ones of a closed path may repeat the first.
+                let at = kept.partition_point(|k| k <= index).saturating_sub(1);
+                let at = if points[kept[at]] == points[*index] { at } else { 0 };
+                is_corner[at] = true;
+            }
+            Ok(is_corner)
+        }
+        Corners::Sharper { deg } => {
+            if !(0.0..=180.0).contains(deg) {
+                let message = format!("a corner is sharper than an angle from 0 to 180 degrees, not {deg}");
+                return Err(Failure::refused(RefusalCode::Budget, message));
+            }
+            let least = libm::cos(deg.to_radians());
+            let turns = |i: usize| {
+                if n < 2 || !closed && (i == 0 || i + 1 == n) {
+                    return false;
+                }
+                let [a, b, c] = [(i + n - 1) % n, i, (i + 1) % n].map(|i| points[kept[i]]);
+                let unit = |from: [f64; D], to: [f64; D]| {
+                    let way = difference(to, from);
+                    let size = way.iter().fold(0.0, |size: f64, x| greater(size, x.abs()));
+                    let way = way.map(|x| x / size);
+                    let far = length(way);
+                    way.map(|x| x / far)
+                };
+                *deg < 180.0 && dot(unit(a, b), unit(b, c)) < least
+            };
+            Ok((0..n).map(turns).collect())
+        }
+    }
+}
+
+/// The slope at 0 of the polynomial with `N` coefficients that is nearest to points, by the square.
+fn slope<const N: usize, const D: usize>(points: &[(f64, [f64; D])]) -> Option<[f64; D]> {
+    let (mut matrix, mut right) = ([[0.0; N]; N], [[0.0; D]; N]);
+    for (u, p) in points {
+        let mut powers = [1.0; N];
+        for i in 1..N {
+            powers[i] = powers[i - 1] * u;
+        }
+        for i in 0..N {
+            for j in 0..N {
+                matrix[i][j] += powers[i] * powers[j];
+            }
+            for k in 0..D {
+                right[i][k] += powers[i] * p[k];
+            }
+        }
+    }
+    solve(matrix, right).map(|solved| solved[1])
+}

@@ -1,0 +1,284 @@
+//! `SpanSearch`: cubics through points in a row, each over as many of them as a judge allows.
+use super::hermite::{fit, foot};
+use super::point_path::PointPath;
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance};
+use crate::explicit::{Bezier, Curve, CurveSegment};
+use crate::math::{difference, greater, length, lesser};
+
+pub use super::point_path::Corners;
+
+/// How near a spline is to come to points or to a polyline, and where it may have corners.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SplineFit {
+    /// The largest distance.
+    pub length: Tolerance,
+    /// Where it is not smooth.
+    pub corners: Corners,
+}
+
+impl SplineFit {
+    /// Within a length, with corners where points turn by more than 30 degrees.
+    #[must_use]
+    pub fn within(length: Tolerance) -> Self {
+        // Chosen: a circle of 12 points turns by as much.
+        Self { length, corners: Corners::Sharper { deg: 30.0 } }
+    }
+}
+
+/// Bytes of a point with its length, its place and its cubic.
+const BYTES_PER_POINT: u64 = 256;
+/// Points of a span that a cubic is fitted to; all of them are judged. Chosen.
+const FITTED: usize = 48;
+/// From how much of a span directions at its ends are found, the first that does: noise wants more, bends less. Chosen; with
+/// the first alone a polyline of one cubic took two (`tests/fitting/polylines.rs`).
+const WINDOWS: [f64; 2] = [0.25, 0.08];
+/// The first guess of the number of segments in a span. Chosen.
+const FIRST: usize = 8;
+
+/// A bound on the distance of points from a cubic with their places on it.
+pub(crate) type SpanJudge<'a, const D: usize> = &'a dyn Fn(&[[f64; D]], &Bezier<D>, &[f64]) -> f64;
+
+/// What a spline is to be near, and how near.
+pub(crate) struct SplineTruth<'a, const D: usize> {
+    pub length: Tolerance,
+    pub reference: Reference,
+    pub judge: SpanJudge<'a, D>,
+}
+
+/// A cubic over the points up to an index, the direction there, and its bound.
+#[derive(Clone, Copy, Debug)]
+struct FittedSpan<const D: usize> {
+    to: usize,
+    cubic: Bezier<D>,
+    direction: [f64; D],
+    bound: f64,
+}
+
+/// The smooth run that spans are searched in.
+struct SpanSearch<'a, const D: usize> {
+    path: &'a PointPath<D>,
+    judge: SpanJudge<'a, D>,
+    allowed: f64,
+    /// The last point of the run, and the direction there where it is given.
+    end: usize,
+    end_direction: Option<[f64; D]>,
+}
+
+/// The path of cubics and lines through the points of a path, smooth but at corners.
+pub(crate) fn spline<const D: usize>(
+    path: &PointPath<D>,
+    truth: &SplineTruth<'_, D>,
+    job: &Job,
+) -> Result<Bounded<Curve<D>>, Failure<Curve<D>>> {
+    let (length, reference) = (truth.length, truth.reference.clone());
+    let not_finite = |why: String| Failure::refused(RefusalCode::NotFinite, why);
+    if path.points.len() < 2 {
+        let shape = Curve::point(path.points[0]).map_err(|why| not_finite(why.to_string()))?;
+        return Ok(Bounded { shape, bound: Bound::exact(reference) });
+    }
+    let bytes = (path.points.len() as u64).saturating_mul(BYTES_PER_POINT);
+    if bytes > job.memory_limit {
+        let limit = job.memory_limit;
+        let message =
+            format!("a spline of these points needs about {bytes} bytes of memory; the limit is {limit}");
+        return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
+    }
+    let last = path.points.len() - 1;
+    // A smooth closed path goes on where it starts: by the points of an eighth of it. Chosen.
+    let around = path.is_smooth().then(|| path.direction(0, path.length([0, last]) / 16.0, -1.0..1.0));
+    let (mut pieces, mut at_most) = (Vec::new(), 0.0);
+    for [start, end] in path.runs() {
+        let search =
+            SpanSearch { path, judge: truth.judge, allowed: length.get(), end, end_direction: around };
+        let (mut at, mut direction, mut guess) = (start, around, FIRST);
+        while at < end {
+            if job.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            if pieces.len() as u64 >= job.triangle_limit {
+                let message = format!("the spline needs more than {} pieces, the limit", job.triangle_limit);
+                return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
+            }
+            let span = search.longest(at, direction, guess);
+            // A bound is a number or infinite.
+            if span.bound > length.get() {
+                let message = format!(
+                    "the length of {:e} is less than what rounding may cost at this distance from the origin, {:.3e}",
+                    length.get(),
+                    span.bound
+                );
+                return Err(Failure::refused(RefusalCode::BelowPrecision, message));
+            }
+            guess = span.to - at;
+            let (piece, bound) = search.piece(&span, at, [start, end]);
+            pieces.push(piece);
+            at_most = greater(bound, at_most);
+            (at, direction) = (span.to, Some(span.direction));
+        }
+    }
+    let shape = Curve::new(pieces, path.closed.into()).map_err(|why| not_finite(why.to_string()))?;
+    Ok(Bounded { shape, bound: Bound::proved(0.0, at_most, reference) })
+}
+
+impl<const D: usize> SpanSearch<'_, D> {
+    /// The longest span from a point on that is found to be allowed, by doubling or halving a guess and then halving what
+    /// is left between. A span of one segment is the last resort.
+    fn longest(&self, from: usize, direction: Option<[f64; D]>, guess: usize) -> FittedSpan<D> {
+        let most = self.end - from;
+        let span = |n: usize| self.span(from, from + n, direction);
+        let mut tried = guess.clamp(1, most);
+        let mut good = span(tried);
+        let mut bad = most + 1;
+        if good.bound <= self.allowed {
+            while tried < most {
+                tried = (2 * tried).min(most);
+                let next = span(tried);
+                if next.bound <= self.allowed {
+                    good = next;
+                } else {
+                    bad = tried;
+                    break;
+                }
+            }
+        } else {
+            while tried > 1 && good.bound > self.allowed {
+                bad = tried;
+                tried /= 2;
+                good = span(tried);
+            }
+        }
+        while bad - (good.to - from) > 1 {
+            let middle = (good.to - from) + (bad - (good.to - from)) / 2;
+            let next = span(middle);
+            if next.bound <= self.allowed { good = next } else { bad = middle }
+        }
+        good
+    }
+
+    /// The cubic over the points of a span.
+    fn span(&self, from: usize, to: usize, direction: Option<[f64; D]>) -> FittedSpan<D> {
+        let points = &self.path.points[from..=to];
+        let mut best: Option<FittedSpan<D>> = None;
+        for part in WINDOWS {
+            let directions = self.directions([from, to], direction, part);
+            let (cubic, bound) = match points.len() {
+                2 => self.one_segment(points, &directions),
+                _ => self.many(points, &directions),
+            };
+            let bound = if bound.is_nan() { f64::INFINITY } else { bound };
+            if best.is_none_or(|best| bound < best.bound) {
+                best = Some(FittedSpan { to, cubic, direction: directions[1], bound });
+            }
+            if bound <= self.allowed || points.len() == 2 {
+                break;
+            }
+        }
+        best.unwrap_or(FittedSpan {
+            to,
+            cubic: straight(points[0], points[0]),
+            direction: [0.0; D],
+            bound: f64::INFINITY,
+        })
+    }
+
+    /// The directions at the ends of a span, from the points within a part of its length on each side, or twice that on
+    /// one side where the run starts or ends.
+    fn directions(&self, [from, to]: [usize; 2], given: Option<[f64; D]>, part: f64) -> [[f64; D]; 2] {
+        let reach = part * self.path.length([from, to]);
+        let start = given.unwrap_or_else(|| self.path.direction(from, 2.0 * reach, 0.0..1.0));
+        let end = if to < self.end {
+            self.path.direction(to, reach, -1.0..1.0)
+        } else {
+            self.end_direction.unwrap_or_else(|| self.path.direction(to, 2.0 * reach, -1.0..0.0))
+        };
+        let chord = difference(self.path.points[to], self.path.points[from]);
+        let far = length(chord);
+        let or_chord = |d: [f64; D]| {
+            if d.iter().any(|x| *x != 0.0) || far == 0.0 { d } else { chord.map(|x| x / far) }
+        };
+        [or_chord(start), or_chord(end)]
+    }
+
+    /// A cubic over one segment: with handles of a third of it, or shorter until it is allowed.
+    fn one_segment(&self, points: &[[f64; D]], [u, v]: &[[f64; D]; 2]) -> (Bezier<D>, f64) {
+        let (a, b) = (points[0], points[1]);
+        let mut handle = length(difference(b, a)) / 3.0;
+        // A handle of 2⁻⁵² of a segment is lost in its rounding.
+        for _ in 0..52 {
+            let start = std::array::from_fn(|k| a[k] + handle * u[k]);
+            let end = std::array::from_fn(|k| b[k] - handle * v[k]);
+            let cubic = Bezier { control: [a, start, end, b] };
+            let bound = (self.judge)(points, &cubic, &[0.0, 1.0]);
+            if bound <= self.allowed {
+                return (cubic, bound);
+            }
+            handle *= 0.5;
+        }
+        let cubic = straight(a, b);
+        let bound = (self.judge)(points, &cubic, &[0.0, 1.0]);
+        (cubic, bound)
+    }
+
+    fn many(&self, points: &[[f64; D]], directions: &[[f64; D]; 2]) -> (Bezier<D>, f64) {
+        let last = points.len() - 1;
+        if points.len() <= FITTED {
+            let fitted = fit(points, directions);
+            let places = in_order(fitted.places);
+            return (fitted.cubic, (self.judge)(points, &fitted.cubic, &places));
+        }
+        let index = |i: usize| i * last / (FITTED - 1);
+        let few: Vec<[f64; D]> = (0..FITTED).map(|i| points[index(i)]).collect();
+        let fitted = fit(&few, directions);
+        let mut places = Vec::with_capacity(points.len());
+        for i in 1..FITTED {
+            let (a, b) = (index(i - 1), index(i));
+            for (k, point) in points[a..b].iter().enumerate() {
+                let part = k as f64 / (b - a) as f64;
+                let near = (1.0 - part) * fitted.places[i - 1] + part * fitted.places[i];
+                places.push(foot(&fitted.cubic, *point, near));
+            }
+        }
+        places.push(1.0);
+        places[0] = 0.0;
+        let places = in_order(places);
+        let bound = (self.judge)(points, &fitted.cubic, &places);
+        (fitted.cubic, bound)
+    }
+
+    /// The piece of a span; a line where that runs from stop to stop and is no farther.
+    fn piece(&self, span: &FittedSpan<D>, from: usize, run: [usize; 2]) -> (CurveSegment<D>, f64) {
+        let points = &self.path.points[from..=span.to];
+        let (a, b) = (points[0], points[points.len() - 1]);
+        if [from, span.to] == run && self.end_direction.is_none() && a != b {
+            let line = straight(a, b);
+            let places = points.iter().map(|p| foot(&line, *p, 0.5)).collect();
+            // A line is simpler at twice the rounding.
+            let bound = (self.judge)(points, &line, &in_order(places));
+            if bound <= lesser(2.0 * span.bound, self.allowed) {
+                return (CurveSegment::Line([a, b]), bound);
+            }
+        }
+        (CurveSegment::Cubic(span.cubic), span.bound)
+    }
+}
+
+fn straight<const D: usize>(a: [f64; D], b: [f64; D]) -> Bezier<D> {
+    let third = |near: [f64; D], far: [f64; D]| std::array::from_fn(|k| (2.0 * near[k] + far[k]) / 3.0);
+    Bezier { control: [a, third(a, b), third(b, a), b] }
+}
+
+/// Places from 0 to 1 that never go back.
+fn in_order(mut places: Vec<f64>) -> Vec<f64> {
+    let mut least = 0.0;
+    for place in &mut places {
+        *place = greater(least, lesser(*place, 1.0));
+        least = *place;
+    }
+    if let Some(first) = places.first_mut() {
+        *first = 0.0;
+    }
+    if let Some(last) = places.last_mut() {
+        *last = 1.0;
+    }
+    places
+}
