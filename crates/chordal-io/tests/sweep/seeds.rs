@@ -100,6 +100,14 @@ pub(super) fn all() -> Vec<(Format, Vec<u8>)> {
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 -0\nvertex 0 1 0\nendloop\nendfacet\n";
     add(Format::Stl, &format!("solid one\n{facet}{facet}endsolid one\nsolid two\n{facet}endsolid\n"));
     let points = "0.5 1 -2\n".repeat(16);
+    add(
+        Format::Bez,
+        &format!(
+            "# x\nBBP\n{points}\nCBEZ114_ST # y\n0 0 0 1 1 0 0 1\n0 1 0 1 2 2 0 2\n{}BEZ 2 1 3\n{}}} z\n",
+            "0 ".repeat(24),
+            "1 2 3\n".repeat(6)
+        ),
+    );
     add(Format::Bpt, &format!("2\n3 3\n{points}3 3\n{points}"));
     add(
         Format::Usda,
