@@ -137,7 +137,7 @@ fn errors_name_the_line_and_what_is_read() {
         (
             "BEZ114\n0 0 0 1 1e300 0 0 1e-300 0 1 0 1 1 1 0 1".to_owned(),
             2,
-            "patch 0: control point 1 is not finite",
+            "patch 0: control point 1 is not a finite number",
         ),
     ];
     for (text, line, words) in cases {
