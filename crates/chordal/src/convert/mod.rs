@@ -1,4 +1,5 @@
 //! The conversions: one file per arrow `a_to_b`. A lossy one takes a budget and reports a bound.
+mod bevel;
 mod cage_to_mesh;
 mod contours;
 mod cubes;
@@ -34,6 +35,7 @@ mod redistance;
 mod triangles;
 mod view_dependent_mesher;
 
+pub use bevel::{Bevel, outlines_to_bevelled_solid};
 pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_field::curve_to_field;
