@@ -85,7 +85,10 @@ fn patches_are_surfaces_and_keep_their_front_under_a_mirror() {
         (o[0] * x + o[1] * y) > 0.0
     };
     let [x, y, z] = found[0].at(0.5, 0.5);
-    assert!((x - 2.0_f64.sqrt()).abs() < 1e-14 && (y - x).abs() < 1e-14 && (z - 1.5).abs() < 1e-14, "{x} {y} {z}");
+    assert!(
+        (x - 2.0_f64.sqrt()).abs() < 1e-14 && (y - x).abs() < 1e-14 && (z - 1.5).abs() < 1e-14,
+        "{x} {y} {z}"
+    );
     assert_eq!(found[0].at(1.0, 0.0), [0.0, 2.0, 0.0]);
     assert!(normal(&found[0]));
     let left = surfaces(&file(&patch("p", "uniform token orientation = \"leftHanded\"")));

@@ -80,7 +80,8 @@ impl BorderTree {
                 }
                 continue;
             }
-            let mut children = [i + 1, node.second as usize].map(|child| (outside(&self.nodes[child]), child));
+            let mut children =
+                [i + 1, node.second as usize].map(|child| (outside(&self.nodes[child]), child));
             if children[0].0 < children[1].0 {
                 children.reverse();
             }
@@ -125,7 +126,8 @@ mod tests {
         let tree = BorderTree::new(edges.clone());
         for _ in 0..200 {
             let p = point();
-            let scan = edges.iter().fold(f64::INFINITY, |least, edge| lesser(least, distance(nearest(*edge, p), p)));
+            let scan =
+                edges.iter().fold(f64::INFINITY, |least, edge| lesser(least, distance(nearest(*edge, p), p)));
             assert_eq!(tree.nearest(p).0, scan);
             let mut n = 0;
             tree.each_near([p, p], 1.0, |_| n += 1);

@@ -70,18 +70,27 @@ pub fn outlines_to_bevelled_solid(
     let Bevel { height, width } = bevel;
     let refused = |message: String| Failure::refused(RefusalCode::Budget, message);
     if !(height > 0.0 && height < LARGEST) {
-        return Err(refused(format!("a solid over outlines has a height above 0 and below {LARGEST:e}, not {height}")));
+        return Err(refused(format!(
+            "a solid over outlines has a height above 0 and below {LARGEST:e}, not {height}"
+        )));
     }
     if !(width > 0.0 && width < 0.5 * height) {
-        return Err(refused(format!("a bevel is wider than 0 and narrower than half of the height {height}, not {width}")));
+        return Err(refused(format!(
+            "a bevel is wider than 0 and narrower than half of the height {height}, not {width}"
+        )));
     }
     if budget.triangles.is_some() {
-        return Err(refused("a bevelled solid takes a length or pixels at a view, not a number of triangles".into()));
+        return Err(refused(
+            "a bevelled solid takes a length or pixels at a view, not a number of triangles".into(),
+        ));
     }
     let place = solid_box(outlines, height);
     let length = budget.length_in(&place).and_then(|length| Tolerance::new(length).ok());
     let length = length.ok_or_else(|| match budget.pixels {
-        Some(_) => Failure::refused(RefusalCode::TooClose, "the solid comes so close to the eye that there is no bound in pixels"),
+        Some(_) => Failure::refused(
+            RefusalCode::TooClose,
+            "the solid comes so close to the eye that there is no bound in pixels",
+        ),
         None => refused("a budget for bevelled solids needs a length or pixels at a view".into()),
     })?;
     job.run(|| {
@@ -101,7 +110,8 @@ pub fn outlines_to_bevelled_solid(
         }
         let mesh = Mesh::new(positions, faces)
             .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;
-        let promise = "no part of the outlines and no gap in them comes or goes with the polygons that replace them";
+        let promise =
+            "no part of the outlines and no gap in them comes or goes with the polygons that replace them";
         let evidence = Evidence::ProvedIf(vec![promise.into()]);
         let mut bound = Bound::with_evidence(0.0, Some(most), evidence, Reference::Curves);
         bound.pixels = budget.pixels.as_ref().and_then(|asked| asked.view.pixels_of(most, &place));
@@ -154,9 +164,10 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     let lower = points.clone().map(|(p, h)| [p[0], p[1], width - h]);
     // The same numbers at the top as the walls have: of the border the height is 0.
     let upper = points.map(|(p, h)| [p[0], p[1], lesser(height, (height - width) + h)]);
-    let n_points = u32::try_from(roof.plane.points.len()).ok().filter(|n| *n < u32::MAX / 2).ok_or_else(|| {
-        Failure::refused(RefusalCode::TooManyTriangles, "the solid has more vertices than 2^32 - 1")
-    })?;
+    let n_points =
+        u32::try_from(roof.plane.points.len()).ok().filter(|n| *n < u32::MAX / 2).ok_or_else(|| {
+            Failure::refused(RefusalCode::TooManyTriangles, "the solid has more vertices than 2^32 - 1")
+        })?;
     let top = |i: u32| i + n_points;
     let mut faces = Vec::with_capacity(2 * (n as usize + fans.border.len()));
     faces.extend((0..n).map(|t| roof.plane.triangle(t)).map(|[a, b, c]| [a, c, b]));

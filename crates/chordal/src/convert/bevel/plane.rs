@@ -233,7 +233,9 @@ impl PlaneTriangulation {
             self.corners[3 * t as usize + 2] = new;
         }
         // The spoke that ends each triangle's edge is the one with which the next but one starts its own.
-        for (this, after, end, is_fixed) in [(t1, t4, p, fixed), (t4, t2, s, false), (t2, t3, q, fixed), (t3, t1, r, false)] {
+        for (this, after, end, is_fixed) in
+            [(t1, t4, p, fixed), (t4, t2, s, false), (t2, t3, q, fixed), (t3, t1, r, false)]
+        {
             self.link(3 * this + 1, end, 3 * after + 2, is_fixed);
             self.link(3 * after + 2, new, 3 * this + 1, is_fixed);
         }
@@ -311,7 +313,8 @@ impl PlaneTriangulation {
             // The first crossing edge that can be turned, from the start on.
             let mut c = next(start);
             let turned = loop {
-                if self.twins[c as usize] == NONE || self.fixed[c as usize] || self.corners[c as usize] == to {
+                if self.twins[c as usize] == NONE || self.fixed[c as usize] || self.corners[c as usize] == to
+                {
                     break None;
                 }
                 if self.can_flip(c) {
@@ -382,7 +385,9 @@ mod tests {
             if a != b {
                 made.fix(a, b);
                 check(&made);
-                n_fixed += usize::from((0..made.corners.len() as u32).any(|c| made.ends(c) == [a, b] && made.edge(c).1));
+                n_fixed += usize::from(
+                    (0..made.corners.len() as u32).any(|c| made.ends(c) == [a, b] && made.edge(c).1),
+                );
             }
         }
         assert!(n_fixed > 5, "{n_fixed}");

@@ -215,7 +215,10 @@ impl<'j> Roof<'j> {
             // The solid has each triangle above and below, and walls.
             let n = 2 * self.plane.n_triangles() as u64;
             if n > self.job.triangle_limit {
-                let message = format!("the bevel takes more than {n} triangles, and the limit is {}", self.job.triangle_limit);
+                let message = format!(
+                    "the bevel takes more than {n} triangles, and the limit is {}",
+                    self.job.triangle_limit
+                );
                 return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
             let p = self.worst_place(t);
@@ -262,8 +265,11 @@ impl<'j> Roof<'j> {
         if let (_, Some(place)) = best {
             return place;
         }
-        let length = |k: usize| if self.plane.is_border(3 * t + k as u32) { 0.0 } else { distance(at[k], at[(k + 1) % 3]) };
-        let longest = [1, 2].into_iter().fold(0, |longest, k| if length(k) > length(longest) { k } else { longest });
+        let length = |k: usize| {
+            if self.plane.is_border(3 * t + k as u32) { 0.0 } else { distance(at[k], at[(k + 1) % 3]) }
+        };
+        let longest =
+            [1, 2].into_iter().fold(0, |longest, k| if length(k) > length(longest) { k } else { longest });
         if length(longest) > 0.0 { along(at[longest], at[(longest + 1) % 3], 0.5) } else { middle }
     }
 
@@ -287,7 +293,8 @@ impl<'j> Roof<'j> {
         // function from each. The best of a few directions counts; edges farther than the plane is high do not.
         let mut below = 0.0;
         self.tree.each_near([low, high], most + self.rounding, |edge| {
-            above = lesser(above, worst([0, 1, 2].map(|k| distance(nearest(edge, at[k]), at[k]) - heights[k])));
+            above =
+                lesser(above, worst([0, 1, 2].map(|k| distance(nearest(edge, at[k]), at[k]) - heights[k])));
             let normal = unit(minus(edge[1], edge[0])).map(|d| [-d[1], d[0]]);
             let sides = [normal, normal.map(|n| n.map(|x| -x))];
             let directions = seen.iter().map(|p| unit(minus(*p, nearest(edge, *p)))).chain(sides).flatten();
