@@ -1,5 +1,5 @@
 //! `BorderTree`: the edges of a region in the plane, and how far points are from them.
-use crate::math::{greater, lesser};
+use crate::math::{greater, length, lesser};
 
 /// Edges in a leaf. Chosen: boxes of fewer cost more than they save.
 const IN_LEAF: usize = 4;
@@ -32,7 +32,7 @@ pub(super) fn nearest([a, b]: [[f64; 2]; 2], p: [f64; 2]) -> [f64; 2] {
 }
 
 pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    length([a[0] - b[0], a[1] - b[1]])
 }
 
 impl BorderTree {
@@ -65,7 +65,7 @@ impl BorderTree {
     pub fn nearest(&self, p: [f64; 2]) -> (f64, [[f64; 2]; 2]) {
         let outside = |node: &BorderNode| {
             let gap = |k: usize| greater(greater(node.low[k] - p[k], p[k] - node.high[k]), 0.0);
-            gap(0).hypot(gap(1))
+            length([gap(0), gap(1)])
         };
         let mut best = (f64::INFINITY, [[0.0; 2]; 2]);
         let mut stack = vec![(0.0, 0)];

@@ -152,7 +152,8 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     let reach = points.as_flattened().iter().fold(height, |most, x| greater(most, x.abs()));
     // Derived: distances and ways along directions take fewer than 40 roundings of at most four times the largest
     // coordinate, and heights two; 2⁻⁵³ of it each.
-    let rounding = 128.0 * f64::EPSILON * reach + f64::MIN_POSITIVE;
+    // Squares below the least number vanish, and with them lengths below 2⁻⁵³⁶.
+    let rounding = 128.0 * f64::EPSILON * reach + 1e-160;
     let allowed = sub_down(length, of_polygons);
     let limits = RoofLimits { width, rounding, allowed };
     let mut roof = Roof::new(points, &fans.faces, &fans.border, limits, job);

@@ -7,7 +7,7 @@ use super::border::{BorderTree, distance, nearest};
 use super::plane::PlaneTriangulation;
 use crate::budget::{Failure, Job, RefusalCode};
 use crate::explicit::Mesh;
-use crate::math::{greater, lesser};
+use crate::math::{difference, dot, greater, length, lesser};
 
 /// A share of a length by which computed distances may miss. Chosen: far above rounding, far below what is seen; points
 /// that are placed by it are no part of the proof.
@@ -48,18 +48,12 @@ struct RayEnd {
     is_top: bool,
 }
 
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// The direction of a vector; none where it has none.
+/// The direction of a vector; none where it is too short to have one.
 fn unit(v: [f64; 2]) -> Option<[f64; 2]> {
-    let length = v[0].hypot(v[1]);
-    if length > 0.0 && length.is_finite() { Some([v[0] / length, v[1] / length]) } else { None }
+    // Derived: below it, squares lose digits that the proof counts on.
+    const SHORTEST: f64 = 1e-150;
+    let long = length(v);
+    if long > SHORTEST && long.is_finite() { Some([v[0] / long, v[1] / long]) } else { None }
 }
 
 fn along(a: [f64; 2], b: [f64; 2], t: f64) -> [f64; 2] {
@@ -143,7 +137,9 @@ impl<'j> Roof<'j> {
 
     /// The directions from a corner along which the roof bends, so long that the height grows by 1 along each.
     fn rays(&self, [a, b, c]: [[f64; 2]; 3]) -> Vec<[f64; 2]> {
-        let (Some(first), Some(second)) = (unit(minus(b, a)), unit(minus(c, b))) else { return Vec::new() };
+        let (Some(first), Some(second)) = (unit(difference(b, a)), unit(difference(c, b))) else {
+            return Vec::new();
+        };
         let [m, n] = [first, second].map(|d| [-d[1], d[0]]);
         let is_inward = first[0] * second[1] - first[1] * second[0] < 0.0;
         let cosine = dot(m, n);
@@ -265,12 +261,12 @@ impl<'j> Roof<'j> {
         if let (_, Some(place)) = best {
             return place;
         }
-        let length = |k: usize| {
+        let reach = |k: usize| {
             if self.plane.is_border(3 * t + k as u32) { 0.0 } else { distance(at[k], at[(k + 1) % 3]) }
         };
         let longest =
-            [1, 2].into_iter().fold(0, |longest, k| if length(k) > length(longest) { k } else { longest });
-        if length(longest) > 0.0 { along(at[longest], at[(longest + 1) % 3], 0.5) } else { middle }
+            [1, 2].into_iter().fold(0, |longest, k| if reach(k) > reach(longest) { k } else { longest });
+        if reach(longest) > 0.0 { along(at[longest], at[(longest + 1) % 3], 0.5) } else { middle }
     }
 
     /// How far the height over a triangle is from its plane at most, rounding included.
@@ -295,12 +291,13 @@ impl<'j> Roof<'j> {
         self.tree.each_near([low, high], most + self.rounding, |edge| {
             above =
                 lesser(above, worst([0, 1, 2].map(|k| distance(nearest(edge, at[k]), at[k]) - heights[k])));
-            let normal = unit(minus(edge[1], edge[0])).map(|d| [-d[1], d[0]]);
+            let normal = unit(difference(edge[1], edge[0])).map(|d| [-d[1], d[0]]);
             let sides = [normal, normal.map(|n| n.map(|x| -x))];
-            let directions = seen.iter().map(|p| unit(minus(*p, nearest(edge, *p)))).chain(sides).flatten();
+            let directions =
+                seen.iter().map(|p| unit(difference(*p, nearest(edge, *p)))).chain(sides).flatten();
             let least = directions.fold(most, |least, u| {
                 let under = |k: usize| {
-                    let way = lesser(dot(u, minus(at[k], edge[0])), dot(u, minus(at[k], edge[1])));
+                    let way = lesser(dot(u, difference(at[k], edge[0])), dot(u, difference(at[k], edge[1])));
                     heights[k] - way
                 };
                 lesser(least, worst([under(0), under(1), under(2)]))
