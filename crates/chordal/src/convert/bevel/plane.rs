@@ -188,6 +188,25 @@ impl PlaneTriangulation {
         Some(new)
     }
 
+    /// Takes up a point on an edge, as near to it as rounding allows; none where a triangle would be turned over, or at
+    /// the border.
+    pub fn split(&mut self, c: u32, p: [f64; 2]) -> Option<u32> {
+        let d = self.twins[c as usize];
+        if d == NONE {
+            return None;
+        }
+        // The four other sides of both triangles stay on the same side of the point.
+        let sides = [next(c), previous(c), next(d), previous(d)];
+        if sides.iter().any(|side| self.side(*side, p) != Orientation::Front) {
+            return None;
+        }
+        let new = u32::try_from(self.points.len()).ok().filter(|n| *n < NONE)?;
+        self.add(p);
+        let mut edges = self.split_edge(c, new);
+        self.legalize(&mut edges);
+        Some(new)
+    }
+
     fn add(&mut self, p: [f64; 2]) {
         self.points.push(p);
         self.at.push(NONE);

@@ -217,15 +217,20 @@ impl<'j> Roof<'j> {
                 );
                 return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
-            let p = self.worst_place(t);
-            is_met &= self.insert(t, p).is_some();
+            let (edge, p) = self.worst_place(t);
+            let on_edge = edge.and_then(|edge| self.plane.split(edge, p));
+            if on_edge.is_some() {
+                self.heights.push(self.height(p));
+            } else {
+                is_met &= self.insert(t, p).is_some();
+            }
         }
         Ok(is_met)
     }
 
-    /// The place of a triangle where a point is of most use: where the height is farthest from its plane, else in the
+    /// The place in a triangle, and its edge there if it is on one, where a point is of most use: where the height is farthest from its plane, else in the
     /// middle of its longest edge.
-    fn worst_place(&self, t: u32) -> [f64; 2] {
+    fn worst_place(&self, t: u32) -> (Option<u32>, [f64; 2]) {
         let corners = self.plane.triangle(t);
         let at = corners.map(|i| self.point(i));
         let heights = corners.map(|i| self.heights[i as usize]);
@@ -249,14 +254,14 @@ impl<'j> Roof<'j> {
                     }
                     let top = 0.5 * (low + high);
                     let s = if off(top) > off(s) { top } else { s };
-                    best = (off(s), Some(along(a, b, s)));
+                    best = (off(s), Some((Some(3 * t + k as u32), along(a, b, s))));
                 }
             }
         }
         let middle = [0, 1].map(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0);
         let mean = (heights[0] + heights[1] + heights[2]) / 3.0;
         if (self.height(middle) - mean).abs() > best.0 {
-            return middle;
+            return (None, middle);
         }
         if let (_, Some(place)) = best {
             return place;
@@ -266,7 +271,10 @@ impl<'j> Roof<'j> {
         };
         let longest =
             [1, 2].into_iter().fold(0, |longest, k| if reach(k) > reach(longest) { k } else { longest });
-        if reach(longest) > 0.0 { along(at[longest], at[(longest + 1) % 3], 0.5) } else { middle }
+        if reach(longest) > 0.0 {
+            return (Some(3 * t + longest as u32), along(at[longest], at[(longest + 1) % 3], 0.5));
+        }
+        (None, middle)
     }
 
     /// How far the height over a triangle is from its plane at most, rounding included.
