@@ -24,8 +24,8 @@ pub struct ForeignFormat {
 const CAD: &str = "export triangles from the CAD program, as 3MF, STL or glTF at the tolerance that you need";
 const CAD_SCRIPT: &str = "examples/step_to_surfaces.py writes its faces as NURBS surfaces in JSON (with cadquery-ocp), or \
                           export triangles from the CAD program, as 3MF, STL or glTF at the tolerance that you need";
-const RHINO: &str = "examples/rhino_to_surfaces.py writes its surfaces as JSON (with rhino3dm), or export triangles from Rhino, as \
-                     3MF, STL or glTF at the tolerance that you need";
+const RHINO: &str = "examples/rhino_to_surfaces.py writes its surfaces as JSON (with rhino3dm), or export triangles \
+                     from Rhino, as 3MF, STL or glTF at the tolerance that you need";
 const SCENE: &str = "export it as glTF (.glb) or USD from the program that it is of, or from Blender";
 const PICTURE: &str = "a picture is no shape";
 const UNPACK: &str = "fonttools unpacks it: TTFont(name), flavor = None, save as .ttf";

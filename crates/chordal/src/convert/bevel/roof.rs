@@ -228,8 +228,8 @@ impl<'j> Roof<'j> {
         Ok(is_met)
     }
 
-    /// The place in a triangle, and its edge there if it is on one, where a point is of most use: where the height is farthest from its plane, else in the
-    /// middle of its longest edge.
+    /// The place in a triangle, and its edge there if it is on one, where a point is of most use: where the height is
+    /// farthest from its plane, else in the middle of its longest edge.
     fn worst_place(&self, t: u32) -> (Option<u32>, [f64; 2]) {
         let corners = self.plane.triangle(t);
         let at = corners.map(|i| self.point(i));
