@@ -195,12 +195,11 @@ impl<'j> Roof<'j> {
         Some(RayEnd { point, is_top })
     }
 
-    /// Adds points until each triangle is within the error. Whether all are.
+    /// Adds points until each triangle is within the error, or has no place for one.
     ///
     /// # Errors
     /// When there are more triangles than the job allows, or it is cancelled.
-    pub fn refine(&mut self) -> Result<bool, Failure<Mesh>> {
-        let mut is_met = true;
+    pub fn refine(&mut self) -> Result<(), Failure<Mesh>> {
         while let Some(t) = self.plane.changed.pop() {
             if self.error(t) <= self.allowed {
                 continue;
@@ -217,15 +216,12 @@ impl<'j> Roof<'j> {
                 );
                 return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
-            let (edge, p) = self.worst_place(t);
-            let on_edge = edge.and_then(|edge| self.plane.split(edge, p));
-            if on_edge.is_some() {
-                self.heights.push(self.height(p));
-            } else {
-                is_met &= self.insert(t, p).is_some();
-            }
+            // Each changes the triangle, so that it comes again; rounding may be in the way of the first ones.
+            let _ = self.put(t, self.worst_place(t))
+                || self.put(t, self.longest_edge(t))
+                || self.put(t, (None, self.centre(t)));
         }
-        Ok(is_met)
+        Ok(())
     }
 
     /// The place in a triangle, and its edge there if it is on one, where a point is of most use: where the height is
@@ -258,23 +254,41 @@ impl<'j> Roof<'j> {
                 }
             }
         }
-        let middle = [0, 1].map(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0);
+        let middle = self.centre(t);
         let mean = (heights[0] + heights[1] + heights[2]) / 3.0;
         if (self.height(middle) - mean).abs() > best.0 {
             return (None, middle);
         }
-        if let (_, Some(place)) = best {
-            return place;
+        if let (_, Some(place)) = best { place } else { self.longest_edge(t) }
+    }
+
+    fn centre(&self, t: u32) -> [f64; 2] {
+        let at = self.plane.triangle(t).map(|i| self.point(i));
+        [0, 1].map(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0)
+    }
+
+    /// The middle of the longest edge that is none of the border; the centre where all are.
+    fn longest_edge(&self, t: u32) -> (Option<u32>, [f64; 2]) {
+        let mut best = (0.0, (None, self.centre(t)));
+        for c in (3 * t..3 * t + 3).filter(|c| !self.plane.is_border(*c)) {
+            let [a, b] = self.plane.ends(c).map(|i| self.point(i));
+            if distance(a, b) > best.0 {
+                best = (distance(a, b), (Some(c), along(a, b, 0.5)));
+            }
         }
-        let reach = |k: usize| {
-            if self.plane.is_border(3 * t + k as u32) { 0.0 } else { distance(at[k], at[(k + 1) % 3]) }
-        };
-        let longest =
-            [1, 2].into_iter().fold(0, |longest, k| if reach(k) > reach(longest) { k } else { longest });
-        if reach(longest) > 0.0 {
-            return (Some(3 * t + longest as u32), along(at[longest], at[(longest + 1) % 3], 0.5));
+        best.1
+    }
+
+    /// Puts a point into a triangle, on its edge if there is one. Whether it could.
+    fn put(&mut self, t: u32, (edge, p): (Option<u32>, [f64; 2])) -> bool {
+        match edge {
+            Some(edge) if self.plane.split(edge, p).is_some() => {
+                self.heights.push(self.height(p));
+                true
+            }
+            Some(_) => false,
+            None => self.insert(t, p).is_some(),
         }
-        (None, middle)
     }
 
     /// How far the height over a triangle is from its plane at most, rounding included.
