@@ -155,6 +155,12 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     // Squares below the least number vanish, and with them lengths below 2⁻⁵³⁶.
     let rounding = 128.0 * f64::EPSILON * reach + 1e-160;
     let allowed = sub_down(length, of_polygons);
+    // Chosen: what rounding takes a quarter of is within reach.
+    if allowed < 4.0 * rounding {
+        let message =
+            format!("{length:e} is less than what rounding may cost solids of this size, {rounding:.1e}");
+        return Err(Failure::refused(RefusalCode::BelowPrecision, message));
+    }
     let limits = RoofLimits { width, rounding, allowed };
     let mut roof = Roof::new(points, &fans.faces, &fans.border, limits, job);
     roof.bend(&fans.border)?;
