@@ -155,7 +155,7 @@ fn what_makes_no_bevel_is_refused() {
         &budget,
         &Job::default(),
     ) {
-        Err(Failure::Refused(refusal)) => refusal.to_string(),
+        Err(failure @ Failure::Refused(_)) => failure.to_string(),
         other => panic!("{other:?}"),
     };
     let narrower = "narrower than half of the height 2, not";
