@@ -167,7 +167,8 @@ fn what_makes_no_bevel_is_refused() {
     assert!(refuse(2.0, 0.1, Budget::default()).contains("needs a length or pixels"));
     assert!(refuse(2.0, 0.1, length(1e-14)).contains("less than what rounding"));
     assert!(refuse(1e7, 0.1, length(1e-9)).contains("less than what rounding may cost solids"));
-    let job = Job { triangle_limit: 100, ..Job::default() };
+    let mut job = Job::default();
+    job.triangle_limit = 100;
     let round = outline(vec![circle([0.0; 2], 1.0)]);
     let made =
         convert::outlines_to_bevelled_solid(&round, Bevel { height: 2.0, width: 0.5 }, &length(1e-6), &job);
