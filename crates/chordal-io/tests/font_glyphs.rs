@@ -167,7 +167,7 @@ fn letters_with_bevels_are_solids_too() {
                 assert!(made.bound.at_most().unwrap() <= TOLERANCE);
                 let plain = convert::outlines_to_solid(&outlines, 0.25, &budget, &Job::default()).unwrap();
                 let [bevelled, plain] = [&made, &plain].map(|made| measure(&made.shape).signed_volume);
-                assert!(bevelled > 0.5 * plain && bevelled < plain, "{text}: {bevelled} of {plain}");
+                assert!(bevelled > 0.3 * plain && bevelled < plain, "{text}: {bevelled} of {plain}");
             }
         }
     }
