@@ -151,11 +151,11 @@ fn what_does_not_go_together_is_refused_in_a_sentence() {
         (2, vec![&svg, "--tol", "1", "--extrude", "0"], "--extrude"),
         (2, vec![&svg, "--tol", "1", "--bevel", "1"], "--extrude"),
         (
-            3,
+            5,
             vec![&svg, "--tol", "1", "--extrude", "1", "--bevel", "0.5"],
             "narrower than half of the height 1",
         ),
-        (3, vec![&svg, "--triangles", "99", "--extrude", "3", "--bevel", "1"], "not a number of triangles"),
+        (5, vec![&svg, "--triangles", "99", "--extrude", "3", "--bevel", "1"], "not a number of triangles"),
     ] {
         let all: Vec<&str> = ["mesh"].into_iter().chain(words).chain(["-o", &stl]).collect();
         run(&all).fails_with(code, &[said]);

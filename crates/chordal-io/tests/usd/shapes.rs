@@ -78,7 +78,8 @@ fn nurbs_curves_take_their_knots_in_turn() {
 fn patches_are_surfaces_and_keep_their_front_under_a_mirror() {
     let found = surfaces(&file(&patch("p", "")));
     let normal = |surface: &NurbsSurface| {
-        let [o, u, v] = [[0.0, 0.0], [1e-6, 0.0], [0.0, 1e-6]].map(|[u, v]| surface.at(0.5 + u, 0.5 + v));
+        let [u, v] = surface.knots().each_ref().map(|knots| 0.5 * (knots.domain()[0] + knots.domain()[1]));
+        let [o, u, v] = [[0.0, 0.0], [1e-6, 0.0], [0.0, 1e-6]].map(|[du, dv]| surface.at(u + du, v + dv));
         let [a, b] = [u, v].map(|p| [p[0] - o[0], p[1] - o[1], p[2] - o[2]]);
         // Along x and y together, which points away from the axis.
         let [x, y] = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]];
