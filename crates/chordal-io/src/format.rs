@@ -1,4 +1,5 @@
 //! `Format`: the formats of files, in one table of what they are, what reads and writes them and what they hold.
+// Long because the table has a row for each format.
 use crate::error::ReadError;
 use crate::format_columns::{
     FormatReader, PolygonFormat, PolylineWriter, PositionPrecision, TriangleFormat, VertexRows, VolumeWriter,

@@ -156,7 +156,7 @@ fn letters_with_bevels_are_solids_too() {
             // A fifth of a stroke, and more than half of one.
             for width in [0.02, 0.09] {
                 let budget = Budget::length(Tolerance::new(TOLERANCE).unwrap());
-                let bevel = convert::Bevel { height: 0.25, width };
+                let bevel = convert::bevels::Bevel { height: 0.25, width };
                 let made = convert::outlines_to_bevelled_solid(&outlines, bevel, &budget, &Job::default())
                     .unwrap_or_else(|error| panic!("{text}: {error}"));
                 let found = validity(&made.shape, Topology::Indices);

@@ -5,7 +5,7 @@ use crate::request::MeshRequest;
 use crate::spec::DrawnSolid;
 use crate::{MeshFailure, report::FrameFacts};
 use chordal::budget::{Bounded, Failure};
-use chordal::convert::{self, Bevel};
+use chordal::convert::{self, bevels::Bevel};
 use chordal::{Bound, Job};
 use chordal_io::{Drawing, Scene};
 

@@ -1,7 +1,7 @@
 //! `UsdLayer`: what one file of USD says, whatever its form: a tree of prims with properties, and the arcs to
 //! others.
 use super::crate_tables::CrateTables;
-use super::shapes::UsdShapeKind;
+use super::shape_kind::UsdShapeKind;
 use super::value::{UsdType, UsdValue};
 use crate::grow::push_large;
 use crate::text::{LineIndex, grouped};

@@ -16,6 +16,7 @@ mod pictures;
 mod primvar;
 mod read;
 mod scanner;
+mod shape_kind;
 mod shapes;
 mod stage;
 mod topology;

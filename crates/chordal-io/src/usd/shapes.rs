@@ -5,6 +5,7 @@
 use super::basis::{UsdBasis, UsdWrap, curve, misfit};
 use super::cage::{determinant, moved};
 use super::primvar::{row_numbers, row_place};
+use super::shape_kind::UsdShapeKind;
 use super::stage::{StagePrim, UsdStage};
 use super::value::UsdNumbers;
 use crate::ReadError;
@@ -19,33 +20,6 @@ use chordal::explicit::{Curve, FillRule};
 
 /// Points that copies by instancers may bring. Chosen: a hundred times what fur in files that were seen has.
 const MOST_COPIED: u64 = 4_000_000;
-
-/// What a prim is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum UsdShapeKind {
-    BasisCurves,
-    NurbsCurves,
-    NurbsPatch,
-}
-
-impl UsdShapeKind {
-    pub(super) fn from_type(name: &str) -> Option<Self> {
-        match name {
-            "BasisCurves" => Some(Self::BasisCurves),
-            "NurbsCurves" => Some(Self::NurbsCurves),
-            "NurbsPatch" => Some(Self::NurbsPatch),
-            _ => None,
-        }
-    }
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::BasisCurves => "BasisCurves",
-            Self::NurbsCurves => "NurbsCurves",
-            Self::NurbsPatch => "NurbsPatch",
-        }
-    }
-}
 
 /// A prim with curves or a surface, and where it is placed.
 #[derive(Debug)]

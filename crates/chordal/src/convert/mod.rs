@@ -35,7 +35,7 @@ mod redistance;
 mod triangles;
 mod view_dependent_mesher;
 
-pub use bevel::{Bevel, outlines_to_bevelled_solid};
+pub use bevel::outlines_to_bevelled_solid;
 pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_field::curve_to_field;
@@ -56,6 +56,11 @@ pub use outlines_to_mesh::outlines_to_mesh;
 pub use outlines_to_solid::outlines_to_solid;
 pub use patches_to_mesh::patches_to_mesh;
 pub use redistance::redistance;
+
+/// What the edges of solids over outlines are cut off by.
+pub mod bevels {
+    pub use super::bevel::Bevel;
+}
 
 /// Meshers, a cutter and a sampler that are kept for many budgets, views or lattices, and many curves at once.
 pub mod batch {

@@ -47,7 +47,7 @@ pub struct Bevel {
 /// of the height; a budget of triangles. [`Failure::Unmet`] with the best mesh; [`Failure::Cancelled`].
 ///
 /// ```
-/// use chordal::convert::{self, Bevel};
+/// use chordal::convert::{self, bevels::Bevel};
 /// use chordal::explicit::{Curve, CurveEnds, CurveSegment, FillRule, Outline};
 /// use chordal::{Budget, Job, Tolerance};
 /// let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]];
