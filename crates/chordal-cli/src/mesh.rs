@@ -41,6 +41,7 @@ Examples:
   chordal mesh drawing.svg --tol 0.25 -o drawing.glb
   chordal mesh drawing.svg --extrude 2 --tol 0.25 -o drawing.stl
   chordal mesh font.ttf --text Word --em 10 --extrude 2 --tol 0.01 -o word.stl
+  chordal mesh font.ttf --text Word --em 10 --extrude 2 --bevel 0.1 --tol 0.01 -o word.stl
   chordal mesh brain.nii.gz --iso 60 -o brain.glb
   chordal mesh liver_mask.nii.gz --smooth 0.8vox --tol 3mm -o liver.glb
   chordal mesh organs.nii.gz --labels all --tol 2mm -o organs.glb
@@ -149,6 +150,11 @@ pub struct ResultArgs {
     /// the diagonal of its box
     #[arg(long, value_name = "LENGTH", value_parser = length, conflicts_with = "level", allow_hyphen_values = true)]
     pub extrude: Option<Length>,
+
+    /// With --extrude: cut off the edges of both ends at 45°, this wide, less than half of the height; where a stroke is
+    /// narrower than twice that, its bevels meet in a ridge
+    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "extrude", allow_hyphen_values = true)]
+    pub bevel: Option<Length>,
 
     /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth
     /// surface; 0 keeps them
@@ -329,6 +335,7 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         spacing,
         effort,
         extrude: args.result.extrude,
+        bevel: args.result.bevel,
         normals: args.result.normals,
         require: args.budget.require,
     })

@@ -30,6 +30,25 @@ fn a_word_becomes_a_closed_proved_solid_in_one_command() {
     assert!((found / truth - 1.0).abs() < 1e-3, "{found}, not {truth}");
 }
 
+#[test]
+fn a_word_with_bevels_is_closed_and_says_what_its_proof_rests_on() {
+    let folder = Folder::new("letters-bevel");
+    let font = folder.file("tiny.ttf", tiny_font());
+    let out = folder.text("word.stl");
+    let bevelled = ["--extrude", "0.2", "--bevel", "0.02", "--tol", "1e-3", "-o", &out, "--json"];
+    let made = run(&[&["mesh", &font, "--text", "AOX"], &bevelled[..]].concat());
+    made.succeeds();
+    let certificate = &made.report()["certificate"];
+    let bound = &certificate["bound"];
+    assert_eq!(bound["evidence"], "proved-if", "{bound}");
+    assert!(bound["at_most"].as_f64().unwrap() <= 1e-3);
+    let valid = &certificate["valid"];
+    assert!(valid["closed"] == true && valid["manifold"] == true, "{certificate}");
+    let plain = "AOX".chars().map(tiny_glyph_area).sum::<f64>() * UNIT * UNIT * 0.2;
+    let found = volume_of_stl(&std::fs::read(&out).unwrap());
+    assert!(found < 0.99 * plain && found > 0.7 * plain, "{found} of {plain}");
+}
+
 /// The volume within the triangles of a binary STL.
 fn volume_of_stl(bytes: &[u8]) -> f64 {
     let number = |at: usize| f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()));
@@ -130,6 +149,13 @@ fn what_does_not_go_together_is_refused_in_a_sentence() {
         (2, vec![&font, "--tol", "1", "--axis", "wght=500"], "--text"),
         (2, vec![&obj, "--tol", "1", "--extrude", "1"], "only drawings and letters"),
         (2, vec![&svg, "--tol", "1", "--extrude", "0"], "--extrude"),
+        (2, vec![&svg, "--tol", "1", "--bevel", "1"], "--extrude"),
+        (
+            5,
+            vec![&svg, "--tol", "1", "--extrude", "1", "--bevel", "0.5"],
+            "narrower than half of the height 1",
+        ),
+        (5, vec![&svg, "--triangles", "99", "--extrude", "3", "--bevel", "1"], "not a number of triangles"),
     ] {
         let all: Vec<&str> = ["mesh"].into_iter().chain(words).chain(["-o", &stl]).collect();
         run(&all).fails_with(code, &[said]);

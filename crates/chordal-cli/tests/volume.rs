@@ -426,6 +426,15 @@ fn files_of_others_are_refused_by_name_with_a_way_around() {
         ("a.step", &b"ISO-10303-21;\nHEADER;\n"[..], "this is STEP"),
         // By its content, whatever it is called.
         ("b.obj", b"ISO-10303-21;\nHEADER;\n", "this is STEP"),
+        (
+            "f.stp",
+            b"ISO-10303-21;\n",
+            "examples/step_to_surfaces.py writes its faces as NURBS surfaces in JSON",
+        ),
+        ("g.igs", b"no column\n", "this is IGES"),
+        ("h.brep", b"\nCASCADE Topology V3\n", "this is a BREP of Open CASCADE"),
+        ("i.sat", b"700 0 1 0\n", "this is ACIS"),
+        ("j.3dm", b"3D Geometry File Format  7", "examples/rhino_to_surfaces.py writes its surfaces as JSON"),
         ("c", &png, "this is a PNG picture"),
         ("d.blend", b"\x28\xb5\x2f\xfd....", "this is a scene of Blender"),
         ("e.max", b"\xd0\xcf\x11\xe0", "this is a scene of 3ds Max"),

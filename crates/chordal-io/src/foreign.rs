@@ -22,6 +22,10 @@ pub struct ForeignFormat {
 }
 
 const CAD: &str = "export triangles from the CAD program, as 3MF, STL or glTF at the tolerance that you need";
+const CAD_SCRIPT: &str = "examples/step_to_surfaces.py writes its faces as NURBS surfaces in JSON (with cadquery-ocp), or \
+                          export triangles from the CAD program, as 3MF, STL or glTF at the tolerance that you need";
+const RHINO: &str = "examples/rhino_to_surfaces.py writes its surfaces as JSON (with rhino3dm), or export triangles \
+                     from Rhino, as 3MF, STL or glTF at the tolerance that you need";
 const SCENE: &str = "export it as glTF (.glb) or USD from the program that it is of, or from Blender";
 const PICTURE: &str = "a picture is no shape";
 const UNPACK: &str = "fonttools unpacks it: TTFont(name), flavor = None, save as .ttf";
@@ -38,16 +42,17 @@ const fn row(
 }
 
 /// The table. Only beginnings that no text or number of a known format could have stand in it.
-static TABLE: [ForeignFormat; 36] = [
+static TABLE: [ForeignFormat; 37] = [
     row("FBX", &["fbx"], &[b"Kaydara FBX Binary", b"; FBX "], SCENE),
-    row("STEP", &["step", "stp", "p21"], &[b"ISO-10303-21"], CAD),
+    row("STEP", &["step", "stp", "p21"], &[b"ISO-10303-21"], CAD_SCRIPT),
     row("IFC", &["ifc"], &[], "IfcConvert or FreeCAD exports its shapes as glTF"),
-    row("IGES", &["iges", "igs"], &[], CAD),
-    row("ACIS", &["sat", "sab"], &[b"ACIS BinaryFile"], CAD),
+    row("IGES", &["iges", "igs"], &[], CAD_SCRIPT),
+    row("a BREP of Open CASCADE", &["brep"], &[b"DBRep_DrawableShape", b"CASCADE Topology V"], CAD_SCRIPT),
+    row("ACIS", &["sat", "sab"], &[b"ACIS BinaryFile", b"ASM BinaryFile"], CAD),
     row("Parasolid", &["x_t", "x_b"], &[b"**ABCDEFGHIJKLMNOPQRSTUVWXYZ"], CAD),
     row("JT", &["jt"], &[], CAD),
     row("a file of SolidWorks, Inventor or CATIA", &["sldprt", "sldasm", "ipt", "iam", "catpart"], &[], CAD),
-    row("Rhino's 3DM", &["3dm"], &[b"3D Geometry File Format"], "export it from Rhino as 3MF, STL or glTF"),
+    row("Rhino's 3DM", &["3dm"], &[b"3D Geometry File Format"], RHINO),
     row("DWG", &["dwg"], &[b"AC10"], CAD),
     row("DXF", &["dxf"], &[b"AutoCAD Binary DXF", b"0\nSECTION", b"0\r\nSECTION"], CAD),
     row(
@@ -124,10 +129,14 @@ impl ForeignFormat {
         // An XML file says what it is by its root.
         let head = &text[..text.len().min(1024)];
         let is_x3d = text.starts_with(b"<") && memchr::memmem::find(head, b"<X3D").is_some();
+        // A line of IGES has 80 columns, of which the last ones name the section and count its lines; the first section
+        // is called S (U.S. Product Data Association, *IGES 5.3*, 1996, 2.2.1).
+        let is_iges = matches!(bytes.get(72..80), Some(b"S      1" | b"S0000001"));
         let named = |name| TABLE.iter().find(|row| row.extensions.contains(&name));
         match (is_webp, is_x3d) {
             (true, _) => named("webp"),
             (_, true) => named("x3d"),
+            _ if is_iges => named("iges"),
             _ => by_start(),
         }
     }
@@ -159,6 +168,10 @@ mod tests {
         assert_eq!(name(b"RIFF\x10\0\0\0WAVEfmt "), None);
         assert_eq!(name(b"<?xml version=\"1.0\"?>\n<!-- x -->\n<X3D profile='Full'>"), Some("X3D"));
         assert_eq!(name(b"  0\nSECTION\n  2\nHEADER\n"), Some("DXF"));
+        let iges = [&[b' '; 72][..], b"S      1\n", &[b'x'; 72], b"G      1\n"].concat();
+        assert_eq!(name(&iges), Some("IGES"));
+        assert_eq!(name(&iges[1..]), None);
+        assert_eq!(name(b"\nCASCADE Topology V1, (c) Matra-Datavision\n"), Some("a BREP of Open CASCADE"));
         assert_eq!(name(b"v 0 0 0\n"), None);
     }
 }

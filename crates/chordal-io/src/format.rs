@@ -1,4 +1,5 @@
 //! `Format`: the formats of files, in one table of what they are, what reads and writes them and what they hold.
+// Long because the table has a row for each format.
 use crate::error::ReadError;
 use crate::format_columns::{
     FormatReader, PolygonFormat, PolylineWriter, PositionPrecision, TriangleFormat, VertexRows, VolumeWriter,
@@ -10,7 +11,7 @@ use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{Limits, SceneAssets};
 use crate::{
-    amf, bpt, collada, dicom, font, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg,
+    amf, bez, bpt, collada, dicom, font, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg,
     teaset, threemf, usd, vm, vti, vtk,
 };
 use chordal::explicit::Topology;
@@ -30,6 +31,8 @@ use std::str::FromStr;
 pub enum Format {
     /// Bicubic Bézier patches, one block of 4 × 4 points each.
     Bpt,
+    /// Bézier patches of any degree, as Geomview has them, text or binary.
+    Bez,
     /// Newell's teaset text: patches as indices, then points.
     Teaset,
     /// Patches, curves or polylines in JSON.
@@ -176,8 +179,12 @@ const USD_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 30] = [
+static TABLE: [FormatRow; 31] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
+    FormatRow {
+        extensions: &["bbp"],
+        ..only_read(Format::Bez, "bez", |bytes| bez::looks_like(text_start(bytes)), bez::read)
+    },
     only_read(Format::Teaset, "teaset", |bytes| teaset::looks_like(text_start(bytes)), teaset::read),
     FormatRow {
         polylines: Some(shape_json::write),
@@ -388,7 +395,7 @@ static TABLE: [FormatRow; 30] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 29] = [
+const BY_CONTENT: [Format; 30] = [
     Format::Glb,
     Format::Usdc,
     Format::Usdz,
@@ -408,6 +415,7 @@ const BY_CONTENT: [Format; 29] = [
     Format::Vtk,
     Format::Ply,
     Format::Off,
+    Format::Bez,
     Format::Stl,
     Format::Usda,
     Format::Gltf,
@@ -593,7 +601,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, ttf, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
+            "'dwg' is no format; they are bpt, bez, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, ttf, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -3,6 +3,7 @@
 pub mod amf;
 mod assemble;
 mod assets;
+pub mod bez;
 pub mod bpt;
 mod certificate;
 pub mod collada;

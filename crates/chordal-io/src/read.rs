@@ -7,9 +7,10 @@ use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome, un
 ///
 /// Time and memory grow with the bytes that are there, never with a count that they declare. The bound is
 /// 64 MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle where a file packs triangles
-/// tighter than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point that
-/// a path packs tighter; or 16 times the bytes of the samples that a packed volume, or of the parts that a
-/// packed model, or of the content that a gzipped file, unpacks to.
+/// tighter than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point
+/// that a path packs tighter; or 16 times the 32 bytes of each control point of a Bézier patch, after it
+/// is halved; or 16 times the bytes of the samples that a packed volume, or of the parts that a packed
+/// model, or of the content that a gzipped file, unpacks to.
 ///
 /// A gzipped file of any format is unpacked first ([`crate::unpacked`]); places are those of its content.
 ///

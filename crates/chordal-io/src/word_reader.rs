@@ -45,6 +45,11 @@ impl<'a> WordReader<'a> {
         rest
     }
 
+    /// The offset of the line after that of the last word.
+    pub(crate) fn next_line(&self) -> usize {
+        self.lines.offset()
+    }
+
     /// The line of the last word.
     pub(crate) fn place(&self) -> FileLocation {
         FileLocation::Line(self.line)

@@ -2,6 +2,7 @@
 //! the library is linked once and not once a file.
 // `sweep.rs` counts what is allocated and is a program of its own.
 mod amf;
+mod bez;
 mod cages;
 mod collada;
 mod common;

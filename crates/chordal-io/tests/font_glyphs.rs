@@ -142,3 +142,33 @@ fn every_letter_is_filled_to_its_own_area_and_raised_to_a_solid() {
         assert!(n_letters >= least && 10 * n_compared >= 7 * n_letters, "{file}: {n_letters}, {n_compared}");
     }
 }
+
+#[test]
+fn letters_with_bevels_are_solids_too() {
+    for file in ["roboto/Roboto-Regular.ttf", "inconsolata/Inconsolata.ttf"] {
+        let Some(path) = corpus::find(&format!("outline/vello/examples/assets/{file}")) else { return };
+        let font = std::fs::read(path).unwrap();
+        // Narrow strokes, curves that meet in corners, holes, dots.
+        for text in ["Words", "&@ß8Q", "gjkM%"] {
+            let read = read_letters(&font, &Letters::new(text), &Limits::default()).unwrap();
+            let Content::Drawing(drawing) = read.content else { panic!("letters are a drawing") };
+            let outlines: Vec<Outline> = drawing.filled().collect();
+            // A fifth of a stroke, and more than half of one.
+            for width in [0.02, 0.09] {
+                let budget = Budget::length(Tolerance::new(TOLERANCE).unwrap());
+                let bevel = convert::bevels::Bevel { height: 0.25, width };
+                let made = convert::outlines_to_bevelled_solid(&outlines, bevel, &budget, &Job::default())
+                    .unwrap_or_else(|error| panic!("{text}: {error}"));
+                let found = validity(&made.shape, Topology::Indices);
+                assert!(
+                    found.closed && found.edge_manifold && found.vertex_manifold && found.oriented,
+                    "{text}: {found:?}"
+                );
+                assert!(made.bound.at_most().unwrap() <= TOLERANCE);
+                let plain = convert::outlines_to_solid(&outlines, 0.25, &budget, &Job::default()).unwrap();
+                let [bevelled, plain] = [&made, &plain].map(|made| measure(&made.shape).signed_volume);
+                assert!(bevelled > 0.3 * plain && bevelled < plain, "{text}: {bevelled} of {plain}");
+            }
+        }
+    }
+}

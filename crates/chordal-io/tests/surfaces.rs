@@ -95,3 +95,45 @@ fn splines_are_read_beside_chains_of_cubics() {
         "/curves/0: knot 2 occurs more often than the degree 1, so that the curve would jump there: split it in two"
     );
 }
+
+#[test]
+fn loops_that_trim_are_read_with_their_gaps() {
+    // A triangle of two curves that miss each other by rounding, and a round hole.
+    let loops = r#""trim": [[{"control": [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]]}, {"control": [[0.9, 0.9000001], [0.1, 0.1]]}],
+        [{"degree": 2, "control": [[0.7, 0.3], [0.75, 0.35], [0.7, 0.4]]}, {"control": [[0.7, 0.4], [0.7, 0.3]]}]],
+        "flip": true"#;
+    let with = |loops: &str| {
+        let surface = BILINEAR.replace("[1, 1, 1]]]}", &format!("[1, 1, 1]]], {loops}}}"));
+        format!(r#"{{"surfaces": [{surface}]}}"#)
+    };
+    let read = shape_json::read(with(loops).as_bytes(), &Limits::default()).unwrap();
+    let Content::Surfaces(faces, _) = read.content else { panic!("surfaces") };
+    assert!(read.warnings.is_empty() && faces[0].is_flipped());
+    let pieces: Vec<usize> = faces[0].loops().iter().map(|path| path.segments().len()).collect();
+    assert_eq!(pieces, [4, 2]);
+    for (loops, says) in [
+        (r#""trim": [[]]"#, "/surfaces/0/trim/0: a trim loop needs a curve"),
+        (
+            r#""trim": [[{"control": [[0, 0], [1, 0], [1, 1]]}]]"#,
+            "/surfaces/0/trim/0: curve 0 of a trim loop does not start where the one before it ends: there are 1e0 between",
+        ),
+        (
+            r#""trim": [[{"control": [[0, 0]]}]]"#,
+            "/surfaces/0/trim/0/0: degree 1 needs 2 control points at least, and there are 1",
+        ),
+        (
+            r#""trim": [[{"control": [[0, 0], [1, 0, 0]]}]]"#,
+            "/surfaces/0/trim/0/0/control/1: 3 numbers where 2 are needed",
+        ),
+        (
+            r#""trim": [[{"degree": 1, "knots": [0, 1, 0, 1], "control": [[0, 0], [1, 0]]}]]"#,
+            "/surfaces/0/trim/0/0: knot 2 is less than the one before",
+        ),
+        (
+            r#""trim": [[{"control": [[5, 5], [6, 5], [6, 6], [5, 5]]}]]"#,
+            "/surfaces/0: trim loop 0 leaves the range of the surface's parameters by more than half of it",
+        ),
+    ] {
+        assert_eq!(error(&with(loops)), says);
+    }
+}

@@ -63,6 +63,7 @@ impl BudgetArguments {
             spacing: parse_spacing(&self.spacing)?,
             effort: parse_effort(&self.effort)?,
             extrude: None,
+            bevel: None,
             normals: Normals::default(),
             require: parse_argument("require", self.require.as_deref())?,
         })

@@ -2,9 +2,11 @@
 use crate::drawing_regions::FilledRegions;
 use crate::report::Certificate;
 use crate::request::MeshRequest;
+use crate::spec::DrawnSolid;
 use crate::{MeshFailure, report::FrameFacts};
 use chordal::budget::{Bounded, Failure};
-use chordal::{Bound, Job, convert};
+use chordal::convert::{self, bevels::Bevel};
+use chordal::{Bound, Job};
 use chordal_io::{Drawing, Scene};
 
 const RAISED: &str = "the drawing is raised to solids, one for each element, from z = 0 to";
@@ -13,7 +15,7 @@ const VANISHED: &str = "no triangles are left: all that the drawing fills is thi
 /// The triangles of a drawing, or of the solid of a height over it, at the precision of the format, their bound, and
 /// the request for their bounding box.
 pub(crate) fn fill(
-    (drawing, height): (&Drawing, Option<f64>),
+    (drawing, solid): (&Drawing, Option<DrawnSolid>),
     request: &MeshRequest,
     certificate: &mut Certificate,
     job: &Job,
@@ -22,14 +24,20 @@ pub(crate) fn fill(
         FilledRegions::from_drawing(drawing, &mut certificate.notes).map_err(MeshFailure::Refused)?;
     certificate.frame = FrameFacts::new(&filling.frame);
     let mut bounds = filling.bounds;
-    if let Some(height) = height {
+    if let Some(DrawnSolid { height, bevel }) = solid {
         bounds.max[2] = height;
-        certificate.notes.push(format!("{RAISED} z = {height}").into());
+        let bevels = bevel.map_or_else(String::new, |width| format!(", with bevels of {width} at both ends"));
+        certificate.notes.push(format!("{RAISED} z = {height}{bevels}").into());
     }
     let request = MeshRequest::new(request.budget, request.form(), bounds);
     let Bounded { shape: mesh, bound } = request.run(job, |budget| {
-        let made = match height {
-            Some(height) => convert::outlines_to_solid(&filling.outlines, height, budget, job),
+        let made = match solid {
+            Some(DrawnSolid { height, bevel: Some(width) }) => {
+                convert::outlines_to_bevelled_solid(&filling.outlines, Bevel { height, width }, budget, job)
+            }
+            Some(DrawnSolid { height, bevel: None }) => {
+                convert::outlines_to_solid(&filling.outlines, height, budget, job)
+            }
             None => convert::outlines_to_mesh(&filling.outlines, budget, job),
         };
         let best = match &made {

@@ -55,7 +55,7 @@ pub fn mesh(
         ));
     }
     spec.check_attributes(&input.shape)?;
-    let height = spec.height(&input.shape, lines)?;
+    let solid = spec.solid(&input.shape, lines)?;
     let mut certificate = Certificate::from_input(&input);
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
@@ -73,7 +73,7 @@ pub fn mesh(
         }
         Shape::Drawing(drawing) => {
             let (mut scene, bound, request) =
-                filled_regions::fill((&drawing, height), &request, &mut certificate, job)?;
+                filled_regions::fill((&drawing, solid), &request, &mut certificate, job)?;
             spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
             return finish_triangles(scene, bound, &request, certificate);
         }

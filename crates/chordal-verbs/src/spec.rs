@@ -34,11 +34,21 @@ pub struct BudgetSpec {
     pub effort: Effort,
     /// How high a drawing is raised to a solid; it is meshed in its plane where there is none.
     pub extrude: Option<Length>,
+    /// How wide the edges of that solid are cut off at 45°; they stay where there is none.
+    pub bevel: Option<Length>,
     /// The normals that triangles get.
     pub normals: Normals,
     /// The required evidence. The default is a proof; for a field with a part whose ranges are unknown, a
     /// user function without a Lipschitz constant, it is a measurement.
     pub require: Option<RequiredEvidence>,
+}
+
+/// The solid over a drawing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DrawnSolid {
+    pub height: f64,
+    /// How wide its edges are cut off.
+    pub bevel: Option<f64>,
 }
 
 impl BudgetSpec {
@@ -49,12 +59,15 @@ impl BudgetSpec {
         counted || self.length.is_some() || self.pixels.is_some()
     }
 
-    /// The height of the solid over a drawing.
+    /// The solid over a drawing.
     ///
     /// # Errors
     /// When there is one and the result is none of triangles, or the shape no drawing; as for [`Self::resolve`].
-    pub(crate) fn height(&self, shape: &Shape, lines: bool) -> Result<Option<f64>, MeshFailure> {
-        let Some(height) = self.extrude else { return Ok(None) };
+    pub(crate) fn solid(&self, shape: &Shape, lines: bool) -> Result<Option<DrawnSolid>, MeshFailure> {
+        let Some(height) = self.extrude else {
+            let message = "bevels are those of a solid, and the drawing is raised to none";
+            return if self.bevel.is_some() { Err(MeshFailure::Usage(message.into())) } else { Ok(None) };
+        };
         if lines {
             let message = "polylines have no height: for a solid write a format of triangles";
             return Err(MeshFailure::Usage(message.into()));
@@ -64,9 +77,12 @@ impl BudgetSpec {
                 format!("only drawings and letters are raised to a height, and this is {}", shape.kind());
             return Err(MeshFailure::Usage(message.into()));
         }
-        let diagonal = if matches!(height, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
-        let height = height.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
-        Ok(Some(height.get()))
+        let resolve = |length: Length| {
+            let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
+            let resolved = length.resolve(diagonal, shape.frame().metres_per_unit);
+            Ok::<_, MeshFailure>(resolved.map_err(MeshFailure::Length)?.get())
+        };
+        Ok(Some(DrawnSolid { height: resolve(height)?, bevel: self.bevel.map(resolve).transpose()? }))
     }
 
     /// Checks that counts apply: polylines have segments and meshes have triangles.

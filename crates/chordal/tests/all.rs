@@ -4,6 +4,7 @@ mod attack;
 mod attribute_limits;
 mod attributes;
 mod baking;
+mod bevelled_solids;
 mod booleans;
 mod box3_laws;
 mod budget_laws;

@@ -3,8 +3,12 @@ use super::cage::{UsdCageBuilder, UsdCageMesh, UsdCageRules, rules};
 use super::material::{UsdMaterialKey, UsdMaterials};
 use super::mesh::{UsdFaceGroup, UsdFaceSubset, UsdMeshRequest, triangles};
 use super::primvar::row_numbers;
+use super::shape_kind::UsdShapeKind;
+use super::shapes::{UsdShape, UsdShapes};
 use super::stage::{StagePrim, StageSource, UsdStage};
 use super::transform::{LocalTransform, placed, quaternion_matrix};
+use crate::assemble::check_surfaces;
+use crate::drawing::Curves;
 use crate::grow::{push, push_large};
 use crate::matrix::{IDENTITY, product};
 use crate::text::grouped;
@@ -66,6 +70,7 @@ pub(super) struct UsdBuilder<'s, 'a, 'b> {
     worlds: Vec<[f64; 16]>,
     known: BTreeMap<MeshKey, usize>,
     left_out: BTreeMap<String, UnreadPrims>,
+    shapes: UsdShapes,
     n_instances: usize,
     groups: BTreeMap<String, Vec<String>>,
     group_numbers: BTreeMap<UsdGroupName, u32>,
@@ -84,6 +89,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             worlds: Vec::new(),
             known: BTreeMap::new(),
             left_out: BTreeMap::new(),
+            shapes: UsdShapes::default(),
             n_instances: 0,
             groups: BTreeMap::new(),
             group_numbers: BTreeMap::new(),
@@ -109,15 +115,55 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         }
         let resets = std::mem::take(&mut self.resets);
         self.scene.roots.extend(resets);
-        if self.requests.is_empty() {
-            warnings.count_all("no-faces", 1, "the file shows no meshes");
-        }
-        let content = match self.cage_rules()? {
-            Some(rules) => self.cage(rules, warnings)?,
-            None => self.parts(warnings)?,
+        let content = match (self.requests.is_empty(), self.cage_rules()?) {
+            (true, _) => self.shape(warnings)?,
+            (_, Some(rules)) => self.cage(rules, warnings)?,
+            (_, None) => self.parts(warnings)?,
         };
-        self.tell(warnings);
+        // One file is shapes of one kind: meshes go before surfaces, and these before curves.
+        let kept = match &content {
+            Content::Surfaces(..) => "NURBS surfaces",
+            Content::Curves(_) => "curves",
+            _ => "meshes",
+        };
+        for shape in std::mem::take(&mut self.shapes.list) {
+            let is_surface = shape.kind == UsdShapeKind::NurbsPatch;
+            let is_kept = match &content {
+                Content::Surfaces(..) => is_surface,
+                Content::Curves(_) => !is_surface,
+                _ => false,
+            };
+            if !is_kept {
+                self.leave_out(shape.kind.name(), &shape.prim);
+            }
+        }
+        self.tell(kept, warnings);
         Ok(content)
+    }
+
+    /// The surfaces or curves of a file without meshes.
+    fn shape(&mut self, warnings: &mut Warnings) -> Result<Content, ReadError> {
+        let frame = self.scene.frame;
+        if self.shapes.has_surfaces() {
+            let surfaces = self.shapes.surfaces(self.stage)?;
+            check_surfaces(&surfaces, warnings)?;
+            return Ok(Content::Surfaces(surfaces, frame));
+        }
+        if self.shapes.list.is_empty() {
+            warnings.count_all("no-faces", 1, "the file shows no meshes");
+            return self.parts(warnings);
+        }
+        let curves = self.shapes.curves(self.stage)?;
+        Ok(Content::Curves(Curves { frame, certificate: self.scene.certificate.take(), ..curves }))
+    }
+
+    /// Counts a prim that was left out because of its type.
+    fn leave_out(&mut self, kind: &str, prim: &StagePrim) {
+        let left_out = self.left_out.entry(kind.to_owned()).or_default();
+        left_out.count += 1;
+        if left_out.first.is_empty() {
+            left_out.first.clone_from(&prim.path);
+        }
     }
 
     fn frame(&mut self, warnings: &mut Warnings) {
@@ -171,7 +217,12 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         let node = Node { name: self.stage.name(prim), matrix: matrix.into(), ..Node::default() };
         push_large(&mut self.scene.nodes, node)?;
         push(&mut self.worlds, context.world)?;
-        if kind != "Mesh" && !self.stage.property_names(prim, "primvars:").is_empty() {
+        let shape = UsdShapeKind::from_type(&kind);
+        let has_values = kind != "Mesh" && !self.stage.property_names(prim, "primvars:").is_empty();
+        if has_values && shape.is_some() {
+            let what = "values of curves and surfaces, such as colours, were left out";
+            self.stage.note("shape-primvars-skipped", what, &prim.path);
+        } else if has_values {
             let what = "values of prims that are no meshes, which meshes below inherit, were left out";
             self.stage.note("inherited-primvars", what, &prim.path);
         }
@@ -182,13 +233,10 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
                 return Ok(self.finished(number, is_reset));
             }
             _ if SILENT.contains(&&*kind) => {}
-            _ => {
-                let left_out = self.left_out.entry(kind.clone()).or_default();
-                left_out.count += 1;
-                if left_out.first.is_empty() {
-                    left_out.first.clone_from(&prim.path);
-                }
-            }
+            _ => match shape {
+                Some(kind) => self.place(prim, kind, &context)?,
+                None => self.leave_out(&kind, prim),
+            },
         }
         for name in self.stage.child_names(prim)? {
             if let Some(child) = self.stage.child(prim, &name)?
@@ -202,6 +250,22 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             self.stage.note("empty-nodes", "prims with nothing to show have no node", &prim.path);
         }
         Ok(node)
+    }
+
+    /// Keeps curves or a surface, with where they are.
+    fn place(
+        &mut self,
+        prim: &StagePrim,
+        kind: UsdShapeKind,
+        context: &WalkContext,
+    ) -> Result<(), ReadError> {
+        if matches!(&*context.purpose, "proxy" | "guide") {
+            let what = "shapes that stand in for others or guide the eye were left out";
+            self.stage.note("purpose-skipped", what, &format!("{} ({})", prim.path, context.purpose));
+            return Ok(());
+        }
+        let is_copy = context.nesting > 0;
+        push(&mut self.shapes.list, UsdShape { prim: prim.clone(), kind, world: context.world, is_copy })
     }
 
     /// Takes a node away again that shows nothing, and one from its parents whose transform is not theirs.
@@ -262,7 +326,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
     /// The number of a mesh among those that were asked for.
     fn mesh(&mut self, prim: &StagePrim, context: &WalkContext) -> Result<Option<usize>, ReadError> {
         if matches!(&*context.purpose, "proxy" | "guide") {
-            let what = "meshes that stand in for others or guide the eye were left out";
+            let what = "shapes that stand in for others or guide the eye were left out";
             self.stage.note("purpose-skipped", what, &format!("{} ({})", prim.path, context.purpose));
             return Ok(None);
         }
@@ -454,7 +518,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
     }
 
     /// Passes on what was noted.
-    fn tell(self, warnings: &mut Warnings) {
+    fn tell(self, kept: &str, warnings: &mut Warnings) {
         let n_deletions = self.stage.layers.iter().map(|layer| layer.about.n_deletions).sum();
         if n_deletions > 0 {
             let what = "list edits that delete were not applied: what they delete is there";
@@ -467,13 +531,13 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             .map(|(kind, left_out)| format!("{} {kind} (first {})", grouped(left_out.count), left_out.first))
             .collect();
         warnings.count_many("prims-skipped", n_all, || {
-            let message = format!("prims that are no meshes were left out: {}", listed.join(", "));
+            let message = format!("prims that are no {kept} were left out: {}", listed.join(", "));
             (FileLocation::File, message)
         });
         for layer in &self.stage.layers {
             warnings.count_many("attributes-skipped", layer.about.n_skipped, || {
                 let first = layer.about.first_skipped.as_deref().unwrap_or_default();
-                let message = format!("attributes of meshes that are not read were left out, {first} first");
+                let message = format!("attributes that are not read were left out, {first} first");
                 (FileLocation::File, message)
             });
         }

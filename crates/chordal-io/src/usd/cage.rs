@@ -409,7 +409,7 @@ impl UsdCageBuilder {
     }
 }
 
-fn moved(matrix: &[f64; 16], point: [f64; 3]) -> [f64; 3] {
+pub(super) fn moved(matrix: &[f64; 16], point: [f64; 3]) -> [f64; 3] {
     if *matrix == IDENTITY {
         return point;
     }
@@ -419,7 +419,7 @@ fn moved(matrix: &[f64; 16], point: [f64; 3]) -> [f64; 3] {
 }
 
 /// The determinant of the linear part.
-fn determinant(m: &[f64; 16]) -> f64 {
+pub(super) fn determinant(m: &[f64; 16]) -> f64 {
     m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9])
         + m[8] * (m[1] * m[6] - m[2] * m[5])
 }

@@ -1,6 +1,7 @@
 //! `UsdLayer`: what one file of USD says, whatever its form: a tree of prims with properties, and the arcs to
 //! others.
 use super::crate_tables::CrateTables;
+use super::shape_kind::UsdShapeKind;
 use super::value::{UsdType, UsdValue};
 use crate::grow::push_large;
 use crate::text::{LineIndex, grouped};
@@ -133,7 +134,7 @@ pub(super) struct UsdLayerAbout {
     pub bad_certificate: Option<String>,
     /// List edits that delete, which are not applied.
     pub n_deletions: u64,
-    /// Attributes of meshes that are not known, with the name of the first.
+    /// Attributes of meshes, curves and surfaces that are not known, with the name of the first.
     pub n_skipped: u64,
     pub first_skipped: Option<Box<str>>,
 }
@@ -147,11 +148,12 @@ impl UsdLayerAbout {
         }
     }
 
-    /// Counts a property that is not kept, if its prim is a mesh.
+    /// Counts a property that is not kept, if its prim is a mesh, curves or a surface.
     pub(super) fn skip(&mut self, prim: &UsdPrim, name: &str) {
-        let is_expected =
-            UNUSED.contains(&name) || name.starts_with("ui:") || name.starts_with("subsetFamily:");
-        if prim.type_name() == Some("Mesh") && !is_expected {
+        let is_expected = UNUSED.contains(&name)
+            || ["ui:", "subsetFamily:", "trimCurve:"].iter().any(|start| name.starts_with(start));
+        let is_read = |kind: &str| kind == "Mesh" || UsdShapeKind::from_type(kind).is_some();
+        if prim.type_name().is_some_and(is_read) && !is_expected {
             self.n_skipped += 1;
             self.first_skipped.get_or_insert_with(|| name.into());
         }
@@ -159,7 +161,7 @@ impl UsdLayerAbout {
 }
 
 /// Properties that are kept, and the beginnings of names of others.
-const KEPT: [&str; 28] = [
+const KEPT: [&str; 45] = [
     "points",
     "faceVertexCounts",
     "faceVertexIndices",
@@ -188,11 +190,28 @@ const KEPT: [&str; 28] = [
     "orientations",
     "scales",
     "invisibleIds",
+    "curveVertexCounts",
+    "type",
+    "basis",
+    "wrap",
+    "order",
+    "knots",
+    "ranges",
+    "pointWeights",
+    "uVertexCount",
+    "vVertexCount",
+    "uOrder",
+    "vOrder",
+    "uKnots",
+    "vKnots",
+    "uRange",
+    "vRange",
+    "trimCurve:counts",
 ];
 const KEPT_BEGINNINGS: [&str; 7] =
     ["primvars:", "xformOp:", "inputs:", "outputs:", "info:", "material:binding", "chordal:"];
-/// Attributes of meshes that follow from others or from nothing that is read.
-const UNUSED: [&str; 3] = ["extent", "proxyPrim", "ids"];
+/// Attributes of meshes, curves and surfaces that follow from others or from nothing that is read.
+const UNUSED: [&str; 5] = ["extent", "proxyPrim", "ids", "uForm", "vForm"];
 
 /// Whether a property of this name is kept.
 pub(super) fn is_kept(name: &str) -> bool {

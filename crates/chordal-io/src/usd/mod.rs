@@ -1,4 +1,5 @@
 //! USD: meshes and cages under prims with transforms and materials, as text, in a binary form, or in a package.
+mod basis;
 mod build;
 mod cage;
 mod crate_layer;
@@ -15,6 +16,8 @@ mod pictures;
 mod primvar;
 mod read;
 mod scanner;
+mod shape_kind;
+mod shapes;
 mod stage;
 mod topology;
 mod transform;

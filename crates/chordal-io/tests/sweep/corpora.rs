@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 fn target_of(format: Format) -> &'static str {
     match format {
         Format::Bpt => "bpt",
+        Format::Bez => "bez",
         Format::Teaset => "teaset",
         Format::Json => "patch_json",
         Format::Obj => "obj",

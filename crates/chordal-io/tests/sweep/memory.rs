@@ -276,6 +276,26 @@ fn large_hostile_files_stay_within_the_promised_memory() {
     }
 }
 
+/// Bézier patches in text are packed more tightly than surfaces with knots and weights can be. What is promised for
+/// them counts the control points: of patches that are halved, those of their halves.
+#[test]
+fn packed_patches_stay_within_the_promise_for_their_control_points() {
+    let n = 20_000_u64;
+    let straight = "0 0 0 1 0 0 0 1 0 1 1 0 ";
+    // Half a circle along u and a quarter of one along v, whose weights vanish in the middle.
+    let halved = "1 0 0 1 0 1 0 0 -1 0 0 1 0 0 1 0 0 0 0 0 0 0 1 0 -1 0 0 1 0 1 0 0 1 0 0 1 ";
+    for (keyword, patch, n_points) in [("BEZ113", straight, 4), ("BEZ224", halved, 25)] {
+        let bytes = format!("{keyword} {}", patch.repeat(n as usize)).into_bytes();
+        let (result, most) = measured(&bytes, Format::Bez);
+        let Ok(ReadOutcome { content: Content::Surfaces(surfaces, _), .. }) = result else {
+            panic!("{result:?}")
+        };
+        assert_eq!((surfaces.len() as u64, surfaces[0].surface().control().len()), (n, n_points));
+        println!("{keyword}: {} bytes, held {most}", bytes.len());
+        assert!(most <= (1 << 20) + 16 * 32 * n * n_points as u64, "{keyword}: {most}");
+    }
+}
+
 /// Strips and polygons of one-byte indices are packed more tightly than triangles can be: twelve bytes for
 /// each byte of the file. What is promised for them counts the triangles.
 #[test]

@@ -100,6 +100,14 @@ pub(super) fn all() -> Vec<(Format, Vec<u8>)> {
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 -0\nvertex 0 1 0\nendloop\nendfacet\n";
     add(Format::Stl, &format!("solid one\n{facet}{facet}endsolid one\nsolid two\n{facet}endsolid\n"));
     let points = "0.5 1 -2\n".repeat(16);
+    add(
+        Format::Bez,
+        &format!(
+            "# x\nBBP\n{points}\nCBEZ114_ST # y\n0 0 0 1 1 0 0 1\n0 1 0 1 2 2 0 2\n{}BEZ 2 1 3\n{}}} z\n",
+            "0 ".repeat(24),
+            "1 2 3\n".repeat(6)
+        ),
+    );
     add(Format::Bpt, &format!("2\n3 3\n{points}3 3\n{points}"));
     add(
         Format::Usda,
@@ -110,6 +118,21 @@ pub(super) fn all() -> Vec<(Format, Vec<u8>)> {
          uniform token[] xformOpOrder = [\"!invert!xformOp:orient\"] rel material:binding = </M>\n\
          variantSet \"v\" = { \"x\" { token visibility.timeSamples = { 0: \"inherited\", } } } }\n\
          class \"c\" {} def Material \"M\" { token outputs:surface.connect = </M.inputs:a> }\n",
+    );
+    let row = "point3f[] points = [(0,0,0),(1,0,0.5),(2,0,0),(0,1,0),(1,1,1),(2,1,0)]";
+    add(
+        Format::Usda,
+        &format!(
+            "#usda 1.0\ndef BasisCurves \"b\" {{ {row} int[] curveVertexCounts = [3,3] uniform token wrap = \"pinned\" uniform token basis = \"catmullRom\" }}\n\
+             def NurbsCurves \"n\" {{ {row} int[] curveVertexCounts = [6] int[] order = [3] double[] knots = [0,0,0,1,2,2.5,4,4,4] }}\n"
+        ),
+    );
+    add(
+        Format::Usda,
+        &format!(
+            "#usda 1.0\ndef NurbsPatch \"p\" {{ {row} int uVertexCount = 3 int vVertexCount = 2 int uOrder = 3 int vOrder = 2\n\
+             double[] uKnots = [0,0,0,1,1,1] double[] vKnots = [0,0,1,1] double[] pointWeights = [1,0.5,1,1,2,1] int[] trimCurve:counts = [1] }}\n"
+        ),
     );
     let indices = "1,2,3,4,4,3,2,1,1,2,3,4,4,3,2,1\n";
     add(Format::Teaset, &format!("2\n{indices}{indices}4\n0,0,0\n1.5,0,0\n0,1,0\n0,0,1e3\n"));

@@ -5,6 +5,7 @@ mod hostile;
 mod materials;
 mod packages;
 mod round_trip;
+mod shapes;
 mod text;
 
 use chordal_io::{Content, Limits, Polygons, ReadOutcome, Scene, usd};

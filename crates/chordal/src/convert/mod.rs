@@ -1,4 +1,5 @@
 //! The conversions: one file per arrow `a_to_b`. A lossy one takes a budget and reports a bound.
+mod bevel;
 mod cage_to_mesh;
 mod contours;
 mod cubes;
@@ -39,6 +40,7 @@ mod triangles;
 mod trimmed_surfaces_to_mesh;
 mod view_dependent_mesher;
 
+pub use bevel::outlines_to_bevelled_solid;
 pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_cubics::curve_to_cubics;
@@ -61,6 +63,11 @@ pub use outlines_to_solid::outlines_to_solid;
 pub use patches_to_mesh::patches_to_mesh;
 pub use redistance::redistance;
 pub use trimmed_surfaces_to_mesh::trimmed_surfaces_to_mesh;
+
+/// What the edges of solids over outlines are cut off by.
+pub mod bevels {
+    pub use super::bevel::Bevel;
+}
 
 /// Meshers, a cutter and a sampler that are kept for many budgets, views or lattices, and many curves at once.
 pub mod batch {

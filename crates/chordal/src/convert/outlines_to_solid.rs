@@ -4,7 +4,7 @@ use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
 use crate::explicit::{Mesh, Outline};
 
 /// Beyond this, squares of differences leave the range of numbers, as in the plane.
-const LARGEST: f64 = 1e150;
+pub(super) const LARGEST: f64 = 1e150;
 
 /// Turns outlines into upright solids between the planes z = 0 and z = `height`: two caps with the triangles of
 /// [`outlines_to_mesh`](super::outlines_to_mesh), and walls of two triangles a side between their boundaries.
@@ -102,16 +102,16 @@ pub(super) fn upright_solid(
 }
 
 /// Triangles whose vertices have one fan each: a vertex where regions only touch is one vertex a region.
-struct FanFaces {
-    faces: Vec<[u32; 3]>,
+pub(super) struct FanFaces {
+    pub faces: Vec<[u32; 3]>,
     /// The vertex that each was before.
-    origins: Vec<u32>,
+    pub origins: Vec<u32>,
     /// The edges that one triangle has, in its direction.
-    border: Vec<[u32; 2]>,
+    pub border: Vec<[u32; 2]>,
 }
 
 impl FanFaces {
-    fn new(faces: &[[u32; 3]]) -> Self {
+    pub fn new(faces: &[[u32; 3]]) -> Self {
         // 1. Each edge with the corner that it starts at, sorted by the edge whatever its direction.
         let corner = |face: usize, k: usize| 3 * face + k % 3;
         let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.len());

@@ -117,15 +117,16 @@ impl TrimPiece {
                 Some(x.0.iter().zip(&w.0).map(|(x, [w])| x.map(|x| x / w)).collect())
             }
             Self::Arc(arc) => {
-                let half = 0.5 * (arc.angle(to) - arc.angle(from));
-                if half.abs() > 0.5 * FRAC_PI_2 {
+                let part = arc.part_about_middle(from, to);
+                if part.half_rad.abs() > 0.5 * FRAC_PI_2 {
                     return None;
                 }
-                let middle = arc.direction(0.5 * (arc.angle(to) + arc.angle(from)));
-                // Where the tangents at both ends meet.
-                let centre = arc.centre();
-                let corner = std::array::from_fn(|k| centre[k] + middle[k] / libm::cos(half));
-                Some(vec![arc.at(from), corner, arc.at(to)])
+                let [a, b] = [arc.at(from), arc.at(to)];
+                // Where the tangents at both ends meet: beyond the middle of the chord.
+                let (sin, cos) = libm::sincos(part.half_rad);
+                let over = sin * sin / cos;
+                let corner = std::array::from_fn(|k| 0.5 * (a[k] + b[k]) + over * part.to_middle[k]);
+                Some(vec![a, corner, b])
             }
         }
     }
