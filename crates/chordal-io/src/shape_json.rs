@@ -1,6 +1,7 @@
 //! Shapes in JSON: patches, curves and polylines, after `docs/schema/patches.schema.json`,
 //! `curves.schema.json`, `polylines.schema.json` and `surfaces.schema.json`.
 mod lines;
+mod spline_numbers;
 mod surfaces;
 mod trim;
 mod write;

@@ -1,5 +1,5 @@
 //! Curves and polylines in JSON, in the plane or in space.
-use super::surfaces::{numbers, whole_degree};
+use super::spline_numbers::{numbers, whole_degree};
 use super::{check_rows, set, width};
 use crate::drawing::{DrawingElement, PathSet};
 use crate::grow::{push, with_room};

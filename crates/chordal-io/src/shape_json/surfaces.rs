@@ -1,4 +1,5 @@
 //! NURBS surfaces in JSON.
+use super::spline_numbers::{numbers, whole_degree};
 use super::trim::trim_loops;
 use super::{check_rows, point, width};
 use crate::ReadError;
@@ -99,25 +100,6 @@ fn both<T>(
         if i < 2 { push(&mut found, one) } else { Ok(()) }
     })?;
     <[T; 2]>::try_from(found).ok().filter(|_| n == 2).ok_or_else(|| width(json, n, "values", 2))
-}
-
-/// A degree as it is counted.
-pub(super) fn whole_degree(degree: f64) -> Result<usize, String> {
-    if degree.fract() != 0.0 || degree < 0.0 {
-        return Err(format!("the degree {degree} is no whole number"));
-    }
-    // A cast of a float that is too large saturates, and is refused as a degree.
-    Ok(degree as usize)
-}
-
-/// A list of numbers.
-pub(super) fn numbers(json: &mut JsonReader, limits: &Limits) -> Result<Vec<f64>, ReadError> {
-    let mut all = Vec::new();
-    json.array(|json, i| {
-        check_rows(json, "numbers", i, limits)?;
-        push(&mut all, json.number()?)
-    })?;
-    Ok(all)
 }
 
 /// What is said of a file with surfaces and something else.

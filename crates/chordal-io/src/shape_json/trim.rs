@@ -1,5 +1,5 @@
 //! Loops that trim a surface, in JSON.
-use super::surfaces::{numbers, whole_degree};
+use super::spline_numbers::{numbers, whole_degree};
 use super::{check_rows, width};
 use crate::grow::push;
 use crate::json::JsonReader;

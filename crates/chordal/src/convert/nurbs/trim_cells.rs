@@ -40,7 +40,7 @@ struct CellContent {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum CellState {
+enum TrimCellState {
     Unknown,
     Inside,
     Outside,
@@ -152,13 +152,13 @@ impl CellTriangulator<'_> {
 
     fn run(mut self, contents: BTreeMap<[usize; 2], CellContent>) -> Result<FaceTriangles, TrimConflict> {
         let [n, m] = self.n;
-        let mut states = vec![CellState::Unknown; n * m];
+        let mut states = vec![TrimCellState::Unknown; n * m];
         let mut sides = BTreeMap::new();
         let mut triangles = Vec::new();
         let mut borders = BTreeMap::new();
         for (cell, content) in &contents {
             let Some(mixed) = self.mixed_cell(*cell, content)? else { continue };
-            states[cell[1] * n + cell[0]] = CellState::Mixed;
+            states[cell[1] * n + cell[0]] = TrimCellState::Mixed;
             let patch = self.lattice.patch_at(*cell);
             triangles.extend(mixed.triangles.into_iter().map(|t| (t, patch)));
             sides.insert(*cell, mixed.sides);
@@ -175,7 +175,7 @@ impl CellTriangulator<'_> {
         for j in 0..m {
             for i in 0..n {
                 let cell = [i, j];
-                if states[j * n + i] != CellState::Inside {
+                if states[j * n + i] != TrimCellState::Inside {
                     continue;
                 }
                 let patch = self.lattice.patch_at(cell);
@@ -196,7 +196,7 @@ impl CellTriangulator<'_> {
     fn spread(
         &self,
         sides: &BTreeMap<[usize; 2], [bool; 4]>,
-        states: &mut [CellState],
+        states: &mut [TrimCellState],
     ) -> Result<(), TrimConflict> {
         let [n, m] = self.n;
         let neighbour = |[i, j]: [usize; 2], side: usize| match side {
@@ -212,10 +212,10 @@ impl CellTriangulator<'_> {
         }
         while let Some((cell, is_inside)) = queue.pop_front() {
             let state = &mut states[cell[1] * n + cell[0]];
-            let wanted = if is_inside { CellState::Inside } else { CellState::Outside };
+            let wanted = if is_inside { TrimCellState::Inside } else { TrimCellState::Outside };
             match *state {
-                CellState::Unknown => *state = wanted,
-                CellState::Mixed => continue,
+                TrimCellState::Unknown => *state = wanted,
+                TrimCellState::Mixed => continue,
                 known if known == wanted => continue,
                 _ => return Err(TrimConflict::Crossing),
             }

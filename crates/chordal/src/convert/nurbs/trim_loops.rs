@@ -38,7 +38,7 @@ pub(super) struct TrimPieces {
 }
 
 /// A vertex of a loop, in coordinates of the lattice.
-pub(super) type LatticePoint = [f64; 2];
+pub(super) type TrimPoint = [f64; 2];
 
 /// An edge between two vertices and the part of a loop for which it stands.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ pub(super) struct TrimEdge {
 /// The polygons of a face.
 #[derive(Default)]
 pub(super) struct TrimPolygons {
-    pub vertices: Vec<LatticePoint>,
+    pub vertices: Vec<TrimPoint>,
     /// By loop, in order.
     pub loops: Vec<Vec<TrimEdge>>,
     /// How far the surface within the polygons is from that within the loops, at most.
@@ -154,6 +154,7 @@ impl TrimPieces {
                     CurveSegment::Arc(arc) => {
                         let numbers = arc.axes().into_iter().chain([arc.centre()]);
                         let reach = numbers.flatten().fold(0.0, |sum: f64, x| sum + x.abs());
+                        // Derived: see above.
                         (2, arc.slack() + 16.0 * f64::EPSILON * reach)
                     }
                 };
@@ -212,7 +213,7 @@ impl TrimPieces {
     }
 
     /// The point of a piece, in the lattice.
-    pub fn lattice_point(&self, lattice: &FaceLattice, piece: usize, t: f64) -> LatticePoint {
+    pub fn lattice_point(&self, lattice: &FaceLattice, piece: usize, t: f64) -> TrimPoint {
         let at = self.at(piece, t);
         [0, 1].map(|k| lattice.coordinate(k, at[k]))
     }
@@ -274,8 +275,8 @@ impl TrimPieces {
         &self,
         lattice: &FaceLattice,
         edge: &TrimEdge,
-        ends: [LatticePoint; 2],
-    ) -> Option<(LatticePoint, f64)> {
+        ends: [TrimPoint; 2],
+    ) -> Option<(TrimPoint, f64)> {
         for k in 0..2 {
             let [a, b] = ends.map(|end| end[k]);
             let (low, high) = if a < b { (a, b) } else { (b, a) };
@@ -303,7 +304,7 @@ impl TrimPieces {
     }
 
     /// How far an edge is from its part of the loop, at most, as a length on the surface.
-    fn off(&self, lattice: &FaceLattice, edge: &TrimEdge, ends: [LatticePoint; 2]) -> f64 {
+    fn off(&self, lattice: &FaceLattice, edge: &TrimEdge, ends: [TrimPoint; 2]) -> f64 {
         let Some(mut points) = self.pieces[edge.piece].hull(edge.part) else { return f64::INFINITY };
         for k in 0..2 {
             lattice.cut_off(k, &mut points);

@@ -239,7 +239,6 @@ fn join(
     let mut corners: Vec<[u32; 3]> = Vec::new();
     let mut normals: Vec<[f64; 3]> = vec![[0.0; 3]; positions.len()];
     let (mut at_most, mut worst) = (0.0, None);
-    let mut faces_of = Vec::with_capacity(bounded.len());
     for (index, one) in bounded.iter().enumerate() {
         let (first, own) = (sewn.first[index], faces[index].positions.len() as u32);
         let inner = positions.len() as u32;
@@ -248,10 +247,9 @@ fn join(
             let k = k as u32;
             if k < own { normals[(first + k) as usize] = *normal } else { normals.push(*normal) }
         }
-        let begin = corners.len();
         let number = |k: u32| if k < own { first + k } else { inner + (k - own) };
         corners.extend(one.triangles.iter().map(|t| t.map(number)));
-        faces_of.push(begin..corners.len());
+        // Derived: a few roundings of sums.
         let total = (one.bent + one.off) * (1.0 + 8.0 * f64::EPSILON);
         if total > at_most || total.is_nan() {
             (at_most, worst) = (if total.is_nan() { f64::INFINITY } else { total }, one.worst);
@@ -303,6 +301,7 @@ fn uncovered(
             greater(length(difference(positions[*a as usize], positions[*b as usize])), far)
         });
         let touches = all[3..].iter().any(|side| has(*side));
+        // Derived: some roundings of a length.
         off = greater(off, if touches { far * (1.0 + 8.0 * f64::EPSILON) } else { f64::INFINITY });
     }
     off
