@@ -27,6 +27,7 @@ mod script;
 mod script_meshes;
 mod signals;
 mod studio;
+mod surfaces;
 mod verify;
 mod volume;
 mod volume_budget;

@@ -103,9 +103,9 @@ impl TrimPiece {
                 // Some roundings.
                 (inner / (inner + ends)) * (1.0 + 16.0 * f64::EPSILON)
             }
-            // The arc lies between its chord and where its tangents meet; of its height over the chord, from 1/2 to 1/(1 + cos),
-            // which is less than 0.59 for an eighth of a turn to each side.
-            Self::Arc(_) => 0.59,
+            // As a rational quadratic the corner has the weight cos of half its angle, at most 1, so that its part is at most
+            // a half, and some roundings.
+            Self::Arc(_) => 0.501,
         }
     }
 
