@@ -55,20 +55,20 @@ fn trimmed_faces_become_a_closed_solid_whose_bound_is_proved_again() {
 #[test]
 fn loops_that_cannot_be_are_one_sentence() {
     let folder = Folder::new("surfaces-loops");
-    for (loops, code, says) in [
+    for (loops, says) in [
         (
             "[[0.1, 0.1], [0.9, 0.9], [0.9, 0.1], [0.1, 0.8], [0.1, 0.1]]",
             5,
             "crosses itself or another one near u",
         ),
-        ("[[0.1, 0.1], [0.1, 0.9], [0.9, 0.9], [0.1, 0.1]]", 5, "trim loop 0 of surface 0 runs backwards"),
-        ("[[0.1, 0.1], [0.9, 0.9]]", 3, "curve 0 of a trim loop does not start where the one before it ends"),
+        ("[[0.1, 0.1], [0.1, 0.9], [0.9, 0.9], [0.1, 0.1]]", "trim loop 0 of surface 0 runs backwards"),
+        ("[[0.1, 0.1], [0.9, 0.9]]", "curve 0 of a trim loop does not start where the one before it ends"),
     ] {
         let text = format!(
             r#"{{"surfaces": [{{"degree": [1, 1], "knots": [[0, 0, 1, 1], [0, 0, 1, 1]],
                 "control": [[[0, 0, 0], [1, 0, 0]], [[0, 1, 0], [1, 1, 1]]], "trim": [[{{"control": {loops}}}]]}}]}}"#
         );
         let input = folder.file("loops.json", text);
-        run(&["mesh", &input, "--tol", "0.01", "-o", &folder.text("out.stl")]).fails_with(code, &[says]);
+        run(&["mesh", &input, "--tol", "0.01", "-o", &folder.text("out.stl")]).fails_with(3, &[says]);
     }
 }

@@ -5,7 +5,7 @@ use super::fit::fit;
 use super::sew::{SewnVertices, TrimmedFace, sew};
 use super::trim_cells::{FaceTriangles, TrimConflict, triangulate};
 use super::trim_loops::TrimPieces;
-use crate::budget::{Failure, Job, RefusalCode, digits, par_map};
+use crate::budget::{Failure, Job, RefusalCode, par_map};
 use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
 use crate::explicit::Mesh;
 use crate::explicit::nurbs::TrimmedSurface;
@@ -351,11 +351,7 @@ fn shaded(
 fn refusal(surface: usize, face: &TrimmedFace<'_>, conflict: TrimConflict) -> Failure<Mesh> {
     let (lattice, polygons) = (&face.lattice, &face.polygons);
     let message = if let Some([u, v]) = TrimPieces::crossing_edges(lattice, polygons) {
-        format!(
-            "a trim loop of surface {surface} crosses itself or another one near u {}, v {}",
-            digits(u),
-            digits(v)
-        )
+        format!("a trim loop of surface {surface} crosses itself or another one near u {u:.6}, v {v:.6}")
     } else if let Some(index) = TrimPieces::backward(lattice, polygons) {
         format!(
             "trim loop {index} of surface {surface} runs backwards: outer loops run counter-clockwise, holes clockwise"
