@@ -58,7 +58,6 @@ fn loops_that_cannot_be_are_one_sentence() {
     for (loops, says) in [
         (
             "[[0.1, 0.1], [0.9, 0.9], [0.9, 0.1], [0.1, 0.8], [0.1, 0.1]]",
-            5,
             "crosses itself or another one near u",
         ),
         ("[[0.1, 0.1], [0.1, 0.9], [0.9, 0.9], [0.1, 0.1]]", "trim loop 0 of surface 0 runs backwards"),

@@ -112,9 +112,9 @@ impl FaceLattice {
 
     /// Lines that cut each column and row of patches into equal parts.
     fn set_lines(&mut self, parts: &[Vec<f64>; 2]) {
-        for k in 0..2 {
+        for (k, along) in parts.iter().enumerate() {
             let (mut lines, mut patch_of) = (Vec::new(), Vec::new());
-            for (patch, n) in parts[k].iter().enumerate() {
+            for (patch, n) in along.iter().enumerate() {
                 let n = *n as usize;
                 lines.extend((0..n).map(|part| patch as f64 + part as f64 / n as f64));
                 patch_of.extend(std::iter::repeat_n(patch, n));
