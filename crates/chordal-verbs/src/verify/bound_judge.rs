@@ -77,7 +77,7 @@ impl BoundJudge<'_> {
                 let found = check::patch_deviation(&mesh.mesh, patches, &goal, self.job);
                 conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
             }
-            Shape::Surfaces { surfaces, .. } => self.against_surfaces(&mesh, surfaces, said, &goal),
+            Shape::Surfaces { surfaces, .. } => self.against_surfaces(&mesh, surfaces, said),
             Shape::Cage(polygons) => self.against_cage(&mesh, &polygons.cage, said, &goal),
             Shape::Field(implicit) if !implicit.bodies.is_empty() => {
                 unable("there is no judge of several shapes of a script at once")
@@ -109,7 +109,6 @@ impl BoundJudge<'_> {
         mesh: &JudgedMesh,
         faces: &[TrimmedSurface],
         said: &Bound,
-        goal: &Goal,
     ) -> Result<JudgedBound, MeshFailure> {
         /// The part of a claim for patches near the surfaces. Chosen: a claim is made with a tenth.
         const NEAR: f64 = 1.0 / 64.0;
@@ -124,12 +123,11 @@ impl BoundJudge<'_> {
             let made = convert::trimmed_surfaces_to_mesh(faces, &Budget::length(nearer), self.job);
             let made = made.or_else(Failure::best_effort)?;
             let lost = made.bound.at_most().unwrap_or(f64::INFINITY);
-            let found = check::deviation(&mesh.mesh, &made.shape, goal, self.job);
-            return conclude(
-                found.map(|found| (found.bound, found.backward)),
-                add_up(mesh.moved, lost),
-                said,
-            );
+            let moved = add_up(mesh.moved, lost);
+            let left = said.at_most().map(|most| sub_down(most, moved));
+            let max = left.and_then(|left| Tolerance::new(left).ok());
+            let found = check::deviation(&mesh.mesh, &made.shape, &Goal { max, ..Goal::default() }, self.job);
+            return conclude(found.map(|found| (found.bound, found.backward)), moved, said);
         }
         let surfaces: Vec<NurbsSurface> = faces.iter().map(|face| face.surface().clone()).collect();
         let fitted = match convert::nurbs_to_patches(&surfaces, near, self.job) {
