@@ -67,11 +67,12 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
 
 /// The same, where other words than the path of this program start the command again, as `batch` does.
 pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsString]) -> u8 {
+    // First of all: parsing allocates too.
+    signal::end_aborts_with_a_code();
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(error) => return refuse_arguments(&error),
     };
-    signal::end_aborts_with_a_code();
     let json = wants_json(&cli.verb);
     let done = match cli.verb {
         Verb::Mesh(args) if args.watch => watch::run(&args),
