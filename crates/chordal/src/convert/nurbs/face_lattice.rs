@@ -31,6 +31,8 @@ pub(super) struct FaceLattice {
     patch_of: [Vec<usize>; 2],
     /// By patch: upper bounds of the derivatives by the surface's two parameters, and of their product.
     speeds: Vec<[f64; 3]>,
+    /// The largest speeds along both parameters.
+    pub fastest: [f64; 2],
     /// What rounding of parameters may cost, as a length.
     pub parameter_rounding: f64,
     /// What rounding of triangles may cost.
@@ -41,8 +43,15 @@ pub(super) struct FaceLattice {
 pub(super) type ParameterBox = [[f64; 2]; 2];
 
 impl FaceLattice {
-    /// The patches of a surface, row by row, with the number of parts of each of its pieces.
-    pub fn new(surface: &NurbsSurface, patches: Vec<Patch>, cuts: &[Vec<usize>; 2], degree: usize) -> Self {
+    /// The patches of a surface, row by row, with the number of parts of each of its pieces; of loops whose numbers are
+    /// rounded by their degree and largest numbers.
+    pub fn new(
+        surface: &NurbsSurface,
+        patches: Vec<Patch>,
+        cuts: &[Vec<usize>; 2],
+        degree: usize,
+        loops_reach: [f64; 2],
+    ) -> Self {
         let breaks = [0, 1].map(|k| {
             let knots = &surface.knots()[k];
             let of = |(piece, n): (usize, &usize)| {
@@ -78,7 +87,7 @@ impl FaceLattice {
         // Derived: a parameter is a weighted mean of control points, in as many steps as its degree, off by 8(p + 8) of its
         // range's largest number; coordinates of the lattice lose 16 of the number of patches, each as wide as this.
         let parameter_rounding = (0..2).fold(0.0, |sum, k| {
-            let reach = greater(breaks[k][0].abs(), breaks[k][n[k]].abs());
+            let reach = greater(greater(breaks[k][0].abs(), breaks[k][n[k]].abs()), loops_reach[k]);
             let widest = (0..n[k]).fold(0.0, |most: f64, i| greater(width(k, i), most));
             let steps = 8.0 * (degree + 8) as f64 * reach + 16.0 * n[k] as f64 * widest;
             sum + fastest[k] * steps * f64::EPSILON
@@ -92,6 +101,7 @@ impl FaceLattice {
             lines: [Vec::new(), Vec::new()],
             patch_of: [Vec::new(), Vec::new()],
             speeds,
+            fastest,
             parameter_rounding,
         };
         made.set_lines(&n.map(|n| vec![1.0; n]));
@@ -256,6 +266,14 @@ impl FaceLattice {
     /// The distance bound of a triangle within a patch, without rounding.
     pub fn triangle_bound(&self, patch: usize, corners: [[f64; 2]; 3], at: [[f64; 3]; 3]) -> f64 {
         self.derivatives[patch].triangle_bound(corners.map(|at| self.place(patch, at)), at.map(DVec3::from))
+    }
+
+    /// How far the image of a straight line within a patch is from the chord between its ends, without rounding.
+    pub fn edge_bound(&self, patch: usize, ends: [[f64; 2]; 2], at: [[f64; 3]; 2]) -> f64 {
+        // Of a triangle with its third corner in the middle of a side nothing is left but that side.
+        let middle = std::array::from_fn(|k| 0.5 * (ends[0][k] + ends[1][k]));
+        let there = std::array::from_fn(|k| 0.5 * (at[0][k] + at[1][k]));
+        self.triangle_bound(patch, [ends[0], ends[1], middle], [at[0], at[1], there])
     }
 
     /// The bounds of both ways to halve a cell.

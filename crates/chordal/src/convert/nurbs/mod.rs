@@ -6,3 +6,4 @@ mod sew;
 mod trim_cells;
 mod trim_loops;
 pub(super) mod trimmed_mesh;
+mod uncovered;

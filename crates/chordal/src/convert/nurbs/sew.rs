@@ -4,19 +4,22 @@
 //! What belongs together is a guess by distance. Nothing rests on it: how far vertices were moved is measured, and part
 //! of the bound.
 use super::face_lattice::FaceLattice;
-use super::trim_loops::{TrimEdge, TrimPieces, TrimPolygons};
+use super::trim_loops::{TrimEdge, TrimPieces, TrimPoint, TrimPolygons};
 use crate::budget::{Job, par_map};
 use crate::explicit::nurbs::BezierNet;
 use crate::explicit::{BoxTree, BoxTreeNode, DisjointSets};
 use crate::math::{Box3, difference, greater, length, lesser};
+use std::collections::BTreeMap;
 
 /// Steps of a golden-section search. Chosen: each keeps 0.618 of a part, so that a ten-millionth is left.
 const STEPS: usize = 34;
 /// Parts of an edge at whose ends it is first looked for a nearest place. Chosen: a half turn has one between two of them.
 const SAMPLES: usize = 6;
-/// What of a length is near within a face: its own seam and poles meet but for rounding, and the next steps of a border
-/// are near each other without being one. Chosen.
-const OWN: f64 = 1e-3;
+/// What of a length is near within a face: its own seam and poles meet but for rounding, and what is thin is not nothing.
+/// Chosen.
+const OWN: f64 = 1e-6;
+/// Rounds in which edges between the same vertices are halved. Chosen: two curves that touch at their ends part early.
+const DOUBLED_ROUNDS: usize = 8;
 /// The golden ratio's inverse.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -109,6 +112,7 @@ pub(super) fn sew(faces: &mut [TrimmedFace<'_>], wanted: &[f64], near: f64, job:
         for k in face.positions.len()..face.polygons.vertices.len() {
             face.positions.push(face.surface_point(face.polygons.vertices[k]));
         }
+        face.halve_doubled_edges(OWN * near);
     }
     unions.extend(exchange(faces, near, job));
     let mut first = Vec::with_capacity(faces.len());
@@ -252,6 +256,50 @@ impl TrimmedFace<'_> {
         Box3 { min: all.min.map(|x| x - room), max: all.max.map(|x| x + room) }
     }
 
+    /// Halves edges that have both vertices in common, where their loops are apart: otherwise nothing would be left of
+    /// what is between them.
+    fn halve_doubled_edges(&mut self, near: f64) {
+        for _ in 0..DOUBLED_ROUNDS {
+            let mut by_ends: BTreeMap<[[u64; 2]; 2], Vec<[usize; 2]>> = BTreeMap::new();
+            for (around, edges) in self.polygons.loops.iter().enumerate() {
+                for (index, edge) in edges.iter().enumerate() {
+                    let mut ends = edge.ends.map(|id| self.polygons.vertices[id as usize].map(f64::to_bits));
+                    ends.sort_unstable();
+                    by_ends.entry(ends).or_default().push([around, index]);
+                }
+            }
+            let mut doubled: Vec<([usize; 2], f64, TrimPoint)> = Vec::new();
+            for places in by_ends.into_values().filter(|places| places.len() > 1) {
+                let middle = |[around, index]: [usize; 2]| {
+                    let edge = &self.polygons.loops[around][index];
+                    let t = 0.5 * (edge.part[0] + edge.part[1]);
+                    ([around, index], t, self.in_cell_of(edge, t))
+                };
+                let middles: Vec<_> = places.into_iter().map(middle).collect();
+                let points = middles.iter().map(|(_, _, at)| self.surface_point(*at)).collect::<Vec<_>>();
+                if points.iter().any(|p| distance(*p, points[0]) > near) {
+                    doubled.extend(middles);
+                }
+            }
+            if doubled.is_empty() {
+                break;
+            }
+            doubled.sort_by_key(|(place, ..)| *place);
+            // From the last on, so that the numbers of those before stay.
+            for ([around, index], t, at) in doubled.into_iter().rev() {
+                let whole = self.polygons.loops[around][index];
+                self.polygons.vertices.push(at);
+                self.positions.push(self.surface_point(at));
+                let id = self.positions.len() as u32 - 1;
+                let halves = [
+                    TrimEdge { part: [whole.part[0], t], ends: [whole.ends[0], id], ..whole },
+                    TrimEdge { part: [t, whole.part[1]], ends: [id, whole.ends[1]], ..whole },
+                ];
+                self.polygons.loops[around].splice(index..=index, halves);
+            }
+        }
+    }
+
     /// The place of an edge's part at a parameter, in the cell that has the edge.
     fn in_cell_of(&self, edge: &TrimEdge, t: f64) -> [f64; 2] {
         let at = self.pieces.lattice_point(&self.lattice, edge.piece, t);
@@ -260,12 +308,10 @@ impl TrimmedFace<'_> {
             let [a, b] = ends.map(|end| self.lattice.cells_at(k, end[k]));
             let cell = if b.contains(&a[0]) { a[0] } else { a[1] };
             let lines = &self.lattice.lines[k];
-            // A straight edge on a line stays on it.
-            let (low, high) = if ends[0][k] == ends[1][k] {
-                (ends[0][k], ends[0][k])
-            } else {
-                (lines[cell], lines[cell + 1])
-            };
+            // An edge on a line is in the cells on both sides, and stays on it.
+            let is_on_line = ends[0][k] == ends[1][k] && lines.contains(&ends[0][k]);
+            let (low, high) =
+                if is_on_line { (ends[0][k], ends[0][k]) } else { (lines[cell], lines[cell + 1]) };
             lesser(greater(at[k], low), high)
         })
     }

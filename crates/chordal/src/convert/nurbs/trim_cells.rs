@@ -8,8 +8,7 @@ use super::trim_loops::TrimPolygons;
 use crate::math::{Orientation, orient2d};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
-use std::collections::BTreeMap;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Coordinates below this in size are too small for the triangulation's exact predicates; they become 0. Defined: by the
 /// crate, 1e-43 or so.
@@ -21,6 +20,10 @@ pub(super) struct FaceTriangles {
     pub vertices: Vec<[f64; 2]>,
     /// Each with its patch.
     pub triangles: Vec<([u32; 3], usize)>,
+    /// By vertex of the polygons: the first at its place.
+    pub same: Vec<u32>,
+    /// Edges that run both ways with no triangle beside them, with a patch each.
+    pub stray: Vec<([u32; 2], usize)>,
 }
 
 /// Why polygons enclose no area.
@@ -59,12 +62,24 @@ impl HasPosition for CellVertex {
     }
 }
 
-/// A mixed cell: its inner triangles, by side whether what is next to it is inside, and the same for each edge there.
+/// The edges of a cell, cut where vertices lie on them: those that bound something, from their first vertex with the
+/// inside to the left, and those that run both ways.
+struct CellEdges {
+    bounding: Vec<[u32; 2]>,
+    both_ways: Vec<[u32; 2]>,
+}
+
+/// A mixed cell: its inner triangles, by side whether what is next to it is inside, and the same for each edge there and
+/// each edge that runs both ways.
 struct MixedCell {
     triangles: Vec<[u32; 3]>,
     sides: [bool; 4],
     borders: Vec<([u32; 2], bool)>,
+    both_ways: Vec<([u32; 2], bool)>,
 }
+
+type CellTriangulation = ConstrainedDelaunayTriangulation<CellVertex>;
+type CellHandles = BTreeMap<u32, FixedVertexHandle>;
 
 struct CellTriangulator<'a> {
     lattice: &'a FaceLattice,
@@ -113,7 +128,7 @@ pub(super) fn triangulate(
             return Err(TrimConflict::Crossing);
         }
     }
-    work.run(contents)
+    work.run(&contents, ids)
 }
 
 fn not_tiny(x: f64) -> f64 {
@@ -150,16 +165,31 @@ impl CellTriangulator<'_> {
         [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|[i, j]| self.corner(i, j))
     }
 
-    fn run(mut self, contents: BTreeMap<[usize; 2], CellContent>) -> Result<FaceTriangles, TrimConflict> {
+    fn run(
+        mut self,
+        contents: &BTreeMap<[usize; 2], CellContent>,
+        same: Vec<u32>,
+    ) -> Result<FaceTriangles, TrimConflict> {
         let [n, m] = self.n;
         let mut states = vec![TrimCellState::Unknown; n * m];
         let mut sides = BTreeMap::new();
         let mut triangles = Vec::new();
         let mut borders = BTreeMap::new();
-        for (cell, content) in &contents {
-            let Some(mixed) = self.mixed_cell(*cell, content)? else { continue };
-            states[cell[1] * n + cell[0]] = TrimCellState::Mixed;
+        // Edges that run both ways: whether a triangle is beside them.
+        let mut both_ways: BTreeMap<[u32; 2], (bool, usize)> = BTreeMap::new();
+        let mut unbounded = Vec::new();
+        for (cell, content) in contents {
             let patch = self.lattice.patch_at(*cell);
+            let edges = self.edges_of(content)?;
+            if edges.bounding.is_empty() {
+                unbounded.extend(edges.both_ways.into_iter().map(|edge| (edge, *cell, patch)));
+                continue;
+            }
+            let mixed = self.mixed_cell(*cell, content, &edges)?;
+            states[cell[1] * n + cell[0]] = TrimCellState::Mixed;
+            for (edge, is_inside) in mixed.both_ways {
+                both_ways.entry(edge).or_insert((false, patch)).0 |= is_inside;
+            }
             triangles.extend(mixed.triangles.into_iter().map(|t| (t, patch)));
             sides.insert(*cell, mixed.sides);
             for (edge, is_inside) in mixed.borders {
@@ -167,9 +197,6 @@ impl CellTriangulator<'_> {
                     return Err(TrimConflict::Crossing);
                 }
             }
-        }
-        if sides.is_empty() {
-            return Err(TrimConflict::Crossing);
         }
         self.spread(&sides, &mut states)?;
         for j in 0..m {
@@ -189,7 +216,14 @@ impl CellTriangulator<'_> {
                 }
             }
         }
-        Ok(FaceTriangles { vertices: self.vertices, triangles })
+        for (edge, cell, patch) in unbounded {
+            let is_inside = states[cell[1] * n + cell[0]] == TrimCellState::Inside;
+            both_ways.entry(edge).or_insert((false, patch)).0 |= is_inside;
+        }
+        let of =
+            |(edge, (is_inside, patch)): ([u32; 2], (bool, usize))| (!is_inside).then_some((edge, patch));
+        let stray = both_ways.into_iter().filter_map(of).collect();
+        Ok(FaceTriangles { vertices: self.vertices, triangles, same, stray })
     }
 
     /// Gives the state of cells beside those that are known to cells without edges.
@@ -245,8 +279,7 @@ impl CellTriangulator<'_> {
         &mut self,
         cell: [usize; 2],
         content: &CellContent,
-    ) -> Result<(ConstrainedDelaunayTriangulation<CellVertex>, BTreeMap<u32, FixedVertexHandle>), TrimConflict>
-    {
+    ) -> Result<(CellTriangulation, CellHandles), TrimConflict> {
         let mut made = ConstrainedDelaunayTriangulation::new();
         let mut handles = BTreeMap::new();
         for id in self.corners(cell).into_iter().chain(content.vertices.iter().copied()) {
@@ -268,13 +301,7 @@ impl CellTriangulator<'_> {
         Ok(made.inner_faces().map(|face| face.vertices().map(|vertex| vertex.data().id)).collect())
     }
 
-    /// A cell with edges; none where edges cancel.
-    fn mixed_cell(
-        &mut self,
-        cell: [usize; 2],
-        content: &CellContent,
-    ) -> Result<Option<MixedCell>, TrimConflict> {
-        // An edge that runs both ways bounds nothing.
+    fn edges_of(&self, content: &CellContent) -> Result<CellEdges, TrimConflict> {
         let mut net: BTreeMap<[u32; 2], i32> = BTreeMap::new();
         for edge in &content.edges {
             let stops = self.stops(*edge, &content.vertices);
@@ -283,81 +310,67 @@ impl CellTriangulator<'_> {
                 *net.entry(pair).or_default() += sign;
             }
         }
-        net.retain(|_, n| *n != 0);
-        if net.is_empty() {
-            return Ok(None);
+        let mut made = CellEdges { bounding: Vec::new(), both_ways: Vec::new() };
+        for (pair, n) in net {
+            match n {
+                0 => made.both_ways.push(pair),
+                1 => made.bounding.push(pair),
+                -1 => made.bounding.push([pair[1], pair[0]]),
+                _ => return Err(TrimConflict::Crossing),
+            }
         }
-        if net.values().any(|n| n.abs() > 1) {
-            return Err(TrimConflict::Crossing);
-        }
+        Ok(made)
+    }
+
+    /// A cell with edges that bound something.
+    fn mixed_cell(
+        &mut self,
+        cell: [usize; 2],
+        content: &CellContent,
+        edges: &CellEdges,
+    ) -> Result<MixedCell, TrimConflict> {
         let (mut made, handles) = self.points(cell, content)?;
-        for [a, b] in net.keys() {
+        for [a, b] in edges.bounding.iter().chain(&edges.both_ways) {
             let [a, b] = [a, b].map(|id| handles[id]);
             if !made.can_add_constraint(a, b) {
                 return Err(TrimConflict::Crossing);
             }
             made.add_constraint(a, b);
         }
-        let n = made.num_all_faces();
-        let mut inside: Vec<Option<bool>> = vec![None; n];
-        let mut open = VecDeque::new();
-        let set =
-            |inside: &mut Vec<Option<bool>>, open: &mut VecDeque<_>, face: usize, value: bool| match inside
-                [face]
-            {
-                None => {
-                    inside[face] = Some(value);
-                    open.push_back(face);
-                    Ok(())
-                }
-                Some(known) if known == value => Ok(()),
-                Some(_) => Err(TrimConflict::Crossing),
-            };
-        for (pair, sign) in &net {
-            let [a, b] = if *sign > 0 { *pair } else { [pair[1], pair[0]] };
-            let Some(edge) = made.get_edge_from_neighbors(handles[&a], handles[&b]) else {
-                // A vertex lies on it.
-                return Err(TrimConflict::Crossing);
-            };
-            for (edge, value) in [(edge, true), (edge.rev(), false)] {
-                if let Some(face) = edge.face().as_inner() {
-                    set(&mut inside, &mut open, face.fix().index(), value)?;
-                }
-            }
-        }
-        let faces: BTreeMap<usize, _> = made.inner_faces().map(|face| (face.fix().index(), face)).collect();
-        while let Some(index) = open.pop_front() {
-            let value = inside[index] == Some(true);
-            for edge in faces[&index].adjacent_edges() {
-                if edge.is_constraint_edge() {
-                    continue;
-                }
-                if let Some(next) = edge.rev().face().as_inner() {
-                    set(&mut inside, &mut open, next.fix().index(), value)?;
-                }
-            }
-        }
-        let mut mixed = MixedCell { triangles: Vec::new(), sides: [false; 4], borders: Vec::new() };
-        for (index, face) in &faces {
-            let is_inside = inside[*index] == Some(true);
+        let inside = inside_of(&made, &handles, &edges.bounding)?;
+        let mut mixed = MixedCell {
+            triangles: Vec::new(),
+            sides: [false; 4],
+            borders: Vec::new(),
+            both_ways: edges.both_ways.iter().map(|edge| (*edge, false)).collect(),
+        };
+        for face in made.inner_faces() {
+            let is_inside = inside[face.fix().index()] == Some(true);
             if is_inside {
                 mixed.triangles.push(face.vertices().map(|vertex| vertex.data().id));
             }
             for edge in face.adjacent_edges() {
-                if !edge.rev().face().is_outer() || edge.is_constraint_edge() {
+                let [a, b] = edge.vertices().map(|vertex| vertex.data().id);
+                let pair = if a < b { [a, b] } else { [b, a] };
+                if is_inside && let Ok(k) = edges.both_ways.binary_search(&pair) {
+                    mixed.both_ways[k].1 = true;
+                }
+                if !edge.rev().face().is_outer() {
+                    continue;
+                }
+                if edges.bounding.contains(&[a, b]) || edges.bounding.contains(&[b, a]) {
                     continue;
                 }
                 let [from, to] = edge.positions();
                 let side = self.side_of(cell, from, to);
                 mixed.sides[side] = is_inside;
-                let [a, b] = edge.vertices().map(|vertex| vertex.data().id);
-                mixed.borders.push((if a < b { [a, b] } else { [b, a] }, is_inside));
+                mixed.borders.push((pair, is_inside));
                 if is_inside && self.is_border(cell, side) {
                     return Err(TrimConflict::Open);
                 }
             }
         }
-        Ok(Some(mixed))
+        Ok(mixed)
     }
 
     /// The ends of an edge, and vertices that lie on it, in its order.
@@ -399,4 +412,39 @@ impl CellTriangulator<'_> {
         let [n, m] = self.n;
         [j == 0, i + 1 == n, j + 1 == m, i == 0][side]
     }
+}
+
+/// By face of a triangulation: whether it is to the left of edges that bound something, or beside one that is.
+fn inside_of(
+    made: &CellTriangulation,
+    handles: &CellHandles,
+    bounding: &[[u32; 2]],
+) -> Result<Vec<Option<bool>>, TrimConflict> {
+    let mut inside: Vec<Option<bool>> = vec![None; made.num_all_faces()];
+    let mut walls = vec![false; made.num_undirected_edges()];
+    let mut open = VecDeque::new();
+    for ends in bounding {
+        let [a, b] = ends.map(|id| handles[&id]);
+        let Some(edge) = made.get_edge_from_neighbors(a, b) else {
+            // A vertex lies on it.
+            return Err(TrimConflict::Crossing);
+        };
+        walls[edge.as_undirected().fix().index()] = true;
+        for (edge, value) in [(edge, true), (edge.rev(), false)] {
+            open.extend(edge.face().as_inner().map(|face| (face.fix(), value)));
+        }
+    }
+    while let Some((face, value)) = open.pop_front() {
+        match inside[face.index()] {
+            Some(known) if known == value => continue,
+            Some(_) => return Err(TrimConflict::Crossing),
+            None => inside[face.index()] = Some(value),
+        }
+        for edge in made.face(face).adjacent_edges() {
+            if !walls[edge.as_undirected().fix().index()] {
+                open.extend(edge.rev().face().as_inner().map(|next| (next.fix(), value)));
+            }
+        }
+    }
+    Ok(inside)
 }

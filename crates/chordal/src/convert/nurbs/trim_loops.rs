@@ -1,12 +1,17 @@
 //! Trim loops as polygons whose edges lie in cells of a lattice.
 //!
 //! *Bound.* Let `c` be a part of a loop and `e` the edge in its place. The point of `e` nearest to `c(t)` moves with `t`
-//! without jumps. Distance from a convex set is a convex function, so that of a point of `c` is at most the mean of its
-//! control points' distances, by the parts they have in it. Moving all points of all loops to their edges changes on which side of the loops a point
-//! lies only where the move sweeps over it, and nor does moving what is beyond the surface's range to the end of it; so a point of one area that is not in the other is, along a straight line
-//! of parameters, at most that far from both boundaries. A step `(du, dv)` moves the surface by the root of
-//! `E·du² + 2F·du·dv + G·dv²` at most, `E` and `G` the squares of its largest speeds over the box of control points and
-//! edge, `F` the largest product of both derivatives; that is `√(1 + F/√(EG))` of the distance in the units `√E` and `√G`.
+//! without jumps; at both ends it then goes on to the vertex. Distance from a convex set is a convex function, so that
+//! of a point of `c` is at most the mean of its control points' distances, by the parts they have in it; that of an end
+//! is at most its distance from the vertex. Moving all points of all loops to their edges changes on which side of the
+//! loops a point lies only where the move sweeps over it, and nor does moving what is beyond the surface's range to the
+//! end of it; so a point of one area that is not in the other is, along a straight line of parameters, at most that far
+//! from both, the loop and its edge. The loop belongs to the truth; of edges, what is beside no triangle is counted by
+//! `uncovered.rs`.
+//!
+//! A step `(du, dv)` moves the surface by the root of `E·du² + 2F·du·dv + G·dv²` at most, `E` and `G` the squares of its
+//! largest speeds over the box of control points and edge, `F` the largest product of both derivatives; that is
+//! `√(1 + F/√(EG))` of the distance in the units `√E` and `√G`.
 use super::face_lattice::FaceLattice;
 use crate::explicit::nurbs::{BernsteinRow, NurbsSurface};
 use crate::explicit::polygons::winding_number;
@@ -35,6 +40,8 @@ pub(super) struct TrimPieces {
     pub loops: Vec<std::ops::Range<usize>>,
     pub slack: f64,
     pub degree: usize,
+    /// By direction: the largest number of a loop's control points.
+    pub reach: [f64; 2],
 }
 
 /// A vertex of a loop, in coordinates of the lattice.
@@ -77,6 +84,17 @@ impl TrimPiece {
         }
     }
 
+    /// The larger ones of these numbers and those of the control points, by direction.
+    fn reach(&self, least: [f64; 2]) -> [f64; 2] {
+        let all = match self {
+            Self::Rational { weighted, weights, .. } => {
+                weighted.0.iter().zip(&weights.0).map(|(x, [w])| x.map(|x| x / w)).collect()
+            }
+            Self::Arc(arc) => arc.bounds().to_vec(),
+        };
+        all.iter().fold(least, |most, p| [0, 1].map(|k| greater(p[k].abs(), most[k])))
+    }
+
     pub fn at(&self, t: f64) -> [f64; 2] {
         match self {
             Self::Rational { ends, .. } if t <= 0.0 => ends[0],
@@ -100,8 +118,8 @@ impl TrimPiece {
                 let at_ends = lesser(w[0][0], w[p][0]);
                 let inner = (1.0 - power_of_two(1 - p as i32)) * (heaviest / at_ends);
                 let ends = power_of_two(1 - p as i32);
-                // Some roundings.
-                (inner / (inner + ends)) * (1.0 + 16.0 * f64::EPSILON)
+                // Derived: each weight is a mean in as many steps as its degree, and some roundings more.
+                (inner / (inner + ends)) * (1.0 + (8 * p + 16) as f64 * f64::EPSILON)
             }
             // As a rational quadratic the corner has the weight cos of half its angle, at most 1, so that its part is at most
             // a half, and some roundings.
@@ -140,7 +158,7 @@ impl TrimPieces {
             let corners = [[a, c], [b, c], [b, d], [a, d]];
             (0..4).map(|k| CurveSegment::Line([corners[k], corners[(k + 1) % 4]])).collect::<Vec<_>>()
         };
-        let mut made = Self { pieces: Vec::new(), loops: Vec::new(), slack: 0.0, degree: 1 };
+        let mut made = Self { pieces: Vec::new(), loops: Vec::new(), slack: 0.0, degree: 1, reach: [0.0; 2] };
         let mut add = |segments: &[CurveSegment<2>], slack: f64| {
             let first = made.pieces.len();
             made.pieces.extend(segments.iter().map(TrimPiece::new));
@@ -166,6 +184,9 @@ impl TrimPieces {
             add(&border(), 0.0);
         }
         loops.iter().for_each(|path| add(path.segments(), path.slack()));
+        for piece in &made.pieces {
+            made.reach = piece.reach(made.reach);
+        }
         made
     }
 
@@ -200,8 +221,9 @@ impl TrimPieces {
         made
     }
 
-    /// Cuts edges until they are in cells and as near to their loops as wanted.
+    /// Cuts edges until they are in cells and as near to their loops as wanted, or as rounding allows.
     pub fn refine(&self, lattice: &FaceLattice, wanted: f64, polygons: &mut TrimPolygons) {
+        let wanted = greater(wanted, lattice.parameter_rounding);
         for edges in std::mem::take(&mut polygons.loops) {
             let mut made = Vec::new();
             for edge in edges {
@@ -209,7 +231,6 @@ impl TrimPieces {
             }
             polygons.loops.push(made);
         }
-        polygons.off = self.distance(lattice, polygons);
     }
 
     /// The point of a piece, in the lattice.
@@ -326,12 +347,16 @@ impl TrimPieces {
         };
         let at_ends = greater(most(&off[..1]), most(&off[n - 1..]));
         let inner = if n > 2 { most(&off[1..n - 1]) } else { 0.0 };
-        let farthest = at_ends + inner * self.pieces[edge.piece].inner_share(edge.part);
-        let slack = self.slack * (speeds[0] + speeds[1]);
+        let along = at_ends + inner * self.pieces[edge.piece].inner_share(edge.part);
+        let to_vertices = [(points[0], a), (points[n - 1], b)].map(|(p, end)| {
+            let p = scaled(p);
+            distance_to_segment(p, end, end)
+        });
+        let farthest = greater(along, most(&to_vertices));
         let skew = speeds[2] / (speeds[0] * speeds[1]);
         let skew = if skew < 1.0 { skew } else { 1.0 };
         // Some roundings of the distance.
-        (1.0 + skew).sqrt() * farthest * (1.0 + 64.0 * f64::EPSILON) + slack
+        (1.0 + skew).sqrt() * farthest * (1.0 + 64.0 * f64::EPSILON)
     }
 
     /// How far all polygons are from their loops, at most, as a length on the surface.
@@ -339,7 +364,9 @@ impl TrimPieces {
         let edges = polygons.loops.iter().flatten();
         let off =
             |edge: &TrimEdge| self.off(lattice, edge, edge.ends.map(|id| polygons.vertices[id as usize]));
-        edges.map(off).fold(0.0, greater) + 4.0 * lattice.parameter_rounding
+        // Numbers of loops are off by a slack, along both directions.
+        let slack = self.slack * (lattice.fastest[0] + lattice.fastest[1]);
+        edges.map(off).fold(0.0, greater) + slack + 4.0 * lattice.parameter_rounding
     }
 }
 

@@ -5,6 +5,7 @@ use super::fit::fit;
 use super::sew::{SewnVertices, TrimmedFace, sew};
 use super::trim_cells::{FaceTriangles, TrimConflict, triangulate};
 use super::trim_loops::TrimPieces;
+use super::uncovered::uncovered;
 use crate::budget::{Failure, Job, RefusalCode, par_map};
 use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
 use crate::explicit::Mesh;
@@ -46,6 +47,8 @@ pub(in crate::convert) struct TrimmedMesh {
 /// The triangles of one face and what they lose.
 struct BoundedFace {
     triangles: Vec<[u32; 3]>,
+    /// What is left of loops as edges and vertices beside no triangle.
+    stray: Vec<[u32; 2]>,
     /// Of the vertices that are not on a loop.
     inner: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
@@ -67,11 +70,20 @@ pub(in crate::convert) fn mesh_within(
         let pieces = TrimPieces::new(face.surface(), face.loops());
         let fitted = fit(face.surface(), PATCHES * wanted, &job.clone().with_threads(1));
         let off = fitted.at_most;
-        let lattice = FaceLattice::new(face.surface(), fitted.patches, &fitted.cuts, pieces.degree);
+        let lattice =
+            FaceLattice::new(face.surface(), fitted.patches, &fitted.cuts, pieces.degree, pieces.reach);
         (pieces, lattice, off)
     });
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
+    }
+    let rounding = fitted.iter().map(|(_, lattice, _)| lattice.rounding + 5.0 * lattice.parameter_rounding);
+    let rounding = rounding.fold(0.0, greater);
+    if rounding >= wanted {
+        let message = format!(
+            "rounding alone can lose {rounding:.1e}, so no mesh in double precision can be proved to meet the budget"
+        );
+        return Err(Failure::refused(RefusalCode::BelowPrecision, message));
     }
     let mut prepared = fitted;
     let near = {
@@ -196,15 +208,16 @@ fn bounded_face(
     let moved: Vec<f64> = (0..n_border)
         .map(|k| length(difference(positions[k], targets[k])) * (1.0 + 8.0 * f64::EPSILON))
         .collect();
+    let shift = |corners: &[u32]| {
+        let all = corners.iter().filter_map(|k| moved.get(*k as usize));
+        all.fold(0.0, |most: f64, moved| greater(*moved, most))
+    };
+    let lattice = &face.lattice;
     let (mut bent, mut worst) = (0.0, None);
     for (corners, patch) in &triangles.triangles {
         let places = corners.map(|k| triangles.vertices[k as usize]);
         let at = corners.map(|k| positions[k as usize]);
-        let shift = corners
-            .iter()
-            .filter_map(|k| moved.get(*k as usize))
-            .fold(0.0, |most: f64, moved| greater(*moved, most));
-        let bound = face.lattice.triangle_bound(*patch, places, at) + shift;
+        let bound = lattice.triangle_bound(*patch, places, at) + shift(corners);
         if bound > bent {
             bent = bound;
             worst = Some(std::array::from_fn(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0));
@@ -213,11 +226,23 @@ fn bounded_face(
             bent = f64::INFINITY;
         }
     }
-    let lattice = &face.lattice;
+    // Vertices of polygons that are no corner of a triangle, with the edges that are none's side.
+    let mut is_used = vec![false; n_border];
+    let corners = triangles.triangles.iter().flat_map(|(t, _)| t).filter(|k| (**k as usize) < n_border);
+    corners.for_each(|k| is_used[*k as usize] = true);
+    let alone = triangles.same.iter().filter(|k| !is_used[**k as usize]).map(|k| [*k; 2]);
+    let stray: Vec<[u32; 2]> = triangles.stray.iter().map(|(edge, _)| *edge).chain(alone).collect();
+    let left = triangles.stray.iter().map(|(edge, patch)| {
+        let places = edge.map(|k| triangles.vertices[k as usize]);
+        lattice.edge_bound(*patch, places, edge.map(|k| positions[k as usize]))
+    });
+    let left = left.chain(std::iter::repeat(0.0)).zip(&stray).map(|(bent, edge)| bent + shift(edge));
+    bent = left.fold(bent, greater);
     let off = face.off + face.polygons.off + lattice.rounding + lattice.parameter_rounding;
     let ordered = |t: [u32; 3]| if is_flipped { [t[0], t[2], t[1]] } else { t };
     BoundedFace {
         triangles: triangles.triangles.iter().map(|(t, _)| ordered(*t)).collect(),
+        stray,
         inner: positions[n_border..].to_vec(),
         normals,
         bent,
@@ -236,7 +261,7 @@ fn join(
     // Positions: those of loops by their first, then those within faces.
     let n_border = sewn.same.len() as u32;
     let mut positions: Vec<[f64; 3]> = moved.to_vec();
-    let mut corners: Vec<[u32; 3]> = Vec::new();
+    let (mut corners, mut flat): (Vec<[u32; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
     let mut normals: Vec<[f64; 3]> = vec![[0.0; 3]; positions.len()];
     let (mut at_most, mut worst) = (0.0, None);
     for (index, one) in bounded.iter().enumerate() {
@@ -249,6 +274,7 @@ fn join(
         }
         let number = |k: u32| if k < own { first + k } else { inner + (k - own) };
         corners.extend(one.triangles.iter().map(|t| t.map(number)));
+        flat.extend(one.stray.iter().map(|[a, b]| [*a, *b, *b].map(number)));
         // Derived: a few roundings of sums.
         let total = (one.bent + one.off) * (1.0 + 8.0 * f64::EPSILON);
         if total > at_most || total.is_nan() {
@@ -265,46 +291,16 @@ fn join(
         let message = "nothing of the surfaces is larger than the budget";
         return Err(Failure::refused(RefusalCode::Budget, message));
     }
-    at_most += uncovered(&dropped, &kept, leader, &positions);
+    flat.extend(dropped);
+    if !flat.is_empty() {
+        let of = |all: &[[u32; 3]]| all.iter().map(|t| t.map(leader)).collect::<Vec<_>>();
+        at_most += uncovered(&of(&flat), &of(&kept), &positions);
+    }
     if !at_most.is_finite() {
         let message = "a patch near a surface would leave the range of numbers: the weights differ too much";
         return Err(Failure::refused(RefusalCode::NotFinite, message));
     }
     Ok(TrimmedMesh { mesh: shaded(&positions, &normals, kept, leader), at_most: at_most.next_up(), worst })
-}
-
-/// How far what dropped triangles cover is from all others: their image is an edge or a point, most often of a triangle
-/// that is kept.
-fn uncovered(
-    dropped: &[[u32; 3]],
-    kept: &[[u32; 3]],
-    leader: impl Fn(u32) -> u32 + Copy,
-    positions: &[[f64; 3]],
-) -> f64 {
-    if dropped.is_empty() {
-        return 0.0;
-    }
-    let sides = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(leader);
-        [[a, b], [b, c], [c, a], [a, a], [b, b], [c, c]].map(|[a, b]| if a < b { [a, b] } else { [b, a] })
-    };
-    let mut seen: Vec<[u32; 2]> = kept.iter().flat_map(sides).collect();
-    seen.sort_unstable();
-    let has = |side: [u32; 2]| seen.binary_search(&side).is_ok();
-    let mut off = 0.0;
-    for triangle in dropped {
-        let all = sides(triangle);
-        if all.iter().all(|side| has(*side)) {
-            continue;
-        }
-        let far = all[..3].iter().fold(0.0, |far: f64, [a, b]| {
-            greater(length(difference(positions[*a as usize], positions[*b as usize])), far)
-        });
-        let touches = all[3..].iter().any(|side| has(*side));
-        // Derived: some roundings of a length.
-        off = greater(off, if touches { far * (1.0 + 8.0 * f64::EPSILON) } else { f64::INFINITY });
-    }
-    off
 }
 
 /// The mesh, with vertices split where normals differ.

@@ -1,0 +1,78 @@
+//! What a mesh leaves of faces beside its triangles: triangles that sewing made flat, edges of loops that enclose nothing.
+use crate::explicit::DisjointSets;
+use crate::math::{difference, greater, length};
+use std::collections::BTreeMap;
+
+/// Vertices of a mesh among which the nearest one is sought. Chosen: any of them gives a bound.
+const MOST_COMPARED: usize = 1 << 12;
+
+/// What is left of points that hang together.
+#[derive(Default)]
+struct LooseComponent {
+    /// No walk within it is longer.
+    longest_walk: f64,
+    is_attached: bool,
+    vertex: u32,
+}
+
+/// How far the farthest point of flat triangles (edges and points have a corner twice or thrice) is from a mesh, at most.
+///
+/// Most are sides of its triangles. Others are reached from its vertices by walks along what hangs together.
+pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64; 3]]) -> f64 {
+    if flat.is_empty() {
+        return 0.0;
+    }
+    let sides_of = |[a, b, c]: [u32; 3]| {
+        [[a, b], [b, c], [c, a], [a, a], [b, b], [c, c]].map(|[a, b]| if a < b { [a, b] } else { [b, a] })
+    };
+    let mut is_flat = vec![false; positions.len()];
+    flat.as_flattened().iter().for_each(|vertex| is_flat[*vertex as usize] = true);
+    let mut sides: Vec<[u32; 2]> = mesh.iter().flat_map(|t| sides_of(*t)).collect();
+    sides.retain(|side| side.iter().all(|vertex| is_flat[*vertex as usize]));
+    sides.sort_unstable();
+    let has = |side: [u32; 2]| sides.binary_search(&side).is_ok();
+
+    let mut sets = DisjointSets::new(positions.len());
+    let open: Vec<[u32; 3]> = flat.iter().copied().filter(|t| !sides_of(*t).into_iter().all(has)).collect();
+    for [a, b, c] in &open {
+        sets.union(*a, *b);
+        sets.union(*a, *c);
+    }
+    let mut components: BTreeMap<u32, LooseComponent> = BTreeMap::new();
+    for [a, b, c] in open {
+        let component = components.entry(sets.find(a)).or_default();
+        let side = |a: u32, b: u32| length(difference(positions[a as usize], positions[b as usize]));
+        component.longest_walk += greater(greater(side(a, b), side(b, c)), side(c, a));
+        component.is_attached |= [a, b, c].into_iter().any(|vertex| has([vertex, vertex]));
+        component.vertex = a;
+    }
+    let step = mesh.len().div_ceil(MOST_COMPARED).max(1);
+    let to_mesh = |vertex: u32| {
+        let to = |other: u32| length(difference(positions[vertex as usize], positions[other as usize]));
+        mesh.iter().step_by(step).map(|t| to(t[0])).fold(f64::INFINITY, f64::min)
+    };
+    let off = components.values().fold(0.0, |off: f64, component| {
+        let jump = if component.is_attached { 0.0 } else { to_mesh(component.vertex) };
+        greater(off, component.longest_walk + jump)
+    });
+    // Derived: lengths to 4 roundings each, and the sum of all.
+    off * (1.0 + (8.0 + flat.len() as f64) * f64::EPSILON)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::uncovered;
+
+    #[test]
+    fn a_side_costs_nothing_and_a_chain_its_length() {
+        let positions = [0.0, 1.0, 0.5, 2.0, 4.0, 9.0].map(|x| [x, if x == 0.5 { 1.0 } else { 0.0 }, 0.0]);
+        let mesh = [[0, 1, 2]];
+        let off = |flat: &[[u32; 3]]| uncovered(flat, &mesh, &positions);
+        assert_eq!(off(&[]), 0.0);
+        assert_eq!(off(&[[0, 1, 1], [2, 2, 2]]), 0.0);
+        let near = |found: f64, wanted: f64| found >= wanted && found < wanted * (1.0 + 1e-12);
+        assert!(near(off(&[[1, 3, 3], [3, 4, 3], [0, 2, 2]]), 3.0));
+        // From the first vertex, and then on.
+        assert!(near(off(&[[4, 5, 4]]), 4.0 + 5.0));
+    }
+}
