@@ -1,19 +1,21 @@
-//! `FaceLattice`: a surface as a lattice of bicubic patches, and the lines that cut these into cells.
+//! `FaceLattice`: a surface as a lattice of bicubic patches, and the cells into which these are cut.
 //!
 //! *Lattice coordinates* are whole numbers where patches meet: `x` from column to column, `y` from row to row.
+use super::face_cells::FaceCells;
 use crate::convert::patches::derivative_bound::{PatchDerivatives, rounding};
 use crate::explicit::Patch;
 use crate::explicit::nurbs::NurbsSurface;
 use crate::math::{difference, dot, greater, length, lesser};
 use glam::DVec3;
 
-/// Coordinates nearer to a line than this, in units of a patch, are moved onto it: slivers show nothing. Chosen: far
-/// below what is seen, and above rounding. What is moved counts.
-const NEAR_LINE: f64 = 1e-10;
 /// The most parts of a patch in one direction. Chosen: errors go down with the square of it.
 const MOST_PARTS: f64 = 4096.0;
 /// Places in a patch where its bending is estimated, along one direction. Chosen: ends, middle, and between.
 const PLACES: usize = 5;
+/// More of a length than all of it that is as good as it: what triangles lose is estimated. Chosen.
+const NEARLY: f64 = 1.02;
+/// More than a whole number of parts that does not need another. Chosen.
+const SPARE: f64 = 0.02;
 /// Rounds in which parts are added until estimates fit. Chosen: each multiplies by what is missing.
 const ROUNDS: usize = 12;
 
@@ -25,10 +27,9 @@ pub(super) struct FaceLattice {
     pub n: [usize; 2],
     /// By direction: the surface's parameters where patches meet.
     breaks: [Vec<f64>; 2],
-    /// By direction: the lines between cells, the ends included.
-    pub lines: [Vec<f64>; 2],
-    /// By direction and cell: the column or row of its patches.
-    patch_of: [Vec<usize>; 2],
+    /// By direction, column and row: the surface's piece.
+    piece_of: [Vec<usize>; 2],
+    pub cells: FaceCells,
     /// By patch: upper bounds of the derivatives by the surface's two parameters, and of their product.
     speeds: Vec<[f64; 3]>,
     /// The largest speeds along both parameters.
@@ -37,6 +38,13 @@ pub(super) struct FaceLattice {
     pub parameter_rounding: f64,
     /// What rounding of triangles may cost.
     pub rounding: f64,
+}
+
+/// Into how many patches a piece of a surface is cut in a direction, and each of these into how many cells at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PieceCuts {
+    pub patches: usize,
+    pub cells: usize,
 }
 
 /// A rectangle of parameters.
@@ -63,6 +71,10 @@ impl FaceLattice {
             all
         });
         let n = [0, 1].map(|k| breaks[k].len() - 1);
+        let piece_of = [0, 1].map(|k| {
+            let all = cuts[k].iter().enumerate();
+            all.flat_map(|(piece, n)| std::iter::repeat_n(piece, *n)).collect()
+        });
         let width = |k: usize, i: usize| breaks[k][i + 1] - breaks[k][i];
         let speed = |index: usize| {
             let control = &patches[index].control;
@@ -92,46 +104,63 @@ impl FaceLattice {
             let steps = 8.0 * (degree + 8) as f64 * reach + 16.0 * n[k] as f64 * widest;
             sum + fastest[k] * steps * f64::EPSILON
         });
-        let mut made = Self {
+        Self {
+            cells: FaceCells::new(n, vec![[1; 2]; patches.len()]),
             derivatives: patches.iter().map(PatchDerivatives::new).collect(),
             rounding: patches.iter().map(rounding).fold(0.0, greater),
             patches,
             n,
             breaks,
-            lines: [Vec::new(), Vec::new()],
-            patch_of: [Vec::new(), Vec::new()],
+            piece_of,
             speeds,
             fastest,
             parameter_rounding,
-        };
-        made.set_lines(&n.map(|n| vec![1.0; n]));
-        made
-    }
-
-    /// Cuts patches so that their cells' triangles are expected within a length.
-    pub fn cut(&mut self, wanted: f64) {
-        let mut parts = self.n.map(|n| vec![1.0; n]);
-        for (index, derivatives) in self.derivatives.iter().enumerate() {
-            let [a, b] = [index % self.n[0], index / self.n[0]];
-            let own = self.parts_of(index, derivatives, wanted);
-            parts[0][a] = greater(own[0], parts[0][a]);
-            parts[1][b] = greater(own[1], parts[1][b]);
         }
-        self.set_lines(&parts);
     }
 
-    /// Lines that cut each column and row of patches into equal parts.
-    fn set_lines(&mut self, parts: &[Vec<f64>; 2]) {
-        for (k, along) in parts.iter().enumerate() {
-            let (mut lines, mut patch_of) = (Vec::new(), Vec::new());
-            for (patch, n) in along.iter().enumerate() {
-                let n = *n as usize;
-                lines.extend((0..n).map(|part| patch as f64 + part as f64 / n as f64));
-                patch_of.extend(std::iter::repeat_n(patch, n));
+    /// By patch: into how many parts it is to be cut along both directions, so that their triangles are expected within a
+    /// length.
+    pub fn needs(&self, wanted: f64) -> Vec<[f64; 2]> {
+        (0..self.patches.len()).map(|index| self.parts_of(index, wanted)).collect()
+    }
+
+    /// By direction: into how many patches each of the surface's pieces is best cut, and these into how many cells, where
+    /// patches need so many and pieces are in `least` at least.
+    ///
+    /// Cells are a power of two where that is possible: so patches that need fewer have every second of the lines.
+    pub fn cuts_of_pieces(&self, needs: &[[f64; 2]], least: &[Vec<usize>; 2]) -> [Vec<PieceCuts>; 2] {
+        [0, 1].map(|k| {
+            let mut most = vec![0.0; least[k].len()];
+            for (index, need) in needs.iter().enumerate() {
+                let piece = self.piece_of[k][[index % self.n[0], index / self.n[0]][k]];
+                most[piece] = greater(most[piece], need[k]);
             }
-            lines.push(self.n[k] as f64);
-            (self.lines[k], self.patch_of[k]) = (lines, patch_of);
-        }
+            let of = |(piece, least): (usize, &usize)| {
+                let n = self.piece_of[k].iter().filter(|of| **of == piece).count();
+                let wanted = whole_parts(most[piece] * n as f64);
+                let mut cells = 1;
+                while 2 * cells * least <= wanted {
+                    cells *= 2;
+                }
+                PieceCuts { patches: wanted.div_ceil(cells).max(*least), cells }
+            };
+            least[k].iter().enumerate().map(of).collect()
+        })
+    }
+
+    /// Cuts patches into cells: those of their pieces, or a half, a quarter and so on where that is all they need.
+    pub fn cut(&mut self, needs: &[[f64; 2]], pieces: &[Vec<PieceCuts>; 2]) {
+        let parts = needs.iter().enumerate().map(|(index, need)| {
+            let place = [index % self.n[0], index / self.n[0]];
+            [0, 1].map(|k| {
+                let mut cells = pieces[k][self.piece_of[k][place[k]]].cells;
+                while cells % 2 == 0 && cells / 2 >= whole_parts(need[k]) {
+                    cells /= 2;
+                }
+                cells
+            })
+        });
+        self.cells = FaceCells::new(self.n, parts.collect());
     }
 
     /// The largest distance of a patch from its two halves, by its derivatives.
@@ -146,55 +175,53 @@ impl FaceLattice {
     }
 
     /// The number of parts of a patch along both directions.
-    fn parts_of(&self, index: usize, derivatives: &PatchDerivatives, wanted: f64) -> [f64; 2] {
-        let patch = &self.patches[index];
-        let mut parts = [1.0; 2];
+    fn parts_of(&self, index: usize, wanted: f64) -> [f64; 2] {
+        // With half of the length for the bending along each direction there are fewest cells.
+        let few = [PLACES as f64; 2];
+        let [along_u, along_v, _] = self.worst_bending(index, few);
+        let squares = few[0] * few[0];
+        let mut parts = [along_u, along_v].map(|bent| greater((2.0 * bent * squares / wanted).sqrt(), 1.0));
         for _ in 0..ROUNDS {
-            let mut worst = [0.0_f64; 3];
-            for j in 0..PLACES {
-                for i in 0..PLACES {
-                    let size = parts.map(|n| 1.0 / n);
-                    let at = [i, j].map(|k| k as f64 / (PLACES - 1) as f64);
-                    let from = [0, 1].map(|k| at[k] * (1.0 - size[k]));
-                    let corner = |du: f64, dv: f64| [from[0] + du * size[0], from[1] + dv * size[1]];
-                    let square = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
-                    let points = square.map(|[u, v]| DVec3::from(patch.at(u, v)));
-                    let [first, second] = diagonal_bounds(derivatives, square, points);
-                    worst[2] = greater(worst[2], lesser(first, second));
-                    for (k, [p, q]) in [[0, 1], [0, 3]].into_iter().enumerate() {
-                        // The triangle with its third corner in the middle of a side has that side's bending alone.
-                        let middle = std::array::from_fn(|axis| 0.5 * (square[p][axis] + square[q][axis]));
-                        let there = 0.5 * (points[p] + points[q]);
-                        let flat = derivatives
-                            .triangle_bound([square[p], square[q], middle], [points[p], points[q], there]);
-                        worst[k] = greater(worst[k], flat);
-                    }
-                }
-            }
-            if worst[2] <= wanted {
+            let [.., both] = self.worst_bending(index, parts);
+            let is_done = both <= NEARLY * wanted && both * NEARLY >= wanted;
+            // Errors go with the square of the size.
+            let times = lesser((both / wanted).sqrt(), 8.0);
+            let next = parts.map(|n| lesser(greater(n * times, 1.0), MOST_PARTS));
+            if is_done || next == parts {
                 break;
             }
-            let missing = (worst[2] / wanted).sqrt();
-            let along = greater(worst[0], worst[1]);
-            for k in 0..2 {
-                // Only where a good part of it comes from, or where neither side bends and the patch is twisted.
-                let is_cause = worst[k] >= 0.25 * along || along < 0.1 * worst[2];
-                if is_cause {
-                    let times = lesser(missing, 8.0);
-                    parts[k] = lesser(greater((parts[k] * times).ceil(), parts[k] + 1.0), MOST_PARTS);
-                }
-            }
+            parts = next;
         }
         parts
     }
 
-    /// The lattice coordinate of a parameter, on a line if it is near one.
-    pub fn coordinate(&self, k: usize, parameter: f64) -> f64 {
-        let x = self.raw_coordinate(k, parameter);
-        let lines = &self.lines[k];
-        let after = lines.partition_point(|line| *line < x).min(lines.len() - 1);
-        let near = [after.saturating_sub(1), after].map(|i| lines[i]);
-        near.into_iter().find(|line| (x - line).abs() < NEAR_LINE).unwrap_or(x)
+    /// The most that is estimated of how far cells bend, of a patch cut into so many parts: their sides along both
+    /// directions, and the cells.
+    fn worst_bending(&self, index: usize, parts: [f64; 2]) -> [f64; 3] {
+        let (patch, derivatives) = (&self.patches[index], &self.derivatives[index]);
+        let mut worst = [0.0_f64; 3];
+        for j in 0..PLACES {
+            for i in 0..PLACES {
+                let size = parts.map(|n| 1.0 / n);
+                let at = [i, j].map(|k| k as f64 / (PLACES - 1) as f64);
+                let from = [0, 1].map(|k| at[k] * (1.0 - size[k]));
+                let corner = |du: f64, dv: f64| [from[0] + du * size[0], from[1] + dv * size[1]];
+                let square = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+                let points = square.map(|[u, v]| DVec3::from(patch.at(u, v)));
+                let [first, second] = diagonal_bounds(derivatives, square, points);
+                worst[2] = greater(worst[2], lesser(first, second));
+                for (k, [p, q]) in [[0, 1], [0, 3]].into_iter().enumerate() {
+                    let (ends, at) = ([square[p], square[q]], [points[p], points[q]]);
+                    worst[k] = greater(worst[k], edge_bound(derivatives, ends, at));
+                }
+            }
+        }
+        worst
+    }
+
+    /// The point of the lattice at parameters, on a line if it is near one.
+    pub fn place_of(&self, parameters: [f64; 2]) -> [f64; 2] {
+        self.cells.snapped([0, 1].map(|k| self.coordinate(k, parameters[k])))
     }
 
     /// Moves points to the end of the range of a parameter where all of them are beyond it.
@@ -207,7 +234,7 @@ impl FaceLattice {
         }
     }
 
-    fn raw_coordinate(&self, k: usize, parameter: f64) -> f64 {
+    fn coordinate(&self, k: usize, parameter: f64) -> f64 {
         let breaks = &self.breaks[k];
         let last = self.n[k] - 1;
         let i = breaks.partition_point(|b| *b <= parameter).saturating_sub(1).min(last);
@@ -220,23 +247,6 @@ impl FaceLattice {
         let i = (x as usize).min(self.n[k] - 1);
         let (a, b) = (self.breaks[k][i], self.breaks[k][i + 1]);
         a + (b - a) * (x - i as f64)
-    }
-
-    /// The cells, one or two, in whose closed range a coordinate lies.
-    pub fn cells_at(&self, k: usize, x: f64) -> [usize; 2] {
-        let lines = &self.lines[k];
-        let after = lines.partition_point(|line| *line < x);
-        let last = lines.len() - 2;
-        if lines.get(after) == Some(&x) {
-            [after.saturating_sub(1), after.min(last)]
-        } else {
-            [after.saturating_sub(1).min(last); 2]
-        }
-    }
-
-    /// The patch of a cell.
-    pub fn patch_at(&self, [i, j]: [usize; 2]) -> usize {
-        self.patch_of[1][j] * self.n[0] + self.patch_of[0][i]
     }
 
     /// The place in a patch of lattice coordinates.
@@ -270,10 +280,8 @@ impl FaceLattice {
 
     /// How far the image of a straight line within a patch is from the chord between its ends, without rounding.
     pub fn edge_bound(&self, patch: usize, ends: [[f64; 2]; 2], at: [[f64; 3]; 2]) -> f64 {
-        // Of a triangle with its third corner in the middle of a side nothing is left but that side.
-        let middle = std::array::from_fn(|k| 0.5 * (ends[0][k] + ends[1][k]));
-        let there = std::array::from_fn(|k| 0.5 * (at[0][k] + at[1][k]));
-        self.triangle_bound(patch, [ends[0], ends[1], middle], [at[0], at[1], there])
+        let ends = ends.map(|at| self.place(patch, at));
+        edge_bound(&self.derivatives[patch], ends, at.map(DVec3::from))
     }
 
     /// The bounds of both ways to halve a cell.
@@ -294,6 +302,17 @@ impl FaceLattice {
         let touched = rows.flat_map(|j| columns.clone().map(move |i| j * self.n[0] + i));
         touched.fold([0.0; 3], |most, patch| std::array::from_fn(|k| greater(self.speeds[patch][k], most[k])))
     }
+}
+
+/// How far the image of a straight line is from its chord: of a triangle with its third corner in the middle of a side
+/// nothing is left but that side.
+fn edge_bound(derivatives: &PatchDerivatives, ends: [[f64; 2]; 2], at: [DVec3; 2]) -> f64 {
+    let middle = std::array::from_fn(|k| 0.5 * (ends[0][k] + ends[1][k]));
+    derivatives.triangle_bound([ends[0], ends[1], middle], [at[0], at[1], 0.5 * (at[0] + at[1])])
+}
+
+fn whole_parts(need: f64) -> usize {
+    greater((need - SPARE).ceil(), 1.0) as usize
 }
 
 /// The larger bound of the two triangles on each side of the diagonal from the first corner, and of the other one.

@@ -77,6 +77,22 @@ pub(in crate::convert) fn fit(surface: &NurbsSurface, wanted: f64, job: &Job) ->
     }
 }
 
+/// The patches of a surface whose pieces are cut into so many parts, by direction and piece.
+pub(in crate::convert) fn fit_parts(
+    surface: &NurbsSurface,
+    cuts: [Vec<usize>; 2],
+    job: &Job,
+) -> FittedSurface {
+    let mut fitter = SurfaceFitter::new(surface);
+    fitter.cuts = cuts;
+    let made = fitter.patches(job);
+    FittedSurface {
+        at_most: farthest(&made),
+        patches: made.into_iter().map(|(patch, _)| patch).collect(),
+        cuts: fitter.cuts,
+    }
+}
+
 /// The largest distance of patches; infinite where one is not known.
 fn farthest(made: &[(Patch, f64)]) -> f64 {
     made.iter().fold(0.0, |far, (_, off)| if off.is_nan() { f64::INFINITY } else { greater(*off, far) })

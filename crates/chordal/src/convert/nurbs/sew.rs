@@ -3,8 +3,8 @@
 //!
 //! What belongs together is a guess by distance. Nothing rests on it: how far vertices were moved is measured, and part
 //! of the bound.
-use super::face_lattice::FaceLattice;
-use super::trim_loops::{TrimEdge, TrimPieces, TrimPoint, TrimPolygons};
+use super::prepared_face::PreparedFace;
+use super::trim_loops::{TrimEdge, TrimPoint, TrimPolygons};
 use crate::budget::{Job, par_map};
 use crate::explicit::nurbs::BezierNet;
 use crate::explicit::{BoxTree, BoxTreeNode, DisjointSets};
@@ -26,13 +26,10 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// A face whose loops are polygons.
 pub(super) struct TrimmedFace<'a> {
     pub net: BezierNet<'a>,
-    pub lattice: FaceLattice,
-    pub pieces: TrimPieces,
+    pub prepared: PreparedFace,
     pub polygons: TrimPolygons,
     /// The surface's point at each vertex of the polygons.
     pub positions: Vec<[f64; 3]>,
-    /// How far the patches are from the surface.
-    pub off: f64,
 }
 
 /// Which vertices of all loops are one.
@@ -62,12 +59,12 @@ enum VertexMatch {
 impl TrimmedFace<'_> {
     /// The surface's own point at coordinates of the lattice: patches of two faces are apart by as much as both are off.
     pub fn surface_point(&self, at: [f64; 2]) -> [f64; 3] {
-        let [u, v] = [0, 1].map(|k| self.lattice.parameter(k, at[k]));
+        let [u, v] = [0, 1].map(|k| self.prepared.lattice.parameter(k, at[k]));
         self.net.at(u, v)
     }
 
     fn point(&self, piece: usize, t: f64) -> [f64; 3] {
-        self.surface_point(self.pieces.lattice_point(&self.lattice, piece, t))
+        self.surface_point(self.prepared.pieces.lattice_point(&self.prepared.lattice, piece, t))
     }
 
     /// The place of an edge's part nearest to a point: beside the nearest of some samples, by golden sections.
@@ -108,7 +105,7 @@ impl TrimmedFace<'_> {
 pub(super) fn sew(faces: &mut [TrimmedFace<'_>], wanted: &[f64], near: f64, job: &Job) -> SewnVertices {
     let mut unions = exchange(faces, near, job);
     for (face, wanted) in faces.iter_mut().zip(wanted) {
-        face.pieces.refine(&face.lattice, *wanted, &mut face.polygons);
+        face.prepared.pieces.refine(&face.prepared.lattice, *wanted, &mut face.polygons);
         for k in face.positions.len()..face.polygons.vertices.len() {
             face.positions.push(face.surface_point(face.polygons.vertices[k]));
         }
@@ -120,7 +117,7 @@ pub(super) fn sew(faces: &mut [TrimmedFace<'_>], wanted: &[f64], near: f64, job:
     for face in faces.iter_mut() {
         first.push(n as u32);
         n += face.positions.len();
-        face.polygons.off = face.pieces.distance(&face.lattice, &face.polygons);
+        face.polygons.off = face.prepared.pieces.distance(&face.prepared.lattice, &face.polygons);
     }
     let mut sets = DisjointSets::new(n);
     let global = |[face, vertex]: [u32; 2]| first[face as usize] + vertex;
@@ -302,18 +299,11 @@ impl TrimmedFace<'_> {
 
     /// The place of an edge's part at a parameter, in the cell that has the edge.
     fn in_cell_of(&self, edge: &TrimEdge, t: f64) -> [f64; 2] {
-        let at = self.pieces.lattice_point(&self.lattice, edge.piece, t);
+        let at = self.prepared.pieces.lattice_point(&self.prepared.lattice, edge.piece, t);
         let ends = edge.ends.map(|id| self.polygons.vertices[id as usize]);
-        std::array::from_fn(|k| {
-            let [a, b] = ends.map(|end| self.lattice.cells_at(k, end[k]));
-            let cell = if b.contains(&a[0]) { a[0] } else { a[1] };
-            let lines = &self.lattice.lines[k];
-            // An edge on a line is in the cells on both sides, and stays on it.
-            let is_on_line = ends[0][k] == ends[1][k] && lines.contains(&ends[0][k]);
-            let (low, high) =
-                if is_on_line { (ends[0][k], ends[0][k]) } else { (lines[cell], lines[cell + 1]) };
-            lesser(greater(at[k], low), high)
-        })
+        // An edge on a line is in the cells on both sides, and stays on it.
+        let Some(common) = self.prepared.lattice.cells.common_rectangle(ends) else { return at };
+        [0, 1].map(|k| lesser(greater(at[k], common[k][0]), common[k][1]))
     }
 }
 

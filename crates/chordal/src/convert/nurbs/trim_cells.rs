@@ -3,6 +3,7 @@
 //! Cells without an edge of a polygon are halved along a diagonal. All others are triangulated on their own, the edges
 //! in them kept and their corners and all vertices on their sides being vertices, so that neighbours fit. To the left of
 //! an edge is the inside; the rest of a cell, and cells without edges, follow from their neighbours.
+use super::face_cells::FaceCell;
 use super::face_lattice::FaceLattice;
 use super::trim_loops::TrimPolygons;
 use crate::math::{Orientation, orient2d};
@@ -69,11 +70,10 @@ struct CellEdges {
     both_ways: Vec<[u32; 2]>,
 }
 
-/// A mixed cell: its inner triangles, by side whether what is next to it is inside, and the same for each edge there and
-/// each edge that runs both ways.
+/// A mixed cell: its inner triangles, and whether what is beside an edge is inside: by edge on its sides, and by edge that
+/// runs both ways.
 struct MixedCell {
     triangles: Vec<[u32; 3]>,
-    sides: [bool; 4],
     borders: Vec<([u32; 2], bool)>,
     both_ways: Vec<([u32; 2], bool)>,
 }
@@ -85,8 +85,6 @@ struct CellTriangulator<'a> {
     lattice: &'a FaceLattice,
     vertices: Vec<[f64; 2]>,
     by_place: BTreeMap<[u64; 2], u32>,
-    /// Cells along both directions.
-    n: [usize; 2],
 }
 
 /// The triangles of what polygons enclose.
@@ -94,38 +92,38 @@ pub(super) fn triangulate(
     lattice: &FaceLattice,
     polygons: &TrimPolygons,
 ) -> Result<FaceTriangles, TrimConflict> {
-    let n = [0, 1].map(|k| lattice.lines[k].len() - 1);
     let mut work = CellTriangulator {
         lattice,
         vertices: polygons.vertices.iter().map(|at| at.map(not_tiny)).collect(),
         by_place: BTreeMap::new(),
-        n,
     };
     // Vertices at one place are one.
     let ids: Vec<u32> = (0..work.vertices.len() as u32)
         .map(|id| *work.by_place.entry(key(work.vertices[id as usize])).or_insert(id))
         .collect();
-    let mut contents: BTreeMap<[usize; 2], CellContent> = BTreeMap::new();
+    let mut contents: BTreeMap<FaceCell, CellContent> = BTreeMap::new();
     for id in &ids {
-        for cell in work.cells_at(*id) {
+        for cell in lattice.cells.cells_at(work.vertices[*id as usize]) {
             contents.entry(cell).or_default().vertices.push(*id);
         }
     }
     for edge in polygons.loops.iter().flatten() {
-        let [a, b] = edge.ends.map(|id| ids[id as usize]);
-        if a == b {
+        let ends = edge.ends.map(|id| ids[id as usize]);
+        if ends[0] == ends[1] {
             continue;
         }
-        let of_b = work.cells_at(b);
-        let mut is_in_one = false;
-        for cell in work.cells_at(a) {
-            if of_b.contains(&cell) {
-                is_in_one = true;
-                contents.entry(cell).or_default().edges.push([a, b]);
-            }
-        }
-        if !is_in_one {
+        let cells = lattice.cells.cells_of(ends.map(|id| work.vertices[id as usize]));
+        if cells.is_empty() {
             return Err(TrimConflict::Crossing);
+        }
+        for cell in cells {
+            contents.entry(cell).or_default().edges.push(ends);
+        }
+    }
+    for cell in lattice.cells.all() {
+        for at in lattice.cells.corners_on_sides(cell) {
+            let id = work.id_at(at);
+            contents.entry(cell).or_default().vertices.push(id);
         }
     }
     work.run(&contents, ids)
@@ -140,19 +138,8 @@ fn key([x, y]: [f64; 2]) -> [u64; 2] {
 }
 
 impl CellTriangulator<'_> {
-    /// The cells whose closed rectangle has a vertex.
-    fn cells_at(&self, id: u32) -> Vec<[usize; 2]> {
-        let at = self.vertices[id as usize];
-        let [x, y] = [0, 1].map(|k| self.lattice.cells_at(k, at[k]));
-        let mut cells = vec![[x[0], y[0]], [x[1], y[0]], [x[0], y[1]], [x[1], y[1]]];
-        cells.sort_unstable();
-        cells.dedup();
-        cells
-    }
-
-    /// The vertex where two lines cross.
-    fn corner(&mut self, i: usize, j: usize) -> u32 {
-        let at = [self.lattice.lines[0][i], self.lattice.lines[1][j]];
+    /// The vertex at a place.
+    fn id_at(&mut self, at: [f64; 2]) -> u32 {
         let next = self.vertices.len() as u32;
         let id = *self.by_place.entry(key(at)).or_insert(next);
         if id == next {
@@ -161,64 +148,57 @@ impl CellTriangulator<'_> {
         id
     }
 
-    fn corners(&mut self, [i, j]: [usize; 2]) -> [u32; 4] {
-        [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|[i, j]| self.corner(i, j))
+    fn corners(&mut self, cell: FaceCell) -> [u32; 4] {
+        self.lattice.cells.corners(cell).map(|at| self.id_at(at))
     }
 
     fn run(
         mut self,
-        contents: &BTreeMap<[usize; 2], CellContent>,
+        contents: &BTreeMap<FaceCell, CellContent>,
         same: Vec<u32>,
     ) -> Result<FaceTriangles, TrimConflict> {
-        let [n, m] = self.n;
-        let mut states = vec![TrimCellState::Unknown; n * m];
-        let mut sides = BTreeMap::new();
+        let cells = &self.lattice.cells;
+        let mut states = vec![TrimCellState::Unknown; cells.count()];
         let mut triangles = Vec::new();
         let mut borders = BTreeMap::new();
         // Edges that run both ways: whether a triangle is beside them.
         let mut both_ways: BTreeMap<[u32; 2], (bool, usize)> = BTreeMap::new();
         let mut unbounded = Vec::new();
         for (cell, content) in contents {
-            let patch = self.lattice.patch_at(*cell);
             let edges = self.edges_of(content)?;
             if edges.bounding.is_empty() {
-                unbounded.extend(edges.both_ways.into_iter().map(|edge| (edge, *cell, patch)));
+                unbounded.extend(edges.both_ways.into_iter().map(|edge| (edge, *cell)));
                 continue;
             }
             let mixed = self.mixed_cell(*cell, content, &edges)?;
-            states[cell[1] * n + cell[0]] = TrimCellState::Mixed;
+            states[cells.index(*cell)] = TrimCellState::Mixed;
             for (edge, is_inside) in mixed.both_ways {
-                both_ways.entry(edge).or_insert((false, patch)).0 |= is_inside;
+                both_ways.entry(edge).or_insert((false, cell.patch)).0 |= is_inside;
             }
-            triangles.extend(mixed.triangles.into_iter().map(|t| (t, patch)));
-            sides.insert(*cell, mixed.sides);
+            triangles.extend(mixed.triangles.into_iter().map(|t| (t, cell.patch)));
             for (edge, is_inside) in mixed.borders {
                 if *borders.entry(edge).or_insert(is_inside) != is_inside {
                     return Err(TrimConflict::Crossing);
                 }
             }
         }
-        self.spread(&sides, &mut states)?;
-        for j in 0..m {
-            for i in 0..n {
-                let cell = [i, j];
-                if states[j * n + i] != TrimCellState::Inside {
-                    continue;
+        self.spread(&borders, &mut states)?;
+        for cell in cells.all() {
+            if states[cells.index(cell)] != TrimCellState::Inside {
+                continue;
+            }
+            match contents.get(&cell) {
+                // Vertices of neighbours on its sides, without an edge.
+                Some(content) => {
+                    let all = self.cell_triangles(cell, content)?;
+                    triangles.extend(all.into_iter().map(|t| (t, cell.patch)));
                 }
-                let patch = self.lattice.patch_at(cell);
-                match contents.get(&cell) {
-                    // Vertices of neighbours on its sides, without an edge.
-                    Some(content) => {
-                        let all = self.cell_triangles(cell, content)?;
-                        triangles.extend(all.into_iter().map(|t| (t, patch)));
-                    }
-                    None => triangles.extend(self.halves(cell, patch).map(|t| (t, patch))),
-                }
+                None => triangles.extend(self.halves(cell).map(|t| (t, cell.patch))),
             }
         }
-        for (edge, cell, patch) in unbounded {
-            let is_inside = states[cell[1] * n + cell[0]] == TrimCellState::Inside;
-            both_ways.entry(edge).or_insert((false, patch)).0 |= is_inside;
+        for (edge, cell) in unbounded {
+            let is_inside = states[cells.index(cell)] == TrimCellState::Inside;
+            both_ways.entry(edge).or_insert((false, cell.patch)).0 |= is_inside;
         }
         let of =
             |(edge, (is_inside, patch)): ([u32; 2], (bool, usize))| (!is_inside).then_some((edge, patch));
@@ -226,26 +206,20 @@ impl CellTriangulator<'_> {
         Ok(FaceTriangles { vertices: self.vertices, triangles, same, stray })
     }
 
-    /// Gives the state of cells beside those that are known to cells without edges.
+    /// Gives the state of cells beside edges for which it is known to cells without edges.
     fn spread(
         &self,
-        sides: &BTreeMap<[usize; 2], [bool; 4]>,
+        borders: &BTreeMap<[u32; 2], bool>,
         states: &mut [TrimCellState],
     ) -> Result<(), TrimConflict> {
-        let [n, m] = self.n;
-        let neighbour = |[i, j]: [usize; 2], side: usize| match side {
-            0 => (j > 0).then(|| [i, j - 1]),
-            1 => (i + 1 < n).then_some([i + 1, j]),
-            2 => (j + 1 < m).then_some([i, j + 1]),
-            _ => (i > 0).then(|| [i - 1, j]),
-        };
-        let mut queue: VecDeque<([usize; 2], bool)> = VecDeque::new();
-        for (cell, inside) in sides {
-            let beside = (0..4).filter_map(|side| Some((neighbour(*cell, side)?, inside[side])));
-            queue.extend(beside);
+        let cells = &self.lattice.cells;
+        let mut queue: VecDeque<(FaceCell, bool)> = VecDeque::new();
+        for (edge, is_inside) in borders {
+            let beside = cells.cells_of(edge.map(|id| self.vertices[id as usize]));
+            queue.extend(beside.into_iter().map(|cell| (cell, *is_inside)));
         }
         while let Some((cell, is_inside)) = queue.pop_front() {
-            let state = &mut states[cell[1] * n + cell[0]];
+            let state = &mut states[cells.index(cell)];
             let wanted = if is_inside { TrimCellState::Inside } else { TrimCellState::Outside };
             match *state {
                 TrimCellState::Unknown => *state = wanted,
@@ -253,23 +227,24 @@ impl CellTriangulator<'_> {
                 known if known == wanted => continue,
                 _ => return Err(TrimConflict::Crossing),
             }
-            for side in 0..4 {
-                match neighbour(cell, side) {
-                    Some(next) => queue.push_back((next, is_inside)),
-                    None if is_inside => return Err(TrimConflict::Open),
-                    None => {}
-                }
+            let mut is_open = false;
+            cells.for_neighbours(cell, |beside| match beside {
+                Some(next) => queue.push_back((next, is_inside)),
+                None => is_open |= is_inside,
+            });
+            if is_open {
+                return Err(TrimConflict::Open);
             }
         }
         Ok(())
     }
 
     /// The two triangles of a cell, along the diagonal that is nearer to the surface.
-    fn halves(&mut self, cell: [usize; 2], patch: usize) -> [[u32; 3]; 2] {
+    fn halves(&mut self, cell: FaceCell) -> [[u32; 3]; 2] {
         let ids = self.corners(cell);
         let places = ids.map(|id| self.vertices[id as usize]);
         let points = places.map(|at| self.lattice.position(at));
-        let [first, second] = self.lattice.diagonal_bounds(patch, places, points);
+        let [first, second] = self.lattice.diagonal_bounds(cell.patch, places, points);
         let [a, b, c, d] = ids;
         if first <= second { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     }
@@ -277,7 +252,7 @@ impl CellTriangulator<'_> {
     /// The Delaunay triangulation of a cell's corners and vertices.
     fn points(
         &mut self,
-        cell: [usize; 2],
+        cell: FaceCell,
         content: &CellContent,
     ) -> Result<(CellTriangulation, CellHandles), TrimConflict> {
         let mut made = ConstrainedDelaunayTriangulation::new();
@@ -294,7 +269,7 @@ impl CellTriangulator<'_> {
     /// All triangles of a cell that is inside.
     fn cell_triangles(
         &mut self,
-        cell: [usize; 2],
+        cell: FaceCell,
         content: &CellContent,
     ) -> Result<Vec<[u32; 3]>, TrimConflict> {
         let (made, _) = self.points(cell, content)?;
@@ -325,7 +300,7 @@ impl CellTriangulator<'_> {
     /// A cell with edges that bound something.
     fn mixed_cell(
         &mut self,
-        cell: [usize; 2],
+        cell: FaceCell,
         content: &CellContent,
         edges: &CellEdges,
     ) -> Result<MixedCell, TrimConflict> {
@@ -340,7 +315,6 @@ impl CellTriangulator<'_> {
         let inside = inside_of(&made, &handles, &edges.bounding)?;
         let mut mixed = MixedCell {
             triangles: Vec::new(),
-            sides: [false; 4],
             borders: Vec::new(),
             both_ways: edges.both_ways.iter().map(|edge| (*edge, false)).collect(),
         };
@@ -361,11 +335,8 @@ impl CellTriangulator<'_> {
                 if edges.bounding.contains(&[a, b]) || edges.bounding.contains(&[b, a]) {
                     continue;
                 }
-                let [from, to] = edge.positions();
-                let side = self.side_of(cell, from, to);
-                mixed.sides[side] = is_inside;
                 mixed.borders.push((pair, is_inside));
-                if is_inside && self.is_border(cell, side) {
+                if is_inside && self.lattice.cells.is_end(pair.map(|id| self.vertices[id as usize])) {
                     return Err(TrimConflict::Open);
                 }
             }
@@ -392,25 +363,6 @@ impl CellTriangulator<'_> {
         stops.extend(between);
         stops.push(b);
         stops
-    }
-
-    /// The side of a cell on which an edge lies.
-    fn side_of(&self, [i, j]: [usize; 2], from: Point2<f64>, to: Point2<f64>) -> usize {
-        let [x, y] = &self.lattice.lines;
-        if from.y == y[j] && to.y == y[j] {
-            0
-        } else if from.x == x[i + 1] && to.x == x[i + 1] {
-            1
-        } else if from.y == y[j + 1] && to.y == y[j + 1] {
-            2
-        } else {
-            3
-        }
-    }
-
-    fn is_border(&self, [i, j]: [usize; 2], side: usize) -> bool {
-        let [n, m] = self.n;
-        [j == 0, i + 1 == n, j + 1 == m, i == 0][side]
     }
 }
 

@@ -235,8 +235,7 @@ impl TrimPieces {
 
     /// The point of a piece, in the lattice.
     pub fn lattice_point(&self, lattice: &FaceLattice, piece: usize, t: f64) -> TrimPoint {
-        let at = self.at(piece, t);
-        [0, 1].map(|k| lattice.coordinate(k, at[k]))
+        lattice.place_of(self.at(piece, t))
     }
 
     /// Cuts an edge until it is near its part of the loop and in one cell.
@@ -291,37 +290,27 @@ impl TrimPieces {
         self.cut(lattice, wanted, last, depth + 1, made, edges);
     }
 
-    /// Where an edge's part crosses the middle one of the lines between its ends, if these are in no common cell.
+    /// Where an edge's part crosses a line between its ends, if these are in no common cell.
     fn crossing(
         &self,
         lattice: &FaceLattice,
         edge: &TrimEdge,
         ends: [TrimPoint; 2],
     ) -> Option<(TrimPoint, f64)> {
-        for k in 0..2 {
-            let [a, b] = ends.map(|end| end[k]);
-            let (low, high) = if a < b { (a, b) } else { (b, a) };
-            let lines = &lattice.lines[k];
-            let between =
-                lines.partition_point(|line| *line <= low)..lines.partition_point(|line| *line < high);
-            if between.is_empty() {
-                continue;
+        let (k, line) = lattice.cells.line_between(ends)?;
+        let is_below = ends[0][k] < line;
+        let [mut from, mut to] = edge.part;
+        for _ in 0..DEEPEST {
+            let middle = 0.5 * (from + to);
+            if !(from < middle && middle < to) {
+                break;
             }
-            let line = lines[(between.start + between.end) / 2];
-            let [mut from, mut to] = edge.part;
-            for _ in 0..DEEPEST {
-                let middle = 0.5 * (from + to);
-                if !(from < middle && middle < to) {
-                    break;
-                }
-                let x = self.lattice_point(lattice, edge.piece, middle)[k];
-                *(if (x < line) == (a < line) { &mut from } else { &mut to }) = middle;
-            }
-            let mut at = self.lattice_point(lattice, edge.piece, to);
-            at[k] = line;
-            return Some((at, to));
+            let x = self.lattice_point(lattice, edge.piece, middle)[k];
+            *(if (x < line) == is_below { &mut from } else { &mut to }) = middle;
         }
-        None
+        let mut at = self.lattice_point(lattice, edge.piece, to);
+        at[k] = line;
+        Some((lattice.cells.snapped(at), to))
     }
 
     /// How far an edge is from its part of the loop, at most, as a length on the surface.

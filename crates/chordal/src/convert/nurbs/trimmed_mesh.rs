@@ -1,12 +1,12 @@
 //! Trimmed surfaces as one mesh: patches near each surface, polygons near its loops, sewn, cut into cells, triangulated,
 //! joined.
-use super::face_lattice::FaceLattice;
 use super::fit::fit;
+use super::prepared_face::PreparedFace;
 use super::sew::{SewnVertices, TrimmedFace, sew};
 use super::trim_cells::{FaceTriangles, TrimConflict, triangulate};
 use super::trim_loops::TrimPieces;
 use super::uncovered::uncovered;
-use crate::budget::{Failure, Job, RefusalCode, par_map};
+use crate::budget::{Failure, Job, RefusalCode, par_map, par_map_owned};
 use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
 use crate::explicit::Mesh;
 use crate::explicit::nurbs::TrimmedSurface;
@@ -31,8 +31,9 @@ const NEAREST: f64 = 1e-4;
 const MOST_CELLS: u64 = 1 << 23;
 /// How much coarser it then becomes at once. Chosen.
 const COARSER: f64 = 4.0;
-/// A mesh that uses less of the length than this is made once more with larger triangles. Chosen.
-const USED: f64 = 0.85;
+/// A mesh that uses less of the length than this is made again with larger triangles, so many times at most. Chosen.
+const USED: f64 = 0.9;
+const LARGER: usize = 2;
 /// Rounds until what triangles are expected to need is what they need. Chosen.
 const ROUNDS: usize = 5;
 
@@ -69,15 +70,13 @@ pub(in crate::convert) fn mesh_within(
     let fitted = par_map(job, faces, |_, face| {
         let pieces = TrimPieces::new(face.surface(), face.loops());
         let fitted = fit(face.surface(), PATCHES * wanted, &job.clone().with_threads(1));
-        let off = fitted.at_most;
-        let lattice =
-            FaceLattice::new(face.surface(), fitted.patches, &fitted.cuts, pieces.degree, pieces.reach);
-        (pieces, lattice, off)
+        PreparedFace::new(face, pieces, fitted)
     });
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    let rounding = fitted.iter().map(|(_, lattice, _)| lattice.rounding + 5.0 * lattice.parameter_rounding);
+    let of = |face: &PreparedFace| face.lattice.rounding + 5.0 * face.lattice.parameter_rounding;
+    let rounding = fitted.iter().map(of);
     let rounding = rounding.fold(0.0, greater);
     if rounding >= wanted {
         let message = format!(
@@ -95,7 +94,7 @@ pub(in crate::convert) fn mesh_within(
     let mut scale = 1.0;
     let most = (job.memory_limit / CELL_BYTES).min(job.triangle_limit).min(MOST_CELLS);
     'rounds: for round in 0..ROUNDS {
-        while cut(&mut prepared, scale, wanted) > most {
+        while cut(faces, &mut prepared, scale, wanted, job) > most {
             if best.is_some() {
                 break 'rounds;
             }
@@ -114,7 +113,7 @@ pub(in crate::convert) fn mesh_within(
         }
         // What is left where patches, loops and sewing have taken theirs.
         let left = wanted - (reached - bent);
-        let is_used = reached > USED * wanted || round > 0;
+        let is_used = reached > USED * wanted || round >= LARGER;
         if reached <= wanted && is_used || left <= 0.0 || bent <= 0.0 {
             break;
         }
@@ -124,19 +123,23 @@ pub(in crate::convert) fn mesh_within(
     best.ok_or(Failure::Cancelled)
 }
 
-/// Cuts all faces into cells whose triangles are expected within a length; how many.
-fn cut(prepared: &mut [PreparedFace], scale: f64, wanted: f64) -> u64 {
-    let mut cells = 0_u64;
-    for (pieces, lattice, _) in prepared {
-        let is_straight = pieces.bulge(lattice) <= STRAIGHT * wanted;
-        lattice.cut(scale * wanted * if is_straight { ONLY } else { TRIANGLES });
-        let own = lattice.lines.iter().map(|lines| lines.len() as u64 - 1).product::<u64>();
-        cells = cells.saturating_add(own);
-    }
-    cells
+/// Cuts all faces into cells whose triangles are expected within a part of a length; how many.
+fn cut(
+    faces: &[TrimmedSurface],
+    prepared: &mut Vec<PreparedFace>,
+    scale: f64,
+    wanted: f64,
+    job: &Job,
+) -> u64 {
+    let all: Vec<(&TrimmedSurface, PreparedFace)> = faces.iter().zip(std::mem::take(prepared)).collect();
+    *prepared = par_map_owned(job, all, |(surface, mut face)| {
+        let is_straight = face.pieces.bulge(&face.lattice) <= STRAIGHT * wanted;
+        face.cut(surface, scale * wanted * if is_straight { ONLY } else { TRIANGLES }, job);
+        face
+    });
+    let counts = prepared.iter().map(|face| face.lattice.cells.count() as u64);
+    counts.fold(0, u64::saturating_add)
 }
-
-type PreparedFace = (TrimPieces, FaceLattice, f64);
 
 /// One mesh of faces that are cut into cells; what triangles lose of its bound.
 fn one_round(
@@ -148,12 +151,12 @@ fn one_round(
 ) -> Result<(TrimmedMesh, f64, Vec<PreparedFace>), Failure<Mesh>> {
     let mut loops = Vec::new();
     let mut faces = Vec::with_capacity(prepared.len());
-    for ((pieces, lattice, off), surface) in prepared.into_iter().zip(surfaces) {
-        let is_flat = lattice.bending() <= STRAIGHT * wanted;
+    for (prepared, surface) in prepared.into_iter().zip(surfaces) {
+        let is_flat = prepared.lattice.bending() <= STRAIGHT * wanted;
         loops.push(wanted * if is_flat { ONLY } else { LOOPS });
-        let polygons = pieces.polygons(&lattice);
+        let polygons = prepared.pieces.polygons(&prepared.lattice);
         let net = surface.surface().bezier_net();
-        let mut face = TrimmedFace { net, lattice, pieces, polygons, positions: Vec::new(), off };
+        let mut face = TrimmedFace { net, prepared, polygons, positions: Vec::new() };
         face.positions = face.polygons.vertices.iter().map(|at| face.surface_point(*at)).collect();
         faces.push(face);
     }
@@ -165,7 +168,7 @@ fn one_round(
     let indices: Vec<usize> = (0..faces.len()).collect();
     let made = par_map(job, &indices, |_, index| {
         let face = &faces[*index];
-        let triangles = triangulate(&face.lattice, &face.polygons)?;
+        let triangles = triangulate(&face.prepared.lattice, &face.polygons)?;
         let first = sewn.first[*index] as usize;
         let targets = &moved[first..first + face.positions.len()];
         Ok(bounded_face(face, &triangles, targets, surfaces[*index].is_flipped()))
@@ -179,7 +182,7 @@ fn one_round(
     }
     let bent = bounded.iter().fold(0.0, |most: f64, face| greater(face.bent, most));
     let mesh = join(&faces, &sewn, &moved, bounded)?;
-    let kept = faces.into_iter().map(|face| (face.pieces, face.lattice, face.off)).collect();
+    let kept = faces.into_iter().map(|face| face.prepared).collect();
     Ok((mesh, bent, kept))
 }
 
@@ -200,10 +203,11 @@ fn bounded_face(
     is_flipped: bool,
 ) -> BoundedFace {
     let n_border = targets.len();
-    let positions: Vec<[f64; 3]> = triangles.vertices.iter().map(|at| face.lattice.position(*at)).collect();
+    let lattice = &face.prepared.lattice;
+    let positions: Vec<[f64; 3]> = triangles.vertices.iter().map(|at| lattice.position(*at)).collect();
     let turned = |normal: [f64; 3]| if is_flipped { normal.map(|x| -x) } else { normal };
     let normals =
-        triangles.vertices.iter().map(|at| turned(face.lattice.normal(*at).unwrap_or_default())).collect();
+        triangles.vertices.iter().map(|at| turned(lattice.normal(*at).unwrap_or_default())).collect();
     // A few roundings of a length.
     let moved: Vec<f64> = (0..n_border)
         .map(|k| length(difference(positions[k], targets[k])) * (1.0 + 8.0 * f64::EPSILON))
@@ -212,7 +216,6 @@ fn bounded_face(
         let all = corners.iter().filter_map(|k| moved.get(*k as usize));
         all.fold(0.0, |most: f64, moved| greater(*moved, most))
     };
-    let lattice = &face.lattice;
     let (mut bent, mut worst) = (0.0, None);
     for (corners, patch) in &triangles.triangles {
         let places = corners.map(|k| triangles.vertices[k as usize]);
@@ -238,7 +241,7 @@ fn bounded_face(
     });
     let left = left.chain(std::iter::repeat(0.0)).zip(&stray).map(|(bent, edge)| bent + shift(edge));
     bent = left.fold(bent, greater);
-    let off = face.off + face.polygons.off + lattice.rounding + lattice.parameter_rounding;
+    let off = face.prepared.off + face.polygons.off + lattice.rounding + lattice.parameter_rounding;
     let ordered = |t: [u32; 3]| if is_flipped { [t[0], t[2], t[1]] } else { t };
     BoundedFace {
         triangles: triangles.triangles.iter().map(|(t, _)| ordered(*t)).collect(),
@@ -345,7 +348,7 @@ fn shaded(
 
 /// What is said of loops that enclose no area.
 fn refusal(surface: usize, face: &TrimmedFace<'_>, conflict: TrimConflict) -> Failure<Mesh> {
-    let (lattice, polygons) = (&face.lattice, &face.polygons);
+    let (lattice, polygons) = (&face.prepared.lattice, &face.polygons);
     let message = if let Some([u, v]) = TrimPieces::crossing_edges(lattice, polygons) {
         format!("a trim loop of surface {surface} crosses itself or another one near u {u:.6}, v {v:.6}")
     } else if let Some(index) = TrimPieces::backward(lattice, polygons) {
