@@ -55,6 +55,10 @@ impl KnotVector {
             return Err(InvalidNurbs::NoLength);
         }
         let [from, to] = [knots[degree], knots[n_control]];
+        // Twice more than the degree: a control point too many.
+        if let Some(index) = (0..n_control).find(|k| knots[*k] == knots[k + degree + 1]) {
+            return Err(InvalidNurbs::RepeatedEnd { index, degree });
+        }
         // Once more than the degree: the curve would jump.
         let too_often = |k: usize| knots[k] == knots[k + degree] && knots[k] > from && knots[k] < to;
         if let Some(index) = (0..knots.len() - degree).find(|k| too_often(*k)) {
@@ -135,7 +139,12 @@ impl KnotVector {
     /// Whether the spline starts at its first control point, and ends at its last.
     pub(super) fn clamped_ends(&self) -> [bool; 2] {
         let (p, n) = (self.degree, self.n_control());
-        [self.knots[1] == self.knots[p], self.knots[n] == self.knots[n + p - 1]]
+        // Where the end is there once more than that, a later control point is the first, or an earlier one the last.
+        let [first, last] = [self.spans[0], self.spans[self.spans.len() - 1]];
+        [
+            self.knots[1] == self.knots[p] && first == p,
+            self.knots[n] == self.knots[n + p - 1] && last + 1 == n,
+        ]
     }
 
     /// The piece at a parameter, and the place in it from 0 to 1; outside of the domain that of its nearer end.
@@ -241,6 +250,13 @@ pub enum InvalidNurbs {
         /// The degree.
         degree: usize,
     },
+    /// A knot occurs more often than once more than the degree, even for an end.
+    RepeatedEnd {
+        /// The index of the first of them.
+        index: usize,
+        /// The degree.
+        degree: usize,
+    },
     /// The first and the last parameter are equal.
     NoLength,
     /// The number of control points or weights is another one than the knots need.
@@ -312,6 +328,11 @@ impl fmt::Display for InvalidNurbs {
                 f,
                 "knot {index} occurs more often than the degree {degree}, so that the curve would jump there: split it in two"
             ),
+            Self::RepeatedEnd { index, degree } => write!(
+                f,
+                "knot {index} occurs more than {} times, which is as often as degree {degree} allows at an end",
+                degree + 1
+            ),
             Self::NoLength => {
                 f.write_str("the knots have no length: the first and the last parameter are equal")
             }
@@ -344,3 +365,43 @@ impl fmt::Display for InvalidNurbs {
 }
 
 impl std::error::Error for InvalidNurbs {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::explicit::nurbs::NurbsCurve;
+
+    /// A knot beyond those that repeat at an end leaves a control point without influence.
+    #[test]
+    fn a_curve_starts_at_its_first_control_point_only_if_it_has_influence() {
+        for (p, knots) in [
+            (1, vec![-1.0, 0.0, 0.0, 1.0, 1.0]),
+            (1, vec![0.0, 0.0, 1.0, 1.0, 2.0]),
+            (2, vec![-1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0]),
+            (2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0]),
+        ] {
+            let is_first = knots[0] < 0.0;
+            let knots = KnotVector::new(p, knots).unwrap();
+            assert_eq!(knots.clamped_ends(), [!is_first, is_first]);
+            let mut control = vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]][..=p].to_vec();
+            control.insert(if is_first { 0 } else { p + 1 }, [50.0, 70.0]);
+            for weight in [1.0, 2.0] {
+                let mut weights = vec![1.0; p + 2];
+                weights[1] = weight;
+                let curve = NurbsCurve::new(knots.clone(), control.clone(), weights).unwrap();
+                let raised = curve.elevated(1).unwrap();
+                for other in [curve.to_curve().unwrap(), raised.to_curve().unwrap()] {
+                    for (t, there) in [(0.0, 0.0), (0.3, 0.3), (1.0, 1.0)] {
+                        let (a, b) = (curve.at(t), other.at(there));
+                        assert!((a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-12, "{p} {t} {a:?} {b:?}");
+                    }
+                }
+            }
+        }
+        let often = KnotVector::new(1, vec![0.0, 0.0, 0.0, 1.0, 1.0]).unwrap_err();
+        assert_eq!(
+            often.to_string(),
+            "knot 0 occurs more than 2 times, which is as often as degree 1 allows at an end"
+        );
+    }
+}
