@@ -101,7 +101,7 @@ impl<const D: usize> NurbsCurve<D> {
 
     /// The same points at other parameters: the domain is stretched and moved to that from `from` to `to`.
     ///
-    /// Knots are rounded, equal ones alike, by one unit in the last place of the larger of the two ends. That moves a point
+    /// Knots are rounded, equal ones alike, by three units in the last place of the larger of the two ends. That moves a point
     /// along the curve by as much as the curve is fast.
     ///
     /// # Errors
