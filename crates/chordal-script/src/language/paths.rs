@@ -1,5 +1,5 @@
 //! Paths: curves of the plane and of space, which shapes are made of.
-use super::bind::{BoundArgs, Function, ParameterDefault, defaulting, optional, required};
+use super::bind::{BoundArgs, Function, ParameterDefault, counted_result, defaulting, optional, required};
 use super::{Arg, CallError};
 use chordal::budget::{Bounded, Failure};
 use chordal::convert::splines::{Corners, SplineFit, points_to_spline};
@@ -63,7 +63,7 @@ pub(super) const PATHS: &[Function] = &[
     },
     Function {
         name: "bezier",
-        parameters: &[required("points")],
+        parameters: &[required("control")],
         about: "Cubic Bézier curves, one after the other: four control points, and three for each one more.",
         distance: "",
         make: |given| in_any_space(given, bezier_of::<2>, bezier_of::<3>),
@@ -186,10 +186,29 @@ fn arc(given: &BoundArgs) -> Result<Arg, CallError> {
     let made = Arc::new(centre, [[radius, 0.0], [0.0, radius]], start.to_radians(), angle.to_radians());
     let no_path = |why: String| given.fault(&format!("has no path: {why}"));
     let arc = made.map_err(|why| no_path(why.to_string()))?;
-    let arc = if is_whole { arc.with_ends([arc.ends()[0]; 2]) } else { arc };
+    // Quarters of a turn end where they do, and not a rounding beside it: on the axis of a profile, say.
+    let mut at = [start, start + angle].map(quarter_turn).map(|known| {
+        known.map(|[x, y]| [centre[0] + radius * x, centre[1] + radius * y])
+    });
+    if is_whole {
+        at[1] = Some(at[0].unwrap_or(arc.ends()[0]));
+    }
+    let ends = [0, 1].map(|k| at[k].unwrap_or(arc.ends()[k]));
+    let arc = arc.with_ends(ends);
     let ends = CurveEnds::from(is_whole);
     let curve = Curve::new(vec![CurveSegment::Arc(arc)], ends).map_err(|why| no_path(why.to_string()))?;
     Ok(Arg::path(curve.into()))
+}
+
+/// The direction of a whole number of quarters of a turn.
+fn quarter_turn(degrees: f64) -> Option<[f64; 2]> {
+    match degrees.rem_euclid(360.0) {
+        0.0 => Some([1.0, 0.0]),
+        90.0 => Some([0.0, 1.0]),
+        180.0 => Some([-1.0, 0.0]),
+        270.0 => Some([0.0, -1.0]),
+        _ => None,
+    }
 }
 
 fn fit_of<const D: usize>(given: &BoundArgs) -> Result<Curve<D>, CallError> {
@@ -268,5 +287,5 @@ pub(super) fn polygon(given: &BoundArgs) -> Result<Arg, CallError> {
     let made = outline_to_field(&outline, &budget, given.job());
     let Bounded { shape, bound } = made.map_err(|failure| failed(given, &failure))?;
     note_bound(given, bound.at_most().unwrap_or(f64::INFINITY));
-    given.shape_result(Ok(shape), &[])
+    counted_result(given, Ok(shape), &[])
 }
