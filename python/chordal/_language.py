@@ -6,10 +6,18 @@ What each of them means, and what its value is worth as a distance, is on the pa
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import SupportsFloat
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from chordal._curve import Curve
 from chordal._field import Field, Formula, called
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from numpy.typing import NDArray
+
+    #: Points, each of two or three numbers.
+    _Points: TypeAlias = Sequence[Sequence[SupportsFloat]] | NDArray[Any]
 
 
 def sphere(radius: SupportsFloat) -> Field:
@@ -118,7 +126,7 @@ def triangle(
     return called("triangle", a, b, c, thickness)  # type: ignore[no-any-return]
 
 
-def hull(points: Sequence[Sequence[SupportsFloat]], radius: SupportsFloat = 0) -> Field:
+def hull(points: _Points, radius: SupportsFloat = 0) -> Field:
     """The convex hull of points, or of balls of one radius around them.
 
     The value is worth: exact.
@@ -126,11 +134,7 @@ def hull(points: Sequence[Sequence[SupportsFloat]], radius: SupportsFloat = 0) -
     return called("hull", points, radius)  # type: ignore[no-any-return]
 
 
-def sweep(
-    path: Curve | Sequence[Sequence[SupportsFloat]],
-    profile: Field | SupportsFloat,
-    tolerance: SupportsFloat | None = None,
-) -> Field:
+def sweep(path: Curve | _Points, profile: Field | SupportsFloat, tolerance: SupportsFloat | None = None) -> Field:
     """A tube, where the profile is a radius: all points nearer than that to a path, or to the straight lines through
     points. Or a shape of the plane swept along them, with mitres where lines meet. A path becomes straight lines within
     the tolerance: a 4096th of its box's diagonal unless said. `Field.notes` has the distance.
@@ -205,9 +209,7 @@ def segment(a: Sequence[SupportsFloat], b: Sequence[SupportsFloat], radius: Supp
     return called("segment", a, b, radius)  # type: ignore[no-any-return]
 
 
-def polygon(
-    points: Curve | Sequence[Sequence[SupportsFloat]], tolerance: SupportsFloat | None = None
-) -> Field:
+def polygon(points: Curve | _Points, tolerance: SupportsFloat | None = None) -> Field:
     """The polygon with these corners, each of two numbers. Or what a path of the plane encloses: its polygon within the
     tolerance, a 4096th of its box's diagonal unless said. `Field.notes` has the distance.
 
@@ -224,7 +226,7 @@ def regular_polygon(sides: SupportsFloat, radius: SupportsFloat) -> Field:
     return called("regular_polygon", sides, radius)  # type: ignore[no-any-return]
 
 
-def planar_hull(points: Sequence[Sequence[SupportsFloat]]) -> Field:
+def planar_hull(points: _Points) -> Field:
     """The convex hull of points of the plane.
 
     The value is worth: exact.

@@ -25,8 +25,9 @@ def text(
 
     Raises `ReadError` for what the font cannot set, and `OSError` where there is none.
     """
-    font_file = load(font, format="ttf", text=text, em=em, axes=axes)
-    return Field(_chordal.drawing_field(font_file._source, shown(font), number("tolerance", tolerance)))
+    length = number("tolerance", tolerance)
+    letters = load(font, format="ttf", text=text, em=em, axes=axes)
+    return Field(_chordal.drawing_field(letters._source, shown(font), length))
 
 
 def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
@@ -35,5 +36,5 @@ def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
 
     Raises `ReadError` where the file is no drawing, and `OSError` where there is none.
     """
-    drawing = load(name, format="svg")
-    return Field(_chordal.drawing_field(drawing._source, shown(name), number("tolerance", tolerance)))
+    length = number("tolerance", tolerance)
+    return Field(_chordal.drawing_field(load(name, format="svg")._source, shown(name), length))

@@ -96,10 +96,12 @@ def test_a_fitted_path_is_near_its_points_and_no_nearer_than_it_says() -> None:
     path = chordal.fit(points, 1e-3, closed=True)
     assert path.closed and path.n_pieces < 12
     assert path.bound is not None and path.bound.at_most is not None
-    dense = sampled(path, 4000)
-    found = np.sqrt(((points[:, None] - dense) ** 2).sum(axis=2).min(axis=1)).max()
-    # Samples are less than 0.002 apart.
-    assert found <= path.bound.at_most + 1e-6 and path.bound.at_most <= 1e-3
+    line = sampled(path, 1000)
+    a, d = line[:-1], np.diff(line, axis=0)
+    s = np.clip(((points[:, None] - a) * d).sum(axis=2) / (d * d).sum(axis=1), 0, 1)
+    found = np.linalg.norm(points[:, None] - (a + s[..., None] * d), axis=2).min(axis=1).max()
+    # Chords of a few thousandths are off by a millionth.
+    assert 0.9 * path.bound.at_most < found <= path.bound.at_most + 1e-6 and path.bound.at_most <= 1e-3
 
 
 @pytest.mark.parametrize(
@@ -195,7 +197,8 @@ def test_a_font_sets_a_text_as_a_solid_and_as_a_field(tmp_path: Path) -> None:
     assert len(letters.flatten(tol=1e-3)) == 2
     field = chordal.text("A A", font, 0.01, em=10)
     assert field([[2.5, 3.5, 0], [7, 3.5, 0], [11.5, 3.5, 0]]).tolist() == [-2.5, 2, -2.5]
-    assert field.notes == ()
+    # Straight lines, but for the rounding of where they are placed.
+    assert float(field.notes[0].split("within ")[1].split()[0]) < 1e-12
     drawing = tmp_path / "a.svg"
     drawing.write_text("<svg xmlns='http://www.w3.org/2000/svg'><circle r='2'/></svg>")
     disc = chordal.svg(drawing, 0.01)
@@ -204,7 +207,7 @@ def test_a_font_sets_a_text_as_a_solid_and_as_a_field(tmp_path: Path) -> None:
 
 def test_texts_that_a_font_cannot_set_are_one_sentence(tmp_path: Path) -> None:
     whole = bar_font()
-    with pytest.raises(chordal.ReadError, match="more than 10000 characters"):
+    with pytest.raises(chordal.ReadError, match="more than 10,000 characters"):
         chordal.load(whole, text="A" * 1_000_000)
     with pytest.raises(chordal.ReadError, match="no glyph for 'B'"):
         chordal.load(whole, text="AB")
@@ -216,8 +219,10 @@ def test_texts_that_a_font_cannot_set_are_one_sentence(tmp_path: Path) -> None:
         chordal.load(whole, em=2)
     with pytest.raises(chordal.ReadError):
         chordal.load(whole, text="A", axes={"wght": 700})
-    with pytest.raises(ValueError):
+    with pytest.raises(TypeError, match="tolerance: a number"):
         chordal.text("A", tmp_path / "none.ttf", "much")  # type: ignore[arg-type]
+    with pytest.raises(FileNotFoundError):
+        chordal.text("A", tmp_path / "none.ttf", 0.1)
     random = np.random.default_rng(SEED)
     outcomes = set()
     for _ in range(300):

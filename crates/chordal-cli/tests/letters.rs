@@ -133,9 +133,9 @@ fn a_text_too_long_is_refused_in_a_sentence() {
     // As long as an argument can be; a script has a tenth of a million of them.
     let text = "A".repeat(100_000);
     run(&["mesh", &font, "--text", &text, "--tol", "1", "-o", &folder.text("a.stl")])
-        .fails_with(3, &["more than 10000 characters"]);
+        .fails_with(3, &["more than 10,000 characters"]);
     let script = folder.file("long.star", format!("text('{text}', 'tiny.ttf', 0.01)"));
-    run(&["inspect", &script]).fails_with(3, &["more than 10000 characters"]);
+    run(&["inspect", &script]).fails_with(3, &["more than 10,000 characters"]);
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod combine;
 mod formula;
 mod materials;
 mod paths;
+mod script_path;
 mod solids;
 mod sweep;
 mod transforms;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 
 pub use bind::{BoundArgs, Function, FunctionParameter, ParameterDefault};
 pub use formula::operate;
-pub use paths::ScriptPath;
+pub use script_path::ScriptPath;
 
 /// A value that functions of the language take and return.
 #[derive(Clone, Debug)]

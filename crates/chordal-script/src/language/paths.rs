@@ -1,6 +1,6 @@
 //! Paths: curves of the plane and of space, which shapes are made of.
 use super::bind::{BoundArgs, Function, ParameterDefault, counted_result, defaulting, optional, required};
-use super::{Arg, CallError};
+use super::{Arg, CallError, ScriptPath};
 use chordal::budget::{Bounded, Failure};
 use chordal::convert::splines::{Corners, SplineFit, points_to_spline};
 use chordal::convert::{curve_to_polyline, outline_to_field};
@@ -10,38 +10,6 @@ use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment, FillRule, Outline, 
 use chordal::implicit::shapes;
 use chordal::math::greater;
 use chordal::{Bezier, Budget, Tolerance};
-
-/// A path of the language.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ScriptPath {
-    /// One of the plane.
-    Plane(Curve<2>),
-    /// One of space.
-    Space(Curve<3>),
-}
-
-impl ScriptPath {
-    /// The number of its pieces.
-    #[must_use]
-    pub fn n_pieces(&self) -> usize {
-        match self {
-            Self::Plane(curve) => curve.segments().len(),
-            Self::Space(curve) => curve.segments().len(),
-        }
-    }
-}
-
-impl From<Curve<2>> for ScriptPath {
-    fn from(curve: Curve<2>) -> Self {
-        Self::Plane(curve)
-    }
-}
-
-impl From<Curve<3>> for ScriptPath {
-    fn from(curve: Curve<3>) -> Self {
-        Self::Space(curve)
-    }
-}
 
 const NOTHING: ParameterDefault = ParameterDefault::Nothing;
 

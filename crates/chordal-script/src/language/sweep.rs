@@ -1,7 +1,7 @@
 //! Shapes along paths: tubes, and shapes of the plane that are swept.
 use super::bind::BoundArgs;
-use super::paths::{ScriptPath, failed, polyline};
-use super::{Arg, CallError, Solid};
+use super::paths::{failed, polyline};
+use super::{Arg, CallError, ScriptPath, Solid};
 use chordal::convert::curve_to_field;
 use chordal::explicit::{Curve, CurveSegment, Polyline};
 use chordal::implicit::{Field, shapes};
@@ -84,10 +84,14 @@ fn tube(given: &BoundArgs, lines: &SweptLines, radius: f64) -> Result<Arg, CallE
 /// A shape of the plane along lines.
 fn swept(given: &BoundArgs, lines: &SweptLines, profile: &Solid) -> Result<Arg, CallError> {
     // Each piece holds the shape three times: by itself and with both of its neighbours.
-    let copies = 3 * lines.points.len() as u64;
-    given.weighted_shape_result(
-        profile.field.swept_along(&lines.points, lines.is_closed),
-        &[profile],
-        copies,
-    )
+    let n_pieces = lines.points.len() as u64;
+    let made = profile.field.swept_along(&lines.points, lines.is_closed);
+    Ok(match given.weighted_shape_result(made, &[profile], 3 * n_pieces)? {
+        // The planes and frames of a piece have some dozen terms.
+        Arg::Shape(solid) => {
+            let own = solid.own + 100 * n_pieces;
+            Arg::Shape(Solid { weight: solid.weight.saturating_add(own), own, ..solid })
+        }
+        other => other,
+    })
 }
