@@ -106,12 +106,12 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
         return Err(Fault::usage("--tol is for drawings to svg: everything else is converted as it is"));
     }
     let hint = if args.tol.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };
-    let outcome = convert_within(input, args.set.form(to), args.tol, &job)
-        .spelled(&CommandLine)
-        .map_err(|failure| match failure {
+    let outcome = convert_within(input, args.set.form(to), args.tol, &job).spelled(&CommandLine).map_err(
+        |failure| match failure {
             MeshFailure::Usage(why) => Fault::usage(format!("{name}: {why}{hint}")),
             failure => run_outcome::fault(&name, &failure, ""),
-        })?;
+        },
+    )?;
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };

@@ -174,16 +174,17 @@ fn curves_go_to_svg_as_cubics_and_arcs_become_some_within_a_length() {
         // Points of the written cubics are on the unit circle within the bound.
         let written = fs::read_to_string(folder.path("d.svg")).unwrap();
         let data = written.split("d=\"M").nth(1).unwrap().split('"').next().unwrap().replace('Z', "");
-        let mut pieces = data.split('C').map(|piece| {
-            piece.split_whitespace().map(|x| x.parse::<f64>().unwrap()).collect::<Vec<f64>>()
-        });
+        let mut pieces = data
+            .split('C')
+            .map(|piece| piece.split_whitespace().map(|x| x.parse::<f64>().unwrap()).collect::<Vec<f64>>());
         let mut from: [f64; 2] = pieces.next().unwrap().try_into().unwrap();
         let mut n_points = 0;
         for piece in pieces {
             let control = [from, [piece[0], piece[1]], [piece[2], piece[3]], [piece[4], piece[5]]];
             for step in 0..=100 {
                 let t = f64::from(step) / 100.0;
-                let basis = [(1.0 - t).powi(3), 3.0 * t * (1.0 - t).powi(2), 3.0 * t * t * (1.0 - t), t.powi(3)];
+                let basis =
+                    [(1.0 - t).powi(3), 3.0 * t * (1.0 - t).powi(2), 3.0 * t * t * (1.0 - t), t.powi(3)];
                 let [x, y] = [0, 1].map(|k| (0..4).map(|i| basis[i] * control[i][k]).sum::<f64>());
                 assert!((x.hypot(y) - 1.0).abs() <= at_most, "{name}: {} {at_most}", x.hypot(y) - 1.0);
                 n_points += 1;
@@ -192,8 +193,11 @@ fn curves_go_to_svg_as_cubics_and_arcs_become_some_within_a_length() {
         }
         assert!(n_points > 100, "{written}");
     }
-    let straight = folder.file("line.json", "{\"curves\": [[[0, 0], [1, 0], [2, 0], [3, 0]]]}");
-    run(&["convert", &straight, &folder.text("e.json"), "--tol", "1"]).fails_with(2, &["--tol is for drawings to svg"]);
+    run(&["convert", &circle, &folder.text("e.ply"), "--tol", "1"]).fails_with(2, &["chordal mesh"]);
+    let straight =
+        folder.file("line.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L1 0'/></svg>");
+    run(&["convert", &straight, &folder.text("e.json"), "--tol", "1"])
+        .fails_with(2, &["--tol is for drawings to svg"]);
 }
 
 #[test]

@@ -135,7 +135,11 @@ fn a_text_too_long_is_refused_in_a_sentence() {
     run(&["mesh", &font, "--text", &text, "--tol", "1", "-o", &folder.text("a.stl")])
         .fails_with(3, &["more than 10,000 characters"]);
     let script = folder.file("long.star", format!("text('{text}', 'tiny.ttf', 0.01)"));
-    run(&["inspect", &script]).fails_with(3, &["more than 10,000 characters"]);
+    // With the line that it is about below.
+    let refused = run(&["inspect", &script]);
+    let first = refused.stderr.lines().next().unwrap_or_default();
+    assert_eq!(refused.code, 3, "{refused:?}");
+    assert!(first.ends_with("more than 10,000 characters, which is the limit"), "{first}");
 }
 
 #[test]
@@ -165,7 +169,17 @@ fn a_font_with_a_broken_table_is_refused_in_a_sentence_or_set() {
         cases.push(with_entry(0, 0x7878_7878));
         for (case, font) in cases.into_iter().enumerate() {
             let font = folder.file("broken.ttf", font);
-            let made = run(&["mesh", &font, "--text", "AOX", "--tol", "1e-3", "-o", &folder.text("a.stl"), "--force"]);
+            let made = run(&[
+                "mesh",
+                &font,
+                "--text",
+                "AOX",
+                "--tol",
+                "1e-3",
+                "-o",
+                &folder.text("a.stl"),
+                "--force",
+            ]);
             let lines = made.stderr.lines().count();
             assert!(matches!(made.code, 0 | 3 | 5), "{name} {case}: {made:?}");
             if made.code != 0 {

@@ -169,7 +169,10 @@ pub(crate) fn to_cubics(py: Python<'_>, source: &Source, tol: f64) -> PyResult<(
                 worst = Some(bound);
             }
         }
-        Ok((paths.with_lines(lines), worst.unwrap_or_else(|| Bound::exact(chordal::budget::Reference::Curves))))
+        Ok((
+            paths.with_lines(lines),
+            worst.unwrap_or_else(|| Bound::exact(chordal::budget::Reference::Curves)),
+        ))
     }
     let tol = length(py, "tol", tol)?;
     let (shape, bound) = match source.shape().clone() {
@@ -216,10 +219,8 @@ pub(crate) fn fit(py: Python<'_>, points: PyBackedBytes, how: FitArguments) -> P
     }
     let FitArguments { width, tolerance, closed, corners, unit } = how;
     let frame = frame_in(unit.as_deref())?;
-    let fit = SplineFit {
-        length: length(py, "tolerance", tolerance)?,
-        corners: Corners::Sharper { deg: corners },
-    };
+    let fit =
+        SplineFit { length: length(py, "tolerance", tolerance)?, corners: Corners::Sharper { deg: corners } };
     let ends = CurveEnds::from(closed);
     let (path, bound) = if width == 2 {
         let made = work::run(py, None, move |job| of::<2>(&numbers(&points), (ends, &fit), job))?;
@@ -233,7 +234,12 @@ pub(crate) fn fit(py: Python<'_>, points: PyBackedBytes, how: FitArguments) -> P
 
 /// What a drawing fills as a field: the distance to polygons within a length.
 #[pyfunction]
-pub(crate) fn drawing_field(py: Python<'_>, source: &Source, name: &str, tolerance: f64) -> PyResult<ScriptValue> {
+pub(crate) fn drawing_field(
+    py: Python<'_>,
+    source: &Source,
+    name: &str,
+    tolerance: f64,
+) -> PyResult<ScriptValue> {
     let Shape::Drawing(drawing) = source.shape().clone() else {
         return Err(PyValueError::new_err(format!("{name}: {} are no drawing", source.shape().kind())));
     };

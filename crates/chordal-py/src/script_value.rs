@@ -106,7 +106,9 @@ impl ScriptValue {
     fn field(&self) -> PyResult<&Field> {
         match &self.arg {
             Arg::Shape(solid) => Ok(&solid.field),
-            Arg::Path(_) => Err(PyTypeError::new_err("this is a path; polygon() fills it, and sweep() follows it")),
+            Arg::Path(_) => {
+                Err(PyTypeError::new_err("this is a path; polygon() fills it, and sweep() follows it"))
+            }
             _ => Err(PyTypeError::new_err("this is a formula; field() makes a shape of it")),
         }
     }
@@ -185,11 +187,8 @@ impl ScriptValue {
     /// The coordinate of that number.
     #[staticmethod]
     fn axis(k: usize) -> PyResult<Self> {
-        let found = Arg::axes().into_iter().nth(k).map(|(_, arg)| Self {
-            arg,
-            calls: Vec::new(),
-            notes: Vec::new(),
-        });
+        let found =
+            Arg::axes().into_iter().nth(k).map(|(_, arg)| Self { arg, calls: Vec::new(), notes: Vec::new() });
         found.ok_or_else(|| PyValueError::new_err("there are three axes"))
     }
 

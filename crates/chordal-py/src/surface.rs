@@ -24,7 +24,11 @@ pub(crate) struct SurfaceArguments {
 
 /// A surface from coordinates and weights, row by row, in double precision and the byte order of the machine.
 #[pyfunction]
-pub(crate) fn surface(control: PyBackedBytes, weights: PyBackedBytes, of: SurfaceArguments) -> PyResult<Source> {
+pub(crate) fn surface(
+    control: PyBackedBytes,
+    weights: PyBackedBytes,
+    of: SurfaceArguments,
+) -> PyResult<Source> {
     let frame = frame_in(of.unit.as_deref())?;
     let knots = [0, 1].map(|k| match &of.knots {
         Some(knots) => KnotVector::new(of.degrees[k], knots[k].clone()),

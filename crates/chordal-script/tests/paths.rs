@@ -41,10 +41,11 @@ fn cubics<const D: usize>(control: &[[f64; D]], steps: usize) -> Vec<[f64; D]> {
 /// The parity of crossings of a polygon's sides with a ray.
 fn is_inside(polygon: &[[f64; 2]], p: [f64; 2]) -> bool {
     let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
-    sides.filter(|(a, b)| {
-        (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-    })
-    .count()
+    sides
+        .filter(|(a, b)| {
+            (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        })
+        .count()
         % 2
         == 1
 }
@@ -268,10 +269,16 @@ fn what_is_no_path_is_one_sentence() {
         ("polygon(nurbs([[0, 0], [1, 1]], 1, weights=[1, -1]))", "nurbs() has no path"),
         ("polygon(arc(-1))", "arc() needs a radius above 0, not -1"),
         ("polygon(arc(1, 0, 400))", "between -360 and 360 degrees"),
-        ("polygon(bezier([[0, 0, 0], [1, 1, 0], [2, 0, 0], [3, 0, 0]]))", "a path of the plane, not one of space"),
+        (
+            "polygon(bezier([[0, 0, 0], [1, 1, 0], [2, 0, 0], [3, 0, 0]]))",
+            "a path of the plane, not one of space",
+        ),
         ("polygon(arc(1), -1)", "polygon() needs a tolerance"),
         ("polygon([[0, 0], [1, 1], [2, 0]], 1)", "is exact, and has no tolerance"),
-        ("polygon(bezier([[0, 0], [1, 0], [2, 0], [3, 0]]))", "enclose nothing"),
+        (
+            "polygon(bezier([[0, 0], [1, 0], [2, 0], [3, 0]]))",
+            "polygon() is refused: no contour has three different corners",
+        ),
         ("sweep([[0, 0, 0], [1, 0, 0]], 'a')", "a radius or a shape for 'profile', not a text"),
         ("sweep([[0, 0, 0], [1, 0, 0]], plane([1, 0, 0]))", "needs an end on all sides"),
         ("sweep([[0, 0, 0]], circle(1))", "at least 2"),

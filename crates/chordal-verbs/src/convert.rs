@@ -1,6 +1,6 @@
 //! `convert`: the same shape in another format, with a note for everything that it does not hold.
-use crate::finish::finish_triangles;
 use crate::cubic_paths::cubic_paths;
+use crate::finish::finish_triangles;
 use crate::geometry_digest::{polylines_digest, volume_digest, written_digest, written_polygons_digest};
 use crate::pass_through::pass_through;
 use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts};
@@ -13,9 +13,9 @@ use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
 use chordal::{Job, Mesh, Tolerance};
 use chordal_io::{
-    Drawing, FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, Warning, WriteError, losses,
-    losses_of_polygons, polygon_rounding, svg, write, write_files, write_polygons, write_polygons_files,
-    write_polylines, write_volume,
+    Drawing, FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, Warning, WriteError,
+    losses, losses_of_polygons, polygon_rounding, svg, write, write_files, write_polygons,
+    write_polygons_files, write_polylines, write_volume,
 };
 use serde_json::Value;
 use std::io::Write;
@@ -180,7 +180,9 @@ pub fn convert_within(
             certificate.notes.extend(line_losses(&drawing, to));
             let (drawing, bound, [n_lines, n_cubics]) = cubic_paths(drawing, length, job)?;
             let n_paths = drawing.lines.len();
-            certificate.notes.push(format!("paths: {n_paths}, of {n_lines} lines and {n_cubics} cubics").into());
+            certificate
+                .notes
+                .push(format!("paths: {n_paths}, of {n_lines} lines and {n_cubics} cubics").into());
             (ConvertedShape::Paths(drawing), bound)
         }
         Shape::Drawing(drawing) => {

@@ -26,20 +26,23 @@ pub(crate) fn cubic_paths(
             continue;
         }
         let Some(length) = length else {
-            let message =
-                "svg holds lines and cubics: arcs and rational curves become cubics within a length, and there is none";
+            let message = "svg holds lines and cubics: arcs and rational curves become cubics within a length, and there is none";
             return Err(MeshFailure::Usage(message.into()));
         };
-        let Bounded { shape, bound } = curve_to_cubics(curve, length, job).map_err(|failure| match failure {
-            Failure::Refused(refusal) => MeshFailure::Refused(refusal),
-            Failure::Cancelled => MeshFailure::Cancelled,
-            Failure::Unmet(_) => MeshFailure::refused(RefusalCode::BelowPrecision, "the length is not reached"),
-        })?;
+        let Bounded { shape, bound } =
+            curve_to_cubics(curve, length, job).map_err(|failure| match failure {
+                Failure::Refused(refusal) => MeshFailure::Refused(refusal),
+                Failure::Cancelled => MeshFailure::Cancelled,
+                Failure::Unmet(_) => {
+                    MeshFailure::refused(RefusalCode::BelowPrecision, "the length is not reached")
+                }
+            })?;
         at_most = greater(bound.at_most().unwrap_or(f64::INFINITY), at_most);
         lines.push(shape);
     }
     let pieces = lines.iter().flat_map(Curve::segments);
-    let (straight, cubic): (Vec<_>, Vec<_>) = pieces.partition(|piece| matches!(piece, CurveSegment::Line(_)));
+    let (straight, cubic): (Vec<_>, Vec<_>) =
+        pieces.partition(|piece| matches!(piece, CurveSegment::Line(_)));
     let counts = [straight.len(), cubic.len()];
     let reference = chordal::budget::Reference::Curves;
     let bound = if at_most == 0.0 { Bound::exact(reference) } else { Bound::proved(0.0, at_most, reference) };

@@ -26,7 +26,13 @@ pub fn write(
             "svg holds the plane only; json holds polylines in space".to_owned(),
         ));
     };
-    document(drawn, bounds(drawn.lines.iter().flat_map(|line| &line.points).copied()), certificate, out, polyline)
+    document(
+        drawn,
+        bounds(drawn.lines.iter().flat_map(|line| &line.points).copied()),
+        certificate,
+        out,
+        polyline,
+    )
 }
 
 /// Writes paths of lines and cubics as [`write`] does polylines: with all digits.

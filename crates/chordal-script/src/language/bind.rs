@@ -179,7 +179,8 @@ impl Function {
             }
         }
         let found = args.into_iter().zip(self.single()).map(|(arg, p)| {
-            arg.or(p.default.map(ParameterDefault::arg)).ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
+            arg.or(p.default.map(ParameterDefault::arg))
+                .ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
         });
         let (args, job, notes) = (found.collect::<Result<_, _>>()?, Job::default(), RefCell::default());
         Ok(BoundArgs { function: self, args, rest, job, notes })
@@ -257,7 +258,9 @@ impl BoundArgs {
         };
         match points.first() {
             Some(Arg::List(first)) if matches!(first.len(), 2 | 3) => Ok(first.len()),
-            Some(Arg::List(first)) => Err(self.wrong(k, "points of 2 or 3 numbers", &first.len().to_string())),
+            Some(Arg::List(first)) => {
+                Err(self.wrong(k, "points of 2 or 3 numbers", &first.len().to_string()))
+            }
             Some(other) => Err(self.wrong(k, "points of 2 or 3 numbers", other.kind())),
             None => Err(self.wrong(k, "points of 2 or 3 numbers", "an empty list")),
         }

@@ -93,7 +93,9 @@ fn spline_of<const D: usize>(given: &BoundArgs) -> Result<Curve<D>, CallError> {
         "uniform" => Knots::Uniform,
         other => {
             let shown: String = other.chars().take(40).collect();
-            return Err(given.fault(&format!("needs 'centripetal', 'chordal' or 'uniform' knots, not '{shown}'")));
+            return Err(
+                given.fault(&format!("needs 'centripetal', 'chordal' or 'uniform' knots, not '{shown}'"))
+            );
         }
     };
     let ends = match (given.given(3), is_closed) {
@@ -113,13 +115,11 @@ fn spline_of<const D: usize>(given: &BoundArgs) -> Result<Curve<D>, CallError> {
 fn bezier_of<const D: usize>(given: &BoundArgs) -> Result<Curve<D>, CallError> {
     let points = given.points::<D>(0)?;
     if points.len() < 4 || points.len() % 3 != 1 {
-        return Err(given.fault(&format!(
-            "needs 4 points, or 3n + 1 for n curves in a row, not {}",
-            points.len()
-        )));
+        return Err(
+            given.fault(&format!("needs 4 points, or 3n + 1 for n curves in a row, not {}", points.len()))
+        );
     }
-    let cubic =
-        |at: usize| Bezier { control: [points[at], points[at + 1], points[at + 2], points[at + 3]] };
+    let cubic = |at: usize| Bezier { control: [points[at], points[at + 1], points[at + 2], points[at + 3]] };
     let cubics = (0..points.len() - 1).step_by(3).map(|at| CurveSegment::Cubic(cubic(at)));
     Curve::new(cubics.collect(), CurveEnds::Open).map_err(|why| given.fault(&format!("has no path: {why}")))
 }
@@ -155,9 +155,9 @@ fn arc(given: &BoundArgs) -> Result<Arg, CallError> {
     let no_path = |why: String| given.fault(&format!("has no path: {why}"));
     let arc = made.map_err(|why| no_path(why.to_string()))?;
     // Quarters of a turn end where they do, and not a rounding beside it: on the axis of a profile, say.
-    let mut at = [start, start + angle].map(quarter_turn).map(|known| {
-        known.map(|[x, y]| [centre[0] + radius * x, centre[1] + radius * y])
-    });
+    let mut at = [start, start + angle]
+        .map(quarter_turn)
+        .map(|known| known.map(|[x, y]| [centre[0] + radius * x, centre[1] + radius * y]));
     if is_whole {
         at[1] = Some(at[0].unwrap_or(arc.ends()[0]));
     }

@@ -223,7 +223,11 @@ pub(super) const CHANGE: &[Function] = &[
         make: |given| {
             apply_step(given, |given, field| {
                 let [height, bevel] = given.numbers(1)?;
-                Ok(if bevel == 0.0 { field.extruded(height) } else { field.extruded_with_bevel(height, bevel) })
+                Ok(if bevel == 0.0 {
+                    field.extruded(height)
+                } else {
+                    field.extruded_with_bevel(height, bevel)
+                })
             })
         },
     },

@@ -95,11 +95,16 @@ impl Field {
         }
         let least = if is_closed { 3 } else { 2 };
         if at.len() < least {
-            return wrong(format!("a path has {} different points, and must have at least {least}", at.len()));
+            return wrong(format!(
+                "a path has {} different points, and must have at least {least}",
+                at.len()
+            ));
         }
         let n_pieces = if is_closed { at.len() } else { at.len() - 1 };
         if n_pieces > MOST_PIECES {
-            return wrong(format!("a path has {n_pieces} straight pieces, and must have at most {MOST_PIECES}"));
+            return wrong(format!(
+                "a path has {n_pieces} straight pieces, and must have at most {MOST_PIECES}"
+            ));
         }
         let n = at.len();
         let ends = |k: usize| [at[k], at[(k + 1) % n]];
@@ -108,19 +113,20 @@ impl Field {
             let both: [f64; 3] = std::array::from_fn(|k| directions[before][k] + directions[after][k]);
             if length(both) < BACK {
                 let point = at[after];
-                return Err(InvalidShape::Number(format!("the path turns back at its point {after}, {point:?}")));
+                return Err(InvalidShape::Number(format!(
+                    "the path turns back at its point {after}, {point:?}"
+                )));
             }
             Ok(scaled(both, 1.0 / length(both)))
         };
         let mut frame = SweepFrame::first(directions[0]);
         let mut pieces = Vec::with_capacity(n_pieces);
-        for k in 0..n_pieces {
+        for (k, along) in directions.iter().copied().enumerate() {
             if k > 0 {
-                frame = frame.next(joint(k - 1, k)?, directions[k]);
+                frame = frame.next(joint(k - 1, k)?, along);
             }
-            let start = if k > 0 || is_closed { joint((k + n_pieces - 1) % n_pieces, k)? } else { directions[k] };
-            let end =
-                if k + 1 < n_pieces || is_closed { joint(k, (k + 1) % n_pieces)? } else { directions[k] };
+            let start = if k > 0 || is_closed { joint((k + n_pieces - 1) % n_pieces, k)? } else { along };
+            let end = if k + 1 < n_pieces || is_closed { joint(k, (k + 1) % n_pieces)? } else { along };
             let piece = MitredPiece { frame, ends: ends(k), normals: [start, end] };
             if self.corner_rows(&piece).iter().any(|[a, b]| dot(difference(*b, *a), frame.along) <= 0.0) {
                 return wrong(format!(
