@@ -294,15 +294,15 @@ impl ScriptValue {
             n_bytes: 0,
             sha256: sha256(&[]),
             files: Vec::new(),
-            warnings: self.notes.iter().map(warning_of).collect(),
+            warnings: self.notes.iter().map(|note| warning_of(note)).collect(),
         };
         Ok(Source::from_input(input, self.calls.clone()))
     }
 }
 
 /// A sentence as a warning of the input, as a script's report has it.
-fn warning_of(note: &String) -> Warning {
-    Warning { code: "script-said", count: 1, place: FileLocation::File, message: note.clone().into() }
+fn warning_of(note: &str) -> Warning {
+    Warning { code: "script-said", count: 1, place: FileLocation::File, message: note.to_owned().into() }
 }
 
 /// Every function of the language: its name, how it is called, what it makes, and what the value is worth.

@@ -29,6 +29,9 @@ pub(crate) struct Source {
     calls: Vec<Arc<CallLog>>,
 }
 
+/// A text, the length of the em, and where axes of the font are.
+type LetterArguments = (String, f64, Vec<(String, f64)>);
+
 /// How to read some bytes.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -43,7 +46,7 @@ pub(crate) struct Reading {
     drop_nonfinite: bool,
     surface: Option<String>,
     /// What a font sets, its em, and where its axes are.
-    letters: Option<(String, f64, Vec<(String, f64)>)>,
+    letters: Option<LetterArguments>,
 }
 
 impl Reading {
