@@ -6,8 +6,8 @@ from typing import Any, Final, TypedDict, final, type_check_only
 from chordal._budget import BudgetArguments
 
 __all__ = [
-    "Array", "Cage", "MOST_BYTES", "Outcome", "ScriptValue", "Source", "VERSION", "combine", "command", "drawing_field", "extruded",
-    "fit", "language", "path_at", "path_facts", "path_source", "revolved", "script", "surface", "to_cubics", "view",
+    "Array", "Cage", "MOST_BYTES", "Outcome", "ScriptValue", "Source", "VERSION", "combine", "command",
+    "drawing_field", "extruded", "fit", "language", "path_at", "path_facts", "path_source", "revolved", "script", "surface", "to_cubics", "view",
 ]
 
 VERSION: Final[str]
