@@ -285,7 +285,7 @@ fn what_is_no_path_is_one_sentence() {
         ("sweep([[0, 0, 0], [9, 0, 0], [0, 0, 0]], circle(1))", "turns back at its point 1"),
         ("sweep(arc(1), circle(1.5))", "bends too sharply at its piece 0"),
         (
-            "sweep(spline([[2, 0, 0], [0, 2, 1], [-2, 0, 0], [0, -2, 2]], closed=True), circle(0.1))",
+            "sweep(spline([[2, 0, 0], [0, 2, 1], [-3, 0, 0.5], [0, -2, 3]], closed=True), circle(0.1))",
             "lies in no plane, and the shape comes back turned by",
         ),
         ("extrude(circle(1), 2, bevel=1)", "a bevel is 1, and must be less than half of the height, 1"),
