@@ -16,7 +16,7 @@ True
 from chordal._bound import Bound
 from chordal._cage import Cage
 from chordal._chordal import VERSION as __version__
-from chordal._curve import Curve, bezier
+from chordal._curve import Curve, arc, bezier, fit, nurbs, spline
 from chordal._deviation import Deviation, OneSided
 from chordal._errors import (
     BudgetError,
@@ -28,49 +28,57 @@ from chordal._errors import (
     WriteError,
 )
 from chordal._field import Field, Formula, check, fail, field, param, script
-from chordal._language import (
+from chordal._formulas import (
     acos,
     asin,
     atan,
     atan2,
+    ceil,
+    cos,
+    exp,
+    floor,
+    log,
+    maximum,
+    minimum,
+    pi,
+    radians,
+    sin,
+    sqrt,
+    tan,
+    x,
+    y,
+    z,
+)
+from chordal._language import (
     bend,
     box,
     capsule,
-    ceil,
     circle,
     color,
     complement,
     cone,
-    cos,
     cylinder,
     diamond,
     difference,
     displace,
     ellipsoid,
-    exp,
     extrude,
-    floor,
     gyroid,
     hull,
     intersection,
     linear,
     loft,
-    log,
     material,
-    maximum,
-    minimum,
     minkowski,
     mirror,
     move,
     octahedron,
     offset,
-    pi,
     planar_hull,
     plane,
     polar,
     polygon,
     prism,
-    radians,
     rectangle,
     redistance,
     regular_polygon,
@@ -87,16 +95,13 @@ from chordal._language import (
     section,
     segment,
     shell,
-    sin,
     smooth_difference,
     smooth_intersection,
     smooth_union,
     sphere,
-    sqrt,
     stretch,
     sweep,
     symmetric,
-    tan,
     taper,
     tetrahedron,
     thread,
@@ -104,13 +109,12 @@ from chordal._language import (
     triangle,
     twist,
     union,
-    x,
-    y,
-    z,
 )
+from chordal._letters import svg, text
 from chordal._mesh import Mesh
 from chordal._polylines import Polyline, Polylines
 from chordal._shape import Shape, load, triangles
+from chordal._surface import surface
 from chordal._verify import verify
 from chordal._view import View
 from chordal._volume import Volume, volume
@@ -138,6 +142,7 @@ __all__ = [
     "WriteError",
     "__version__",
     "acos",
+    "arc",
     "asin",
     "atan",
     "atan2",
@@ -161,6 +166,7 @@ __all__ = [
     "extrude",
     "fail",
     "field",
+    "fit",
     "floor",
     "gyroid",
     "hull",
@@ -175,6 +181,7 @@ __all__ = [
     "minkowski",
     "mirror",
     "move",
+    "nurbs",
     "octahedron",
     "offset",
     "param",
@@ -207,13 +214,17 @@ __all__ = [
     "smooth_intersection",
     "smooth_union",
     "sphere",
+    "spline",
     "sqrt",
     "stretch",
+    "surface",
+    "svg",
     "sweep",
     "symmetric",
     "tan",
     "taper",
     "tetrahedron",
+    "text",
     "thread",
     "torus",
     "triangle",

@@ -28,6 +28,8 @@ class BudgetArguments(TypedDict):
     spacing: str
     effort: str
     require: str | None
+    extrude: tuple[str, str] | None
+    bevel: tuple[str, str] | None
 
 
 def budget_arguments(
@@ -44,6 +46,8 @@ def budget_arguments(
     spacing: str = "fewest",
     effort: str = "best",
     require: str | None = None,
+    extrude: Length | None = None,
+    bevel: Length | None = None,
     counted: str,
     is_needed: bool = True,
 ) -> BudgetArguments:
@@ -62,6 +66,8 @@ def budget_arguments(
         "spacing": text("spacing", spacing) or "",
         "effort": text("effort", effort) or "",
         "require": None if require is None else text("require", require),
+        "extrude": None if extrude is None else ("extrude", length("extrude", extrude)),
+        "bevel": None if bevel is None else ("bevel", length("bevel", bevel)),
     }
     if is_needed and not (found["length"] or found["pixels"] or found["triangles"] or found["segments"]):
         raise BudgetError(

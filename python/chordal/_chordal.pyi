@@ -5,7 +5,10 @@ from typing import Any, Final, TypedDict, final, type_check_only
 
 from chordal._budget import BudgetArguments
 
-__all__ = ["Array", "Cage", "MOST_BYTES", "Outcome", "ScriptValue", "Source", "VERSION", "combine", "command", "language", "script", "view"]
+__all__ = [
+    "Array", "Cage", "MOST_BYTES", "Outcome", "ScriptValue", "Source", "VERSION", "combine", "command",
+    "drawing_field", "extruded", "fit", "language", "path_at", "path_facts", "path_source", "revolved", "script", "surface", "to_cubics", "view",
+]
 
 VERSION: Final[str]
 MOST_BYTES: Final[int]
@@ -20,6 +23,7 @@ class Reading(TypedDict):
     lenient: bool
     drop_nonfinite: bool
     surface: str | None
+    letters: tuple[str, float, list[tuple[str, float]]] | None
 
 @type_check_only
 class Tags(TypedDict):
@@ -50,6 +54,21 @@ class Meant(TypedDict):
     border: str
     labels: Sequence[int] | None
     smooth: str | None
+
+@type_check_only
+class FitArguments(TypedDict):
+    width: int
+    tolerance: float
+    closed: bool
+    corners: float
+    unit: str | None
+
+@type_check_only
+class SurfaceArguments(TypedDict):
+    shape: tuple[int, int]
+    degrees: tuple[int, int]
+    knots: tuple[list[float], list[float]] | None
+    unit: str | None
 
 @final
 class Array:
@@ -132,6 +151,8 @@ class ScriptValue:
     @property
     def is_shape(self) -> bool: ...
     @property
+    def notes(self) -> list[str]: ...
+    @property
     def distance(self) -> tuple[str, str]: ...
     @property
     def evidence(self) -> tuple[str, list[str]]: ...
@@ -150,6 +171,15 @@ def combine(
     format: str,
     progress: Callable[[str, int, int], object] | None,
 ) -> Outcome: ...
+def path_source(value: ScriptValue, unit: str | None) -> Source: ...
+def path_facts(source: Source) -> tuple[int, int, int, bool]: ...
+def path_at(source: Source, places: bytes | bytearray, order: int) -> bytes: ...
+def to_cubics(source: Source, tol: float) -> tuple[Source, str]: ...
+def fit(points: bytes | bytearray, how: FitArguments) -> tuple[Source, str]: ...
+def drawing_field(source: Source, name: str, tolerance: float) -> ScriptValue: ...
+def surface(control: bytes | bytearray, weights: bytes | bytearray, of: SurfaceArguments) -> Source: ...
+def revolved(source: Source) -> Source: ...
+def extruded(source: Source, along: Sequence[float]) -> Source: ...
 def language() -> list[tuple[str, str, str, str]]: ...
 def script(
     text: str, set: Sequence[tuple[str, float]]

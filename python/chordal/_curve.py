@@ -1,19 +1,24 @@
-"""`bezier` and `Curve`: curves by their control points."""
+"""Curves: Béziers, splines, arcs and NURBS, and what can be made of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, Literal, SupportsFloat, SupportsIndex
+import json
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import function, text
+from chordal._arguments import function, number, text
 from chordal._arrays import coordinates
+from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
 from chordal._polylines import Polylines
 from chordal._view import View
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from chordal._shape import Shape
 
 
 def bezier(control: ArrayLike, *, unit: str | None = None) -> Curve:
@@ -39,17 +44,234 @@ def bezier(control: ArrayLike, *, unit: str | None = None) -> Curve:
     if copied.ndim == 2 and (shape[0] < 4 or shape[0] % 3 != 1):
         raise ValueError(f"control: 4 points, or 3n + 1 for a chain of n pieces, not {shape[0]}")
     counts = (shape[0], 4, shape[2]) if copied.ndim == 3 else (1, shape[0], shape[1])
-    return Curve(_chordal.Source.curves(copied.tobytes(), counts, text("unit", unit)), counts)
+    return Curve(_chordal.Source.curves(copied.tobytes(), counts, text("unit", unit)))
+
+
+def spline(
+    points: ArrayLike,
+    closed: bool = False,
+    knots: Literal["centripetal", "chordal", "uniform"] = "centripetal",
+    tangents: ArrayLike | None = None,
+    *,
+    unit: str | None = None,
+) -> Curve:
+    """The smooth path through points, n × 2 or n × 3: cubics, with equal second derivatives where they meet.
+
+    It is C2 by its knots: their intervals are the square roots of the distances of the points ("centripetal"), the
+    distances ("chordal"), or equal ("uniform"). Without `tangents` it does not bend at its ends; two tangents are its
+    derivatives there, by the knots. A `closed` path goes on to its first point, which is not given twice.
+
+    >>> import chordal
+    >>> path = chordal.spline([(0, 0), (1, 2), (3, 1), (4, 4)])
+    >>> path
+    <Curve: 1 curve of 3 pieces, 2-D>
+    >>> path.points_at([0, 1, 3])
+    array([[0., 0.],
+           [1., 2.],
+           [4., 4.]])
+    """
+    ends = None if tangents is None else _points("tangents", tangents)
+    return _made("spline", unit, _points("points", points), bool(closed), knots, ends)
+
+
+def nurbs(
+    control: ArrayLike,
+    degree: SupportsIndex = 3,
+    weights: ArrayLike | None = None,
+    knots: ArrayLike | None = None,
+    *,
+    unit: str | None = None,
+) -> Curve:
+    """The rational B-spline with these control points, n × 2 or n × 3, of a degree from 1 to 30.
+
+    It starts and ends at the first and the last control point, with uniform knots between, unless `knots` has n + degree
+    + 1 of its own. `weights` are n, above 0, and 1 unless said.
+
+    >>> import chordal
+    >>> quarter = chordal.nurbs([(1, 0), (1, 1), (0, 1)], degree=2, weights=[1, 0.5**0.5, 1])
+    >>> quarter.points_at([0.5]).round(4).tolist()
+    [[0.7071, 0.7071]]
+    """
+    heavy = None if weights is None else coordinates("weights", weights).ravel().tolist()
+    places = None if knots is None else coordinates("knots", knots).ravel().tolist()
+    return _made("nurbs", unit, _points("control", control), degree, heavy, places)
+
+
+def arc(
+    radius: SupportsFloat,
+    start: SupportsFloat = 0,
+    degrees: SupportsFloat = 360,
+    center: Sequence[SupportsFloat] | None = None,
+    *,
+    unit: str | None = None,
+) -> Curve:
+    """An arc of a circle of the plane, counter-clockwise over an angle from a start, both in degrees; a whole circle
+    unless said. It is exact: no cubics stand for it.
+
+    >>> import chordal
+    >>> ring = chordal.arc(0.5, center=(2, 0)).revolve()  # a torus
+    >>> ring.mesh(tol=0.01).report["certificate"]["valid"]["closed"]
+    True
+    """
+    middle = None if center is None else [float(x) for x in center]
+    return _made("arc", unit, radius, start, degrees, middle)
+
+
+def fit(
+    points: ArrayLike,
+    tolerance: SupportsFloat,
+    closed: bool = False,
+    corners: SupportsFloat = 30,
+    *,
+    unit: str | None = None,
+) -> Curve:
+    """A path of few cubics that passes every one of many points, n × 2 or n × 3, within a tolerance. `bound` of the path is
+    the largest distance from a point to it. It has corners where points turn by more than `corners`, in degrees: more for
+    noisy points.
+
+    Raises `Refused` where the tolerance is below rounding.
+
+    >>> import chordal, numpy
+    >>> t = numpy.linspace(0, 10, 201)
+    >>> wave = chordal.fit(numpy.column_stack([t, numpy.sin(t)]), 1e-3)
+    >>> wave.n_pieces < 12, wave.bound.at_most <= 1e-3, wave.bound.metric
+    (True, True, 'one-sided')
+    """
+    rows = coordinates("points", points)
+    if rows.ndim != 2 or rows.shape[1] not in (2, 3):
+        raise ValueError(f"points: rows of 2 or 3 coordinates, as in (n, 2), not {rows.shape}")
+    how: _chordal.FitArguments = {
+        "width": rows.shape[1],
+        "tolerance": number("tolerance", tolerance),
+        "closed": bool(closed),
+        "corners": number("corners", corners),
+        "unit": text("unit", unit),
+    }
+    source, bound = _chordal.fit(rows.tobytes(), how)
+    return Curve(source, bound_of(json.loads(bound)))
+
+
+def _points(name: str, points: ArrayLike) -> list[list[float]]:
+    rows = coordinates(name, points)
+    if rows.ndim != 2 or rows.shape[1] not in (2, 3):
+        hint = "; is it the wrong way round?" if rows.ndim == 2 and rows.shape[0] in (2, 3) else ""
+        raise ValueError(f"{name}: rows of 2 or 3 coordinates, as in (n, 2), not {rows.shape}{hint}")
+    found: list[list[float]] = rows.tolist()
+    return found
+
+
+def _made(name: str, unit: str | None, *args: Any) -> Curve:
+    """What a function of the language of shape scripts makes."""
+    value = _chordal.ScriptValue.call(name, *args)
+    assert isinstance(value, _chordal.ScriptValue)
+    return Curve(_chordal.path_source(value, text("unit", unit)))
 
 
 class Curve:
-    """One or more curves. `bezier` makes it; it does not change."""
+    """One or more curves. `bezier`, `spline`, `nurbs`, `arc` and `fit` make it; it does not change.
 
-    __slots__ = ("_counts", "_source")
+    `polygon` fills one curve of the plane, and `sweep` follows one: both make a `Field`. `revolve` and `extrude` make
+    NURBS surfaces.
+    """
 
-    def __init__(self, source: _chordal.Source, counts: tuple[int, int, int]) -> None:
+    __slots__ = ("_bound", "_source")
+
+    def __init__(self, source: _chordal.Source, bound: Bound | None = None) -> None:
         self._source: Final = source
-        self._counts: Final = counts
+        self._bound: Final = bound
+
+    @property
+    def bound(self) -> Bound | None:
+        """What was lost where it was made of another curve or of points; None where nothing was."""
+        return self._bound
+
+    @property
+    def n_pieces(self) -> int:
+        """The number of its pieces, of all curves together."""
+        return _chordal.path_facts(self._source)[1]
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is one curve that ends where it starts, and is smooth or has a corner there like anywhere."""
+        return _chordal.path_facts(self._source)[3]
+
+    def points_at(self, places: ArrayLike) -> NDArray[np.float64]:
+        """The points at places: a whole number is the start of that piece, its fraction the parameter in it. They are
+        `Polyline.places`. The last axis of the result is that of the coordinates.
+
+        >>> import chordal
+        >>> chordal.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).points_at(0.5)
+        array([0.5 , 0.75])
+        """
+        return self._at(places, 0)
+
+    def derivatives(self, places: ArrayLike, order: Literal[1, 2] = 1) -> NDArray[np.float64]:
+        """The first or second derivatives at places, by the parameter of each piece, which runs from 0 to 1. Where pieces
+        meet it is that of the one that starts there.
+
+        >>> import chordal
+        >>> chordal.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).derivatives([0, 0.5])
+        array([[0. , 3. ],
+               [1.5, 0. ]])
+        """
+        if order not in (1, 2):
+            raise ValueError(f"order: 1 or 2, not {order}")
+        return self._at(places, order)
+
+    def _at(self, places: ArrayLike, order: int) -> NDArray[np.float64]:
+        import numpy as np
+
+        found = coordinates("places", places)
+        width = _chordal.path_facts(self._source)[2]
+        return np.frombuffer(_chordal.path_at(self._source, found.tobytes(), order)).reshape(*found.shape, width)
+
+    def to_cubics(self, *, tol: SupportsFloat) -> Curve:
+        """The same as lines and cubic Bézier curves within a distance, few of them: what SVG and fonts can hold. Lines and
+        cubics stay as they are. `bound` of the result is proved, both ways.
+
+        >>> import chordal
+        >>> circle = chordal.arc(1).to_cubics(tol=1e-3)
+        >>> circle, circle.bound.at_most < 2.8e-4
+        (<Curve: 1 curve of 4 pieces, 2-D>, True)
+        """
+        source, bound = _chordal.to_cubics(self._source, number("tol", tol))
+        return Curve(source, bound_of(json.loads(bound)))
+
+    def revolve(self) -> Shape:
+        """The surface that a curve of the plane sweeps in a full turn about its y axis, which then stands along z: its
+        coordinates are radius and height. An exact NURBS surface.
+
+        >>> import chordal
+        >>> ball = chordal.arc(1, start=-90, degrees=180).revolve()
+        >>> tube = chordal.nurbs([(1, 0), (1, 2)], degree=1).revolve()
+        >>> cone = chordal.nurbs([(1, 0), (0, 2)], degree=1).revolve()
+        >>> [surface.mesh(tol=0.01).bound.evidence for surface in (ball, tube, cone)]
+        ['proved', 'proved', 'proved']
+        """
+        from chordal._shape import Shape
+
+        return Shape(_chordal.revolved(self._source))
+
+    def extrude(self, along: Sequence[SupportsFloat]) -> Shape:
+        """The surface that the curve sweeps along a vector of three numbers. A curve of the plane lies at z = 0. An exact
+        NURBS surface, without ends.
+
+        >>> import chordal
+        >>> chordal.spline([(0, 0), (1, 2), (3, 1)]).extrude((0, 0, 2)).mesh(tol=0.01).bound.evidence
+        'proved'
+        """
+        from chordal._shape import Shape
+
+        vector = [number("along", x) for x in along]
+        if len(vector) != 3:
+            raise ValueError(f"along: three numbers, not {len(vector)}")
+        return Shape(_chordal.extruded(self._source, vector))
+
+    def shape(self) -> Shape:
+        """The curves as a `Shape`, to be inspected; `mesh` of one in the plane fills it."""
+        from chordal._shape import Shape
+
+        return Shape(self._source)
 
     def flatten(
         self,
@@ -88,7 +310,7 @@ class Curve:
         return Polylines.of(self._source.mesh(budget, "json", function("progress", progress)))
 
     def __repr__(self) -> str:
-        n_curves, n_points, n_coordinates = self._counts
-        n_pieces = (n_points - 1) // 3
+        n_curves, n_pieces, n_coordinates, _ = _chordal.path_facts(self._source)
+        n_pieces //= n_curves
         curves = f"{n_curves} curve{'' if n_curves == 1 else 's'}"
         return f"<Curve: {curves} of {n_pieces} piece{'' if n_pieces == 1 else 's'}, {n_coordinates}-D>"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from chordal import _chordal
 from chordal._arguments import text as _text
 from chordal._arrays import coordinates
+from chordal._curve import Curve
 from chordal._shape import Shape
 
 if TYPE_CHECKING:
@@ -23,6 +24,10 @@ def _value(value: Any) -> Any:
     """What the compiled part knows of a value, or of those in a list."""
     if isinstance(value, (Field, Formula)):
         return value._value
+    if isinstance(value, Curve):
+        return value._source
+    if hasattr(value, "__array_interface__"):
+        return value.tolist()
     if isinstance(value, (list, tuple)):
         return [_value(item) for item in value]
     return value
@@ -152,6 +157,17 @@ class Field(Shape):
     def assumptions(self) -> tuple[str, ...]:
         """What proofs about it assume, in sentences."""
         return tuple(self._value.evidence[1])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was said of what it is made of, in sentences: how far the polygons are off that stand for curves.
+
+        >>> import chordal
+        >>> disc = chordal.polygon(chordal.arc(1), tolerance=0.01)
+        >>> disc.notes[0].endswith("(proved), and no bound of the result counts that")
+        True
+        """
+        return tuple(self._value.notes)
 
     @property
     def bounds(self) -> Box:

@@ -5,15 +5,19 @@ What each of them means, and what its value is worth as a distance, is on the pa
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import SupportsFloat, overload
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from chordal import _chordal
+from chordal._curve import Curve
 from chordal._field import Field, Formula, called
 
-pi = math.pi
-x, y, z = (Formula(_chordal.ScriptValue.axis(k)) for k in range(3))
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from numpy.typing import NDArray
+
+    #: Points, each of two or three numbers.
+    _Points: TypeAlias = Sequence[Sequence[SupportsFloat]] | NDArray[Any]
 
 
 def sphere(radius: SupportsFloat) -> Field:
@@ -122,7 +126,7 @@ def triangle(
     return called("triangle", a, b, c, thickness)  # type: ignore[no-any-return]
 
 
-def hull(points: Sequence[Sequence[SupportsFloat]], radius: SupportsFloat = 0) -> Field:
+def hull(points: _Points, radius: SupportsFloat = 0) -> Field:
     """The convex hull of points, or of balls of one radius around them.
 
     The value is worth: exact.
@@ -130,12 +134,14 @@ def hull(points: Sequence[Sequence[SupportsFloat]], radius: SupportsFloat = 0) -
     return called("hull", points, radius)  # type: ignore[no-any-return]
 
 
-def sweep(points: Sequence[Sequence[SupportsFloat]], radius: SupportsFloat) -> Field:
-    """A tube: all points nearer than a radius to the path through these points.
+def sweep(path: Curve | _Points, profile: Field | SupportsFloat, tolerance: SupportsFloat | None = None) -> Field:
+    """A tube, where the profile is a radius: all points nearer than that to a path, or to the straight lines through
+    points. Or a shape of the plane swept along them, with mitres where lines meet. A path becomes straight lines within
+    the tolerance: a 4096th of its box's diagonal unless said. `Field.notes` has the distance.
 
-    The value is worth: outside exact, inside a lower bound.
+    The value is worth: of these lines outside exact, inside a lower bound; a lower bound for a shape.
     """
-    return called("sweep", points, radius)  # type: ignore[no-any-return]
+    return called("sweep", path, profile, tolerance)  # type: ignore[no-any-return]
 
 
 def thread(name: str, height: SupportsFloat, clearance: SupportsFloat = 0) -> Field:
@@ -203,12 +209,13 @@ def segment(a: Sequence[SupportsFloat], b: Sequence[SupportsFloat], radius: Supp
     return called("segment", a, b, radius)  # type: ignore[no-any-return]
 
 
-def polygon(points: Sequence[Sequence[SupportsFloat]]) -> Field:
-    """The polygon with these corners, each of two numbers.
+def polygon(points: Curve | _Points, tolerance: SupportsFloat | None = None) -> Field:
+    """The polygon with these corners, each of two numbers. Or what a path of the plane encloses: its polygon within the
+    tolerance, a 4096th of its box's diagonal unless said. `Field.notes` has the distance.
 
     The value is worth: exact; lower bound where it crosses itself.
     """
-    return called("polygon", points)  # type: ignore[no-any-return]
+    return called("polygon", points, tolerance)  # type: ignore[no-any-return]
 
 
 def regular_polygon(sides: SupportsFloat, radius: SupportsFloat) -> Field:
@@ -219,7 +226,7 @@ def regular_polygon(sides: SupportsFloat, radius: SupportsFloat) -> Field:
     return called("regular_polygon", sides, radius)  # type: ignore[no-any-return]
 
 
-def planar_hull(points: Sequence[Sequence[SupportsFloat]]) -> Field:
+def planar_hull(points: _Points) -> Field:
     """The convex hull of points of the plane.
 
     The value is worth: exact.
@@ -418,12 +425,13 @@ def redistance(shape: Field, within: SupportsFloat) -> Field:
     return called("redistance", shape, within)  # type: ignore[no-any-return]
 
 
-def extrude(shape: Field, height: SupportsFloat) -> Field:
-    """A shape of the plane made a solid of that height, half above and half below.
+def extrude(shape: Field, height: SupportsFloat, bevel: SupportsFloat = 0) -> Field:
+    """A shape of the plane made a solid of that height, half above and half below. A bevel cuts the edges of both ends
+    off at 45 degrees, so wide and high, by the depths that the shape's value says.
 
-    The value is worth: as it was.
+    The value is worth: as it was; with a bevel a lower bound.
     """
-    return called("extrude", shape, height)  # type: ignore[no-any-return]
+    return called("extrude", shape, height, bevel)  # type: ignore[no-any-return]
 
 
 def section(shape: Field, z: SupportsFloat = 0) -> Field:
@@ -506,138 +514,3 @@ def material(
     The value is worth: as it was.
     """
     return called("material", shape, name, color, metallic, roughness)  # type: ignore[no-any-return]
-
-
-@overload
-def sqrt(value: SupportsFloat) -> float: ...
-@overload
-def sqrt(value: Formula | SupportsFloat) -> Formula | float: ...
-def sqrt(value: Formula | SupportsFloat) -> Formula | float:
-    """The square root."""
-    return called("sqrt", value)  # type: ignore[no-any-return]
-
-
-@overload
-def exp(value: SupportsFloat) -> float: ...
-@overload
-def exp(value: Formula | SupportsFloat) -> Formula | float: ...
-def exp(value: Formula | SupportsFloat) -> Formula | float:
-    """The exponential function."""
-    return called("exp", value)  # type: ignore[no-any-return]
-
-
-@overload
-def log(value: SupportsFloat) -> float: ...
-@overload
-def log(value: Formula | SupportsFloat) -> Formula | float: ...
-def log(value: Formula | SupportsFloat) -> Formula | float:
-    """The natural logarithm."""
-    return called("log", value)  # type: ignore[no-any-return]
-
-
-@overload
-def sin(value: SupportsFloat) -> float: ...
-@overload
-def sin(value: Formula | SupportsFloat) -> Formula | float: ...
-def sin(value: Formula | SupportsFloat) -> Formula | float:
-    """The sine of an angle in radians."""
-    return called("sin", value)  # type: ignore[no-any-return]
-
-
-@overload
-def cos(value: SupportsFloat) -> float: ...
-@overload
-def cos(value: Formula | SupportsFloat) -> Formula | float: ...
-def cos(value: Formula | SupportsFloat) -> Formula | float:
-    """The cosine of an angle in radians."""
-    return called("cos", value)  # type: ignore[no-any-return]
-
-
-@overload
-def tan(value: SupportsFloat) -> float: ...
-@overload
-def tan(value: Formula | SupportsFloat) -> Formula | float: ...
-def tan(value: Formula | SupportsFloat) -> Formula | float:
-    """The tangent of an angle in radians."""
-    return called("tan", value)  # type: ignore[no-any-return]
-
-
-@overload
-def asin(value: SupportsFloat) -> float: ...
-@overload
-def asin(value: Formula | SupportsFloat) -> Formula | float: ...
-def asin(value: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a sine."""
-    return called("asin", value)  # type: ignore[no-any-return]
-
-
-@overload
-def acos(value: SupportsFloat) -> float: ...
-@overload
-def acos(value: Formula | SupportsFloat) -> Formula | float: ...
-def acos(value: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a cosine."""
-    return called("acos", value)  # type: ignore[no-any-return]
-
-
-@overload
-def atan(value: SupportsFloat) -> float: ...
-@overload
-def atan(value: Formula | SupportsFloat) -> Formula | float: ...
-def atan(value: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a tangent."""
-    return called("atan", value)  # type: ignore[no-any-return]
-
-
-@overload
-def floor(value: SupportsFloat) -> float: ...
-@overload
-def floor(value: Formula | SupportsFloat) -> Formula | float: ...
-def floor(value: Formula | SupportsFloat) -> Formula | float:
-    """The largest whole number that is not above."""
-    return called("floor", value)  # type: ignore[no-any-return]
-
-
-@overload
-def ceil(value: SupportsFloat) -> float: ...
-@overload
-def ceil(value: Formula | SupportsFloat) -> Formula | float: ...
-def ceil(value: Formula | SupportsFloat) -> Formula | float:
-    """The smallest whole number that is not below."""
-    return called("ceil", value)  # type: ignore[no-any-return]
-
-
-@overload
-def radians(value: SupportsFloat) -> float: ...
-@overload
-def radians(value: Formula | SupportsFloat) -> Formula | float: ...
-def radians(value: Formula | SupportsFloat) -> Formula | float:
-    """An angle given in degrees."""
-    return called("radians", value)  # type: ignore[no-any-return]
-
-
-@overload
-def atan2(y: SupportsFloat, x: SupportsFloat) -> float: ...
-@overload
-def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float: ...
-def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float:
-    """The angle of a point."""
-    return called("atan2", y, x)  # type: ignore[no-any-return]
-
-
-@overload
-def minimum(a: SupportsFloat, b: SupportsFloat) -> float: ...
-@overload
-def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
-def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
-    """The smaller of two."""
-    return called("minimum", a, b)  # type: ignore[no-any-return]
-
-
-@overload
-def maximum(a: SupportsFloat, b: SupportsFloat) -> float: ...
-@overload
-def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
-def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
-    """The larger of two."""
-    return called("maximum", a, b)  # type: ignore[no-any-return]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal, _files
-from chordal._arguments import function, text
+from chordal._arguments import function, number
+from chordal._arguments import text as _text
 from chordal._arrays import coordinates, indices
 from chordal._bake import Bakeable
 from chordal._budget import Length, Share, budget_arguments
@@ -38,6 +39,9 @@ def load(
     lenient: bool = False,
     drop_nonfinite: bool = False,
     surface: Literal["catmull-clark", "loop", "bilinear", "faceted"] | None = None,
+    text: str | None = None,
+    em: SupportsFloat | None = None,
+    axes: Mapping[str, SupportsFloat] | None = None,
 ) -> Shape:
     """Read a shape from a file, or from the bytes of one.
 
@@ -47,7 +51,9 @@ def load(
     and an .obj whose faces name normals or texture coordinates that it does not have; `lenient` only warns of what is
     wrong without touching its geometry; not both. `drop_nonfinite` drops vertices that are not finite numbers, with
     their faces, and counts them. `surface` is what the polygons of an .obj stand for; without it they are a
-    Catmull–Clark cage where the file has subdivision tags, else triangles.
+    Catmull–Clark cage where the file has subdivision tags, else triangles. `text` is what a font sets, as a drawing;
+    `em` is the length of its em, 1 unless said, and `axes` says where axes of a variable font are, as in
+    `{"wght": 700}`.
 
     Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
 
@@ -64,15 +70,22 @@ def load(
         name, content = _files.shown(source), _files.read(source)
     else:
         raise TypeError(f"source: a path or bytes, not {type(source).__name__}")
+    if text is None and (em is not None or axes is not None):
+        raise ValueError("em, axes: they are for the text that a font sets; add text=")
+    letters = None
+    if text is not None:
+        tags = [(str(tag), number(f"axes, {tag}", value)) for tag, value in (axes or {}).items()]
+        letters = (_text("text", text) or "", 1.0 if em is None else number("em", em), tags)
     reading: _chordal.Reading = {
         "name": name,
-        "format": text("format", format),
-        "unit": text("unit", unit),
-        "up": text("up", up),
+        "format": _text("format", format),
+        "unit": _text("unit", unit),
+        "up": _text("up", up),
         "strict": bool(strict),
         "lenient": bool(lenient),
         "drop_nonfinite": bool(drop_nonfinite),
-        "surface": text("surface", surface),
+        "surface": _text("surface", surface),
+        "letters": letters,
     }
     source_of = _chordal.Source(content, reading)
     if source_of.kind == "volume":
@@ -96,7 +109,7 @@ def triangles(vertices: ArrayLike, faces: ArrayLike, *, unit: str | None = None)
     for name, array in (("vertices", points), ("faces", rows)):
         if array.ndim != 2 or array.shape[1] != 3:
             raise ValueError(f"{name}: rows of 3, as in (n, 3), not {array.shape}")
-    return Shape(_chordal.Source.triangles(points.tobytes(), rows.tobytes(), text("unit", unit)))
+    return Shape(_chordal.Source.triangles(points.tobytes(), rows.tobytes(), _text("unit", unit)))
 
 
 class Shape(Combinable, Bakeable):
@@ -109,7 +122,7 @@ class Shape(Combinable, Bakeable):
 
     @property
     def kind(self) -> str:
-        """What it is: "patches", "triangles", "cage", "drawing", "curves", "volume" or "field"."""
+        """What it is: "patches", "surfaces", "triangles", "cage", "drawing", "curves", "volume" or "field"."""
         return self._source.kind
 
     @property
@@ -163,6 +176,8 @@ class Shape(Combinable, Bakeable):
         triangles: SupportsIndex | None = None,
         effort: Literal["best", "fast"] = "best",
         require: Literal["proved", "measured"] | None = None,
+        extrude: Length | None = None,
+        bevel: Length | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
         """Triangles within a budget, with the bound that was reached. A drawing is filled.
@@ -176,7 +191,9 @@ class Shape(Combinable, Bakeable):
         largest distance to those of the input, where 1 is the texture's side, and the largest angle, in degrees; both are
         measured. All that are given hold. `require` is the
         evidence that a field's mesh needs, "proved", or "measured", which is sooner there; unless it is said, a proof
-        where there is anything to prove with, and a measurement for functions without a Lipschitz constant.
+        where there is anything to prove with, and a measurement for functions without a Lipschitz constant. `extrude` is
+        the height to which a drawing or letters are raised, as a closed solid that stands on z = 0, and `bevel` how wide
+        the edges of both its ends are cut off at 45 degrees: less than half of the height.
 
         Other Python threads run meanwhile. Ctrl-C ends it within a tenth of a second. `progress` is called with the
         name of a stage, the steps done and those in all; what it raises ends the work and comes back unchanged.
@@ -200,6 +217,8 @@ class Shape(Combinable, Bakeable):
             triangles=triangles,
             effort=effort,
             require=require,
+            extrude=extrude,
+            bevel=bevel,
             counted="triangles",
         )
         if self.kind == "curves":

@@ -61,6 +61,8 @@ class Volume(Shape):
         triangles: SupportsIndex | None = None,
         effort: Literal["best", "fast"] = "best",
         require: Literal["proved", "measured"] | None = None,
+        extrude: Length | None = None,
+        bevel: Length | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
         """The surface of the samples at the level `iso`, with its bound against their trilinear interpolant.
@@ -71,7 +73,7 @@ class Volume(Shape):
         meet still have the same triangles there, and `triangles` is for all together, whatever the `effort`. `smooth`, as in
         "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the bound stays against the
         unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost. A budget is one as for
-        `Shape.mesh`; without any the bound is what the lattice allows.
+        `Shape.mesh`; without any the bound is what the lattice allows. `extrude` and `bevel` are for drawings, and refused.
 
         >>> import chordal, numpy
         >>> i, j, k = numpy.indices((9, 9, 9)) - 4.0
@@ -87,7 +89,8 @@ class Volume(Shape):
             "smooth": None if smooth is None else smooth if isinstance(smooth, str) else repr(float(smooth)),
         }
         source = self._source.surface(meant)
-        nothing = all(limit is None for limit in (tol, rel, pixels, view, angle, uv_error, normal_error, triangles))
+        limits = (tol, rel, pixels, view, angle, uv_error, normal_error, triangles, extrude, bevel)
+        nothing = all(limit is None for limit in limits)
         budget = (
             _NO_BUDGET
             if nothing
@@ -103,6 +106,8 @@ class Volume(Shape):
                 counted="triangles",
                 effort=effort,
                 require=require,
+                extrude=extrude,
+                bevel=bevel,
             )
         )
         return Mesh.of(source.mesh(budget, "ply", function("progress", progress)))
@@ -119,6 +124,8 @@ _NO_BUDGET: BudgetArguments = {
     "spacing": "fewest",
     "effort": "best",
     "require": None,
+    "extrude": None,
+    "bevel": None,
 }
 
 
@@ -184,6 +191,7 @@ def volume(
         "lenient": False,
         "drop_nonfinite": False,
         "surface": None,
+        "letters": None,
     }
     return Volume(_chordal.Source(header.encode() + samples, reading))
 

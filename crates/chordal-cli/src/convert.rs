@@ -1,5 +1,5 @@
 //! `chordal convert`
-use crate::args::{ConsoleArgs, InputArgs};
+use crate::args::{ConsoleArgs, InputArgs, length};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
@@ -15,10 +15,11 @@ use crate::overwrite::OverwritePolicy;
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{self, SummaryLines};
+use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, RunFacts};
-use chordal_verbs::{Shape, convert, needs_mesh, polygons_lose_no_more};
+use chordal_verbs::{MeshFailure, Shape, convert_within, needs_mesh, polygons_lose_no_more};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ Examples:
   chordal convert part.stl part.3mf --unit mm
   chordal convert scene.gltf scene.glb
   chordal convert quads.obj quads.ply
+  chordal convert drawing.json drawing.svg --tol 0.01
   chordal convert samples.npy samples.nrrd
   chordal convert part.obj -o - --to stl > part.stl")]
 pub struct ConvertArgs {
@@ -53,6 +55,11 @@ pub struct ConvertArgs {
     /// The format of the output, instead of what its name says
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub to: Option<Format>,
+
+    /// For a drawing with arcs or rational curves to .svg, which holds cubics: the largest distance to these; 0.1, 0.1mm,
+    /// or 0.05% of the diagonal of its box. Lines and cubics stay as they are
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, help_heading = "Output")]
+    pub tol: Option<Length>,
 
     /// Replace the output if it exists
     #[arg(long, help_heading = "Output")]
@@ -94,9 +101,17 @@ pub fn run(args: &ConvertArgs) -> Result<(), Fault> {
     if needs_mesh(&input.shape, to) {
         return Err(Fault::usage(mesh_advice(&input.shape, &name, output)));
     }
-    let outcome = convert(input, args.set.form(to))
-        .spelled(&CommandLine)
-        .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+    let is_drawing = matches!(input.shape, Shape::Drawing(_));
+    if args.tol.is_some() && !(is_drawing && to == Format::Svg) {
+        return Err(Fault::usage("--tol is for drawings to svg: everything else is converted as it is"));
+    }
+    let hint = if args.tol.is_none() && is_drawing { "; --tol 0.1% allows one" } else { "" };
+    let outcome = convert_within(input, args.set.form(to), args.tol, &job).spelled(&CommandLine).map_err(
+        |failure| match failure {
+            MeshFailure::Usage(why) => Fault::usage(format!("{name}: {why}{hint}")),
+            failure => run_outcome::fault(&name, &failure, ""),
+        },
+    )?;
     let one = &mut |out: &mut dyn Write| outcome.write(out);
     let input = &*args.input.input;
     let place = SetPlace { target: &target, input, console: &console, names_files: outcome.names_files() };

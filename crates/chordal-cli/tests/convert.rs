@@ -138,6 +138,69 @@ fn straight_drawings_and_samples_go_to_where_they_are_held() {
 }
 
 #[test]
+fn curves_go_to_svg_as_cubics_and_arcs_become_some_within_a_length() {
+    let folder = Folder::new("convert-cubics");
+    // A bow of a cubic and a line, open and closed: to the last digit, and back.
+    let bow = "<path d='M0 0C0 0.1 1 1 1 0L2 0.3'/><path d='M0 0C0 1 1 1 1 0Z'/>";
+    folder.file("a.svg", format!("<svg xmlns='http://www.w3.org/2000/svg'>{bow}</svg>"));
+    let same = convert(&folder, "a.svg", "b.svg", &[]);
+    assert_eq!((&same["bound"]["at_most"], &same["output"]), (&0.0.into(), &Value::Null));
+    assert!(notes(&same).contains("paths: 2, of 2 lines and 2 cubics"), "{}", notes(&same));
+    let written = fs::read_to_string(folder.path("b.svg")).unwrap();
+    for data in ["d=\"M0 0C0 0.1 1 1 1 0L2 0.3\"", "d=\"M0 0C0 1 1 1 1 0Z\""] {
+        assert!(written.contains(data), "{written}");
+    }
+    convert(&folder, "b.svg", "c.svg", &[]);
+    let data = |text: &str| text.lines().filter(|line| line.starts_with("<path")).collect::<String>();
+    assert_eq!(data(&written), data(&fs::read_to_string(folder.path("c.svg")).unwrap()));
+    // A circle, as an arc and as a rational spline.
+    let circle = folder.file("circle.svg", "<svg xmlns='http://www.w3.org/2000/svg'><circle r='1'/></svg>");
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    folder.file(
+        "rational.json",
+        format!(
+            "{{\"curves\": [{{\"degree\": 2, \"knots\": [0, 0, 0, 1, 1, 1], \"control\": [[1, 0], [1, 1], [0, 1]], \
+             \"weights\": [1, {half}, 1]}}]}}"
+        ),
+    );
+    run(&["convert", &circle, &folder.text("d.svg")])
+        .fails_with(2, &["arcs and rational curves become cubics within a length", "--tol"]);
+    assert!(!folder.path("d.svg").exists());
+    for (name, length) in [("circle.svg", 1e-3), ("circle.svg", 1e-9), ("rational.json", 1e-6)] {
+        let made = convert(&folder, name, "d.svg", &["--tol", &length.to_string(), "--force"]);
+        let at_most = made["bound"]["at_most"].as_f64().unwrap();
+        assert!(at_most > 0.0 && at_most <= length, "{name}: {at_most}");
+        assert_eq!(made["bound"]["evidence"], "proved");
+        // Points of the written cubics are on the unit circle within the bound.
+        let written = fs::read_to_string(folder.path("d.svg")).unwrap();
+        let data = written.split("d=\"M").nth(1).unwrap().split('"').next().unwrap().replace('Z', "");
+        let mut pieces = data
+            .split('C')
+            .map(|piece| piece.split_whitespace().map(|x| x.parse::<f64>().unwrap()).collect::<Vec<f64>>());
+        let mut from: [f64; 2] = pieces.next().unwrap().try_into().unwrap();
+        let mut n_points = 0;
+        for piece in pieces {
+            let control = [from, [piece[0], piece[1]], [piece[2], piece[3]], [piece[4], piece[5]]];
+            for step in 0..=100 {
+                let t = f64::from(step) / 100.0;
+                let basis =
+                    [(1.0 - t).powi(3), 3.0 * t * (1.0 - t).powi(2), 3.0 * t * t * (1.0 - t), t.powi(3)];
+                let [x, y] = [0, 1].map(|k| (0..4).map(|i| basis[i] * control[i][k]).sum::<f64>());
+                assert!((x.hypot(y) - 1.0).abs() <= at_most, "{name}: {} {at_most}", x.hypot(y) - 1.0);
+                n_points += 1;
+            }
+            from = control[3];
+        }
+        assert!(n_points > 100, "{written}");
+    }
+    run(&["convert", &circle, &folder.text("e.ply"), "--tol", "1"]).fails_with(2, &["chordal mesh"]);
+    let straight =
+        folder.file("line.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L1 0'/></svg>");
+    run(&["convert", &straight, &folder.text("e.json"), "--tol", "1"])
+        .fails_with(2, &["--tol is for drawings to svg"]);
+}
+
+#[test]
 fn smooth_shapes_are_refused_with_the_verb_and_the_budget_that_make_triangles() {
     let folder = Folder::new("convert-smooth");
     let patch = folder.file("my a.bpt", PATCH);

@@ -127,6 +127,72 @@ fn scripts_have_letters_as_shapes_of_the_plane() {
 }
 
 #[test]
+fn a_text_too_long_is_refused_in_a_sentence() {
+    let folder = Folder::new("letters-long");
+    let font = folder.file("tiny.ttf", tiny_font());
+    // As long as an argument can be; a script has a tenth of a million of them.
+    let text = "A".repeat(100_000);
+    run(&["mesh", &font, "--text", &text, "--tol", "1", "-o", &folder.text("a.stl")])
+        .fails_with(3, &["more than 10,000 characters"]);
+    let script = folder.file("long.star", format!("text('{text}', 'tiny.ttf', 0.01)"));
+    // With the line that it is about below.
+    let refused = run(&["inspect", &script]);
+    let first = refused.stderr.lines().next().unwrap_or_default();
+    assert_eq!(refused.code, 3, "{refused:?}");
+    assert!(first.ends_with("more than 10,000 characters, which is the limit"), "{first}");
+}
+
+#[test]
+fn a_font_with_a_broken_table_is_refused_in_a_sentence_or_set() {
+    let folder = Folder::new("letters-broken");
+    let whole = tiny_font();
+    let n_tables = usize::from(u16::from_be_bytes([whole[4], whole[5]]));
+    let mut refused = 0;
+    for table in 0..n_tables {
+        let entry = 12 + 16 * table;
+        let number = |at: usize| u32::from_be_bytes(whole[at..at + 4].try_into().unwrap()) as usize;
+        let (from, len) = (number(entry + 8), number(entry + 12));
+        let name = String::from_utf8_lossy(&whole[entry..entry + 4]).into_owned();
+        let filled = |byte: u8| {
+            let mut font = whole.clone();
+            font[from..from + len].fill(byte);
+            font
+        };
+        let with_entry = |at: usize, value: u32| {
+            let mut font = whole.clone();
+            font[entry + at..entry + at + 4].copy_from_slice(&value.to_be_bytes());
+            font
+        };
+        // Zeros, ones, a table that starts or ends beyond the file, one that is half there, and one that is not.
+        let mut cases = vec![filled(0), filled(255), with_entry(8, u32::MAX), with_entry(12, u32::MAX)];
+        cases.push(with_entry(12, len as u32 / 2));
+        cases.push(with_entry(0, 0x7878_7878));
+        for (case, font) in cases.into_iter().enumerate() {
+            let font = folder.file("broken.ttf", font);
+            let made = run(&[
+                "mesh",
+                &font,
+                "--text",
+                "AOX",
+                "--tol",
+                "1e-3",
+                "-o",
+                &folder.text("a.stl"),
+                "--force",
+            ]);
+            let lines = made.stderr.lines().count();
+            assert!(matches!(made.code, 0 | 3 | 5), "{name} {case}: {made:?}");
+            if made.code != 0 {
+                refused += 1;
+                assert_eq!(lines, 1, "{name} {case}: {}", made.stderr);
+                assert!(!made.stderr.contains("panicked"), "{name} {case}: {}", made.stderr);
+            }
+        }
+    }
+    assert!(refused > n_tables, "{refused} of {n_tables} tables");
+}
+
+#[test]
 fn what_does_not_go_together_is_refused_in_a_sentence() {
     let folder = Folder::new("letters-refused");
     let font = folder.file("tiny.ttf", tiny_font());

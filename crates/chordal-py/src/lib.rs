@@ -11,6 +11,7 @@ mod curve;
 mod deviation;
 mod failure;
 mod outcome;
+mod path;
 mod pool;
 mod python_leaf;
 mod rows;
@@ -18,6 +19,7 @@ mod script_value;
 mod source;
 mod spec;
 mod spelling;
+mod surface;
 mod triangles;
 mod view;
 mod volume;
@@ -31,7 +33,11 @@ mod _chordal {
     #[pymodule_export]
     use super::combine::combine;
     #[pymodule_export]
+    use super::path::{drawing_field, fit, path_at, path_facts, path_source, to_cubics};
+    #[pymodule_export]
     use super::script_value::{ScriptValue, language, script};
+    #[pymodule_export]
+    use super::surface::{extruded, revolved, surface};
     #[pymodule_export]
     use super::{array::Array, cage::Cage, command::command, outcome::Outcome, source::Source, view::view};
     use chordal_io::Limits;

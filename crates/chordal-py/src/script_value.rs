@@ -1,14 +1,16 @@
 //! `ScriptValue`: a shape or a formula of the language of shape scripts, as Python holds it.
+use crate::path::path_of;
 use crate::python_leaf::{CallLog, PythonLeaf};
 use crate::source::Source;
 use crate::{failure, work};
+use chordal::Job;
 use chordal::budget::Evidence;
 use chordal::implicit::evaluation::Dual;
 use chordal::implicit::leaves::LeafError;
 use chordal::implicit::{Distance, DistanceQuality, Expr, Field};
 use chordal::math::Box3;
-use chordal_io::{Format, Frame};
-use chordal_script::language::{Arg, CallError, function, functions, operate};
+use chordal_io::{FileLocation, Format, Frame, Warning};
+use chordal_script::language::{Arg, CallError, ScriptPath, function, functions, operate};
 use chordal_verbs::{ImplicitShape, Input, Shape, sha256};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -22,6 +24,15 @@ pub(crate) struct ScriptValue {
     arg: Arg,
     /// The calls of the Python functions in it.
     calls: Vec<Arc<CallLog>>,
+    /// Sentences about what it was made of.
+    notes: Vec<String>,
+}
+
+/// What arguments bring along.
+#[derive(Default)]
+struct ArgOrigins {
+    calls: Vec<Arc<CallLog>>,
+    notes: Vec<String>,
 }
 
 /// What a call of the language gives back.
@@ -35,24 +46,28 @@ fn value_error(fault: CallError) -> PyErr {
     PyValueError::new_err(fault.0)
 }
 
-/// A value for the language; the functions that it rests on are added to `calls`.
-fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<CallLog>>, lists: u32) -> PyResult<Arg> {
-    let other = |name: &str| Ok(Arg::Other(name.to_owned()));
+/// A value for the language; the functions that it rests on, and what was said of it, are added to `origins`.
+fn arg_of(value: &Bound<'_, PyAny>, origins: &mut ArgOrigins, lists: u32) -> PyResult<Arg> {
     if let Ok(found) = value.cast::<ScriptValue>() {
-        calls.extend(found.get().calls.iter().cloned());
+        origins.calls.extend(found.get().calls.iter().cloned());
+        origins.notes.extend(found.get().notes.iter().cloned());
         return Ok(found.get().arg.clone());
     }
+    if let Ok(found) = value.cast::<Source>() {
+        let path = path_of(found.get().shape()).map_err(PyValueError::new_err)?;
+        return Ok(Arg::path(path));
+    }
     if value.is_none() {
-        return other("nothing");
+        return Ok(Arg::Nothing);
     }
     if value.is_instance_of::<PyBool>() {
-        return other("True or False");
+        return Ok(Arg::Truth(value.is_truthy()?));
     }
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Arg::Text(text.to_string_lossy().into_owned()));
     }
     if (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) && lists > 0 {
-        let items = value.try_iter()?.map(|item| arg_of(&item?, calls, lists - 1));
+        let items = value.try_iter()?.map(|item| arg_of(&item?, origins, lists - 1));
         return Ok(Arg::List(items.collect::<PyResult<_>>()?));
     }
     match value.extract::<f64>() {
@@ -62,18 +77,38 @@ fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<CallLog>>, lists: u32) -
 }
 
 impl ScriptValue {
-    fn into_value(made: Arg, mut calls: Vec<Arc<CallLog>>) -> PyResult<LanguageValue> {
+    fn into_value(made: Arg, origins: ArgOrigins) -> PyResult<LanguageValue> {
+        let ArgOrigins { mut calls, notes: all } = origins;
+        let mut notes: Vec<String> = Vec::new();
+        for note in all {
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
         calls.sort_by_key(|one| Arc::as_ptr(one) as usize);
         calls.dedup_by(|a, b| Arc::ptr_eq(a, b));
         match made {
             Arg::Number(value) => Ok(LanguageValue::Number(value)),
-            arg => Ok(LanguageValue::ScriptValue(Self { arg, calls })),
+            arg => Ok(LanguageValue::ScriptValue(Self { arg, calls, notes })),
         }
+    }
+
+    /// A shape with sentences about what it was made of.
+    pub(crate) fn from_field(field: Field, notes: Vec<String>) -> Self {
+        Self { arg: Arg::shape(field), calls: Vec::new(), notes }
+    }
+
+    /// The path that it is.
+    pub(crate) fn path(&self) -> Option<&ScriptPath> {
+        if let Arg::Path(path) = &self.arg { Some(path) } else { None }
     }
 
     fn field(&self) -> PyResult<&Field> {
         match &self.arg {
             Arg::Shape(solid) => Ok(&solid.field),
+            Arg::Path(_) => {
+                Err(PyTypeError::new_err("this is a path; polygon() fills it, and sweep() follows it"))
+            }
             _ => Err(PyTypeError::new_err("this is a formula; field() makes a shape of it")),
         }
     }
@@ -118,18 +153,20 @@ impl ScriptValue {
         named: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<LanguageValue> {
         let function = function(name).ok_or_else(|| failure::internal(py, "no such function"))?;
-        let mut calls = Vec::new();
-        let by_position = args.iter().map(|arg| arg_of(&arg, &mut calls, 2)).collect::<PyResult<_>>()?;
+        let mut origins = ArgOrigins::default();
+        let by_position = args.iter().map(|arg| arg_of(&arg, &mut origins, 2)).collect::<PyResult<_>>()?;
         let by_name = named.map_or_else(
             || Ok(Vec::new()),
             |named| {
                 named
                     .iter()
-                    .map(|(name, arg)| Ok((name.extract()?, arg_of(&arg, &mut calls, 2)?)))
+                    .map(|(name, arg)| Ok((name.extract()?, arg_of(&arg, &mut origins, 2)?)))
                     .collect::<PyResult<_>>()
             },
         )?;
-        Self::into_value(function.call(by_position, by_name).map_err(value_error)?, calls)
+        let job = Job::default();
+        let made = function.call_within(by_position, by_name, &job, &mut origins.notes);
+        Self::into_value(made.map_err(value_error)?, origins)
     }
 
     /// What an operator makes; nothing where it has no meaning.
@@ -139,10 +176,10 @@ impl ScriptValue {
         a: &Bound<'_, PyAny>,
         b: &Bound<'_, PyAny>,
     ) -> PyResult<Option<LanguageValue>> {
-        let mut calls = Vec::new();
-        let (a, b) = (arg_of(a, &mut calls, 0)?, arg_of(b, &mut calls, 0)?);
+        let mut origins = ArgOrigins::default();
+        let (a, b) = (arg_of(a, &mut origins, 0)?, arg_of(b, &mut origins, 0)?);
         match operate(operator, &a, &b) {
-            Some(made) => Self::into_value(made.map_err(value_error)?, calls).map(Some),
+            Some(made) => Self::into_value(made.map_err(value_error)?, origins).map(Some),
             None => Ok(None),
         }
     }
@@ -150,7 +187,8 @@ impl ScriptValue {
     /// The coordinate of that number.
     #[staticmethod]
     fn axis(k: usize) -> PyResult<Self> {
-        let found = Arg::axes().into_iter().nth(k).map(|(_, arg)| Self { arg, calls: Vec::new() });
+        let found =
+            Arg::axes().into_iter().nth(k).map(|(_, arg)| Self { arg, calls: Vec::new(), notes: Vec::new() });
         found.ok_or_else(|| PyValueError::new_err("there are three axes"))
     }
 
@@ -174,7 +212,13 @@ impl ScriptValue {
             field = field
                 .with_distance(Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Bound });
         }
-        Self { arg: Arg::shape(field), calls: vec![calls] }
+        Self { arg: Arg::shape(field), calls: vec![calls], notes: Vec::new() }
+    }
+
+    /// Sentences about what it was made of.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
     }
 
     /// Whether it is a shape and no formula.
@@ -250,10 +294,15 @@ impl ScriptValue {
             n_bytes: 0,
             sha256: sha256(&[]),
             files: Vec::new(),
-            warnings: Vec::new(),
+            warnings: self.notes.iter().map(|note| warning_of(note)).collect(),
         };
         Ok(Source::from_input(input, self.calls.clone()))
     }
+}
+
+/// A sentence as a warning of the input, as a script's report has it.
+fn warning_of(note: &str) -> Warning {
+    Warning { code: "script-said", count: 1, place: FileLocation::File, message: note.to_owned().into() }
 }
 
 /// Every function of the language: its name, how it is called, what it makes, and what the value is worth.
@@ -285,5 +334,5 @@ pub(crate) fn script(
     })?;
     let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
     let warnings = made.warnings.iter().map(|warning| (warning.place.0, warning.message)).collect();
-    Ok((ScriptValue { arg: Arg::shape(made.field), calls: Vec::new() }, parameters, warnings))
+    Ok((ScriptValue::from_field(made.field, made.said), parameters, warnings))
 }

@@ -12,6 +12,7 @@ use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
+use chordal_io::font::Letters;
 use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
 use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with};
 use pyo3::prelude::*;
@@ -28,6 +29,9 @@ pub(crate) struct Source {
     calls: Vec<Arc<CallLog>>,
 }
 
+/// A text, the length of the em, and where axes of the font are.
+type LetterArguments = (String, f64, Vec<(String, f64)>);
+
 /// How to read some bytes.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -41,6 +45,8 @@ pub(crate) struct Reading {
     lenient: bool,
     drop_nonfinite: bool,
     surface: Option<String>,
+    /// What a font sets, its em, and where its axes are.
+    letters: Option<LetterArguments>,
 }
 
 impl Reading {
@@ -57,7 +63,13 @@ impl Reading {
         };
         let limits =
             Limits { conformance, drop_nonfinite: self.drop_nonfinite, surface, ..Limits::default() };
-        let hint = FormatHint { name: self.name.as_deref(), format, ..FormatHint::default() };
+        let letters = self.letters.map(|(text, em, axes)| Letters { text, em, axes });
+        let hint = FormatHint {
+            name: self.name.as_deref(),
+            format,
+            letters: letters.as_ref(),
+            ..FormatHint::default()
+        };
         let mut open = |path: &str| match &self.name {
             Some(first) => chordal_cli::read_beside(Path::new(first), path, limits.bytes),
             None => Err("bytes are in no folder".to_owned()),
@@ -219,6 +231,14 @@ impl Source {
     /// A shape that was made, and the calls of the functions in it.
     pub(crate) fn from_input(input: Input, calls: Vec<Arc<CallLog>>) -> Self {
         Self { input: Arc::new(input), name: None, calls }
+    }
+
+    pub(crate) fn shape(&self) -> &Shape {
+        &self.input.shape
+    }
+
+    pub(crate) fn frame(&self) -> Frame {
+        *self.input.shape.frame()
     }
 
     pub(crate) fn calls(&self) -> Vec<Arc<CallLog>> {

@@ -31,15 +31,21 @@ pub(crate) struct BudgetArguments {
     effort: String,
     /// "proved" or "measured", if one is asked for.
     require: Option<String>,
+    /// The name of an argument and a length: how high a drawing is raised to a solid.
+    extrude: Option<(String, String)>,
+    /// The same: how wide its edges are cut off.
+    bevel: Option<(String, String)>,
 }
 
 impl BudgetArguments {
     /// The same as the verbs take it.
     pub(crate) fn spec(self, py: Python<'_>) -> PyResult<BudgetSpec> {
         let wrong = |name: &str, error: String| failure::budget(py, &format!("{name}: {error}"));
-        let length = self.length.map(|(name, text)| {
+        let parse = |(name, text): (String, String)| {
             text.parse::<Length>().map_err(|error: InvalidLength| wrong(&name, error.to_string()))
-        });
+        };
+        let (extrude, bevel) = (self.extrude.map(parse).transpose()?, self.bevel.map(parse).transpose()?);
+        let length = self.length.map(parse);
         let pixels = self.pixels.map(|(pixels, view)| {
             let pixels = Pixels::new(pixels).map_err(|error| wrong("pixels", error.to_string()))?;
             let view = view.parse::<View>().map_err(|error| wrong("view", error.to_string()))?;
@@ -62,8 +68,8 @@ impl BudgetArguments {
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,
             effort: parse_effort(&self.effort)?,
-            extrude: None,
-            bevel: None,
+            extrude,
+            bevel,
             normals: Normals::default(),
             require: parse_argument("require", self.require.as_deref())?,
         })

@@ -262,6 +262,7 @@ fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
             return Err(ScriptError::new("script-limit", message));
         }
         Some(StarlarkShape(Arg::Shape(solid))) => return Ok(solid.field.clone()),
+        Some(StarlarkShape(Arg::Path(_))) => "a path; polygon() fills it, and sweep() follows it",
         Some(_) => "a formula; field() makes a shape of it",
         None if value.is_none() => "nothing: its last line must be an expression, not an assignment",
         None if elements(value).is_some() => "a list of lists; union() joins shapes",

@@ -90,7 +90,8 @@ impl<'v> StarlarkValue<'v> for StarlarkFunction {
         {
             meter.bounded.borrow_mut().push(place.span.begin().get() as usize);
         }
-        let made = self.0.call_within(by_position, by_name, meter.job).map_err(fault)?;
+        let notes = &mut meter.notes.borrow_mut();
+        let made = self.0.call_within(by_position, by_name, meter.job, notes).map_err(fault)?;
         to_starlark(made, eval)
     }
 }
@@ -139,14 +140,16 @@ fn arg_within(value: Value, lists: u32) -> Arg {
         held.0.clone()
     } else if let Some(number) = number(value) {
         Arg::Number(number)
+    } else if let Some(holds) = value.unpack_bool() {
+        Arg::Truth(holds)
+    } else if value.is_none() {
+        Arg::Nothing
     } else if let Some(text) = value.unpack_str() {
         Arg::Text(text.chars().take(LONGEST_NAME).collect())
     } else if let Some(list) = elements(value).filter(|_| lists > 0) {
         Arg::List(list.iter().map(|value| arg_within(*value, lists - 1)).collect())
     } else {
         Arg::Other(match value.get_type() {
-            "NoneType" => "nothing".to_owned(),
-            "bool" => "True or False".to_owned(),
             "list" | "tuple" => "a list of lists of lists".to_owned(),
             other => format!("a {other}"),
         })

@@ -266,6 +266,8 @@ fn no_shape_has_more_terms_than_it_was_counted_with() {
         "segment([0, 0], [1, 2], 1)",
         "polygon([[0, 0], [1, 0], [0, 1]])",
         "regular_polygon(7, 1)",
+        "polygon(spline([[0, 0], [1, 0], [0, 1]], closed=True))",
+        "sweep(spline([[0, 0, 0], [1, 0, 2], [0, 1, 3]]), 0.1, tolerance=0.01)",
     ];
     let changes = [
         "move(S, 1, 2, 3)",
@@ -275,6 +277,8 @@ fn no_shape_has_more_terms_than_it_was_counted_with() {
         "shell(S, 0.1)",
         "offset(S, 0.1)",
         "extrude(S, 2)",
+        "extrude(S, 2, bevel=0.3)",
+        "sweep([[0, 0, 0], [20, 0, 0], [30, 20, 10]], S)",
         "twist(S, 20)",
         "bend(S, 20)",
         "revolve(S)",
@@ -320,11 +324,14 @@ fn every_function_says_what_it_does() {
     for (group, functions) in language::groups() {
         for function in functions {
             assert!(function.about.ends_with('.'), "{}", function.name);
-            assert_eq!(function.distance.is_empty(), group == "Formulas" && function.name != "field");
+            let is_shape = group != "Paths" && (group != "Formulas" || function.name == "field");
+            assert_eq!(function.distance.is_empty(), !is_shape, "{}", function.name);
         }
     }
     assert_eq!(language::function("gyroid").unwrap().usage(), "gyroid(period, level=0)");
     assert_eq!(language::function("union").unwrap().usage(), "union(*shapes, fillet=0, chamfer=0)");
+    let spline = "spline(points, closed=False, knots=\"centripetal\", tangents=None)";
+    assert_eq!(language::function("spline").unwrap().usage(), spline);
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! `convert`: the same shape in another format, with a note for everything that it does not hold.
+use crate::cubic_paths::cubic_paths;
 use crate::finish::finish_triangles;
 use crate::geometry_digest::{polylines_digest, volume_digest, written_digest, written_polygons_digest};
 use crate::pass_through::pass_through;
@@ -6,15 +7,15 @@ use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts
 use crate::request::MeshRequest;
 use crate::straight::{line_losses, straight_lines};
 use crate::{Input, MeshFailure, OutputForm, Shape, Tessellation, formats};
-use chordal::Mesh;
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{Bound, Budget, Reference, RefusalCode};
+use chordal::budget::{Bound, Budget, Length, Reference, RefusalCode};
 use chordal::explicit::Semantic;
 use chordal::implicit::Affine3;
+use chordal::{Job, Mesh, Tolerance};
 use chordal_io::{
-    FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, Warning, WriteError, losses,
-    losses_of_polygons, polygon_rounding, write, write_files, write_polygons, write_polygons_files,
-    write_polylines, write_volume,
+    Drawing, FileSet, Format, Node, Polygons, Polylines, Scene, VertexRows, Volume, Warning, WriteError,
+    losses, losses_of_polygons, polygon_rounding, svg, write, write_files, write_polygons,
+    write_polygons_files, write_polylines, write_volume,
 };
 use serde_json::Value;
 use std::io::Write;
@@ -28,6 +29,8 @@ pub enum ConvertedShape {
     Polygons(Polygons),
     /// Polylines.
     Polylines(Polylines),
+    /// Lines and cubics.
+    Paths(Drawing),
     /// Samples on a lattice.
     Volume(Volume),
 }
@@ -61,6 +64,7 @@ impl ConvertOutcome {
             ConvertedShape::Polylines(polylines) => {
                 write_polylines(polylines, Some(&certificate), self.format, out)
             }
+            ConvertedShape::Paths(drawing) => svg::write_paths(drawing, Some(&certificate), out),
             ConvertedShape::Volume(volume) => {
                 let kept = volume.certificate.as_ref();
                 write_volume(volume, Some(kept.unwrap_or(&certificate)), self.format, out)
@@ -118,7 +122,21 @@ impl ConvertOutcome {
 /// assert!((1e-10..1e-8).contains(&outcome.bound.at_most().unwrap())); // 0.1 in single precision
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOutcome, MeshFailure> {
+pub fn convert(input: Input, to: impl Into<OutputForm>) -> Result<ConvertOutcome, MeshFailure> {
+    convert_within(input, to, None, &Job::default())
+}
+
+/// As [`convert`]; arcs and rational curves of a drawing become cubics within a length where the format holds these, which
+/// is SVG. The bound is that of the cubics.
+///
+/// # Errors
+/// As for [`convert`]; when the length has a unit and the shape has none, or is below rounding.
+pub fn convert_within(
+    mut input: Input,
+    to: impl Into<OutputForm>,
+    length: Option<Length>,
+    job: &Job,
+) -> Result<ConvertOutcome, MeshFailure> {
     let form: OutputForm = to.into();
     let to = form.format;
     check_format(&input.shape, to).map_err(MeshFailure::Usage)?;
@@ -127,6 +145,7 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
     let left_out = left_out_certificate(&mut input.shape);
     certificate.notes.extend(left_out.filter(|_| !certificate.has_earlier_steps()));
     let bounds = input.shape.bounds()?;
+    let length = length.map(|length| resolved(length, &input.shape)).transpose()?;
     let (made, bound) = match input.shape {
         Shape::Scene(scene) => {
             refuse_points_alone(&scene, to)?;
@@ -157,6 +176,15 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
             };
             (ConvertedShape::Polygons(polygons), bound)
         }
+        Shape::Drawing(drawing) if to == Format::Svg && straight_lines(&drawing.lines).is_none() => {
+            certificate.notes.extend(line_losses(&drawing, to));
+            let (drawing, bound, [n_lines, n_cubics]) = cubic_paths(drawing, length, job)?;
+            let n_paths = drawing.lines.len();
+            certificate
+                .notes
+                .push(format!("paths: {n_paths}, of {n_lines} lines and {n_cubics} cubics").into());
+            (ConvertedShape::Paths(drawing), bound)
+        }
         Shape::Drawing(drawing) => {
             certificate.notes.extend(line_losses(&drawing, to));
             let (lines, slack) = straight_lines(&drawing.lines).ok_or_else(needs_polylines)?;
@@ -186,11 +214,18 @@ pub fn convert(mut input: Input, to: impl Into<OutputForm>) -> Result<ConvertOut
         ConvertedShape::Polygons(polygons) => ("cage", written_polygons_digest(polygons, to)),
         ConvertedShape::Polylines(lines @ Polylines::Plane(_)) => ("drawing", Some(polylines_digest(lines))),
         ConvertedShape::Polylines(lines) => ("curves", Some(polylines_digest(lines))),
+        ConvertedShape::Paths(_) => ("drawing", None),
         // An array has no place and no step of its own.
         ConvertedShape::Volume(volume) => ("volume", (to != Format::Npy).then(|| volume_digest(volume))),
     };
     certificate.conclude((kind, to), geometry);
     Ok(ConvertOutcome { made, format: to, bound, certificate })
+}
+
+/// The length in units of the shape.
+fn resolved(length: Length, shape: &Shape) -> Result<Tolerance, MeshFailure> {
+    let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
+    length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)
 }
 
 /// Refuses points without a triangle where the format holds triangles alone: the file would be empty. The writers of
@@ -211,7 +246,7 @@ fn refuse_points_alone(scene: &Scene, to: Format) -> Result<(), MeshFailure> {
 }
 
 /// Whether the format holds only what `mesh` makes of the shape: triangles of patches, fields, cages, volumes
-/// and outlines, polylines of curves that bend.
+/// and outlines, polylines of curves that bend where it does not hold cubics, as SVG does.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -231,7 +266,8 @@ pub fn needs_mesh(shape: &Shape, to: Format) -> bool {
         }
         Shape::Cage(_) => to.holds_triangles() && !to.holds_polygons(),
         Shape::Drawing(drawing) => {
-            to.holds_triangles() || to.holds_polylines() && straight_lines(&drawing.lines).is_none()
+            let bends = || straight_lines(&drawing.lines).is_none();
+            to.holds_triangles() || to.holds_polylines() && to != Format::Svg && bends()
         }
         Shape::Curves(curves) => to.holds_polylines() && straight_lines(&curves.lines).is_none(),
     }

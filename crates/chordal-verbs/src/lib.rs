@@ -25,9 +25,11 @@ mod cage;
 mod cage_size;
 mod collapsed_faces;
 mod convert;
+mod cubic_paths;
 mod deviation;
 mod digest;
 mod drawing_regions;
+mod drawing_to_field;
 mod drop_attributes;
 mod failure;
 mod field;
@@ -91,9 +93,12 @@ pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::lod::count::Effort;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
-pub use convert::{ConvertOutcome, ConvertedShape, convert, needs_mesh, polygons_lose_no_more};
+pub use convert::{
+    ConvertOutcome, ConvertedShape, convert, convert_within, needs_mesh, polygons_lose_no_more,
+};
 pub use deviation::{DeviationSpec, deviation};
 pub use digest::{sha256, sha256_of};
+pub use drawing_to_field::drawing_to_field;
 pub use failure::MeshFailure;
 pub use file_extension::extension;
 pub use geometry_digest::geometry_digest;

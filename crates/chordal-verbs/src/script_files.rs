@@ -1,11 +1,10 @@
 //! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a shell.
-use crate::drawing_regions::FilledRegions;
+use crate::drawing_to_field::drawing_to_field;
 use crate::file_extension::extension;
 use crate::{Shape, flatten, merged_parts};
-use chordal::convert::{mesh_to_field, outline_to_field};
+use chordal::convert::mesh_to_field;
 use chordal::implicit::Field;
-use chordal::math::greater;
-use chordal::{Budget, Job, Mesh, Tolerance};
+use chordal::{Job, Mesh, Tolerance};
 use chordal_io::font::{Letters, read_letters};
 use chordal_io::{Content, FileLocation, FileOpener, Format, Frame, Limits, Warning};
 use chordal_script::{FileUse, FontText, OpenedFile, ScriptFiles};
@@ -151,25 +150,10 @@ impl FilesBeside<'_, '_> {
     }
 }
 
-/// What a drawing fills, with y up, as one shape of the plane.
+/// What a drawing fills, as one shape of the plane.
 fn drawing(content: Content, tolerance: f64, job: &Job) -> Result<OpenedFile, String> {
     let Content::Drawing(drawing) = content else { return Err("it is no drawing".to_owned()) };
-    let mut notes = Vec::new();
-    let filled = FilledRegions::from_drawing(&drawing, &mut notes)
-        .map_err(|_| "it fills nothing: lines alone have no inside".to_owned())?;
-    let budget = Budget::length(Tolerance::new(tolerance).map_err(|error| error.to_string())?);
-    let (mut shapes, mut worst) = (Vec::new(), 0.0);
-    for outline in &filled.outlines {
-        let made = outline_to_field(outline, &budget, job)
-            .map_err(|_| format!("its curves are not replaced by polygons within {tolerance}"))?;
-        let off = made.bound.at_most().ok_or("its polygons have no bound")?;
-        worst = greater(worst, off);
-        shapes.push(made.shape);
-    }
-    let mut sentences = Vec::new();
-    if worst > 0.0 {
-        let place = "no bound of the result counts that";
-        sentences.push(format!("its curves are polygons within {worst:.3e} (proved), and {place}"));
-    }
-    Ok(OpenedFile::Shape(Field::union_of(&shapes), sentences))
+    let tolerance = Tolerance::new(tolerance).map_err(|error| error.to_string())?;
+    let (field, sentences) = drawing_to_field(&drawing, tolerance, job)?;
+    Ok(OpenedFile::Shape(field, sentences))
 }

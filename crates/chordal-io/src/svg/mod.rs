@@ -18,7 +18,7 @@ mod xml;
 use crate::warnings::Warnings;
 use crate::xml_text::text_of;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
-pub use write::write;
+pub use write::{write, write_paths};
 
 /// The element with a certificate, in a namespace of its own.
 const CERTIFICATE: &str = "chordal:certificate";

@@ -1,10 +1,11 @@
-//! Writes polylines as an SVG file: one path for each element, with a subpath for each polyline.
+//! Writes polylines, and paths of lines and cubics, as an SVG file: one path for each element, with a subpath for each of
+//! them.
 use super::CERTIFICATE;
 use crate::WriteError;
-use crate::drawing::{DrawingElement, Polylines};
+use crate::drawing::{Drawing, DrawingElement, PathSet, Polylines};
 use crate::number::ShortestDecimal;
 use crate::xml_text::{CERTIFICATE_NAMESPACE, escaped};
-use chordal::explicit::{FillRule, Polyline};
+use chordal::explicit::{Curve, CurveSegment, FillRule, Polyline};
 use chordal::math::{greater, lesser};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -25,7 +26,39 @@ pub fn write(
             "svg holds the plane only; json holds polylines in space".to_owned(),
         ));
     };
-    let [x, y, w, h] = drawn.view_box.unwrap_or_else(|| bounds(&drawn.lines)).map(ShortestDecimal);
+    document(
+        drawn,
+        bounds(drawn.lines.iter().flat_map(|line| &line.points).copied()),
+        certificate,
+        out,
+        polyline,
+    )
+}
+
+/// Writes paths of lines and cubics as [`write`] does polylines: with all digits.
+///
+/// # Errors
+/// When the sink fails, or a path has a piece that SVG does not hold to the last digit: an arc or a rational one.
+pub fn write_paths(
+    drawing: &Drawing,
+    certificate: Option<&Value>,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    let corners = drawing.lines.iter().flat_map(|line| line.bounds());
+    document(drawing, bounds(corners), certificate, out, path_data)
+}
+
+/// Writes the `d` of one line.
+type LineWriter<T> = fn(&T, &mut dyn Write) -> Result<(), WriteError>;
+
+fn document<T>(
+    drawn: &PathSet<T>,
+    bounds: [f64; 4],
+    certificate: Option<&Value>,
+    out: &mut dyn Write,
+    line: LineWriter<T>,
+) -> Result<(), WriteError> {
+    let [x, y, w, h] = drawn.view_box.unwrap_or(bounds).map(ShortestDecimal);
     write!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{x} {y} {w} {h}\"")?;
     if let Some(metres) = drawn.frame.metres_per_unit {
         let mm = |size: ShortestDecimal| ShortestDecimal(size.0 * metres * 1000.0);
@@ -43,18 +76,18 @@ pub fn write(
     let mut named = BTreeSet::new();
     for (element, lines) in drawn.groups() {
         let id = named.insert(&element.name).then_some(&*element.name).filter(|id| !id.is_empty());
-        path(element, id, lines, out)?;
+        path(element, id, out)?;
+        for one in lines {
+            line(one, out)?;
+        }
+        out.write_all(b"\"/>\n")?;
     }
     out.write_all(b"</svg>\n")?;
     Ok(())
 }
 
-fn path(
-    element: &DrawingElement,
-    id: Option<&str>,
-    lines: &[Polyline<2>],
-    out: &mut dyn Write,
-) -> Result<(), WriteError> {
+/// The start of a path, up to its data.
+fn path(element: &DrawingElement, id: Option<&str>, out: &mut dyn Write) -> Result<(), WriteError> {
     out.write_all(b"<path")?;
     if let Some(id) = id {
         write!(out, " id=\"{}\"", escaped(id))?;
@@ -65,29 +98,58 @@ fn path(
         out.write_all(b" fill-rule=\"evenodd\"")?;
     }
     out.write_all(b" d=\"")?;
-    for line in lines {
-        for (i, [x, y]) in line.points.iter().enumerate() {
-            let command = match i {
-                0 => "M",
-                1 => "L",
-                _ => " ",
-            };
-            write!(out, "{command}{} {}", ShortestDecimal(*x), ShortestDecimal(*y))?;
-        }
-        // A single point is drawn by closing it.
-        if line.closed || line.points.len() == 1 {
-            out.write_all(b"Z")?;
+    Ok(())
+}
+
+fn polyline(line: &Polyline<2>, out: &mut dyn Write) -> Result<(), WriteError> {
+    for (i, point) in line.points.iter().enumerate() {
+        let command = match i {
+            0 => "M",
+            1 => "L",
+            _ => " ",
+        };
+        write_points(command, &[*point], out)?;
+    }
+    // A single point is drawn by closing it.
+    if line.closed || line.points.len() == 1 {
+        out.write_all(b"Z")?;
+    }
+    Ok(())
+}
+
+fn path_data(curve: &Curve<2>, out: &mut dyn Write) -> Result<(), WriteError> {
+    write_points("M", &[curve.start()], out)?;
+    let last = curve.segments().len().saturating_sub(1);
+    for (index, piece) in curve.segments().iter().enumerate() {
+        match piece {
+            // The last line of a closed path is what closing it draws.
+            CurveSegment::Line(_) if curve.is_closed() && index == last => {}
+            CurveSegment::Line([_, end]) => write_points("L", &[*end], out)?,
+            CurveSegment::Cubic(cubic) => write_points("C", &cubic.control[1..], out)?,
+            CurveSegment::Arc(_) | CurveSegment::Rational(_) => {
+                let what = "svg holds lines and cubics to the last digit, and no arcs and rational curves";
+                return Err(WriteError::Unsupported(what.to_owned()));
+            }
         }
     }
-    out.write_all(b"\"/>\n")?;
+    if curve.is_closed() || curve.segments().is_empty() {
+        out.write_all(b"Z")?;
+    }
+    Ok(())
+}
+
+fn write_points(command: &str, points: &[[f64; 2]], out: &mut dyn Write) -> Result<(), WriteError> {
+    for (index, [x, y]) in points.iter().enumerate() {
+        let before = if index == 0 { command } else { " " };
+        write!(out, "{before}{} {}", ShortestDecimal(*x), ShortestDecimal(*y))?;
+    }
     Ok(())
 }
 
 /// A box around all points, of positive size even where they have none.
-fn bounds(lines: &[Polyline<2>]) -> [f64; 4] {
-    let mut points = lines.iter().flat_map(|line| &line.points);
+fn bounds(mut points: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
     let Some(first) = points.next() else { return [0.0, 0.0, 1.0, 1.0] };
-    let (mut low, mut high) = (*first, *first);
+    let (mut low, mut high) = (first, first);
     for p in points {
         for k in 0..2 {
             low[k] = lesser(p[k], low[k]);

@@ -1,10 +1,13 @@
 //! `Function`: one function of the language, and how it binds its arguments.
-use super::{Arg, CallError, Formula, Solid};
+use super::{Arg, CallError, Formula, ScriptPath, Solid};
 use chordal::Job;
 use chordal::implicit::evaluation::ExprGraph;
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{DistanceQuality, Expr, Field};
 use chordal::math::{greater, lesser};
+use std::cell::RefCell;
+use std::fmt;
+use std::sync::Arc;
 
 /// One function of the language.
 #[derive(Debug)]
@@ -26,9 +29,44 @@ pub struct FunctionParameter {
     /// Its name.
     pub name: &'static str,
     /// Its default value; `None` where it is required.
-    pub default: Option<f64>,
+    pub default: Option<ParameterDefault>,
     /// Whether it takes any number of arguments.
     pub rest: bool,
+}
+
+/// The default value of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterDefault {
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(&'static str),
+    /// False.
+    False,
+    /// Nothing at all: Python's None.
+    Nothing,
+}
+
+impl ParameterDefault {
+    fn arg(self) -> Arg {
+        match self {
+            Self::Number(value) => Arg::Number(value),
+            Self::Text(text) => Arg::Text(text.to_owned()),
+            Self::False => Arg::Truth(false),
+            Self::Nothing => Arg::Nothing,
+        }
+    }
+}
+
+impl fmt::Display for ParameterDefault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(value) => write!(f, "{value}"),
+            Self::Text(text) => write!(f, "\"{text}\""),
+            Self::False => f.write_str("False"),
+            Self::Nothing => f.write_str("None"),
+        }
+    }
 }
 
 /// A required argument.
@@ -38,6 +76,11 @@ pub(super) const fn required(name: &'static str) -> FunctionParameter {
 
 /// An optional argument.
 pub(super) const fn optional(name: &'static str, default: f64) -> FunctionParameter {
+    defaulting(name, ParameterDefault::Number(default))
+}
+
+/// An optional argument of any kind.
+pub(super) const fn defaulting(name: &'static str, default: ParameterDefault) -> FunctionParameter {
     FunctionParameter { name, default: Some(default), rest: false }
 }
 
@@ -54,6 +97,8 @@ pub struct BoundArgs {
     rest: Vec<Arg>,
     /// The conditions of work that takes long.
     job: Job,
+    /// Sentences about what was made.
+    notes: RefCell<Vec<String>>,
 }
 
 impl Function {
@@ -62,10 +107,10 @@ impl Function {
     /// # Errors
     /// When an argument is missing, unknown, given twice or of the wrong kind, or the shape does not exist.
     pub fn call(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Arg, CallError> {
-        self.call_within(by_position, by_name, &Job::default())
+        self.call_within(by_position, by_name, &Job::default(), &mut Vec::new())
     }
 
-    /// As [`Function::call`], within the limits of a job.
+    /// As [`Function::call`], within the limits of a job. Adds sentences about what was made that its bound does not say.
     ///
     /// # Errors
     /// As for [`Function::call`]; also when the work is beyond the limits of the job, or cancelled.
@@ -74,9 +119,12 @@ impl Function {
         by_position: Vec<Arg>,
         by_name: Vec<(String, Arg)>,
         job: &Job,
+        notes: &mut Vec<String>,
     ) -> Result<Arg, CallError> {
         let given = BoundArgs { job: job.clone(), ..self.bind(by_position, by_name)? };
-        (self.make)(&given)
+        let made = (self.make)(&given)?;
+        notes.append(&mut given.notes.into_inner());
+        Ok(made)
     }
 
     /// Whether these arguments move a surface to a side where the value is only a bound of its distance.
@@ -87,7 +135,9 @@ impl Function {
                 .get(k)
                 .or_else(|| by_name.iter().find(|(n, _)| Some(&**n) == name).map(|(_, arg)| arg))
         };
-        let (Some(Arg::Shape(solid)), Some(Arg::Number(by))) = (arg(0), arg(1)) else { return false };
+        // A bevel is as deep as the shape's value says.
+        let k = if self.name == "extrude" { 2 } else { 1 };
+        let (Some(Arg::Shape(solid)), Some(Arg::Number(by))) = (arg(0), arg(k)) else { return false };
         let distance = solid.field.distance();
         // Exact on one side alone is what min and max leave of a distance; a bound on both sides is meant as one.
         let is_bound = |one: DistanceQuality, other: DistanceQuality| {
@@ -97,6 +147,7 @@ impl Function {
         match self.name {
             "offset" if *by > 0.0 => is_bound(outside, inside),
             "offset" => is_bound(inside, outside),
+            "extrude" => *by > 0.0 && is_bound(inside, outside),
             "shell" => is_bound(outside, inside) || is_bound(inside, outside),
             _ => false,
         }
@@ -128,9 +179,11 @@ impl Function {
             }
         }
         let found = args.into_iter().zip(self.single()).map(|(arg, p)| {
-            arg.or(p.default.map(Arg::Number)).ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
+            arg.or(p.default.map(ParameterDefault::arg))
+                .ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
         });
-        Ok(BoundArgs { function: self, args: found.collect::<Result<_, _>>()?, rest, job: Job::default() })
+        let (args, job, notes) = (found.collect::<Result<_, _>>()?, Job::default(), RefCell::default());
+        Ok(BoundArgs { function: self, args, rest, job, notes })
     }
 
     /// The parameters that take one argument.
@@ -158,6 +211,59 @@ impl BoundArgs {
     /// The conditions of work that takes long.
     pub(super) fn job(&self) -> &Job {
         &self.job
+    }
+
+    /// Says a sentence about what is made.
+    pub(super) fn note(&self, what: &str) {
+        self.notes.borrow_mut().push(format!("{}(): {what}", self.function.name));
+    }
+
+    /// Whether the argument at index `k` holds.
+    pub(super) fn truth(&self, k: usize) -> Result<bool, CallError> {
+        match &self.args[k] {
+            Arg::Truth(holds) => Ok(*holds),
+            other => Err(self.wrong(k, "True or False", other.kind())),
+        }
+    }
+
+    /// The argument at index `k`, if it is there.
+    pub(super) fn given(&self, k: usize) -> Option<&Arg> {
+        Some(&self.args[k]).filter(|arg| !matches!(arg, Arg::Nothing))
+    }
+
+    /// The numbers of the list at index `k`.
+    pub(super) fn number_list(&self, k: usize) -> Result<Vec<f64>, CallError> {
+        let Arg::List(list) = &self.args[k] else {
+            return Err(self.wrong(k, "a list of numbers", self.args[k].kind()));
+        };
+        let number = |arg: &Arg| match arg {
+            Arg::Number(value) => Ok(*value),
+            other => Err(self.wrong(k, "a list of numbers", &format!("one with {}", other.kind()))),
+        };
+        list.iter().map(number).collect()
+    }
+
+    /// The path at index `k`.
+    pub(super) fn path(&self, k: usize) -> Result<Arc<ScriptPath>, CallError> {
+        match &self.args[k] {
+            Arg::Path(path) => Ok(Arc::clone(path)),
+            other => Err(self.wrong(k, "a path", other.kind())),
+        }
+    }
+
+    /// How many numbers the first of the points at index `k` has: 2 or 3.
+    pub(super) fn width(&self, k: usize) -> Result<usize, CallError> {
+        let Arg::List(points) = &self.args[k] else {
+            return Err(self.wrong(k, "a list of points", self.args[k].kind()));
+        };
+        match points.first() {
+            Some(Arg::List(first)) if matches!(first.len(), 2 | 3) => Ok(first.len()),
+            Some(Arg::List(first)) => {
+                Err(self.wrong(k, "points of 2 or 3 numbers", &first.len().to_string()))
+            }
+            Some(other) => Err(self.wrong(k, "points of 2 or 3 numbers", other.kind())),
+            None => Err(self.wrong(k, "points of 2 or 3 numbers", "an empty list")),
+        }
     }
 
     /// The name of the function.

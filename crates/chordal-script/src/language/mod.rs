@@ -6,14 +6,19 @@ mod bind;
 mod combine;
 mod formula;
 mod materials;
+mod paths;
+mod script_path;
 mod solids;
+mod sweep;
 mod transforms;
 
 use chordal::implicit::{Expr, Field};
 use std::fmt;
+use std::sync::Arc;
 
-pub use bind::{BoundArgs, Function, FunctionParameter};
+pub use bind::{BoundArgs, Function, FunctionParameter, ParameterDefault};
 pub use formula::operate;
+pub use script_path::ScriptPath;
 
 /// A value that functions of the language take and return.
 #[derive(Clone, Debug)]
@@ -22,8 +27,14 @@ pub enum Arg {
     Number(f64),
     /// A text, as in the name of a parameter.
     Text(String),
+    /// True or False.
+    Truth(bool),
+    /// Python's None.
+    Nothing,
     /// A list or a tuple.
     List(Vec<Arg>),
+    /// A path, of the plane or of space.
+    Path(Arc<ScriptPath>),
     /// A shape.
     Shape(Solid),
     /// An expression in x, y and z.
@@ -66,13 +77,22 @@ impl Arg {
         Self::Shape(Solid { field, weight: 1, own: 1 })
     }
 
+    /// Wraps a path.
+    #[must_use]
+    pub fn path(path: ScriptPath) -> Self {
+        Self::Path(Arc::new(path))
+    }
+
     /// Its kind, for an error.
     #[must_use]
     pub fn kind(&self) -> &str {
         match self {
             Self::Number(_) => "a number",
             Self::Text(_) => "a text",
+            Self::Truth(_) => "True or False",
+            Self::Nothing => "nothing",
             Self::List(_) => "a list",
+            Self::Path(_) => "a path",
             Self::Shape(_) => "a shape",
             Self::Formula(_) => "a formula",
             Self::Other(kind) => kind,
@@ -84,6 +104,7 @@ impl Arg {
         match self {
             Self::Shape(solid) => solid.weight,
             Self::Formula(formula) => formula.weight,
+            Self::Path(path) => path.n_pieces() as u64,
             _ => 0,
         }
     }
@@ -93,6 +114,7 @@ impl Arg {
         match self {
             Self::Shape(solid) => solid.own,
             Self::Formula(_) => 1,
+            Self::Path(path) => path.n_pieces() as u64,
             _ => 0,
         }
     }
@@ -112,10 +134,11 @@ impl std::error::Error for CallError {}
 
 /// The groups of functions, in the order of a reference page.
 #[must_use]
-pub fn groups() -> [(&'static str, &'static [Function]); 7] {
+pub fn groups() -> [(&'static str, &'static [Function]); 8] {
     [
         ("Solids", solids::SOLIDS),
         ("Shapes of the plane", solids::FLAT),
+        ("Paths", paths::PATHS),
         ("Combining", combine::COMBINE),
         ("Placing", transforms::PLACE),
         ("Changing", transforms::CHANGE),

@@ -1,10 +1,7 @@
 //! Primitive solids and plane shapes.
-use super::bind::{BoundArgs, Function, optional, required};
-use super::{Arg, CallError, Solid};
-use chordal::convert::curve_to_field;
-use chordal::explicit::{Curve, CurveEnds, CurveSegment};
-use chordal::implicit::{Field, shapes};
-use chordal::{Budget, Job, Tolerance};
+use super::bind::{Function, ParameterDefault, defaulting, optional, required};
+use super::{paths, sweep};
+use chordal::implicit::shapes;
 
 const EXACT: &str = "exact";
 const BOUND: &str = "lower bound";
@@ -123,10 +120,16 @@ pub(super) const SOLIDS: &[Function] = &[
     },
     Function {
         name: "sweep",
-        parameters: &[required("points"), required("radius")],
-        about: "A tube: all points nearer than a radius to the path through these points.",
-        distance: "outside exact, inside a lower bound",
-        make: sweep,
+        parameters: &[
+            required("path"),
+            required("profile"),
+            defaulting("tolerance", ParameterDefault::Nothing),
+        ],
+        about: "A tube, where the profile is a radius: all points nearer than that to a path, or to the straight lines \
+            through points. Or a shape of the plane swept along them, with mitres where lines meet. A path becomes \
+            straight lines within the tolerance: a 4096th of its box's diagonal unless said.",
+        distance: "of these lines outside exact, inside a lower bound; a lower bound for a shape",
+        make: sweep::sweep,
     },
     Function {
         name: "thread",
@@ -198,10 +201,11 @@ pub(super) const FLAT: &[Function] = &[
     },
     Function {
         name: "polygon",
-        parameters: &[required("points")],
-        about: "The polygon with these corners, each of two numbers.",
+        parameters: &[required("points"), defaulting("tolerance", ParameterDefault::Nothing)],
+        about: "The polygon with these corners, each of two numbers. Or what a path of the plane encloses: its polygon \
+            within the tolerance, a 4096th of its box's diagonal unless said.",
         distance: "exact; lower bound where it crosses itself",
-        make: |given| given.shape_result(shapes::polygon(&given.points(0)?), &[]),
+        make: paths::polygon,
     },
     Function {
         name: "regular_polygon",
@@ -218,38 +222,3 @@ pub(super) const FLAT: &[Function] = &[
         make: |given| given.shape_result(shapes::planar_hull(&given.points(0)?), &[]),
     },
 ];
-
-/// The most points of a path. Defined: what a script may hold anyway.
-const MOST_POINTS: usize = 100_000;
-
-/// The most points of a path whose parts are shapes of their own. Chosen: a coil of some turns.
-const MOST_CAPSULES: usize = 513;
-
-fn sweep(given: &BoundArgs) -> Result<Arg, CallError> {
-    let (points, radius) = (given.points::<3>(0)?, given.number(1)?);
-    let Some((first, others)) = points.split_first().filter(|_| points.len() <= MOST_POINTS) else {
-        return Err(given.fault(&format!("needs 1 to {MOST_POINTS} points, not {}", points.len())));
-    };
-    // As a union of its parts, whose creases are known; many are one leaf, which finds the nearest at once.
-    if (2..=MOST_CAPSULES).contains(&points.len()) {
-        let parts: Result<Vec<Field>, _> =
-            points.windows(2).map(|two| shapes::capsule(two[0], two[1], radius)).collect();
-        let n_parts = points.len() as u64;
-        let made = given.shape_result(parts.map(|parts| Field::union_of(&parts)), &[])?;
-        return Ok(match made {
-            // Each capsule has some dozen terms.
-            Arg::Shape(solid) => Arg::Shape(Solid { weight: 80 * n_parts, own: 80 * n_parts, ..solid }),
-            other => other,
-        });
-    }
-    let ends = [*first].into_iter().chain(others.iter().copied());
-    let lines = ends.zip(others).map(|(a, b)| CurveSegment::Line([a, *b])).collect::<Vec<_>>();
-    let curve =
-        Curve::new(lines, CurveEnds::Open).map_err(|why| given.fault(&format!("has no path: {why}")))?;
-    // Straight lines are kept as they are, whatever the budget.
-    let any = Tolerance::new(radius).map_err(|why| given.fault(&format!("needs a radius above 0: {why}")))?;
-    let budget = Budget::length(any);
-    let made = curve_to_field(&curve, radius, &budget, &Job::default());
-    let field = made.map(|made| made.shape).map_err(|why| given.fault(&format!("has no tube: {why}")))?;
-    given.shape_result(Ok(field), &[])
-}

@@ -216,10 +216,20 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "extrude",
-        parameters: &[required("shape"), required("height")],
-        about: "A shape of the plane made a solid of that height, half above and half below.",
-        distance: KEPT,
-        make: |given| apply_step(given, |given, field| Ok(field.extruded(given.number(1)?))),
+        parameters: &[required("shape"), required("height"), optional("bevel", 0.0)],
+        about: "A shape of the plane made a solid of that height, half above and half below. A bevel cuts the edges of \
+            both ends off at 45 degrees, so wide and high, by the depths that the shape's value says.",
+        distance: "as it was; with a bevel a lower bound",
+        make: |given| {
+            apply_step(given, |given, field| {
+                let [height, bevel] = given.numbers(1)?;
+                Ok(if bevel == 0.0 {
+                    field.extruded(height)
+                } else {
+                    field.extruded_with_bevel(height, bevel)
+                })
+            })
+        },
     },
     Function {
         name: "section",

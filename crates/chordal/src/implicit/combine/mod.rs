@@ -10,6 +10,7 @@ mod distribute_blend;
 mod face_pairs;
 mod fillet;
 mod loft;
+mod mitred_sweep;
 mod offset;
 mod profile;
 mod repeat;

@@ -37,6 +37,48 @@ impl Field {
             .known_bounds(common(endless, slab)))
     }
 
+    /// As [`Field::extruded`], with the edges of both ends cut off at 45°, `bevel` wide and high: over a point at a depth of
+    /// less than that in the planar shape, the solid ends as much before the plane of the end as the depth is less.
+    ///
+    /// The depth is the shape's value. Where that is only a bound, the cut is up to as much wider as the bound is less than
+    /// the distance. The result's value is a bound.
+    ///
+    /// # Errors
+    /// When the height or the bevel is not a finite number above 0, the bevel not less than half of the height, or the value
+    /// only a sign inside.
+    ///
+    /// ```
+    /// use chordal::implicit::shapes::rectangle;
+    /// let tile = rectangle([4.0, 4.0])?.extruded_with_bevel(2.0, 0.5)?;
+    /// assert!(tile.expr().at([1.7, 0.0, 0.7]).unwrap() < 0.0);
+    /// assert!(tile.expr().at([1.8, 0.0, 0.8]).unwrap() > 0.0);
+    /// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+    /// ```
+    pub fn extruded_with_bevel(&self, height: f64, bevel: f64) -> Result<Self, InvalidShape> {
+        let half = 0.5 * positive("a height", height)?;
+        let bevel = positive("a bevel", bevel)?;
+        if bevel >= half {
+            return Err(InvalidShape::Number(format!(
+                "a bevel is {bevel}, and must be less than half of the height, {half}"
+            )));
+        }
+        if self.distance().inside == DistanceQuality::Sign {
+            return Err(InvalidShape::NeedsDistance { operation: "a bevel", side: "inside" });
+        }
+        let plain = self.extruded(height)?;
+        let [x, y, z] = Expr::axes();
+        let flat = self.at(&[x, y, Expr::constant(0.0)]);
+        // The shape's value grows by 1 a length at most, and so does |z|, across it: by √2 both.
+        let cut = flat.expr() + (z.abs() - half) + bevel;
+        let value = plain.expr().max(&(&cut * std::f64::consts::FRAC_1_SQRT_2.next_down()));
+        let weak = |quality: DistanceQuality| lesser(quality, DistanceQuality::Bound);
+        let Distance { outside, inside } = slice_distance(self);
+        Ok(Self::from_parts(value, &[self])
+            .known_sign(plain.sign().max(&cut))
+            .known_distance(Distance { outside: weak(outside), inside: weak(inside) })
+            .known_bounds(plain.bounds()))
+    }
+
     /// A planar shape revolved about its y axis, which becomes the z axis: the point (x, y) becomes the
     /// circle of radius x at the height y. Points at negative x have no effect.
     ///

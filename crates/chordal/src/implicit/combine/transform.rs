@@ -108,7 +108,7 @@ impl Field {
     }
 
     /// The points that `rows` and `shift` map into this shape, with the value divided by the largest stretch.
-    fn map_linear(&self, rows: [[f64; 3]; 3], shift: [f64; 3]) -> Self {
+    pub(super) fn map_linear(&self, rows: [[f64; 3]; 3], shift: [f64; 3]) -> Self {
         let axes = Expr::axes();
         let at: [Expr; 3] = std::array::from_fn(|i| {
             let terms = (0..3).filter(|j| rows[i][*j] != 0.0).map(|j| &axes[j] * rows[i][j]);

@@ -1,0 +1,40 @@
+//! What a drawing fills as a field, for scripts and Python.
+use crate::drawing_regions::FilledRegions;
+use chordal::budget::Failure;
+use chordal::convert::outline_to_field;
+use chordal::implicit::Field;
+use chordal::math::greater;
+use chordal::{Budget, Job, Tolerance};
+use chordal_io::Drawing;
+
+/// What a drawing fills, with y up, as one shape of the plane: the distance to polygons within a length of its curves. With
+/// it come sentences about what it was made of: within how much the polygons are, which no bound of the field's mesh counts.
+///
+/// # Errors
+/// In a sentence: when the drawing fills nothing, or its curves are not replaced within the length.
+pub fn drawing_to_field(
+    drawing: &Drawing,
+    tolerance: Tolerance,
+    job: &Job,
+) -> Result<(Field, Vec<String>), String> {
+    let mut notes = Vec::new();
+    let filled = FilledRegions::from_drawing(drawing, &mut notes)
+        .map_err(|_| "it fills nothing: lines alone have no inside".to_owned())?;
+    let budget = Budget::length(tolerance);
+    let (mut shapes, mut worst) = (Vec::new(), 0.0);
+    for outline in &filled.outlines {
+        let made = outline_to_field(outline, &budget, job).map_err(|failure| match failure {
+            Failure::Refused(why) => why.message.to_string(),
+            _ => format!("its curves are not replaced by polygons within {}", tolerance.get()),
+        })?;
+        let off = made.bound.at_most().ok_or("its polygons have no bound")?;
+        worst = greater(worst, off);
+        shapes.push(made.shape);
+    }
+    let mut sentences = Vec::new();
+    if worst > 0.0 {
+        let place = "no bound of the result counts that";
+        sentences.push(format!("its curves are polygons within {worst:.3e} (proved), and {place}"));
+    }
+    Ok((Field::union_of(&shapes), sentences))
+}

@@ -1,0 +1,40 @@
+"""`text` and `svg`: letters and drawings as fields, by the names of shape scripts."""
+
+from __future__ import annotations
+
+import os
+from typing import SupportsFloat
+
+from chordal import _chordal
+from chordal._arguments import number
+from chordal._field import Field
+from chordal._files import shown
+from chordal._shape import load
+
+
+def text(
+    text: str,
+    font: str | os.PathLike[str],
+    tolerance: SupportsFloat,
+    em: SupportsFloat = 1,
+    **axes: SupportsFloat,
+) -> Field:
+    """The letters of a text in a font, as a shape of the plane: the exact distance to polygons within `tolerance` of the
+    outlines, and a lower bound where outlines overlap. `em` is the length of the font's em; `axes` say where those of a
+    variable font are, as in `wght=700`. `Field.notes` has the distance of the polygons.
+
+    Raises `ReadError` for what the font cannot set, and `OSError` where there is none.
+    """
+    length = number("tolerance", tolerance)
+    letters = load(font, format="ttf", text=text, em=em, axes=axes)
+    return Field(_chordal.drawing_field(letters._source, shown(font), length))
+
+
+def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
+    """What a drawing fills, as a shape of the plane with y up: the exact distance to polygons within `tolerance` of its
+    curves, and a lower bound where they overlap. `Field.notes` has the distance of the polygons.
+
+    Raises `ReadError` where the file is no drawing, and `OSError` where there is none.
+    """
+    length = number("tolerance", tolerance)
+    return Field(_chordal.drawing_field(load(name, format="svg")._source, shown(name), length))
