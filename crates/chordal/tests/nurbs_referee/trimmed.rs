@@ -217,8 +217,8 @@ impl Trimmed {
     /// A distance from a loop: between the neighbours of the nearest of many points, by thirds.
     fn to_loop(&self, around: &Loop, p: [f64; 3]) -> f64 {
         let off = |s: f64| distance(self.at(around.at(s)), p);
-        let at = |k: i32| f64::from(k) / AROUND as f64;
-        let nearest = (0..=AROUND as i32).min_by(|a, b| off(at(*a)).total_cmp(&off(at(*b)))).unwrap();
+        let at = |k: i32| f64::from(k) / 240.0;
+        let nearest = (0..=240).min_by(|a, b| off(at(*a)).total_cmp(&off(at(*b)))).unwrap();
         let (mut low, mut high) = (at(nearest - 1).max(0.0), at(nearest + 1).min(1.0));
         for _ in 0..60 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
