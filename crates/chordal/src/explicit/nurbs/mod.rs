@@ -5,6 +5,7 @@
 mod bernstein;
 mod compatible;
 mod conics;
+mod coons;
 mod curve;
 mod cut;
 mod elevate;
@@ -13,6 +14,7 @@ mod from_path;
 mod insert;
 mod interpolate;
 mod knots;
+mod loft;
 mod rational;
 mod remove;
 mod revolved;
