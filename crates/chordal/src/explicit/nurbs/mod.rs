@@ -25,6 +25,7 @@ pub(crate) use bernstein::{BernsteinRow, binomials};
 pub use compatible::compatible;
 pub(crate) use curve::HEAVIEST;
 pub use curve::NurbsCurve;
+pub(crate) use enclosed::binomials as interval_binomials;
 pub(crate) use enclosed::{BernsteinFactors, EnclosedPiece, IntervalRow, arc_pieces};
 pub use knots::{InvalidNurbs, KnotVector};
 pub use rational::RationalBezier;
