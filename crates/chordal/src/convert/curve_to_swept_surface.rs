@@ -21,7 +21,7 @@ pub struct Sweep {
 /// What the coordinates of a profile are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProfilePlace {
-    /// How far a point is to the right, up, and ahead of the path, seen along it.
+    /// How far a point is to the right, up, and ahead, seen from ahead of the path: against it.
     OnPath,
     /// Those of space: the profile stands where it is when the path starts.
     InSpace,
@@ -89,6 +89,7 @@ pub fn curve_to_swept_surface(
     let framed = framed(sweep)?;
     let profile = SweptProfile::new(profile, sweep.place, &framed);
     let wanted = length.get();
+    refuse_kinks(&framed, KINK * wanted / (profile.far[2] + profile.far[3]))?;
     let proof = SweepProof { framed: &framed, profile: &profile, up: up_of(sweep, &framed) };
     // 1. What may be exact: judged as all others.
     let exact = [Some(framed.straight()), framed.circular()];
@@ -113,7 +114,6 @@ pub fn curve_to_swept_surface(
         let mut more = parts.clone();
         match found {
             Ok(found) => {
-                proof.refuse_kinks(&found, wanted)?;
                 let is_better = best.as_ref().is_none_or(|(_, before)| found.at_most < before.at_most);
                 let is_met = found.at_most <= wanted;
                 proof.refine(&spline, &found, wanted, &mut more);
@@ -195,6 +195,22 @@ fn framed(sweep: &Sweep) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     Ok(FramedPath { path: &sweep.path, pieces, up: unit_across(across, start), is_closed })
 }
 
+/// Refuses a path whose direction jumps by more than an angle.
+fn refuse_kinks(framed: &FramedPath<'_>, most_rad: f64) -> Result<(), Failure<NurbsSurface>> {
+    for pair in framed.pieces.windows(2) {
+        let t = pair[1].knots().domain()[0];
+        let [before, after] = [0, 1].map(|k| path_jet(&pair[k], t).tangent[0]);
+        let angle = libm::atan2(length(cross(before, after)), dot(before, after));
+        // No number where the path stops, which is found later. Chosen: rounding turns a direction by less than a billionth.
+        if angle > greater(most_rad, 1e-9) {
+            let degrees = angle.to_degrees();
+            let message = format!("the path has a kink of {degrees:.3}° at its parameter {t}: split it there, or round it");
+            return Err(Failure::refused(RefusalCode::Unsupported, message));
+        }
+    }
+    Ok(())
+}
+
 fn default_up(start: [f64; 3]) -> [f64; 3] {
     // The cosine of 30°, as the docs of `Sweep` have it.
     if start[2].abs() > 0.866 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] }
@@ -245,8 +261,6 @@ struct SweepError {
     pieces: Vec<FrameError>,
     /// By piece: the bound of all but its twist.
     off: Vec<f64>,
-    /// The largest jump of the direction, in radians, and the parameter of the path there.
-    kink: (f64, f64),
     at_most: f64,
 }
 
@@ -264,8 +278,7 @@ impl SweepProof<'_> {
         let origin_of_frames = std::array::from_fn(|k| if k < 3 { origin[k] } else { 0.0 });
         let [side, up, ahead, both] = self.profile.far;
         let (mut pieces, mut off) = (Vec::new(), Vec::new());
-        let (mut twist, mut kink) = (0.0, (0.0, 0.0));
-        let mut worst = 0.0;
+        let (mut twist, mut worst) = (0.0, 0.0);
         let mut before: Option<(usize, FrameError)> = None;
         let mut whole: Option<(usize, EnclosedPiece<3>)> = None;
         for (index, (piece, [a, b])) in spline.places.iter().enumerate() {
@@ -282,9 +295,6 @@ impl SweepProof<'_> {
                 Some((of, before)) if of != *piece => {
                     let jump = turn_between(&before.directions[1], &found.directions[0]);
                     twist = add_up(twist, mul_up(8.0, jump));
-                    if jump > kink.0 {
-                        kink = (jump, path.knots().piece(*piece)[0]);
-                    }
                 }
                 Some(_) => {}
             }
@@ -313,23 +323,7 @@ impl SweepProof<'_> {
         // has taken three products and sums more, and the frame that it was taken in is off by some roundings.
         let rounding = 64.0 * f64::EPSILON * self.profile.reach;
         let at_most = add_up(worst, rounding);
-        if at_most.is_nan() { Err(spline.places[0].0) } else { Ok(SweepError { pieces, off, kink, at_most }) }
-    }
-
-    fn refuse_kinks(&self, found: &SweepError, wanted: f64) -> Result<(), Failure<NurbsSurface>> {
-        let (jump, t) = found.kink;
-        let far = self.profile.far[2] + self.profile.far[3];
-        if mul_up(jump, far) <= KINK * wanted {
-            return Ok(());
-        }
-        let message = if jump.is_finite() {
-            // The bound of a small angle is 1.6 times its sine; as it is it says enough.
-            let angle_deg = libm::asin(crate::math::lesser(jump / 1.6, 1.0)).to_degrees();
-            format!("the path has a kink of {angle_deg:.3}° at its parameter {t}: split it there, or round it")
-        } else {
-            format!("the path has a kink of 90° or more at its parameter {t}: split it there, or round it")
-        };
-        Err(Failure::refused(RefusalCode::Unsupported, message))
+        if at_most.is_nan() { Err(spline.places[0].0) } else { Ok(SweepError { pieces, off, at_most }) }
     }
 
     /// More parts for those pieces of the path whose errors are more than their share.
@@ -372,7 +366,6 @@ fn finished(
     found: &SweepError,
     wanted: Tolerance,
 ) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
-    proof.refuse_kinks(found, wanted.get())?;
     let surface = proof.surface(spline).map_err(refused)?.with_slack(found.at_most);
     if !found.at_most.is_finite() {
         return Err(Failure::refused(RefusalCode::NotFinite, "the surface leaves the range of numbers"));

@@ -1,4 +1,5 @@
 //! The referee of rational splines: bounds against samplers that share no code with the library.
+mod constructed;
 mod trimmed;
 pub(crate) mod truth;
 
