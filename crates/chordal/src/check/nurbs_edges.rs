@@ -154,10 +154,10 @@ impl<'a> SurfaceSide<'a> {
             return Some((if is_against { backwards } else { forwards }, is_against));
         }
         // Ends that meet, and points between them that are on the other side.
-        let ends = |of: &NurbsBoundary<'_>| {
+        let ends = |of: &NurbsBoundary<'a>| {
             greater(off(&self.boundary, of, 0.0), off(&self.boundary, of, 1.0)) <= near
         };
-        let by_middle = |of: &NurbsBoundary<'_>| {
+        let by_middle = |of: &NurbsBoundary<'a>| {
             let beside = of.beside(&self.boundary);
             let is_near = TRIES.iter().all(|t| off(&self.boundary, &beside, *t) <= near);
             let runs = beside.jet(0.5).along;

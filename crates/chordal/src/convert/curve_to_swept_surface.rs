@@ -2,7 +2,7 @@
 use super::sweep::frame_error::{FrameError, frame_error, start_turn, turn_between};
 use super::sweep::frame_spline::{FrameSpline, FramedPath};
 use super::sweep::moving_frame::{path_jet, pieces, unit_across};
-use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance};
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance, par_map};
 use crate::explicit::nurbs::{EnclosedPiece, HEAVIEST, InvalidNurbs, NurbsCurve, NurbsSurface};
 use crate::math::{add_up, cross, difference, dot, flushes_subnormals, greater, length, mul_up, sub_down};
 
@@ -90,7 +90,7 @@ pub fn curve_to_swept_surface(
     let profile = SweptProfile::new(profile, sweep.place, &framed);
     let wanted = length.get();
     refuse_kinks(&framed, KINK * wanted / (profile.far[2] + profile.far[3]))?;
-    let proof = SweepProof { framed: &framed, profile: &profile, up: up_of(sweep, &framed) };
+    let proof = SweepProof::new(&framed, &profile, up_of(sweep, &framed), job);
     // 1. What may be exact: judged as all others.
     let exact = [Some(framed.straight()), framed.circular()];
     for spline in exact.into_iter().flatten() {
@@ -109,11 +109,10 @@ pub fn curve_to_swept_surface(
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let spline = framed.fitted(&parts).map_err(refused)?;
-        let found = proof.of(&spline);
+        let made = framed.fitted(&parts).and_then(|spline| proof.of(&spline).map(|found| (spline, found)));
         let mut more = parts.clone();
-        match found {
-            Ok(found) => {
+        match made {
+            Ok((spline, found)) => {
                 let is_better = best.as_ref().is_none_or(|(_, before)| found.at_most < before.at_most);
                 let is_met = found.at_most <= wanted;
                 proof.refine(&spline, &found, wanted, &mut more);
@@ -268,29 +267,47 @@ struct SweepProof<'a> {
     framed: &'a FramedPath<'a>,
     profile: &'a SweptProfile,
     up: [f64; 3],
+    /// The pieces of the path, seen from its first control point.
+    path: Vec<EnclosedPiece<3>>,
+    job: &'a Job,
 }
 
-impl SweepProof<'_> {
+impl<'a> SweepProof<'a> {
+    fn new(framed: &'a FramedPath<'a>, profile: &'a SweptProfile, up: [f64; 3], job: &'a Job) -> Self {
+        let origin = framed.path.control()[0];
+        let piece = |k: usize| EnclosedPiece::of_nurbs(framed.path, k, origin);
+        Self { framed, profile, up, path: (0..framed.pieces.len()).map(piece).collect(), job }
+    }
+
+    /// The errors of one piece of a spline of frames.
+    fn piece_error(&self, spline: &FrameSpline, index: usize) -> Option<FrameError> {
+        let (piece, [a, b]) = spline.places[index];
+        let whole = &self.path[piece];
+        let frames = self.frames(spline, index);
+        if [a, b] == [0.0, 1.0] {
+            frame_error(whole, &frames, spline.spread)
+        } else {
+            frame_error(&whole.part(a, b), &frames, spline.spread)
+        }
+    }
+
+    fn frames(&self, spline: &FrameSpline, index: usize) -> EnclosedPiece<12> {
+        let origin = self.framed.path.control()[0];
+        let origin = std::array::from_fn(|k| if k < 3 { origin[k] } else { 0.0 });
+        EnclosedPiece::of_nurbs(&spline.curve, index, origin)
+    }
+
     /// The bound of a spline of frames, or the piece of the path where it is none.
     fn of(&self, spline: &FrameSpline) -> Result<SweepError, usize> {
-        let path = self.framed.path;
-        let origin = path.control()[0];
-        let origin_of_frames = std::array::from_fn(|k| if k < 3 { origin[k] } else { 0.0 });
+        let found = par_map(self.job, &spline.places, |index, _| self.piece_error(spline, index));
         let [side, up, ahead, both] = self.profile.far;
         let (mut pieces, mut off) = (Vec::new(), Vec::new());
         let (mut twist, mut worst) = (0.0, 0.0);
         let mut before: Option<(usize, FrameError)> = None;
-        let mut whole: Option<(usize, EnclosedPiece<3>)> = None;
-        for (index, (piece, [a, b])) in spline.places.iter().enumerate() {
-            if whole.as_ref().is_none_or(|(of, _)| of != piece) {
-                whole = Some((*piece, EnclosedPiece::of_nurbs(path, *piece, origin)));
-            }
-            let Some((_, whole)) = &whole else { return Err(*piece) };
-            let part = if [*a, *b] == [0.0, 1.0] { whole.clone() } else { whole.part(*a, *b) };
-            let frames = EnclosedPiece::of_nurbs(&spline.curve, index, origin_of_frames);
-            let found = frame_error(&part, &frames, spline.spread).ok_or(*piece)?;
+        for ((piece, _), found) in spline.places.iter().zip(found) {
+            let found = found.ok_or(*piece)?;
             match before {
-                None => twist = start_turn(&frames, &found.directions[0], self.up),
+                None => twist = start_turn(&self.frames(spline, 0), &found.directions[0], self.up),
                 // Within a piece of the path the direction does not jump.
                 Some((of, before)) if of != *piece => {
                     let jump = turn_between(&before.directions[1], &found.directions[0]);
