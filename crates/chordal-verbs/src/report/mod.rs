@@ -25,6 +25,7 @@ mod repairs;
 mod scene_check;
 mod smoothing;
 mod surface;
+mod nurbs_edges;
 mod surface_edges;
 mod validity;
 mod validity_counts;
@@ -56,6 +57,7 @@ pub(crate) use part_check::{CheckDepth, CountError};
 pub use repairs::{ChangeFacts, RepairFacts};
 pub use smoothing::SmoothingFacts;
 pub use surface::{ComponentFacts, MOST_COMPONENTS, OpenSeamFacts, SurfaceFacts};
+pub use nurbs_edges::{NurbsEdgeFacts, NurbsJoinFacts, NurbsLineFacts};
 pub use surface_edges::{
     EdgeFacts, EdgeMaximumFacts, GeometricEdgeCounts, MOST_EDGES, ParametricEdgeCounts, SurfaceEdgeFacts,
 };

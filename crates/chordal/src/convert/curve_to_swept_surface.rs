@@ -88,9 +88,20 @@ pub fn curve_to_swept_surface(
     refuse_extremes(&[profile, &sweep.path])?;
     let framed = framed(sweep)?;
     let profile = SweptProfile::new(profile, sweep.place, &framed);
+    refuse_kinks(&framed, KINK * length.get() / (profile.far[2] + profile.far[3]))?;
+    job.run(|| swept(sweep, &framed, &profile, length, job))
+}
+
+/// The first spline of frames that is near enough, and its surface.
+fn swept(
+    sweep: &Sweep,
+    framed: &FramedPath<'_>,
+    profile: &SweptProfile,
+    length: Tolerance,
+    job: &Job,
+) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
     let wanted = length.get();
-    refuse_kinks(&framed, KINK * wanted / (profile.far[2] + profile.far[3]))?;
-    let proof = SweepProof::new(&framed, &profile, up_of(sweep, &framed), job);
+    let proof = SweepProof::new(framed, profile, up_of(sweep, framed), job);
     // 1. What may be exact: judged as all others.
     let exact = [Some(framed.straight()), framed.circular()];
     for spline in exact.into_iter().flatten() {
