@@ -5,8 +5,8 @@ use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EdgeMaximumFacts, EmbeddedCertificate, FieldFacts,
-    FindingFacts, GeometricEdgeCounts,
-    Inspection, KinkFacts, NurbsEdgeFacts, NurbsJoinFacts, ParametricEdgeCounts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts,
+    FindingFacts, GeometricEdgeCounts, Inspection, KinkFacts, NurbsEdgeFacts, NurbsJoinFacts,
+    ParametricEdgeCounts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts,
     WitnessFacts, cures_of_all,
 };
 use std::collections::BTreeMap;

@@ -102,7 +102,10 @@ const CONSTRUCTED: [(&str, &str); 7] = [
             "along": [0, 0, 2]}}"#,
     ),
     ("revolve", r#"{"revolve": {"profile": {"control": [[1, 0], [2, 1], [1, 2]]}}}"#),
-    ("ruled", r#"{"ruled": [{"line": [[0, 0, 0], [1, 0, 0]]}, {"through": [[0, 1, 1], [0.5, 1, 2], [1, 1, 1]]}]}"#),
+    (
+        "ruled",
+        r#"{"ruled": [{"line": [[0, 0, 0], [1, 0, 0]]}, {"through": [[0, 1, 1], [0.5, 1, 2], [1, 1, 1]]}]}"#,
+    ),
 ];
 
 #[test]
@@ -163,13 +166,12 @@ fn constructions_that_cannot_be_are_one_sentence_with_their_place() {
             "/surfaces/0/coons: the boundary curves do not meet at the end of both: they are 5e-1 apart",
         ),
         (
-            format!(r#"{{"sweep": {{"profile": {line}, "path": {{"degree": 1, "control": [[0, 0, 0], [1, 0, 0], [1, 1, 0]]}}}}}}"#),
+            format!(
+                r#"{{"sweep": {{"profile": {line}, "path": {{"degree": 1, "control": [[0, 0, 0], [1, 0, 0], [1, 1, 0]]}}}}}}"#
+            ),
             "/surfaces/0/sweep: the path has a kink of 90.000° at its parameter 1: split it there, or round it",
         ),
-        (
-            format!(r#"{{"sweep": {{"path": {line}}}}}"#),
-            "/surfaces/0/sweep: there is no member \"profile\"",
-        ),
+        (format!(r#"{{"sweep": {{"path": {line}}}}}"#), "/surfaces/0/sweep: there is no member \"profile\""),
         (
             format!(r#"{{"extrude": {{"profile": {line}, "along": [0, 1]}}}}"#),
             "/surfaces/0/extrude/along: 2 numbers where 3 are needed",
@@ -219,7 +221,8 @@ fn inspect_says_how_smooth_surfaces_are_and_where_they_are_worst() {
     assert!((jump["curvature_gap"]["value"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{jump}");
     let text = run(&["inspect", &input]);
     text.succeeds();
-    for says in ["3", "2 shared, 8 on the boundary", "1 kink, 1 G1, 0 G2", "surface 1 at u 1, 2 at u 0: 90°"] {
+    for says in ["3", "2 shared, 8 on the boundary", "1 kink, 1 G1, 0 G2", "surface 1 at u 1, 2 at u 0: 90°"]
+    {
         assert!(text.stdout.contains(says), "{says}: {}", text.stdout);
     }
 }

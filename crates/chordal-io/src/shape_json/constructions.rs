@@ -108,9 +108,8 @@ impl ConstructionReader<'_, '_> {
         })?;
         let sections = sections.ok_or_else(|| missing(&place, "sections"))?;
         let degree = match degree {
-            Some(degree) => {
-                whole_degree(degree).map_err(|error| ReadError::new("invalid-surface", place.clone(), error))?
-            }
+            Some(degree) => whole_degree(degree)
+                .map_err(|error| ReadError::new("invalid-surface", place.clone(), error))?,
             None => {
                 let most = CUBIC.min(sections.len().saturating_sub(1)).max(1);
                 // A closed one takes odd degrees.
@@ -213,7 +212,8 @@ impl ConstructionReader<'_, '_> {
             None => {
                 let diagonal = |curve: &NurbsCurve<3>| Box3::from_points(curve.control()).diagonal();
                 let size = diagonal(&path) + diagonal(&profile.curve);
-                Tolerance::new(NEAR * size).map_err(|_| wrong("the path and the profile have no size".to_owned()))?
+                Tolerance::new(NEAR * size)
+                    .map_err(|_| wrong("the path and the profile have no size".to_owned()))?
             }
         };
         let place_of_profile =
@@ -226,7 +226,9 @@ impl ConstructionReader<'_, '_> {
                 best.shape.slack(),
                 tolerance.get()
             ))),
-            Err(Failure::Refused(refusal)) => Err(ReadError::new("invalid-surface", place.clone(), refusal.message)),
+            Err(Failure::Refused(refusal)) => {
+                Err(ReadError::new("invalid-surface", place.clone(), refusal.message))
+            }
             Err(Failure::Cancelled) => Err(wrong("the sweep was cancelled".to_owned())),
         }
     }

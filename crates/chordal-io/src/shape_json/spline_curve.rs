@@ -66,7 +66,11 @@ impl GivenPoints {
             }
             self.dimension = n as usize;
         }
-        if n == self.dimension as u64 { Ok(point) } else { Err(width(json, n, "numbers", self.dimension as u64)) }
+        if n == self.dimension as u64 {
+            Ok(point)
+        } else {
+            Err(width(json, n, "numbers", self.dimension as u64))
+        }
     }
 }
 
@@ -200,4 +204,3 @@ impl CurveMembers {
         Ok((made.map_err(Ok)?, self.given.dimension))
     }
 }
-

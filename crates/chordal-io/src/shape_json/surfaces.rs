@@ -105,11 +105,15 @@ impl SurfaceMembers {
         let Ok(vectors) = <[KnotVector; 2]>::try_from(vectors) else { return Err(missing("knots")) };
         let needed = vectors[0].n_control() as u64;
         if let Some((row, n)) = row_lengths.iter().enumerate().find(|(_, n)| **n != needed) {
-            return Err(wrong(format!("row {row} has {n} control points where the knots along u need {needed}")));
+            return Err(wrong(format!(
+                "row {row} has {n} control points where the knots along u need {needed}"
+            )));
         }
         let weights = match weights {
             Some(rows) => {
-                if let Some((row, n)) = rows.iter().map(Vec::len).enumerate().find(|(_, n)| *n as u64 != needed) {
+                if let Some((row, n)) =
+                    rows.iter().map(Vec::len).enumerate().find(|(_, n)| *n as u64 != needed)
+                {
                     return Err(wrong(format!(
                         "row {row} has {n} weights where the knots along u need {needed}"
                     )));

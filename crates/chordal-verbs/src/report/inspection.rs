@@ -1,7 +1,7 @@
 //! The description of an input in the report; only from `inspect`.
 use super::{
-    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, NurbsEdgeFacts, SurfaceEdgeFacts,
-    TriangleFacts, VolumeFacts, to_value,
+    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, NurbsEdgeFacts,
+    SurfaceEdgeFacts, TriangleFacts, VolumeFacts, to_value,
 };
 use crate::file_rows::rows_of;
 use crate::{Input, Shape};

@@ -141,9 +141,8 @@ impl<'a> SurfaceSide<'a> {
             length(difference(a.jet(t).point, b.jet(t).point))
         };
         // The same parameters forwards or backwards: the usual case.
-        let farthest = |of: &NurbsBoundary<'_>| {
-            TRIES.iter().map(|t| off(&self.boundary, of, *t)).fold(0.0, greater)
-        };
+        let farthest =
+            |of: &NurbsBoundary<'_>| TRIES.iter().map(|t| off(&self.boundary, of, *t)).fold(0.0, greater);
         let both = [other.boundary.clone(), other.boundary.reversed()];
         let [same, against] = both.each_ref().map(farthest);
         let [forwards, backwards] = both;

@@ -109,7 +109,11 @@ impl<'a> NurbsBoundary<'a> {
         let square = length(jet.along) * length(jet.along);
         let by = (away[0] * jet.along[0] + away[1] * jet.along[1] + away[2] * jet.along[2]) / square;
         let moved = t - by;
-        if moved.is_finite() && by.abs() < 1.0 / SAMPLES as f64 { greater(0.0, lesser(moved, 1.0)) } else { t }
+        if moved.is_finite() && by.abs() < 1.0 / SAMPLES as f64 {
+            greater(0.0, lesser(moved, 1.0))
+        } else {
+            t
+        }
     }
 
     /// The parameters at which the pieces along the line meet, with so many equal steps in each.
@@ -134,7 +138,8 @@ impl<'a> NurbsBoundary<'a> {
         let rate = |k: usize| {
             let knots = &self.knots[k];
             let pieces = if k == self.constant { self.piece..self.piece + 1 } else { 0..knots.n_pieces() };
-            let width = pieces.map(|piece| knots.piece(piece)).map(|[a, b]| b - a).fold(f64::INFINITY, lesser);
+            let width =
+                pieces.map(|piece| knots.piece(piece)).map(|[a, b]| b - a).fold(f64::INFINITY, lesser);
             greater(knots.degree() as f64 / 3.0, 1.0) / width
         };
         let along = (self.to - self.from).abs();
@@ -207,7 +212,6 @@ fn second_jet(net: &BezierNet<'_>, piece: [usize; 2], [s, t]: [f64; 2]) -> Secon
         std::array::from_fn(|k| (dd[k] - 2.0 * of[k] * d[3] - point[k] * dd[3]) / w)
     });
     let [u, v] = first;
-    let mixed =
-        std::array::from_fn(|k| (xuv[k] - u[k] * xv[3] - v[k] * xu[3] - point[k] * xuv[3]) / w);
+    let mixed = std::array::from_fn(|k| (xuv[k] - u[k] * xv[3] - v[k] * xu[3] - point[k] * xuv[3]) / w);
     SecondJet { point, first, second, mixed }
 }

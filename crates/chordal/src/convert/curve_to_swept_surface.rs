@@ -137,7 +137,9 @@ fn swept(
             Err(piece) => {
                 if parts[piece] >= PARTS[1] {
                     let t = framed.path.knots().piece(piece)[0];
-                    let message = format!("the path stops, or turns at once, in the piece that starts at its parameter {t}");
+                    let message = format!(
+                        "the path stops, or turns at once, in the piece that starts at its parameter {t}"
+                    );
                     return Err(Failure::refused(RefusalCode::Unsupported, message));
                 }
                 more[piece] *= 4;
@@ -150,7 +152,9 @@ fn swept(
     }
     match best {
         Some((spline, found)) => finished(&proof, &spline, &found, length),
-        None => Err(Failure::refused(RefusalCode::TooMuchMemory, "the path needs more parts than the job allows")),
+        None => {
+            Err(Failure::refused(RefusalCode::TooMuchMemory, "the path needs more parts than the job allows"))
+        }
     }
 }
 
@@ -198,7 +202,8 @@ fn framed(sweep: &Sweep) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     let across: [f64; 3] = std::array::from_fn(|k| up[k] - dot(up, start) * start[k]);
     // Chosen: nearer to the path rounding would turn it.
     if !(length(across) > 1e-6 * length(up)) {
-        let message = format!("the up vector {up:?} is along the path where it starts, and must lie across it");
+        let message =
+            format!("the up vector {up:?} is along the path where it starts, and must lie across it");
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     let is_closed = FramedPath::closes(&pieces);
@@ -214,7 +219,9 @@ fn refuse_kinks(framed: &FramedPath<'_>, most_rad: f64) -> Result<(), Failure<Nu
         // No number where the path stops, which is found later. Chosen: rounding turns a direction by less than a billionth.
         if angle > greater(most_rad, 1e-9) {
             let degrees = angle.to_degrees();
-            let message = format!("the path has a kink of {degrees:.3}° at its parameter {t}: split it there, or round it");
+            let message = format!(
+                "the path has a kink of {degrees:.3}° at its parameter {t}: split it there, or round it"
+            );
             return Err(Failure::refused(RefusalCode::Unsupported, message));
         }
     }
@@ -257,7 +264,8 @@ impl SweptProfile {
             // Up to the rounding of a length, which is added.
             most(&|p| length([p[0], p[1]])) * (1.0 + 4.0 * f64::EPSILON),
         ];
-        let path = framed.path.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let path =
+            framed.path.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let given = profile.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let reach = path + given + far[0] + far[1] + far[2];
         let curve = NurbsCurve::new(profile.knots().clone(), control, profile.weights().to_vec());

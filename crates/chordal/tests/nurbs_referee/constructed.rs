@@ -3,9 +3,9 @@ use super::truth::{basis, parameter, random_knots, random_weights};
 use super::{OWN, Spline, largest};
 use chordal::budget::{Bounded, Failure};
 use chordal::convert::sweeps::{ProfilePlace, Sweep};
+use chordal::explicit::CurveEnds;
 use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, NurbsCurve, NurbsSurface};
 use chordal::explicit::spline::{self, Knots};
-use chordal::explicit::CurveEnds;
 use chordal::{Job, Tolerance, convert};
 use chordal_testkit::sampler::distance;
 use chordal_testkit::{Random, cases};
@@ -242,8 +242,7 @@ fn a_coons_patch_is_its_formula_and_has_its_boundary() {
 fn corners_that_do_not_meet_are_refused_with_the_gap() {
     let line = |a: Point, b: Point| NurbsCurve::line(a, b).unwrap();
     let c = [line([0.0; 3], [1.0, 0.0, 0.0]), line([0.0, 1.0, 0.0], [1.0, 1.0, 0.0])];
-    for (corner, [from, to]) in
-        [(0, [[0.0, 0.25, 0.0], [0.0, 1.0, 0.0]]), (2, [[0.0; 3], [0.0, 1.0, 0.25]])]
+    for (corner, [from, to]) in [(0, [[0.0, 0.25, 0.0], [0.0, 1.0, 0.0]]), (2, [[0.0; 3], [0.0, 1.0, 0.25]])]
     {
         let d = [line(from, to), line([1.0, 0.0, 0.0], [1.0, 1.0, 0.0])];
         let error = NurbsSurface::coons([&c[0], &c[1]], [&d[0], &d[1]]).unwrap_err();
@@ -305,12 +304,8 @@ fn a_circle_along_an_arc_is_a_torus_and_along_a_line_a_cylinder() {
 
 /// First and second derivative of a polynomial or rational spline, by the splines of differences.
 fn derivatives(spline: &Spline, t: f64) -> [Point; 3] {
-    let weighted: Vec<[f64; 4]> = spline
-        .control
-        .iter()
-        .zip(&spline.weights)
-        .map(|(p, w)| [p[0] * w, p[1] * w, p[2] * w, *w])
-        .collect();
+    let weighted: Vec<[f64; 4]> =
+        spline.control.iter().zip(&spline.weights).map(|(p, w)| [p[0] * w, p[1] * w, p[2] * w, *w]).collect();
     let (mut row, mut knots, mut degree) = (weighted, spline.knots.clone(), spline.degree);
     let mut found = Vec::new();
     for _ in 0..3 {
@@ -398,7 +393,12 @@ fn helix(scale: f64, turns: f64) -> NurbsCurve<3> {
 }
 
 /// The surface against a profile in dense frames: the largest distance at equal parameters.
-fn farthest(surface: &NurbsSurface, path: &Spline, profile: &Spline, frames: &[(f64, [Point; 3], f64)]) -> f64 {
+fn farthest(
+    surface: &NurbsSurface,
+    path: &Spline,
+    profile: &Spline,
+    frames: &[(f64, [Point; 3], f64)],
+) -> f64 {
     let mut worst = 0.0;
     for (t, [side, up, ahead], _) in frames {
         for k in 0..=6 {
@@ -421,7 +421,8 @@ fn a_sweep_along_a_space_curve_has_the_frame_that_does_not_rotate() {
             helix(scale, random.between(0.5, 2.0))
         } else {
             // Rational, and bent in space.
-            let control = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.5], [3.0, 2.0, 0.0], [2.0, 3.0, 2.0], [0.0, 4.0, 3.0]];
+            let control =
+                [[0.0, 0.0, 0.0], [2.0, 0.0, 0.5], [3.0, 2.0, 0.0], [2.0, 3.0, 2.0], [0.0, 4.0, 3.0]];
             let control = control.iter().map(|p| plus(*p, 0.3, random.point())).collect();
             let weights = (0..5).map(|_| random.between(0.7, 1.5)).collect();
             NurbsCurve::new(KnotVector::clamped(3, 5).unwrap(), scaled(control, scale), weights).unwrap()
@@ -487,7 +488,8 @@ fn a_closed_path_gets_a_closed_surface_whose_twist_is_spread_over_its_length() {
 fn a_profile_in_space_stays_where_it_is_at_the_start() {
     let path = helix(1.0, 1.0);
     let profile =
-        NurbsCurve::bezier(vec![[2.5, 0.1, 0.0], [2.2, 0.0, 0.6], [1.5, -0.1, 0.2], [1.4, 0.3, -0.3]]).unwrap();
+        NurbsCurve::bezier(vec![[2.5, 0.1, 0.0], [2.2, 0.0, 0.6], [1.5, -0.1, 0.2], [1.4, 0.3, -0.3]])
+            .unwrap();
     let sweep = Sweep { path: path.clone(), up: None, place: ProfilePlace::InSpace };
     let made = swept(&profile, &sweep, 1e-6);
     for k in 0..=8 {

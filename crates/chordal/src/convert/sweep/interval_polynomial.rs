@@ -149,7 +149,9 @@ mod tests {
                 let rest: f64 = 1.0 - t;
                 let n = of.degree() as i32;
                 let terms = of.0.iter().enumerate();
-                terms.map(|(i, c)| c.midpoint().unwrap() * t.powi(i as i32) * rest.powi(n - i as i32)).sum::<f64>()
+                terms
+                    .map(|(i, c)| c.midpoint().unwrap() * t.powi(i as i32) * rest.powi(n - i as i32))
+                    .sum::<f64>()
             };
             for (made, truth) in [(p.times(&q), x * y), (p.plus(&q), x + y), (p.minus(&q), x - y)] {
                 assert!((value(&made) - truth).abs() < 1e-13);
