@@ -245,6 +245,8 @@ struct SweptProfile {
     far: [f64; 4],
     /// The largest coordinate of the surface, or nearly.
     reach: f64,
+    /// Whether its coordinates were taken in the frame where the path starts, as computed.
+    is_in_space: bool,
 }
 
 impl SweptProfile {
@@ -270,7 +272,12 @@ impl SweptProfile {
         let reach = path + given + far[0] + far[1] + far[2];
         let curve = NurbsCurve::new(profile.knots().clone(), control, profile.weights().to_vec());
         // Finite numbers below 1e50, rotated.
-        Self { curve: curve.unwrap_or_else(|_| profile.clone()), far, reach }
+        Self {
+            curve: curve.unwrap_or_else(|_| profile.clone()),
+            far,
+            reach,
+            is_in_space: place == ProfilePlace::InSpace,
+        }
     }
 }
 
@@ -321,12 +328,15 @@ impl<'a> SweepProof<'a> {
         let found = par_map(self.job, &spline.places, |index, _| self.piece_error(spline, index));
         let [side, up, ahead, both] = self.profile.far;
         let (mut pieces, mut off) = (Vec::new(), Vec::new());
-        let (mut twist, mut worst) = (0.0, 0.0);
+        let (mut twist, mut worst, mut start) = (0.0, 0.0, 0.0);
         let mut before: Option<(usize, FrameError)> = None;
         for ((piece, _), found) in spline.places.iter().zip(found) {
             let found = found.ok_or(*piece)?;
             match before {
-                None => twist = start_turn(&self.frames(spline, 0), &found.directions[0], self.up),
+                None => {
+                    start = start_turn(&self.frames(spline, 0), &found.directions[0], self.up);
+                    twist = start;
+                }
                 // Within a piece of the path the direction does not jump.
                 Some((of, before)) if of != *piece => {
                     let jump = turn_between(&before.directions[1], &found.directions[0]);
@@ -355,6 +365,14 @@ impl<'a> SweepProof<'a> {
             let most = off.iter().fold(0.0, |most: f64, x| greater(*x, most));
             worst = add_up(most, mul_up(both, all));
         }
+        if self.profile.is_in_space
+            && let Some(first) = pieces.first()
+        {
+            // The frame that the coordinates were taken in starts the spline, and is off as that is.
+            let [of_side, of_up, of_ahead] = first.vectors;
+            let turned = [of_side, of_up, of_ahead, start, start].iter().fold(0.0, |sum, x| add_up(sum, *x));
+            worst = add_up(worst, mul_up(turned, add_up(both, ahead)));
+        }
         // Derived: a control point is a sum of four terms with two roundings each, its weight a product; a profile in space
         // has taken three products and sums more, and the frame that it was taken in is off by some roundings.
         let rounding = 64.0 * f64::EPSILON * self.profile.reach;
@@ -373,10 +391,16 @@ impl<'a> SweepProof<'a> {
             twists[*piece] += closed * self.profile.far[3] * found.pieces[k].twist;
             offs[*piece] = greater(found.off[k], offs[*piece]);
         }
+        let mut is_more = false;
         for (piece, n) in parts.iter_mut().enumerate() {
             if twists[piece] > share || offs[piece] > 0.5 * left {
                 *n = (2 * *n).min(PARTS[1]);
+                is_more = true;
             }
+        }
+        // All together are too much, though none is more than its share.
+        if !is_more {
+            parts.iter_mut().for_each(|n| *n = (2 * *n).min(PARTS[1]));
         }
     }
 

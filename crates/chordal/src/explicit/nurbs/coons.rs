@@ -56,7 +56,7 @@ impl NurbsSurface {
     /// let tunnel = NurbsSurface::coons([&arch(0.0)?, &arch(3.0)?], [&line(0.0)?, &line(2.0)?])?;
     /// assert_eq!(tunnel.at(0.5, 0.5), [1.0, 1.5, 1.0]);
     /// let away = NurbsSurface::coons([&arch(0.0)?, &arch(3.0)?], [&line(0.0)?, &line(2.5)?]).unwrap_err();
-    /// assert!(away.to_string().ends_with("they are 5e-1 apart, and may be 3e-9"));
+    /// assert!(away.to_string().contains("they are 5e-1 apart"));
     /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
     /// ```
     pub fn coons(along_u: [&NurbsCurve<3>; 2], along_v: [&NurbsCurve<3>; 2]) -> Result<Self, InvalidNurbs> {
