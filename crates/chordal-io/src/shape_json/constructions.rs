@@ -8,7 +8,7 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::Failure;
 use chordal::convert::curve_to_swept_surface;
-use chordal::convert::sweeps::{ProfilePlace, Sweep};
+use chordal::convert::sweeps::{ProfilePlace, SweepPath};
 use chordal::explicit::CurveEnds;
 use chordal::explicit::nurbs::{InvalidNurbs, NurbsCurve, NurbsSurface, compatible};
 use chordal::math::{Box3, greater};
@@ -218,7 +218,7 @@ impl ConstructionReader<'_, '_> {
         };
         let place_of_profile =
             if profile.dimension == 2 { ProfilePlace::OnPath } else { ProfilePlace::InSpace };
-        let sweep = Sweep { path, up, place: place_of_profile };
+        let sweep = SweepPath { path, up, place: place_of_profile };
         match curve_to_swept_surface(&profile.curve, &sweep, tolerance, &Job::default()) {
             Ok(made) => Ok(made.shape),
             Err(Failure::Unmet(best)) => Err(wrong(format!(

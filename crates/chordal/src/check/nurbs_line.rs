@@ -2,7 +2,7 @@
 use super::edge_join::{CrossBoundary, CrossJet};
 use super::joins::{FIRST, SECOND};
 use crate::explicit::nurbs::{BernsteinRow, BezierNet, KnotVector, NurbsSurface};
-use crate::math::{difference, greater, length, lesser};
+use crate::math::{difference, dot, greater, length, lesser};
 
 /// A line of a surface along which one of its parameters is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,12 +35,16 @@ pub(super) struct NurbsBoundary<'a> {
     /// The other parameter from start to end.
     from: f64,
     to: f64,
-    /// The parameter on this line of each parameter on the line beside it; `None`: the same.
-    places: Option<Vec<[f64; 2]>>,
+    /// The line beside it at whose points it is taken, and places of both that are near; `None`: at the same parameters.
+    beside: Option<Box<(NurbsBoundary<'a>, Vec<[f64; 2]>)>>,
 }
 
 /// Places along a side by which another one is found.
 pub(super) const SAMPLES: usize = 64;
+/// Places at which the nearest one is searched for; between them it is found from these. Chosen.
+const PLACES: usize = 16;
+/// Steps of Newton's method from there. Chosen: distances are small, so that digits double.
+const STEPS_TO_FOOT: usize = 6;
 
 impl<'a> NurbsBoundary<'a> {
     /// The surface beyond a line (`end` 0: the piece starts there) or before it (1).
@@ -54,7 +58,7 @@ impl<'a> NurbsBoundary<'a> {
         // Counter-clockwise: u rises where v starts and falls where it ends, v rises where u ends.
         let rises = (constant == 1) == (end == 0);
         let (from, to) = if rises { (from, to) } else { (to, from) };
-        Self { net, knots: surface.knots(), constant, piece, end: end as f64, from, to, places: None }
+        Self { net, knots: surface.knots(), constant, piece, end: end as f64, from, to, beside: None }
     }
 
     pub fn reversed(&self) -> Self {
@@ -64,10 +68,11 @@ impl<'a> NurbsBoundary<'a> {
     /// The same line, met at the point nearest to each of another one.
     pub fn beside(&self, other: &Self) -> Self {
         let nearest = |k: usize| {
-            let t = k as f64 / SAMPLES as f64;
+            let t = k as f64 / PLACES as f64;
             [t, self.foot(other.jet(t).point, t)]
         };
-        Self { places: Some((0..=SAMPLES).map(nearest).collect()), ..self.clone() }
+        let places = (0..=PLACES).map(nearest).collect();
+        Self { beside: Some(Box::new((other.clone(), places))), ..self.clone() }
     }
 
     /// The parameter of the line that is constant.
@@ -103,17 +108,23 @@ impl<'a> NurbsBoundary<'a> {
             }
             width /= 3.0;
         }
-        // Newton's step on the derivative of the square takes the digits that comparisons cannot see.
-        let jet = self.jet(t);
-        let away = difference(jet.point, point);
-        let square = length(jet.along) * length(jet.along);
-        let by = (away[0] * jet.along[0] + away[1] * jet.along[1] + away[2] * jet.along[2]) / square;
-        let moved = t - by;
-        if moved.is_finite() && by.abs() < 1.0 / SAMPLES as f64 {
-            greater(0.0, lesser(moved, 1.0))
-        } else {
-            t
+        self.nearer(point, t)
+    }
+
+    /// Newton's method on the derivative of the square, without its second derivative, which vanishes with the distance.
+    fn nearer(&self, point: [f64; 3], near: f64) -> f64 {
+        let mut t = near;
+        for _ in 0..STEPS_TO_FOOT {
+            let jet = self.jet(t);
+            let away = difference(jet.point, point);
+            let step = dot(away, jet.along) / dot(jet.along, jet.along);
+            // No number where the line stops; farther than to the next sample it is another place.
+            if !(step.abs() < 1.0 / PLACES as f64) {
+                return t;
+            }
+            t = greater(0.0, lesser(t - step, 1.0));
         }
+        t
     }
 
     /// The parameters at which the pieces along the line meet, with so many equal steps in each.
@@ -152,10 +163,11 @@ impl<'a> NurbsBoundary<'a> {
 
 impl CrossBoundary for NurbsBoundary<'_> {
     fn jet(&self, t: f64) -> CrossJet {
-        let t = match &self.places {
-            None => t,
-            Some(places) => between(places, t),
-        };
+        if let Some(beside) = &self.beside {
+            let (other, places) = &**beside;
+            let own = Self { beside: None, ..self.clone() };
+            return own.jet(own.nearer(other.jet(t).point, between(places, t)));
+        }
         let (other, sign) = (1 - self.constant, if self.end == 0.0 { 1.0 } else { -1.0 });
         let (along_piece, place) = self.knots[other].locate(self.parameter(t));
         let (mut piece, mut at) = ([0; 2], [0.0; 2]);

@@ -8,7 +8,7 @@ use crate::math::{add_up, cross, difference, dot, flushes_subnormals, greater, l
 
 /// A path, and how a profile stands on it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
+pub struct SweepPath {
     /// The path.
     pub path: NurbsCurve<3>,
     /// The direction up where the path starts, of which the part across the path counts; without one the z axis, or the y
@@ -64,11 +64,11 @@ const BYTES_PER_PIECE: u64 = 4096;
 /// [`Failure::Unmet`] with the nearest surface; [`Failure::Cancelled`].
 ///
 /// ```
-/// use chordal::convert::{self, sweeps::{ProfilePlace, Sweep}};
+/// use chordal::convert::{self, sweeps::{ProfilePlace, SweepPath}};
 /// use chordal::{Job, Tolerance, explicit::nurbs::NurbsCurve};
 /// let ring = NurbsCurve::circle([0.0; 3], [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]])?;
 /// let path = NurbsCurve::circle([0.0; 3], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]])?;
-/// let sweep = Sweep { path, up: None, place: ProfilePlace::OnPath };
+/// let sweep = SweepPath { path, up: None, place: ProfilePlace::OnPath };
 /// let length = Tolerance::new(1e-6).unwrap();
 /// let torus = convert::curve_to_swept_surface(&ring, &sweep, length, &Job::default()).unwrap();
 /// assert!(torus.bound.at_most().unwrap() < 1e-12);
@@ -81,7 +81,7 @@ const BYTES_PER_PIECE: u64 = 4096;
 /// more than one way to frame a curve*, 1975. The bound is Chordal's own.
 pub fn curve_to_swept_surface(
     profile: &NurbsCurve<3>,
-    sweep: &Sweep,
+    sweep: &SweepPath,
     length: Tolerance,
     job: &Job,
 ) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
@@ -94,7 +94,7 @@ pub fn curve_to_swept_surface(
 
 /// The first spline of frames that is near enough, and its surface.
 fn swept(
-    sweep: &Sweep,
+    sweep: &SweepPath,
     framed: &FramedPath<'_>,
     profile: &SweptProfile,
     length: Tolerance,
@@ -191,7 +191,7 @@ fn extent(curve: &NurbsCurve<3>) -> f64 {
 }
 
 /// The path with its pieces and the up vector across it.
-fn framed(sweep: &Sweep) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
+fn framed(sweep: &SweepPath) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     let pieces = pieces(&sweep.path).map_err(refused)?;
     let start = path_jet(&pieces[0], sweep.path.knots().domain()[0]).tangent[0];
     if !start.iter().all(|x| x.is_finite()) {
@@ -229,11 +229,11 @@ fn refuse_kinks(framed: &FramedPath<'_>, most_rad: f64) -> Result<(), Failure<Nu
 }
 
 fn default_up(start: [f64; 3]) -> [f64; 3] {
-    // The cosine of 30°, as the docs of `Sweep` have it.
+    // The cosine of 30°, as the docs of `SweepPath` have it.
     if start[2].abs() > 0.866 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] }
 }
 
-fn up_of(sweep: &Sweep, framed: &FramedPath<'_>) -> [f64; 3] {
+fn up_of(sweep: &SweepPath, framed: &FramedPath<'_>) -> [f64; 3] {
     let start = path_jet(&framed.pieces[0], sweep.path.knots().domain()[0]).tangent[0];
     sweep.up.unwrap_or_else(|| default_up(start))
 }
@@ -382,6 +382,7 @@ impl<'a> SweepProof<'a> {
 
     /// More parts for those pieces of the path whose errors are more than their share.
     fn refine(&self, spline: &FrameSpline, found: &SweepError, wanted: f64, parts: &mut [usize]) {
+        // Without the rounding that `of` adds.
         let left = greater(sub_down(wanted, 64.0 * f64::EPSILON * self.profile.reach), 0.0);
         let closed = if self.framed.is_closed { 2.0 } else { 1.0 };
         let share = 0.5 * left / parts.len() as f64;

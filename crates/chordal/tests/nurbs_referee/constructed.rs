@@ -2,7 +2,7 @@
 use super::truth::{basis, parameter, random_knots, random_weights};
 use super::{OWN, Spline, largest};
 use chordal::budget::{Bounded, Failure};
-use chordal::convert::sweeps::{ProfilePlace, Sweep};
+use chordal::convert::sweeps::{ProfilePlace, SweepPath};
 use chordal::explicit::CurveEnds;
 use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, NurbsCurve, NurbsSurface};
 use chordal::explicit::spline::{self, Knots};
@@ -66,6 +66,8 @@ fn mean_chords(sections: &[Spline], closed: bool) -> Vec<f64> {
             at[k + 1] += sum / width as f64;
         }
     }
+    // Beyond 1 by rounding there is no surface.
+    at[last] = 1.0;
     at
 }
 
@@ -250,13 +252,13 @@ fn corners_that_do_not_meet_are_refused_with_the_gap() {
     }
 }
 
-fn swept(profile: &NurbsCurve<3>, sweep: &Sweep, length: f64) -> Bounded<NurbsSurface> {
+fn swept(profile: &NurbsCurve<3>, sweep: &SweepPath, length: f64) -> Bounded<NurbsSurface> {
     let length = Tolerance::new(length).unwrap();
     convert::curve_to_swept_surface(profile, sweep, length, &Job::default()).unwrap()
 }
 
-fn on_path(path: NurbsCurve<3>, up: Option<Point>) -> Sweep {
-    Sweep { path, up, place: ProfilePlace::OnPath }
+fn on_path(path: NurbsCurve<3>, up: Option<Point>) -> SweepPath {
+    SweepPath { path, up, place: ProfilePlace::OnPath }
 }
 
 #[test]
@@ -490,7 +492,7 @@ fn a_profile_in_space_stays_where_it_is_at_the_start() {
     let profile =
         NurbsCurve::bezier(vec![[2.5, 0.1, 0.0], [2.2, 0.0, 0.6], [1.5, -0.1, 0.2], [1.4, 0.3, -0.3]])
             .unwrap();
-    let sweep = Sweep { path: path.clone(), up: None, place: ProfilePlace::InSpace };
+    let sweep = SweepPath { path: path.clone(), up: None, place: ProfilePlace::InSpace };
     let made = swept(&profile, &sweep, 1e-6);
     for k in 0..=8 {
         let u = f64::from(k) / 8.0;
@@ -501,7 +503,7 @@ fn a_profile_in_space_stays_where_it_is_at_the_start() {
 #[test]
 fn paths_that_cannot_be_swept_along_are_one_sentence() {
     let profile = NurbsCurve::circle([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
-    let refused = |sweep: &Sweep| {
+    let refused = |sweep: &SweepPath| {
         let length = Tolerance::new(1e-3).unwrap();
         match convert::curve_to_swept_surface(&profile, sweep, length, &Job::default()) {
             Err(Failure::Refused(refusal)) => refusal.message.to_string(),
