@@ -119,7 +119,7 @@ impl<'a> NurbsBoundary<'a> {
             let away = difference(jet.point, point);
             let step = dot(away, jet.along) / dot(jet.along, jet.along);
             // No number where the line stops; farther than to the next sample it is another place.
-            if !(step.abs() < 1.0 / PLACES as f64) {
+            if step.is_nan() || step.abs() >= 1.0 / PLACES as f64 {
                 return t;
             }
             t = greater(0.0, lesser(t - step, 1.0));

@@ -201,7 +201,8 @@ fn framed(sweep: &SweepPath) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     let up = sweep.up.unwrap_or_else(|| default_up(start));
     let across: [f64; 3] = std::array::from_fn(|k| up[k] - dot(up, start) * start[k]);
     // Chosen: nearer to the path rounding would turn it.
-    if !(length(across) > 1e-6 * length(up)) {
+    let is_across = length(across) > 1e-6 * length(up);
+    if !is_across {
         let message =
             format!("the up vector {up:?} is along the path where it starts, and must lie across it");
         return Err(Failure::refused(RefusalCode::Unsupported, message));

@@ -113,7 +113,7 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     let up_long = add_up(long(&up), mul_up(a, a));
     let up_off = add_up(a, up_long);
     // The vectors must be nearly what they are to be, for all that follows.
-    if !(up_off < 0.25) {
+    if up_off.is_nan() || up_off >= 0.25 {
         return None;
     }
     let b = part(&dot(&side, &direction));
