@@ -6,6 +6,7 @@ mod cubes;
 mod curve_to_cubics;
 mod curve_to_field;
 mod curve_to_polyline;
+mod curve_to_swept_surface;
 mod curves;
 mod field_to_grid;
 mod field_to_mesh;
@@ -36,6 +37,7 @@ mod patches_to_mesh;
 mod points_to_spline;
 mod polyline_to_spline;
 mod redistance;
+mod sweep;
 mod triangles;
 mod trimmed_surfaces_to_mesh;
 mod view_dependent_mesher;
@@ -46,6 +48,7 @@ pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_cubics::curve_to_cubics;
 pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
+pub use curve_to_swept_surface::curve_to_swept_surface;
 pub use curves::flatten::Spacing;
 pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
 pub use field_to_mesh::field_to_mesh;
@@ -82,6 +85,11 @@ pub mod splines {
     pub use super::fitting::spans::{Corners, SplineFit};
     pub use super::points_to_spline::points_to_spline;
     pub use super::polyline_to_spline::polyline_to_spline;
+}
+
+/// Paths that profiles are swept along.
+pub mod sweeps {
+    pub use super::curve_to_swept_surface::{ProfilePlace, SweepPath};
 }
 
 /// Buffers for graphics processors.

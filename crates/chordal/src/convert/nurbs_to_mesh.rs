@@ -18,8 +18,8 @@ const LARGEST: f64 = 1e150;
 /// Bicubic Bézier patches within a distance of NURBS surfaces.
 ///
 /// **Bound.** Two-sided Hausdorff distance between the surfaces, taken exactly as given, and the patches, *proved*,
-/// rounding included; of points with the same parameters (`convert/nurbs/fit_error.rs`). A polynomial surface of degree 3
-/// at most is reproduced up to rounding.
+/// rounding and [`NurbsSurface::slack`] included; of points with the same parameters (`convert/nurbs/fit_error.rs`). A
+/// polynomial surface of degree 3 at most is reproduced up to rounding.
 ///
 /// **Patches.** Row by row, surface after surface. Within a surface neighbours have equal sides, bit for bit, also across
 /// the seam of a closed one; a side that is one point stays one.
@@ -51,11 +51,13 @@ pub fn nurbs_to_patches(
         let mut all = Bounded { shape: Vec::new(), bound: Bound::proved(0.0, 0.0, Reference::NurbsSurfaces) };
         let mut at_most = 0.0;
         for surface in surfaces {
-            let fitted = fit(surface, length.get(), job);
+            // Where the surface's own slack takes all, patches are near what there is.
+            let left = greater(sub_down(length.get(), surface.slack()), SHARE * length.get());
+            let fitted = fit(surface, left, job);
             if job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
-            at_most = greater(fitted.at_most, at_most);
+            at_most = greater(with_slack(fitted.at_most, surface.slack()), at_most);
             all.shape.extend(fitted.patches);
         }
         if at_most >= LARGEST || at_most.is_nan() {
@@ -180,6 +182,11 @@ fn mesh_at(
         Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(join(*best)))),
         other => other,
     }
+}
+
+/// A bound against the numbers of a surface as one against the exact surface. Adding 0 leaves it as it is.
+pub(super) fn with_slack(at_most: f64, slack: f64) -> f64 {
+    if slack == 0.0 { at_most } else { add_up(at_most, slack) }
 }
 
 fn bounds_of(surfaces: &[NurbsSurface]) -> Box3 {

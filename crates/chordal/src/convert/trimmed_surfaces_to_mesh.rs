@@ -1,11 +1,11 @@
 //! The arrow from faces, which are trimmed NURBS surfaces, to triangles: sewn where they meet, proved.
 use super::length_from_pixels::length_from_pixels;
 use super::nurbs::trimmed_mesh::{TrimmedMesh, mesh_within};
-use super::nurbs_to_mesh::{check_surfaces, nurbs_to_mesh};
+use super::nurbs_to_mesh::{check_surfaces, nurbs_to_mesh, with_slack};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 use crate::explicit::nurbs::TrimmedSurface;
-use crate::math::{Box3, add_up, lesser, sub_down};
+use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
 /// The first length for a number of triangles, relative to the diagonal. Chosen.
 const FIRST: f64 = 1e-2;
@@ -76,9 +76,20 @@ pub fn trimmed_surfaces_to_mesh(
         (Some(a), Some(b)) => Some(lesser(a, b)),
         (one, other) => one.or(other),
     };
+    let slack = faces.iter().fold(0.0, |most: f64, face| greater(face.surface().slack(), most));
+    // What is left for what is made here.
+    let left = wanted.map(|wanted| if slack == 0.0 { wanted } else { sub_down(wanted, slack) });
+    if let Some((wanted, left)) = wanted.zip(left)
+        && left <= 0.0
+    {
+        let message = format!(
+            "the surfaces are known to {slack:e} only, from how they were constructed, and the budget allows {wanted:e}"
+        );
+        return Err(Failure::refused(RefusalCode::BelowPrecision, message));
+    }
     job.run(|| {
         let most = budget.triangles.map(|n| n as usize);
-        let made = match (wanted, most) {
+        let mut made = match (left, most) {
             (Some(wanted), None) => mesh_within(faces, wanted, &bounds, job)?,
             (Some(wanted), Some(most)) => {
                 let made = mesh_within(faces, wanted, &bounds, job)?;
@@ -89,6 +100,7 @@ pub fn trimmed_surfaces_to_mesh(
             (None, None) => return Err(Failure::refused(RefusalCode::Budget, "a budget needs a limit")),
         };
         let is_few = most.is_none_or(|most| made.mesh.faces().len() <= most);
+        made.at_most = with_slack(made.at_most, slack);
         let is_near = wanted.is_none_or(|wanted| made.at_most <= wanted);
         let made = with_bound(made, budget, &bounds);
         if is_few && is_near { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }

@@ -107,7 +107,7 @@ impl BernsteinFactors {
 }
 
 /// The binomial coefficients `n` over 0 to `n`, exactly below 2⁵³.
-fn binomials(n: usize) -> Vec<Interval> {
+pub(crate) fn binomials(n: usize) -> Vec<Interval> {
     let mut row = vec![Interval::point(1.0)];
     for _ in 0..n {
         let sum = |pair: &[Interval]| {

@@ -38,16 +38,21 @@ impl<const D: usize> NurbsCurve<D> {
         }
         let parameters = parameters(points, knots)?;
         let n = points.len();
-        let end = parameters[n - 1];
-        let mut all = vec![0.0; degree + 1];
-        // Differences to the first keep the mean between the least and the largest.
-        let mean = |of: &[f64]| of[0] + of.iter().map(|t| t - of[0]).sum::<f64>() / degree as f64;
-        all.extend((1..n - degree).map(|j| mean(&parameters[j..j + degree])));
-        all.extend(vec![end; degree + 1]);
-        let knots = KnotVector::new(degree, all)?;
+        let knots = averaged_knots(&parameters, degree)?;
         let control = solved(&knots, &parameters, points)?;
         Self::new(knots, control, vec![1.0; n])
     }
+}
+
+/// Clamped knots of a spline with these parameters: each within the domain is the mean of `degree` of them.
+pub(super) fn averaged_knots(parameters: &[f64], degree: usize) -> Result<KnotVector, InvalidNurbs> {
+    let n = parameters.len();
+    let mut all = vec![parameters[0]; degree + 1];
+    // Differences to the first keep the mean between the least and the largest.
+    let mean = |of: &[f64]| of[0] + of.iter().map(|t| t - of[0]).sum::<f64>() / degree as f64;
+    all.extend((1..n - degree).map(|j| mean(&parameters[j..j + degree])));
+    all.extend(vec![parameters[n - 1]; degree + 1]);
+    KnotVector::new(degree, all)
 }
 
 fn parameters<const D: usize>(points: &[[f64; D]], knots: Knots) -> Result<Vec<f64>, InvalidNurbs> {
@@ -68,7 +73,7 @@ fn parameters<const D: usize>(points: &[[f64; D]], knots: Knots) -> Result<Vec<f
 }
 
 /// The control points with which the spline is at each point at its parameter.
-fn solved<const D: usize>(
+pub(super) fn solved<const D: usize>(
     knots: &KnotVector,
     parameters: &[f64],
     points: &[[f64; D]],

@@ -305,6 +305,33 @@ pub enum InvalidNurbs {
     Sweep(f64),
     /// The parameters around this point are too uneven: rounding leaves nothing of its control point.
     Uneven(usize),
+    /// This section of a loft and the next are equal, and so would be their parameters.
+    SameSections(usize),
+    /// A closed loft has an even degree, which leaves the spline through its sections undefined.
+    EvenDegree(usize),
+    /// More sections than a closed loft takes.
+    ManySections {
+        /// So many there are.
+        found: usize,
+        /// The most.
+        most: usize,
+    },
+    /// The weights of sections differ so much that one between them would not be above 0.
+    SwungWeight {
+        /// The index of the control point within its section.
+        column: usize,
+        /// The weight.
+        weight: f64,
+    },
+    /// Two boundary curves of a patch do not meet in a corner.
+    Corner {
+        /// The corner: 0 where both parameters start, 1 where `u` ends, 2 where `v` ends, 3 where both end.
+        corner: usize,
+        /// How far the ends of the two curves are apart.
+        gap: f64,
+        /// How far they may be.
+        limit: f64,
+    },
 }
 
 impl fmt::Display for InvalidNurbs {
@@ -357,6 +384,32 @@ impl fmt::Display for InvalidNurbs {
             }
             Self::Uneven(index) => {
                 write!(f, "the parameters around point {index} are too uneven to solve for its control point")
+            }
+            Self::SameSections(index) => {
+                write!(f, "section {index} and the next one are equal, so that their parameters would be too")
+            }
+            Self::EvenDegree(degree) => {
+                write!(f, "a closed loft needs an odd degree across its sections, and {degree} is even")
+            }
+            Self::ManySections { found, most } => {
+                write!(f, "a closed loft takes up to {most} sections, and there are {found}")
+            }
+            Self::SwungWeight { column, weight } => write!(
+                f,
+                "the weights of control point {column} differ so much between sections that one between them would be {weight:e}: \
+                 weights must stay above 0"
+            ),
+            Self::Corner { corner, gap, limit } => {
+                let at = [
+                    "the start of both",
+                    "the end of u and the start of v",
+                    "the start of u and the end of v",
+                ];
+                let at = at.get(*corner).unwrap_or(&"the end of both");
+                write!(
+                    f,
+                    "the boundary curves do not meet at {at}: they are {gap:e} apart, and may be {limit:e}"
+                )
             }
             Self::SinglePoint => f.write_str("the path is a single point, without a piece"),
             Self::Weight(index) => write!(f, "weight {index} is not above 0"),

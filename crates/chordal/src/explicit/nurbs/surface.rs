@@ -22,6 +22,7 @@ pub struct NurbsSurface {
     knots: [KnotVector; 2],
     control: Vec<[f64; 3]>,
     weights: Vec<f64>,
+    slack: f64,
 }
 
 /// Position and derivatives of a surface by its two parameters.
@@ -50,7 +51,22 @@ impl NurbsSurface {
         weights: Vec<f64>,
     ) -> Result<Self, InvalidNurbs> {
         super::curve::check(&control, &weights, knots[0].n_control() * knots[1].n_control())?;
-        Ok(Self { knots, control, weights })
+        Ok(Self { knots, control, weights, slack: 0.0 })
+    }
+
+    /// The same numbers with a known uncertainty: the exact surface has a point within `slack` (≥ 0) of each of this one, at
+    /// the parameters that correspond, and the other way round, because the numbers were rounded or fitted before. Every
+    /// bound against the surface includes it.
+    #[must_use]
+    pub fn with_slack(mut self, slack: f64) -> Self {
+        self.slack = slack;
+        self
+    }
+
+    /// The largest distance of the exact surface from these numbers, which rounding or fitting has caused.
+    #[must_use]
+    pub fn slack(&self) -> f64 {
+        self.slack
     }
 
     /// The knots along `u` and along `v`.
