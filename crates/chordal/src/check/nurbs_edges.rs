@@ -76,14 +76,13 @@ pub fn nurbs_edges(surfaces: &[TrimmedSurface]) -> NurbsEdges {
     for (index, (face, net)) in surfaces.iter().zip(&nets).enumerate() {
         let surface = face.surface();
         let size = size_of(surface);
-        let inside = inner_box(face);
-        for constant in 0..2 {
+        for (constant, [from, to]) in inner_box(face).into_iter().enumerate() {
             let knots = &surface.knots()[constant];
             let beside = |piece: usize, end: usize| NurbsBoundary::new(surface, net, constant, (piece, end));
             for piece in 1..knots.n_pieces() {
                 let (before, after) = (beside(piece - 1, 1), beside(piece, 0).reversed());
                 let line = before.line(index);
-                if !(inside[constant][0] < line.at && line.at < inside[constant][1]) {
+                if line.at <= from || to <= line.at {
                     continue;
                 }
                 if is_point(&before, size) {
