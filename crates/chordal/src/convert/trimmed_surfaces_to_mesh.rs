@@ -16,12 +16,12 @@ const CLOSE: f64 = 0.9;
 
 /// Meshes trimmed NURBS surfaces within a budget, and sews them where they meet.
 ///
-/// **Bound.** Two-sided Hausdorff distance between the union of all that the loops enclose, taken exactly as given, and
-/// the triangles, *proved*, rounding included: patches near the surfaces (as [`nurbs_to_patches`](super::nurbs_to_patches)),
+/// **Bound.** Two-sided Hausdorff distance between the union of all that the loops enclose, the loops included, taken
+/// exactly as given, and the triangles, *proved*, rounding included: patches near the surfaces (as [`nurbs_to_patches`](super::nurbs_to_patches)),
 /// polygons near the loops (`convert/nurbs/trim_loops.rs`), triangles near the patches
 /// ([`patches_to_mesh`](super::patches_to_mesh)), and how far sewing moved vertices, added.
 ///
-/// **Mesh.** Without cracks within a face. Faces whose borders are nearer than 8 % of the allowed length, and than a
+/// **Mesh.** Without cracks within a face. Faces whose borders are nearer than a quarter of the allowed length, and than a
 /// ten-thousandth of the diagonal, share their vertices there, whatever parameters they run through; so a solid's faces
 /// make a closed mesh. Borders farther apart stay apart. Vertices have the surface's normals, and are split where these
 /// differ by 1° or more.
