@@ -2,13 +2,13 @@
 use super::sweep::frame_error::{FrameError, frame_error, start_turn, turn_between};
 use super::sweep::frame_spline::{FrameSpline, FramedPath};
 use super::sweep::moving_frame::{path_jet, pieces, unit_across};
-use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance};
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance, par_map};
 use crate::explicit::nurbs::{EnclosedPiece, HEAVIEST, InvalidNurbs, NurbsCurve, NurbsSurface};
 use crate::math::{add_up, cross, difference, dot, flushes_subnormals, greater, length, mul_up, sub_down};
 
 /// A path, and how a profile stands on it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
+pub struct SweepPath {
     /// The path.
     pub path: NurbsCurve<3>,
     /// The direction up where the path starts, of which the part across the path counts; without one the z axis, or the y
@@ -21,7 +21,7 @@ pub struct Sweep {
 /// What the coordinates of a profile are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProfilePlace {
-    /// How far a point is to the right, up, and ahead of the path, seen along it.
+    /// How far a point is to the right, up, and ahead, seen from ahead of the path: against it.
     OnPath,
     /// Those of space: the profile stands where it is when the path starts.
     InSpace,
@@ -64,14 +64,14 @@ const BYTES_PER_PIECE: u64 = 4096;
 /// [`Failure::Unmet`] with the nearest surface; [`Failure::Cancelled`].
 ///
 /// ```
-/// use chordal::convert::{self, sweeps::{ProfilePlace, Sweep}};
+/// use chordal::convert::{self, sweeps::{ProfilePlace, SweepPath}};
 /// use chordal::{Job, Tolerance, explicit::nurbs::NurbsCurve};
 /// let ring = NurbsCurve::circle([0.0; 3], [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]])?;
 /// let path = NurbsCurve::circle([0.0; 3], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]])?;
-/// let sweep = Sweep { path, up: None, place: ProfilePlace::OnPath };
+/// let sweep = SweepPath { path, up: None, place: ProfilePlace::OnPath };
 /// let length = Tolerance::new(1e-6).unwrap();
 /// let torus = convert::curve_to_swept_surface(&ring, &sweep, length, &Job::default()).unwrap();
-/// assert!(torus.bound.at_most().unwrap() < 1e-12);
+/// assert!(torus.bound.at_most().unwrap() < 1e-10);
 /// let [x, y, z] = torus.shape.at(0.3, 0.8);
 /// assert!(((x.hypot(y) - 2.0).hypot(z) - 0.5).abs() < 1e-14);
 /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
@@ -81,15 +81,27 @@ const BYTES_PER_PIECE: u64 = 4096;
 /// more than one way to frame a curve*, 1975. The bound is Chordal's own.
 pub fn curve_to_swept_surface(
     profile: &NurbsCurve<3>,
-    sweep: &Sweep,
+    sweep: &SweepPath,
     length: Tolerance,
     job: &Job,
 ) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
     refuse_extremes(&[profile, &sweep.path])?;
     let framed = framed(sweep)?;
     let profile = SweptProfile::new(profile, sweep.place, &framed);
+    refuse_kinks(&framed, KINK * length.get() / (profile.far[2] + profile.far[3]))?;
+    job.run(|| swept(sweep, &framed, &profile, length, job))
+}
+
+/// The first spline of frames that is near enough, and its surface.
+fn swept(
+    sweep: &SweepPath,
+    framed: &FramedPath<'_>,
+    profile: &SweptProfile,
+    length: Tolerance,
+    job: &Job,
+) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
     let wanted = length.get();
-    let proof = SweepProof { framed: &framed, profile: &profile, up: up_of(sweep, &framed) };
+    let proof = SweepProof::new(framed, profile, up_of(sweep, framed), job);
     // 1. What may be exact: judged as all others.
     let exact = [Some(framed.straight()), framed.circular()];
     for spline in exact.into_iter().flatten() {
@@ -108,12 +120,10 @@ pub fn curve_to_swept_surface(
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let spline = framed.fitted(&parts).map_err(refused)?;
-        let found = proof.of(&spline);
+        let made = framed.fitted(&parts).and_then(|spline| proof.of(&spline).map(|found| (spline, found)));
         let mut more = parts.clone();
-        match found {
-            Ok(found) => {
-                proof.refuse_kinks(&found, wanted)?;
+        match made {
+            Ok((spline, found)) => {
                 let is_better = best.as_ref().is_none_or(|(_, before)| found.at_most < before.at_most);
                 let is_met = found.at_most <= wanted;
                 proof.refine(&spline, &found, wanted, &mut more);
@@ -127,7 +137,9 @@ pub fn curve_to_swept_surface(
             Err(piece) => {
                 if parts[piece] >= PARTS[1] {
                     let t = framed.path.knots().piece(piece)[0];
-                    let message = format!("the path stops, or turns at once, in the piece that starts at its parameter {t}");
+                    let message = format!(
+                        "the path stops, or turns at once, in the piece that starts at its parameter {t}"
+                    );
                     return Err(Failure::refused(RefusalCode::Unsupported, message));
                 }
                 more[piece] *= 4;
@@ -140,7 +152,9 @@ pub fn curve_to_swept_surface(
     }
     match best {
         Some((spline, found)) => finished(&proof, &spline, &found, length),
-        None => Err(Failure::refused(RefusalCode::TooMuchMemory, "the path needs more parts than the job allows")),
+        None => {
+            Err(Failure::refused(RefusalCode::TooMuchMemory, "the path needs more parts than the job allows"))
+        }
     }
 }
 
@@ -177,7 +191,7 @@ fn extent(curve: &NurbsCurve<3>) -> f64 {
 }
 
 /// The path with its pieces and the up vector across it.
-fn framed(sweep: &Sweep) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
+fn framed(sweep: &SweepPath) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     let pieces = pieces(&sweep.path).map_err(refused)?;
     let start = path_jet(&pieces[0], sweep.path.knots().domain()[0]).tangent[0];
     if !start.iter().all(|x| x.is_finite()) {
@@ -187,20 +201,40 @@ fn framed(sweep: &Sweep) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     let up = sweep.up.unwrap_or_else(|| default_up(start));
     let across: [f64; 3] = std::array::from_fn(|k| up[k] - dot(up, start) * start[k]);
     // Chosen: nearer to the path rounding would turn it.
-    if !(length(across) > 1e-6 * length(up)) {
-        let message = format!("the up vector {up:?} is along the path where it starts, and must lie across it");
+    let is_across = length(across) > 1e-6 * length(up);
+    if !is_across {
+        let message =
+            format!("the up vector {up:?} is along the path where it starts, and must lie across it");
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     let is_closed = FramedPath::closes(&pieces);
     Ok(FramedPath { path: &sweep.path, pieces, up: unit_across(across, start), is_closed })
 }
 
+/// Refuses a path whose direction jumps by more than an angle.
+fn refuse_kinks(framed: &FramedPath<'_>, most_rad: f64) -> Result<(), Failure<NurbsSurface>> {
+    for pair in framed.pieces.windows(2) {
+        let t = pair[1].knots().domain()[0];
+        let [before, after] = [0, 1].map(|k| path_jet(&pair[k], t).tangent[0]);
+        let angle = libm::atan2(length(cross(before, after)), dot(before, after));
+        // No number where the path stops, which is found later. Chosen: rounding turns a direction by less than a billionth.
+        if angle > greater(most_rad, 1e-9) {
+            let degrees = angle.to_degrees();
+            let message = format!(
+                "the path has a kink of {degrees:.3}° at its parameter {t}: split it there, or round it"
+            );
+            return Err(Failure::refused(RefusalCode::Unsupported, message));
+        }
+    }
+    Ok(())
+}
+
 fn default_up(start: [f64; 3]) -> [f64; 3] {
-    // The cosine of 30°, as the docs of `Sweep` have it.
+    // The cosine of 30°, as the docs of `SweepPath` have it.
     if start[2].abs() > 0.866 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] }
 }
 
-fn up_of(sweep: &Sweep, framed: &FramedPath<'_>) -> [f64; 3] {
+fn up_of(sweep: &SweepPath, framed: &FramedPath<'_>) -> [f64; 3] {
     let start = path_jet(&framed.pieces[0], sweep.path.knots().domain()[0]).tangent[0];
     sweep.up.unwrap_or_else(|| default_up(start))
 }
@@ -212,6 +246,8 @@ struct SweptProfile {
     far: [f64; 4],
     /// The largest coordinate of the surface, or nearly.
     reach: f64,
+    /// Whether its coordinates were taken in the frame where the path starts, as computed.
+    is_in_space: bool,
 }
 
 impl SweptProfile {
@@ -231,12 +267,18 @@ impl SweptProfile {
             // Up to the rounding of a length, which is added.
             most(&|p| length([p[0], p[1]])) * (1.0 + 4.0 * f64::EPSILON),
         ];
-        let path = framed.path.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let path =
+            framed.path.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let given = profile.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let reach = path + given + far[0] + far[1] + far[2];
         let curve = NurbsCurve::new(profile.knots().clone(), control, profile.weights().to_vec());
         // Finite numbers below 1e50, rotated.
-        Self { curve: curve.unwrap_or_else(|_| profile.clone()), far, reach }
+        Self {
+            curve: curve.unwrap_or_else(|_| profile.clone()),
+            far,
+            reach,
+            is_in_space: place == ProfilePlace::InSpace,
+        }
     }
 }
 
@@ -245,8 +287,6 @@ struct SweepError {
     pieces: Vec<FrameError>,
     /// By piece: the bound of all but its twist.
     off: Vec<f64>,
-    /// The largest jump of the direction, in radians, and the parameter of the path there.
-    kink: (f64, f64),
     at_most: f64,
 }
 
@@ -254,37 +294,54 @@ struct SweepProof<'a> {
     framed: &'a FramedPath<'a>,
     profile: &'a SweptProfile,
     up: [f64; 3],
+    /// The pieces of the path, seen from its first control point.
+    path: Vec<EnclosedPiece<3>>,
+    job: &'a Job,
 }
 
-impl SweepProof<'_> {
+impl<'a> SweepProof<'a> {
+    fn new(framed: &'a FramedPath<'a>, profile: &'a SweptProfile, up: [f64; 3], job: &'a Job) -> Self {
+        let origin = framed.path.control()[0];
+        let piece = |k: usize| EnclosedPiece::of_nurbs(framed.path, k, origin);
+        Self { framed, profile, up, path: (0..framed.pieces.len()).map(piece).collect(), job }
+    }
+
+    /// The errors of one piece of a spline of frames.
+    fn piece_error(&self, spline: &FrameSpline, index: usize) -> Option<FrameError> {
+        let (piece, [a, b]) = spline.places[index];
+        let whole = &self.path[piece];
+        let frames = self.frames(spline, index);
+        if [a, b] == [0.0, 1.0] {
+            frame_error(whole, &frames, spline.spread)
+        } else {
+            frame_error(&whole.part(a, b), &frames, spline.spread)
+        }
+    }
+
+    fn frames(&self, spline: &FrameSpline, index: usize) -> EnclosedPiece<12> {
+        let origin = self.framed.path.control()[0];
+        let origin = std::array::from_fn(|k| if k < 3 { origin[k] } else { 0.0 });
+        EnclosedPiece::of_nurbs(&spline.curve, index, origin)
+    }
+
     /// The bound of a spline of frames, or the piece of the path where it is none.
     fn of(&self, spline: &FrameSpline) -> Result<SweepError, usize> {
-        let path = self.framed.path;
-        let origin = path.control()[0];
-        let origin_of_frames = std::array::from_fn(|k| if k < 3 { origin[k] } else { 0.0 });
+        let found = par_map(self.job, &spline.places, |index, _| self.piece_error(spline, index));
         let [side, up, ahead, both] = self.profile.far;
         let (mut pieces, mut off) = (Vec::new(), Vec::new());
-        let (mut twist, mut kink) = (0.0, (0.0, 0.0));
-        let mut worst = 0.0;
+        let (mut twist, mut worst, mut start) = (0.0, 0.0, 0.0);
         let mut before: Option<(usize, FrameError)> = None;
-        let mut whole: Option<(usize, EnclosedPiece<3>)> = None;
-        for (index, (piece, [a, b])) in spline.places.iter().enumerate() {
-            if whole.as_ref().is_none_or(|(of, _)| of != piece) {
-                whole = Some((*piece, EnclosedPiece::of_nurbs(path, *piece, origin)));
-            }
-            let Some((_, whole)) = &whole else { return Err(*piece) };
-            let part = if [*a, *b] == [0.0, 1.0] { whole.clone() } else { whole.part(*a, *b) };
-            let frames = EnclosedPiece::of_nurbs(&spline.curve, index, origin_of_frames);
-            let found = frame_error(&part, &frames, spline.spread).ok_or(*piece)?;
+        for ((piece, _), found) in spline.places.iter().zip(found) {
+            let found = found.ok_or(*piece)?;
             match before {
-                None => twist = start_turn(&frames, &found.directions[0], self.up),
+                None => {
+                    start = start_turn(&self.frames(spline, 0), &found.directions[0], self.up);
+                    twist = start;
+                }
                 // Within a piece of the path the direction does not jump.
                 Some((of, before)) if of != *piece => {
                     let jump = turn_between(&before.directions[1], &found.directions[0]);
                     twist = add_up(twist, mul_up(8.0, jump));
-                    if jump > kink.0 {
-                        kink = (jump, path.knots().piece(*piece)[0]);
-                    }
                 }
                 Some(_) => {}
             }
@@ -309,31 +366,24 @@ impl SweepProof<'_> {
             let most = off.iter().fold(0.0, |most: f64, x| greater(*x, most));
             worst = add_up(most, mul_up(both, all));
         }
+        if self.profile.is_in_space
+            && let Some(first) = pieces.first()
+        {
+            // The frame that the coordinates were taken in starts the spline, and is off as that is.
+            let [of_side, of_up, of_ahead] = first.vectors;
+            let turned = [of_side, of_up, of_ahead, start, start].iter().fold(0.0, |sum, x| add_up(sum, *x));
+            worst = add_up(worst, mul_up(turned, add_up(both, ahead)));
+        }
         // Derived: a control point is a sum of four terms with two roundings each, its weight a product; a profile in space
         // has taken three products and sums more, and the frame that it was taken in is off by some roundings.
         let rounding = 64.0 * f64::EPSILON * self.profile.reach;
         let at_most = add_up(worst, rounding);
-        if at_most.is_nan() { Err(spline.places[0].0) } else { Ok(SweepError { pieces, off, kink, at_most }) }
-    }
-
-    fn refuse_kinks(&self, found: &SweepError, wanted: f64) -> Result<(), Failure<NurbsSurface>> {
-        let (jump, t) = found.kink;
-        let far = self.profile.far[2] + self.profile.far[3];
-        if mul_up(jump, far) <= KINK * wanted {
-            return Ok(());
-        }
-        let message = if jump.is_finite() {
-            // The bound of a small angle is 1.6 times its sine; as it is it says enough.
-            let angle_deg = libm::asin(crate::math::lesser(jump / 1.6, 1.0)).to_degrees();
-            format!("the path has a kink of {angle_deg:.3}° at its parameter {t}: split it there, or round it")
-        } else {
-            format!("the path has a kink of 90° or more at its parameter {t}: split it there, or round it")
-        };
-        Err(Failure::refused(RefusalCode::Unsupported, message))
+        if at_most.is_nan() { Err(spline.places[0].0) } else { Ok(SweepError { pieces, off, at_most }) }
     }
 
     /// More parts for those pieces of the path whose errors are more than their share.
     fn refine(&self, spline: &FrameSpline, found: &SweepError, wanted: f64, parts: &mut [usize]) {
+        // Without the rounding that `of` adds.
         let left = greater(sub_down(wanted, 64.0 * f64::EPSILON * self.profile.reach), 0.0);
         let closed = if self.framed.is_closed { 2.0 } else { 1.0 };
         let share = 0.5 * left / parts.len() as f64;
@@ -343,10 +393,16 @@ impl SweepProof<'_> {
             twists[*piece] += closed * self.profile.far[3] * found.pieces[k].twist;
             offs[*piece] = greater(found.off[k], offs[*piece]);
         }
+        let mut is_more = false;
         for (piece, n) in parts.iter_mut().enumerate() {
             if twists[piece] > share || offs[piece] > 0.5 * left {
                 *n = (2 * *n).min(PARTS[1]);
+                is_more = true;
             }
+        }
+        // All together are too much, though none is more than its share.
+        if !is_more {
+            parts.iter_mut().for_each(|n| *n = (2 * *n).min(PARTS[1]));
         }
     }
 
@@ -372,7 +428,6 @@ fn finished(
     found: &SweepError,
     wanted: Tolerance,
 ) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
-    proof.refuse_kinks(found, wanted.get())?;
     let surface = proof.surface(spline).map_err(refused)?.with_slack(found.at_most);
     if !found.at_most.is_finite() {
         return Err(Failure::refused(RefusalCode::NotFinite, "the surface leaves the range of numbers"));

@@ -89,7 +89,7 @@ pub mod splines {
 
 /// Paths that profiles are swept along.
 pub mod sweeps {
-    pub use super::curve_to_swept_surface::{ProfilePlace, Sweep};
+    pub use super::curve_to_swept_surface::{ProfilePlace, SweepPath};
 }
 
 /// Buffers for graphics processors.

@@ -117,6 +117,7 @@ pub fn nurbs_to_mesh(
         (Some(a), Some(b)) => Some(if a < b { a } else { b }),
         (one, other) => one.or(other),
     };
+    refuse_slack(surfaces.iter().map(NurbsSurface::slack).fold(0.0, greater), wanted)?;
     match wanted {
         Some(wanted) => mesh_at(surfaces, budget, SHARE * wanted, job),
         None => {
@@ -187,6 +188,19 @@ fn mesh_at(
 /// A bound against the numbers of a surface as one against the exact surface. Adding 0 leaves it as it is.
 pub(super) fn with_slack(at_most: f64, slack: f64) -> f64 {
     if slack == 0.0 { at_most } else { add_up(at_most, slack) }
+}
+
+/// Refuses a length that the slack of a surface takes all of.
+pub(super) fn refuse_slack(slack: f64, wanted: Option<f64>) -> Result<(), Failure<Mesh>> {
+    match wanted.filter(|wanted| sub_down(*wanted, slack) <= 0.0) {
+        None => Ok(()),
+        Some(wanted) => {
+            let message = format!(
+                "the surfaces are known to {slack:.3e} only, from how they were constructed, and the budget allows {wanted:.3e}"
+            );
+            Err(Failure::refused(RefusalCode::BelowPrecision, message))
+        }
+    }
 }
 
 fn bounds_of(surfaces: &[NurbsSurface]) -> Box3 {

@@ -1,7 +1,7 @@
 //! The arrow from faces, which are trimmed NURBS surfaces, to triangles: sewn where they meet, proved.
 use super::length_from_pixels::length_from_pixels;
 use super::nurbs::trimmed_mesh::{TrimmedMesh, mesh_within};
-use super::nurbs_to_mesh::{check_surfaces, nurbs_to_mesh, with_slack};
+use super::nurbs_to_mesh::{check_surfaces, nurbs_to_mesh, refuse_slack, with_slack};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 use crate::explicit::nurbs::TrimmedSurface;
@@ -79,14 +79,7 @@ pub fn trimmed_surfaces_to_mesh(
     let slack = faces.iter().fold(0.0, |most: f64, face| greater(face.surface().slack(), most));
     // What is left for what is made here.
     let left = wanted.map(|wanted| if slack == 0.0 { wanted } else { sub_down(wanted, slack) });
-    if let Some((wanted, left)) = wanted.zip(left)
-        && left <= 0.0
-    {
-        let message = format!(
-            "the surfaces are known to {slack:e} only, from how they were constructed, and the budget allows {wanted:e}"
-        );
-        return Err(Failure::refused(RefusalCode::BelowPrecision, message));
-    }
+    refuse_slack(slack, wanted)?;
     job.run(|| {
         let most = budget.triangles.map(|n| n as usize);
         let mut made = match (left, most) {

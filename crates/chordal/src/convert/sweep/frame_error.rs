@@ -50,7 +50,12 @@ pub(in crate::convert) fn frame_error(
     halved(path, frames, spread, HALVINGS)
 }
 
-fn halved(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64, left: usize) -> Option<FrameError> {
+fn halved(
+    path: &EnclosedPiece<3>,
+    frames: &EnclosedPiece<12>,
+    spread: f64,
+    left: usize,
+) -> Option<FrameError> {
     if let Some(found) = whole(path, frames, spread) {
         return Some(found);
     }
@@ -102,15 +107,13 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     let [side, up, ahead] = [3, 6, 9].map(|from| IntervalPolynomial::vector(&frames.points, from));
     let w_square = w.times(&w);
     let along = dot(&up, &direction);
-    let long = |v: &IntervalVector| {
-        quotient(dot(v, v).minus(&w_square).range().magnitude(), &[least, least])
-    };
+    let long = |v: &IntervalVector| quotient(dot(v, v).minus(&w_square).range().magnitude(), &[least, least]);
     let part = |x: &IntervalPolynomial| quotient(x.range().magnitude(), &[least, speed]);
     let a = part(&along);
     let up_long = add_up(long(&up), mul_up(a, a));
     let up_off = add_up(a, up_long);
     // The vectors must be nearly what they are to be, for all that follows.
-    if !(up_off < 0.25) {
+    if up_off.is_nan() || up_off >= 0.25 {
         return None;
     }
     let b = part(&dot(&side, &direction));
@@ -130,8 +133,7 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     // 4. Twist: det(a, D, ρ) = a·(D×ρ) = −a·(ρ×D).
     let up_slope: IntervalVector = up.each_ref().map(IntervalPolynomial::derivative);
     let bend: IntervalVector = direction.each_ref().map(IntervalPolynomial::derivative);
-    let numerator =
-        along.times(&dot(&bend, &turn)).minus(&square.times(&dot(&up_slope, &turn)));
+    let numerator = along.times(&dot(&bend, &turn)).minus(&square.times(&dot(&up_slope, &turn)));
     let across = dot(&up, &up).times(&square).minus(&along.times(&along));
     let mut below = vec![speed, across.range().lo()];
     let numerator = if spread == 0.0 {
@@ -173,7 +175,11 @@ pub(in crate::convert) fn turn_between(a: &[Interval; 3], b: &[Interval; 3]) -> 
 }
 
 /// The largest angle about the path between the frame at the start of a piece and that of an up vector, in radians.
-pub(in crate::convert) fn start_turn(frames: &EnclosedPiece<12>, direction: &[Interval; 3], up: [f64; 3]) -> f64 {
+pub(in crate::convert) fn start_turn(
+    frames: &EnclosedPiece<12>,
+    direction: &[Interval; 3],
+    up: [f64; 3],
+) -> f64 {
     let up = up.map(Interval::point);
     let own: [Interval; 3] = std::array::from_fn(|k| frames.points.0[0][6 + k]);
     let dot = |a: &[Interval; 3], b: &[Interval; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

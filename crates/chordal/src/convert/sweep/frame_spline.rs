@@ -83,8 +83,8 @@ impl FramedPath<'_> {
         path_jet(&self.pieces[0], self.path.knots().piece(0)[0])
     }
 
-    /// Quintic frames, each piece of the path in so many equal parts.
-    pub fn fitted(&self, parts: &[usize]) -> Result<FrameSpline, InvalidNurbs> {
+    /// Quintic frames, each piece of the path in so many equal parts; the index of a piece where there is no frame.
+    pub fn fitted(&self, parts: &[usize]) -> Result<FrameSpline, usize> {
         // 1. The places where frames are, and the up vectors there, without rotation.
         let mut places = Vec::new();
         for (piece, n) in parts.iter().enumerate() {
@@ -121,10 +121,14 @@ impl FramedPath<'_> {
                 let [side, up, ahead] = frame_jet(&jet, up, spread);
                 [[jet.point, jet.velocity, jet.acceleration], side, up, ahead]
             });
+            // No number where the path stops.
+            if !jets.as_flattened().as_flattened().as_flattened().iter().all(|x| x.is_finite()) {
+                return Err(place.0);
+            }
             let mut rows: [Vec<[f64; 3]>; 4] =
                 std::array::from_fn(|which| quintic([jets[0][which], jets[1][which]], ends[1] - ends[0]));
             if piece.is_polynomial() && piece.knots().degree() <= QUINTIC {
-                let elevated = piece.elevated(QUINTIC - piece.knots().degree())?;
+                let elevated = piece.elevated(QUINTIC - piece.knots().degree()).map_err(|_| place.0)?;
                 rows[0] = BernsteinRow(elevated.control().to_vec()).part(place.1[0], place.1[1]).0;
             }
             let row = (0..=QUINTIC).map(|i| coordinates(rows.each_ref().map(|row| row[i])));
@@ -139,7 +143,10 @@ impl FramedPath<'_> {
         let [from, to] = self.path.knots().domain();
         knots.insert(0, from);
         knots.extend(vec![to; QUINTIC + 1]);
-        let curve = NurbsCurve::new(KnotVector::new(QUINTIC, knots)?, control, vec![1.0; last + 1])?;
+        // Parts that are too short for their knots to stay apart.
+        let crowded = |_| places[0].0;
+        let knots = KnotVector::new(QUINTIC, knots).map_err(crowded)?;
+        let curve = NurbsCurve::new(knots, control, vec![1.0; last + 1]).map_err(crowded)?;
         Ok(FrameSpline { curve, places, spread })
     }
 

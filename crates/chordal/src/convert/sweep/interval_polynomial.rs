@@ -12,6 +12,22 @@ pub(super) struct IntervalPolynomial(Vec<Interval>);
 /// A vector of them.
 pub(super) type IntervalVector = [IntervalPolynomial; 3];
 
+/// The binomial coefficients `n` over 0 to `n`.
+fn binomials(n: usize) -> Vec<Interval> {
+    // Below 2⁵³ all of them are numbers: 56 over 28 is 7.6e15.
+    if n > 56 {
+        return interval_binomials(n);
+    }
+    let mut at: u64 = 1;
+    let mut row = vec![Interval::point(1.0)];
+    for k in 0..n as u64 {
+        // The products stay below 2⁵³·56.
+        at = at * (n as u64 - k) / (k + 1);
+        row.push(Interval::point(at as f64));
+    }
+    row
+}
+
 impl IntervalPolynomial {
     pub fn constant(x: f64) -> Self {
         Self(vec![Interval::point(x)])
@@ -19,7 +35,7 @@ impl IntervalPolynomial {
 
     /// One coordinate of a row.
     pub fn coordinate<const N: usize>(row: &IntervalRow<N>, k: usize) -> Self {
-        let binomials = interval_binomials(row.degree());
+        let binomials = binomials(row.degree());
         Self(row.0.iter().zip(binomials).map(|(x, c)| c * x[k]).collect())
     }
 
@@ -51,7 +67,7 @@ impl IntervalPolynomial {
         if degree == self.degree() {
             return self.clone();
         }
-        self.times(&Self(interval_binomials(degree - self.degree())))
+        self.times(&Self(binomials(degree - self.degree())))
     }
 
     pub fn plus(&self, other: &Self) -> Self {
@@ -82,7 +98,7 @@ impl IntervalPolynomial {
 
     /// An interval around all values: the hull of the coefficients.
     pub fn range(&self) -> Interval {
-        let binomials = interval_binomials(self.degree());
+        let binomials = binomials(self.degree());
         let all = self.0.iter().zip(binomials).map(|(x, c)| *x / c);
         all.reduce(Interval::hull).unwrap_or(Interval::point(0.0))
     }
@@ -133,7 +149,9 @@ mod tests {
                 let rest: f64 = 1.0 - t;
                 let n = of.degree() as i32;
                 let terms = of.0.iter().enumerate();
-                terms.map(|(i, c)| c.midpoint().unwrap() * t.powi(i as i32) * rest.powi(n - i as i32)).sum::<f64>()
+                terms
+                    .map(|(i, c)| c.midpoint().unwrap() * t.powi(i as i32) * rest.powi(n - i as i32))
+                    .sum::<f64>()
             };
             for (made, truth) in [(p.times(&q), x * y), (p.plus(&q), x + y), (p.minus(&q), x - y)] {
                 assert!((value(&made) - truth).abs() < 1e-13);

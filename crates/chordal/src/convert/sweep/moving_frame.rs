@@ -52,8 +52,7 @@ pub(in crate::convert) fn path_jet(piece: &NurbsCurve<3>, t: f64) -> PathJet {
     let grows = dot(tangent, dd);
     let turns: [f64; 3] = std::array::from_fn(|k| (dd[k] - grows * tangent[k]) / speed);
     let grows_more = dot(turns, dd) + dot(tangent, ddd);
-    let bends =
-        std::array::from_fn(|k| (ddd[k] - grows_more * tangent[k] - 2.0 * grows * turns[k]) / speed);
+    let bends = std::array::from_fn(|k| (ddd[k] - grows_more * tangent[k] - 2.0 * grows * turns[k]) / speed);
     PathJet { point, velocity: d, acceleration: dd, tangent: [tangent, turns, bends], speed: [speed, grows] }
 }
 

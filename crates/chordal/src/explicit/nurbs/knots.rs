@@ -379,9 +379,16 @@ impl fmt::Display for InvalidNurbs {
                  weights must stay above 0"
             ),
             Self::Corner { corner, gap, limit } => {
-                let at = ["the start of both", "the end of u and the start of v", "the start of u and the end of v"];
+                let at = [
+                    "the start of both",
+                    "the end of u and the start of v",
+                    "the start of u and the end of v",
+                ];
                 let at = at.get(*corner).unwrap_or(&"the end of both");
-                write!(f, "the boundary curves do not meet at {at}: they are {gap:e} apart, and may be {limit:e}")
+                write!(
+                    f,
+                    "the boundary curves do not meet at {at}: they are {gap:e} apart, and may be {limit:e}"
+                )
             }
             Self::SinglePoint => f.write_str("the path is a single point, without a piece"),
             Self::Weight(index) => write!(f, "weight {index} is not above 0"),

@@ -63,6 +63,13 @@ impl TrimmedSurface {
         self
     }
 
+    /// The same part of the same numbers, with another [`NurbsSurface::slack`].
+    #[must_use]
+    pub fn with_slack(mut self, slack: f64) -> Self {
+        self.surface = self.surface.with_slack(slack);
+        self
+    }
+
     /// The surface.
     #[must_use]
     pub fn surface(&self) -> &NurbsSurface {
