@@ -4,8 +4,9 @@ use crate::numbers::{RoundingDirection, grouped, point, short, size};
 use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
-    CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EmbeddedCertificate, FieldFacts, FindingFacts,
-    Inspection, KinkFacts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts,
+    CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EdgeMaximumFacts, EmbeddedCertificate, FieldFacts,
+    FindingFacts, GeometricEdgeCounts, Inspection, KinkFacts, NurbsEdgeFacts, NurbsJoinFacts,
+    ParametricEdgeCounts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts,
     WitnessFacts, cures_of_all,
 };
 use std::collections::BTreeMap;
@@ -59,6 +60,10 @@ fn add_contents(lines: &mut SummaryLines, inspection: &Inspection) {
     lines.add_if("patches", inspection.patches.map(grouped));
     if let Some(facts) = &inspection.edges {
         edges(lines, facts);
+    }
+    lines.add_if("surfaces", inspection.surfaces.map(grouped));
+    if let Some(facts) = &inspection.surface_edges {
+        surface_edges(lines, facts);
     }
     if let Some(drawing) = &inspection.drawing {
         curves(lines, drawing);
@@ -199,24 +204,72 @@ fn edges(lines: &mut SummaryLines, facts: &SurfaceEdgeFacts) {
     if facts.shared == 0 {
         return;
     }
-    let (seen, run) = (facts.geometric, facts.parametric);
+    let shown = facts.worst.len().min(KINKS);
+    add_classes(lines, (&facts.geometric, &facts.parametric), facts.worst[..shown].iter().map(edge_text));
+}
+
+/// How NURBS surfaces meet, and how smooth they are across their knots.
+fn surface_edges(lines: &mut SummaryLines, facts: &NurbsEdgeFacts) {
+    let all = [
+        (facts.knot_lines, "across knots"),
+        (facts.shared, "shared"),
+        (facts.boundary, "on the boundary"),
+        (facts.collapsed, "collapsed to points"),
+        (facts.branching, "along several others"),
+    ];
+    let counted = all.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} {what}", grouped(*n)));
+    lines.add("edges", listed(counted, "none"));
+    lines.add_if(
+        "fronts",
+        (facts.opposed > 0).then(|| format!("disagree across {}", plural(facts.opposed, "edge"))),
+    );
+    if facts.shared + facts.knot_lines == 0 {
+        return;
+    }
+    let shown = facts.worst.len().min(KINKS);
+    add_classes(lines, (&facts.geometric, &facts.parametric), facts.worst[..shown].iter().map(join_text));
+}
+
+/// The classes of edges, and the text of the worst.
+fn add_classes(
+    lines: &mut SummaryLines,
+    (seen, run): (&GeometricEdgeCounts, &ParametricEdgeCounts),
+    worst: impl ExactSizeIterator<Item = String>,
+) {
     let gaps = if seen.gaps > 0 { format!("{}, ", plural(seen.gaps, "gap")) } else { String::new() };
     let smooth = format!("{} G1, {} G2", grouped(seen.g1), grouped(seen.g2));
     lines.add("joins", format!("{gaps}{}, {smooth}", plural(seen.g0, "kink")));
     lines.add("", format!("{} C0, {} C1, {} C2", grouped(run.c0), grouped(run.c1), grouped(run.c2)));
-    let shown = facts.worst.len().min(KINKS);
-    for edge in &facts.worst[..shown] {
-        lines.add("", edge_text(edge));
-    }
-    let rest = seen.gaps + seen.g0 + seen.g1 - shown as u64;
+    let shown = worst.len() as u64;
+    worst.for_each(|text| lines.add("", text));
+    let rest = seen.gaps + seen.g0 + seen.g1 - shown;
     lines.add_if("", (rest > 0).then(|| format!("and {} more that are not G2", grouped(rest))));
 }
 
 /// `patch 3 right, 7 left: 30° at (1, 2, 0), u 1, v 0.25`
 fn edge_text(edge: &EdgeFacts) -> String {
+    let ([a, b], [of_a, of_b]) = (edge.patches, edge.sides);
+    let what = worst_text(edge.geometric, [Some(edge.position_gap), edge.angle_deg, edge.curvature_gap]);
+    format!("patch {a} {of_a}, {b} {of_b}: {what}")
+}
+
+/// `surface 0 at u 0.5: 30° at …` for knots, `surface 0 at u 1, 2 at v 0: …` for a shared edge
+fn join_text(join: &NurbsJoinFacts) -> String {
+    let what = worst_text(join.geometric, [Some(join.position_gap), join.angle_deg, join.curvature_gap]);
     let number = |x: f64| short(x, RoundingDirection::Nearest);
-    let (what, worst) = match (edge.geometric, edge.angle_deg, edge.curvature_gap) {
-        (None, ..) => (format!("gap of {}", number(edge.position_gap.value)), Some(edge.position_gap)),
+    let ([a, b], [of_a, of_b]) = (join.surfaces, join.lines);
+    let first = format!("surface {a} at {} {}", of_a.constant, number(of_a.at));
+    if a == b && of_a == of_b {
+        return format!("{first}: {what}");
+    }
+    format!("{first}, {b} at {} {}: {what}", of_b.constant, number(of_b.at))
+}
+
+/// What is wrong with an edge of a class, by its largest gap, angle and difference of curvatures.
+fn worst_text(class: Option<u8>, [gap, angle, bend]: [Option<EdgeMaximumFacts>; 3]) -> String {
+    let number = |x: f64| short(x, RoundingDirection::Nearest);
+    let (what, worst) = match (class, angle, bend) {
+        (None, ..) => (gap.map_or_else(String::new, |gap| format!("gap of {}", number(gap.value))), gap),
         (Some(0), Some(angle), _) => (format!("{}°", number(angle.value)), Some(angle)),
         (Some(0), None, _) => ("no direction".to_owned(), None),
         (Some(_), _, Some(gap)) => (format!("curvature jumps by {}", number(gap.value)), Some(gap)),
@@ -225,8 +278,7 @@ fn edge_text(edge: &EdgeFacts) -> String {
     let place = worst.map_or_else(String::new, |worst| {
         format!(" at {}, u {}, v {}", point(worst.at), number(worst.uv[0]), number(worst.uv[1]))
     });
-    let ([a, b], [of_a, of_b]) = (edge.patches, edge.sides);
-    format!("patch {a} {of_a}, {b} {of_b}: {what}{place}")
+    format!("{what}{place}")
 }
 
 /// What the surface measures and what holds of it.

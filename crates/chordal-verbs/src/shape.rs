@@ -178,8 +178,9 @@ fn surfaces_diagonal(surfaces: &[TrimmedSurface]) -> f64 {
     let bounds = surfaces.iter().fold(Box3::EMPTY, |hull, surface| hull.union(surface.bounds()));
     let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| greater(x.abs(), most));
     // An evaluated coordinate is a weighted mean of control points, in less than 8 steps of 3 roundings for each degree,
-    // of which there are 60 at most in both directions, and a quotient.
-    diagonal_below(&sampled, mul_up(2048.0 * f64::EPSILON, reach))
+    // of which there are 60 at most in both directions, and a quotient. The exact surface may be as far off as its slack.
+    let slack = surfaces.iter().fold(0.0, |most: f64, face| greater(face.surface().slack(), most));
+    diagonal_below(&sampled, add_up(slack, mul_up(2048.0 * f64::EPSILON, reach)))
 }
 
 /// Samples along one side of a patch.

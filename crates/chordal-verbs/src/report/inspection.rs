@@ -1,7 +1,7 @@
 //! The description of an input in the report; only from `inspect`.
 use super::{
-    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, SurfaceEdgeFacts,
-    TriangleFacts, VolumeFacts, to_value,
+    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, NurbsEdgeFacts,
+    SurfaceEdgeFacts, TriangleFacts, VolumeFacts, to_value,
 };
 use crate::file_rows::rows_of;
 use crate::{Input, Shape};
@@ -28,6 +28,12 @@ pub struct Inspection {
     /// How the patches meet; absent for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub edges: Option<SurfaceEdgeFacts>,
+    /// The number of NURBS surfaces; absent for other shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surfaces: Option<u64>,
+    /// How smooth these are across their knots, and how they meet; absent for other shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface_edges: Option<NurbsEdgeFacts>,
     /// The parts of a scene; `None` for other shapes.
     pub parts: Option<Vec<PartFacts>>,
     /// The facts of curves; `None` for other shapes.
@@ -143,11 +149,23 @@ impl Inspection {
             | Shape::Field(_)
             | Shape::Volume(_) => None,
         };
+        let surfaces = match &input.shape {
+            Shape::Surfaces { surfaces, .. } => Some(surfaces),
+            Shape::Patches { .. }
+            | Shape::Scene(_)
+            | Shape::Cage(_)
+            | Shape::Drawing(_)
+            | Shape::Curves(_)
+            | Shape::Field(_)
+            | Shape::Volume(_) => None,
+        };
         Self {
             bytes: input.n_bytes,
             bounds: (bounds != Box3::EMPTY && !endless).then_some([bounds.min, bounds.max]),
             patches: patches.map(|patches| patches.len() as u64),
             edges: patches.map(|patches| SurfaceEdgeFacts::from_patches(patches)),
+            surfaces: surfaces.map(|surfaces| surfaces.len() as u64),
+            surface_edges: surfaces.map(|surfaces| NurbsEdgeFacts::from_surfaces(surfaces)),
             parts: scene.map(|scene| PartFacts::list(scene, input.format)),
             drawing,
             cage: if let Shape::Cage(polygons) = &input.shape {

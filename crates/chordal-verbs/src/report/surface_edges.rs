@@ -97,25 +97,38 @@ impl SurfaceEdgeFacts {
             ..Self::default()
         };
         for join in &found.joins {
-            let (geometric, parametric) = (&mut facts.geometric, &mut facts.parametric);
-            *match join.geometric {
-                None => &mut geometric.gaps,
-                Some(0) => &mut geometric.g0,
-                Some(1) => &mut geometric.g1,
-                Some(_) => &mut geometric.g2,
-            } += 1;
-            match join.parametric {
-                None => {}
-                Some(0) => parametric.c0 += 1,
-                Some(1) => parametric.c1 += 1,
-                Some(_) => parametric.c2 += 1,
-            }
+            facts.geometric.count(join.geometric);
+            facts.parametric.count(join.parametric);
         }
         let mut worst: Vec<&EdgeJoin> = found.joins.iter().filter(|join| join.geometric != Some(2)).collect();
         // Stable, so that edges that are as bad stay in the order of the file.
         worst.sort_by(|a, b| a.geometric.cmp(&b.geometric).then(badness(b).total_cmp(&badness(a))));
         facts.worst = worst.into_iter().take(MOST_EDGES).map(EdgeFacts::new).collect();
         facts
+    }
+}
+
+impl GeometricEdgeCounts {
+    /// Counts an edge of a class; `None` is a gap.
+    pub(super) fn count(&mut self, class: Option<u8>) {
+        *match class {
+            None => &mut self.gaps,
+            Some(0) => &mut self.g0,
+            Some(1) => &mut self.g1,
+            Some(_) => &mut self.g2,
+        } += 1;
+    }
+}
+
+impl ParametricEdgeCounts {
+    /// Counts an edge of a class; gaps are in none.
+    pub(super) fn count(&mut self, class: Option<u8>) {
+        match class {
+            None => {}
+            Some(0) => self.c0 += 1,
+            Some(1) => self.c1 += 1,
+            Some(_) => self.c2 += 1,
+        }
     }
 }
 

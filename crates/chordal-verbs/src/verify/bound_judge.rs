@@ -120,9 +120,13 @@ impl BoundJudge<'_> {
             return unable("the claim has no upper bound");
         };
         if faces.iter().any(|face| !face.loops().is_empty()) {
-            let made = convert::trimmed_surfaces_to_mesh(faces, &Budget::length(nearer), self.job);
+            // How the surfaces were constructed may have cost more than that, and is added.
+            let slack = faces.iter().fold(0.0, |most: f64, face| greater(face.surface().slack(), most));
+            let faces: Vec<TrimmedSurface> = faces.iter().map(|face| face.clone().with_slack(0.0)).collect();
+            let made = convert::trimmed_surfaces_to_mesh(&faces, &Budget::length(nearer), self.job);
             let made = made.or_else(Failure::best_effort)?;
             let lost = made.bound.at_most().unwrap_or(f64::INFINITY);
+            let lost = if slack == 0.0 { lost } else { add_up(lost, slack) };
             let moved = add_up(mesh.moved, lost);
             let left = said.at_most().map(|most| sub_down(most, moved));
             let max = left.and_then(|left| Tolerance::new(left).ok());

@@ -64,7 +64,7 @@ const KNOWN_CURVATURE: f64 = 1.0 / 16_777_216.0;
 /// E = e×a the normal of one patch by its derivatives along and across the edge (degree 5), its normal curvature
 /// is P/(|E|³·|e|²) with P of degree 16; where E and F, the normal of the other, are parallel, curvatures are
 /// equal where P·F³ − Q·E³ is 0, and 16 + 3·5 = 31.
-const STEPS: usize = 32;
+pub(super) const STEPS: usize = 32;
 /// Where an end has no tangent plane of its own, as at a pole, it is approached: parameters `2^-k` from it. The
 /// first is the limit to six digits, the last is within the first of the equal steps.
 const APPROACH: [i32; 4] = [20, 16, 12, 8];
@@ -100,9 +100,11 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
     if fronts_agree {
         second = back(&second);
     }
+    let size = first.size() + second.size();
     let edge = EdgePair {
-        sides: [CrossBoundary::new(&first), CrossBoundary::new(&second)],
-        size: first.size() + second.size(),
+        sides: [PatchBoundary::new(&first), PatchBoundary::new(&second)],
+        // See FIRST.
+        offs: [FIRST, SECOND].map(|steps| steps * f64::EPSILON * size),
     };
     // 3. Positions, derivatives and normals.
     let is_shared = lesser(same, against) == 0.0;
@@ -136,8 +138,31 @@ pub(super) fn apart(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> f64 {
     a.iter().zip(b).fold(0.0, |most, (a, b)| greater(length(difference(*a, *b)), most))
 }
 
+/// What is known of a surface at a point of an edge: derivatives along the edge and across it, into the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CrossJet {
+    pub point: [f64; 3],
+    pub along: [f64; 3],
+    /// The second derivative along the edge.
+    pub own: [f64; 3],
+    /// The derivative across; where that is zero everywhere, a direction across.
+    pub across: [f64; 3],
+    /// That of `across` along the edge.
+    pub mixed: [f64; 3],
+    /// The second derivative across.
+    pub bend: [f64; 3],
+}
+
+/// A surface along one of its edges.
+pub(super) trait CrossBoundary {
+    fn jet(&self, t: f64) -> CrossJet;
+
+    /// Whether the derivative across is zero everywhere, so that there is no curvature.
+    fn is_doubled(&self) -> bool;
+}
+
 /// A patch along its bottom: the edge, and the first and second derivative across it, each as a cubic curve.
-struct CrossBoundary {
+struct PatchBoundary {
     edge: Bezier<3>,
     across: Bezier<3>,
     bend: Bezier<3>,
@@ -155,7 +180,7 @@ struct CrossDirection {
     off: f64,
 }
 
-impl CrossBoundary {
+impl PatchBoundary {
     fn new(patch: &Patch) -> Self {
         let rows = &patch.control;
         let curve = |f: &dyn Fn(usize, usize) -> f64| Bezier {
@@ -171,10 +196,29 @@ impl CrossBoundary {
             is_doubled,
         }
     }
+}
 
+impl CrossBoundary for PatchBoundary {
+    fn jet(&self, t: f64) -> CrossJet {
+        CrossJet {
+            point: self.edge.at(t),
+            along: self.edge.tangent(t),
+            own: self.edge.second_derivative(t),
+            across: self.across.at(t),
+            mixed: self.across.tangent(t),
+            bend: self.bend.at(t),
+        }
+    }
+
+    fn is_doubled(&self) -> bool {
+        self.is_doubled
+    }
+}
+
+impl CrossJet {
     /// `None` where the tangent plane is not known; rounding may move first derivatives by `off`.
-    fn direction(&self, t: f64, off: f64) -> Option<CrossDirection> {
-        let (along, across) = (self.edge.tangent(t), self.across.at(t));
+    fn direction(&self, off: f64) -> Option<CrossDirection> {
+        let (along, across) = (self.along, self.across);
         let speed = length(along);
         let lean = dot(across, along) / (speed * speed);
         let inward: [f64; 3] = std::array::from_fn(|k| across[k] - lean * along[k]);
@@ -185,17 +229,17 @@ impl CrossBoundary {
 
     /// The normal curvature across the edge, positive where the patch bends towards its front, and how far
     /// rounding may change it; `offs` are those of first and second derivatives.
-    fn curvature(&self, t: f64, offs: [f64; 2]) -> Option<[f64; 2]> {
-        let CrossDirection { inward, lean, off } = self.direction(t, offs[0])?;
-        if self.is_doubled || off > KNOWN_CURVATURE {
+    fn curvature(&self, offs: [f64; 2]) -> Option<[f64; 2]> {
+        let CrossDirection { inward, lean, off } = self.direction(offs[0])?;
+        if off > KNOWN_CURVATURE {
             return None;
         }
-        let along = self.edge.tangent(t);
+        let along = self.along;
         let normal = cross(along, inward);
         let (size, square) = (length(normal), dot(inward, inward));
         let normal = normal.map(|x| x / size);
         // The second fundamental form in the direction that is perpendicular to the edge: N − 2λM + λ²L.
-        let (bent, mixed, own) = (self.bend.at(t), self.across.tangent(t), self.edge.second_derivative(t));
+        let (bent, mixed, own) = (self.bend, self.mixed, self.own);
         let form: [f64; 3] =
             std::array::from_fn(|k| (bent[k] - 2.0 * lean * mixed[k]) + lean * lean * own[k]);
         let curvature = dot(form, normal) / square;
@@ -209,43 +253,59 @@ impl CrossBoundary {
     }
 }
 
-struct EdgePair {
-    sides: [CrossBoundary; 2],
-    /// The sum of the largest coordinates of both.
-    size: f64,
+/// Two surfaces along an edge, both the same way.
+pub(super) struct EdgePair<S> {
+    pub sides: [S; 2],
+    /// How far rounding may move first and second derivatives.
+    pub offs: [f64; 2],
 }
 
-impl EdgePair {
-    /// How far rounding may move first and second derivatives.
-    fn offs(&self) -> [f64; 2] {
-        // See FIRST.
-        [FIRST, SECOND].map(|steps| steps * f64::EPSILON * self.size)
-    }
-
-    fn gap(&self, t: f64) -> f64 {
-        length(difference(self.sides[0].edge.at(t), self.sides[1].edge.at(t)))
+impl<S: CrossBoundary> EdgePair<S> {
+    pub fn gap(&self, t: f64) -> f64 {
+        let [first, second] = self.sides.each_ref().map(|side| side.jet(t).point);
+        length(difference(first, second))
     }
 
     /// 0 within rounding.
-    fn angle(&self, t: f64) -> Option<f64> {
-        let [first, second] = self.sides.each_ref().map(|side| side.direction(t, self.offs()[0]));
+    pub fn angle(&self, t: f64) -> Option<f64> {
+        let [first, second] = self.sides.each_ref().map(|side| side.jet(t).direction(self.offs[0]));
         let (first, second) = (first?, second?);
         let turned = angle(first.inward, second.inward.map(|x| -x));
         Some(if turned <= first.off + second.off { 0.0 } else { turned })
     }
 
     /// 0 within rounding.
-    fn curvature_gap(&self, t: f64) -> Option<f64> {
-        let [first, second] = self.sides.each_ref().map(|side| side.curvature(t, self.offs()));
+    pub fn curvature_gap(&self, t: f64) -> Option<f64> {
+        if self.sides.iter().any(CrossBoundary::is_doubled) {
+            return None;
+        }
+        let [first, second] = self.sides.each_ref().map(|side| side.jet(t).curvature(self.offs));
         let (first, second) = (first?, second?);
         // Both run along the edge the same way, so that the front of the one is the back of the other.
         let gap = (first[0] + second[0]).abs();
         Some(if gap <= first[1] + second[1] { 0.0 } else { gap })
     }
 
+    /// The parameters with ends that have no tangent plane replaced by some beside them.
+    pub fn approached(&self, steps: &[f64]) -> Vec<f64> {
+        let is_plain = |t: f64| self.angle(t).is_some();
+        let near = APPROACH.map(|k| power_of_two(-k));
+        let mut all: Vec<f64> = Vec::new();
+        if !is_plain(0.0) {
+            all.extend(near);
+        }
+        all.extend(steps.iter().filter(|t| (0.0 < **t && **t < 1.0) || is_plain(**t)));
+        if !is_plain(1.0) {
+            all.extend(near.iter().rev().map(|t| 1.0 - t));
+        }
+        all
+    }
+}
+
+impl EdgePair<PatchBoundary> {
     fn parametric(&self) -> u8 {
         let [first, second] = &self.sides;
-        let offs = self.offs();
+        let offs = self.offs;
         let control = |a: &Bezier<3>, b: &Bezier<3>, sign: f64| {
             let pairs = a.control.into_iter().zip(b.control);
             pairs.fold(0.0, |most, (a, b)| greater(length(difference(a, b.map(|x| sign * x))), most))
@@ -261,26 +321,11 @@ impl EdgePair {
             2
         }
     }
-
-    /// The parameters with ends that have no tangent plane replaced by some beside them.
-    fn approached(&self, steps: &[f64]) -> Vec<f64> {
-        let is_plain = |t: f64| self.angle(t).is_some();
-        let near = APPROACH.map(|k| power_of_two(-k));
-        let mut all: Vec<f64> = Vec::new();
-        if !is_plain(0.0) {
-            all.extend(near);
-        }
-        all.extend(steps.iter().filter(|t| (0.0 < **t && **t < 1.0) || is_plain(**t)));
-        if !is_plain(1.0) {
-            all.extend(near.iter().rev().map(|t| 1.0 - t));
-        }
-        all
-    }
 }
 
 /// Where `f` is largest, and its value: first at the rising parameters, then by a search between the neighbours
 /// of the best of them.
-fn largest(parameters: &[f64], f: impl Fn(f64) -> Option<f64>) -> Option<(f64, f64)> {
+pub(super) fn largest(parameters: &[f64], f: impl Fn(f64) -> Option<f64>) -> Option<(f64, f64)> {
     let all: Vec<(f64, f64)> = parameters.iter().filter_map(|t| f(*t).map(|value| (*t, value))).collect();
     let best = (1..all.len()).fold(0, |best, i| if all[i].1 > all[best].1 { i } else { best });
     let mut found = *all.get(best)?;

@@ -20,6 +20,8 @@ mod limit_deviation;
 mod loop_deviation;
 mod measure;
 mod nesting;
+mod nurbs_edges;
+mod nurbs_line;
 mod open_seams;
 mod overshade;
 mod parallel;
@@ -101,5 +103,7 @@ pub mod shading {
 /// Continuity of patches across their edges.
 pub mod surfaces {
     pub use super::edge_join::{EdgeJoin, EdgeMaximum, PatchSideId, edge_join};
+    pub use super::nurbs_edges::{NurbsEdges, NurbsJoin, nurbs_edges};
+    pub use super::nurbs_line::NurbsLine;
     pub use super::surface_edges::{SurfaceEdges, surface_edges};
 }
