@@ -1,6 +1,8 @@
 //! Shapes in JSON: patches, curves and polylines, after `docs/schema/patches.schema.json`,
 //! `curves.schema.json`, `polylines.schema.json` and `surfaces.schema.json`.
+mod constructions;
 mod lines;
+mod spline_curve;
 mod spline_numbers;
 mod surfaces;
 mod trim;
@@ -23,7 +25,9 @@ pub use write::write;
 /// - patches: `{"patches": [[[[x, y, z], …4], …4], …]}`, or
 ///   `{"points": [[x, y, z], …], "patches": [[i, …16], …]}` with indices from 0;
 /// - NURBS surfaces: `{"surfaces": [{"degree": [p, q], "knots": [[…], […]], "control": [[[x, y, z], …], …],
-///   "weights": [[…], …]}, …]}`, row by row, `u` along a row; weights are 1 where they are left out;
+///   "weights": [[…], …]}, …]}`, row by row, `u` along a row; weights are 1 where they are left out; or constructed from
+///   curves: `{"surfaces": [{"loft": {"sections": […]}}, {"coons": {"u": […], "v": […]}}, {"sweep": {"profile": …,
+///   "path": …}}, {"extrude": …}, {"revolve": …}, {"ruled": […]}]}`;
 /// - curves: `{"curves": [{"control": [[x, y], …], "closed": false}, …]}` with 3n + 1 control points of n
 ///   cubics, or splines with `"degree"` (3), `"knots"` (clamped and uniform) and `"weights"` (1) beside their
 ///   control points;
