@@ -112,7 +112,9 @@ fn a_failed_allocation_is_an_exit_code_and_no_abort() {
     };
     // Address space in kilobytes, from where the program starts at all, which its own size decides: below that the
     // loader, the runtime or the handler itself finds no memory.
-    let starts = (20_000..).step_by(1_000).find(|&kilobytes| limited(kilobytes, &["--version".as_ref()]).status.success());
+    let starts = (20_000..)
+        .step_by(1_000)
+        .find(|&kilobytes| limited(kilobytes, &["--version".as_ref()]).status.success());
     let starts = starts.unwrap();
     let mut seen = std::collections::BTreeSet::new();
     let out = folder.path("out.ply");

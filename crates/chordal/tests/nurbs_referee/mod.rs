@@ -1,4 +1,6 @@
 //! The referee of rational splines: bounds against samplers that share no code with the library.
+mod constructed;
+mod edges;
 mod trimmed;
 pub(crate) mod truth;
 
