@@ -71,7 +71,7 @@ const BYTES_PER_PIECE: u64 = 4096;
 /// let sweep = SweepPath { path, up: None, place: ProfilePlace::OnPath };
 /// let length = Tolerance::new(1e-6).unwrap();
 /// let torus = convert::curve_to_swept_surface(&ring, &sweep, length, &Job::default()).unwrap();
-/// assert!(torus.bound.at_most().unwrap() < 1e-12);
+/// assert!(torus.bound.at_most().unwrap() < 1e-10);
 /// let [x, y, z] = torus.shape.at(0.3, 0.8);
 /// assert!(((x.hypot(y) - 2.0).hypot(z) - 0.5).abs() < 1e-14);
 /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())

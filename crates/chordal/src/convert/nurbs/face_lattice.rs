@@ -154,7 +154,7 @@ impl FaceLattice {
             let place = [index % self.n[0], index / self.n[0]];
             [0, 1].map(|k| {
                 let mut cells = pieces[k][self.piece_of[k][place[k]]].cells;
-                while cells % 2 == 0 && cells / 2 >= whole_parts(need[k]) {
+                while cells.is_multiple_of(2) && cells / 2 >= whole_parts(need[k]) {
                     cells /= 2;
                 }
                 cells
