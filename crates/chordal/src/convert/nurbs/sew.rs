@@ -15,9 +15,11 @@ use std::collections::BTreeMap;
 const STEPS: usize = 34;
 /// Parts of an edge at whose ends it is first looked for a nearest place. Chosen: a half turn has one between two of them.
 const SAMPLES: usize = 6;
-/// What of a length is near within a face: its own seam and poles meet but for rounding, and what is thin is not nothing.
-/// Chosen.
+/// What of a length is near within a face: what is thin is not nothing. Chosen.
 const OWN: f64 = 1e-6;
+/// The same for places more than half of the parameters apart, as those of a seam are: it meets but for what it was
+/// computed to. Chosen.
+const OWN_SEAM: f64 = 1e-3;
 /// Rounds in which edges between the same vertices are halved. Chosen: two curves that touch at their ends part early.
 const DOUBLED_ROUNDS: usize = 8;
 /// The golden ratio's inverse.
@@ -68,7 +70,7 @@ impl TrimmedFace<'_> {
     }
 
     /// The place of an edge's part nearest to a point: beside the nearest of some samples, by golden sections.
-    fn nearest(&self, edge: &TrimEdge, p: [f64; 3], near: f64) -> Option<f64> {
+    fn nearest(&self, edge: &TrimEdge, p: [f64; 3], near_at: impl Fn(TrimPoint) -> f64) -> Option<f64> {
         let far = |t: f64| distance(self.point(edge.piece, t), p);
         let [from, to] = edge.part;
         let at = |k: usize| from + (to - from) * (k as f64 / SAMPLES as f64);
@@ -93,7 +95,8 @@ impl TrimmedFace<'_> {
             }
         }
         let t = 0.5 * (low + high);
-        (far(t) <= near).then_some(t)
+        let at = self.prepared.pieces.lattice_point(&self.prepared.lattice, edge.piece, t);
+        (distance(self.surface_point(at), p) <= near_at(at)).then_some(t)
     }
 }
 
@@ -224,15 +227,22 @@ fn matches_of(
         if place.face == face && edge.ends.contains(&vertex) {
             continue;
         }
-        let near = if place.face == face { OWN * near } else { near };
+        let near_at = |at: TrimPoint| {
+            if place.face != face {
+                return near;
+            }
+            let (here, n) = (own.polygons.vertices[vertex as usize], own.prepared.lattice.n);
+            let is_seam = (0..2).any(|k| (at[k] - here[k]).abs() > 0.5 * n[k] as f64);
+            near * if is_seam { OWN_SEAM } else { OWN }
+        };
         let ends = edge.ends.map(|id| own.positions[id as usize]);
         let far = ends.map(|end| distance(end, p));
         let nearer = usize::from(far[1] < far[0]);
-        if far[nearer] <= near {
+        if far[nearer] <= near_at(own.polygons.vertices[edge.ends[nearer] as usize]) {
             found.push(VertexMatch::Same(place.face, edge.ends[nearer]));
             continue;
         }
-        found.extend(own.nearest(edge, p, near).map(|t| VertexMatch::On(place, t)));
+        found.extend(own.nearest(edge, p, near_at).map(|t| VertexMatch::On(place, t)));
     }
     found
 }
