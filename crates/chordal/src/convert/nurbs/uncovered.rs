@@ -1,6 +1,6 @@
 //! What a mesh leaves of faces beside its triangles: triangles that sewing made flat, edges of loops that enclose nothing.
 use crate::explicit::DisjointSets;
-use crate::math::{difference, greater, length};
+use crate::math::{difference, greater, length, lesser};
 use std::collections::BTreeMap;
 
 /// Vertices of a mesh among which the nearest one is sought. Chosen: any of them gives a bound.
@@ -49,7 +49,7 @@ pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64;
     let step = mesh.len().div_ceil(MOST_COMPARED).max(1);
     let to_mesh = |vertex: u32| {
         let to = |other: u32| length(difference(positions[vertex as usize], positions[other as usize]));
-        mesh.iter().step_by(step).map(|t| to(t[0])).fold(f64::INFINITY, f64::min)
+        mesh.iter().step_by(step).map(|t| to(t[0])).fold(f64::INFINITY, lesser)
     };
     let off = components.values().fold(0.0, |off: f64, component| {
         let jump = if component.is_attached { 0.0 } else { to_mesh(component.vertex) };
