@@ -150,9 +150,21 @@ def static(owner, name):
     return getattr(owner, name + "_s", None) or getattr(owner, name)
 
 
+def occt_knots(knots):
+    """Different knots, and how often each of them occurs."""
+    from OCP.collections import Array1_double, Array1_int
+
+    once = sorted(set(knots))
+    values, times = Array1_double(1, len(once)), Array1_int(1, len(once))
+    for k, value in enumerate(once):
+        values.SetValue(k + 1, value)
+        times.SetValue(k + 1, knots.count(value))
+    return values, times
+
+
 def occt_surface(surface):
     """The same surface in OpenCASCADE."""
-    from OCP.collections import Array1_double, Array1_int, Array2_double, Array2_gp_Pnt
+    from OCP.collections import Array2_double, Array2_gp_Pnt
     from OCP.Geom import Geom_BSplineSurface
     from OCP.gp import gp_Pnt
 
@@ -164,15 +176,7 @@ def occt_surface(surface):
             poles.SetValue(i + 1, j + 1, gp_Pnt(*control[j][i]))
             heavy.SetValue(i + 1, j + 1, weights[j][i])
 
-    def knots(all_knots):
-        once = sorted(set(all_knots))
-        values, times = Array1_double(1, len(once)), Array1_int(1, len(once))
-        for k, value in enumerate(once):
-            values.SetValue(k + 1, value)
-            times.SetValue(k + 1, all_knots.count(value))
-        return values, times
-
-    (u, nu), (v, nv) = (knots(list(of)) for of in surface["knots"])
+    (u, nu), (v, nv) = (occt_knots(of) for of in surface["knots"])
     return Geom_BSplineSurface(poles, heavy, u, v, nu, nv, *surface["degree"], False, False)
 
 
@@ -284,7 +288,7 @@ def curve_error(curve, lines):
 
 
 def occt_curve(curve, tolerance):
-    from OCP.collections import Array1_double, Array1_gp_Pnt2d, Array1_int
+    from OCP.collections import Array1_double, Array1_gp_Pnt2d
     from OCP.Geom2d import Geom2d_BSplineCurve
     from OCP.Geom2dAdaptor import Geom2dAdaptor_Curve
     from OCP.GCPnts import GCPnts_QuasiUniformDeflection
@@ -295,11 +299,7 @@ def occt_curve(curve, tolerance):
     for k, (p, w) in enumerate(zip(curve["control"], curve["weights"])):
         poles.SetValue(k + 1, gp_Pnt2d(*p))
         weights.SetValue(k + 1, w)
-    once = sorted(set(curve["knots"]))
-    values, times = Array1_double(1, len(once)), Array1_int(1, len(once))
-    for k, value in enumerate(once):
-        values.SetValue(k + 1, value)
-        times.SetValue(k + 1, curve["knots"].count(value))
+    values, times = occt_knots(curve["knots"])
     adaptor = Geom2dAdaptor_Curve(Geom2d_BSplineCurve(poles, weights, values, times, curve["degree"], False))
     made, seconds = timed(lambda _: GCPnts_QuasiUniformDeflection(adaptor, tolerance))
     points = [made.Value(k + 1) for k in range(made.NbPoints())]

@@ -187,6 +187,13 @@ fn kink_text(kink: &KinkFacts) -> String {
     format!("{} {}{name}, piece {}: {angle} at {}", kink.kind, kink.element, kink.piece, point(kink.at))
 }
 
+/// How many edges there are of each kind, and across how many fronts disagree.
+fn add_edge_counts(lines: &mut SummaryLines, all: &[(u64, &str)], opposed: u64) {
+    let counted = all.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} {what}", grouped(*n)));
+    lines.add("edges", listed(counted, "none"));
+    lines.add_if("fronts", (opposed > 0).then(|| format!("disagree across {}", plural(opposed, "edge"))));
+}
+
 /// How patches meet.
 fn edges(lines: &mut SummaryLines, facts: &SurfaceEdgeFacts) {
     let all = [
@@ -195,12 +202,7 @@ fn edges(lines: &mut SummaryLines, facts: &SurfaceEdgeFacts) {
         (facts.collapsed, "collapsed to points"),
         (facts.branching, "of three patches or more"),
     ];
-    let counted = all.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} {what}", grouped(*n)));
-    lines.add("edges", listed(counted, "none"));
-    lines.add_if(
-        "fronts",
-        (facts.opposed > 0).then(|| format!("disagree across {}", plural(facts.opposed, "edge"))),
-    );
+    add_edge_counts(lines, &all, facts.opposed);
     if facts.shared == 0 {
         return;
     }
@@ -217,12 +219,7 @@ fn surface_edges(lines: &mut SummaryLines, facts: &NurbsEdgeFacts) {
         (facts.collapsed, "collapsed to points"),
         (facts.branching, "along several others"),
     ];
-    let counted = all.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} {what}", grouped(*n)));
-    lines.add("edges", listed(counted, "none"));
-    lines.add_if(
-        "fronts",
-        (facts.opposed > 0).then(|| format!("disagree across {}", plural(facts.opposed, "edge"))),
-    );
+    add_edge_counts(lines, &all, facts.opposed);
     if facts.shared + facts.knot_lines == 0 {
         return;
     }

@@ -139,25 +139,15 @@ impl Inspection {
             Shape::Volume(sampled) => sampled.volume.certificate.clone(),
             Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Field(_) => None,
         };
-        let patches = match &input.shape {
-            Shape::Patches { patches, .. } => Some(patches),
-            Shape::Surfaces { .. }
-            | Shape::Scene(_)
+        let (patches, surfaces) = match &input.shape {
+            Shape::Patches { patches, .. } => (Some(patches), None),
+            Shape::Surfaces { surfaces, .. } => (None, Some(surfaces)),
+            Shape::Scene(_)
             | Shape::Cage(_)
             | Shape::Drawing(_)
             | Shape::Curves(_)
             | Shape::Field(_)
-            | Shape::Volume(_) => None,
-        };
-        let surfaces = match &input.shape {
-            Shape::Surfaces { surfaces, .. } => Some(surfaces),
-            Shape::Patches { .. }
-            | Shape::Scene(_)
-            | Shape::Cage(_)
-            | Shape::Drawing(_)
-            | Shape::Curves(_)
-            | Shape::Field(_)
-            | Shape::Volume(_) => None,
+            | Shape::Volume(_) => (None, None),
         };
         Self {
             bytes: input.n_bytes,
