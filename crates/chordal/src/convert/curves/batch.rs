@@ -114,7 +114,7 @@ impl<const D: usize> BezierCutter<D> {
         let loss = |a: f64, b: f64| chords.deviation(a, b).at_most;
         let places = greedy::parameters(loss, 0.999 / steps, length); // 0.999: see `Chords::fewest`
         let worst = places.windows(2).map(|ends| loss(ends[0], ends[1])).fold(0.0, |a, b| greater(b, a));
-        self.work.set_places(chords.cubic(), &places);
+        self.work.set_places(chords, &places);
         Ok(worst)
     }
 }

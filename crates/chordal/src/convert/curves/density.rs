@@ -8,8 +8,7 @@
 //! that fail four times are left to the greedy method.
 //!
 //! Loops run over slices, all chords at once, so that they are compiled to vector instructions.
-use super::chord::CubicChords;
-use crate::explicit::{Bezier, bernstein};
+use super::chord::ChordDeviation;
 use crate::math::{greater, lesser};
 
 /// Intervals of the grid, one less than a multiple of [`LANES`]: for a few chords, for some, and at most; in
@@ -33,6 +32,25 @@ const WASTE: f64 = 0.85;
 /// The largest number of chords for which one fewer is tried.
 const FEW: usize = 12;
 
+/// A piece of a curve that can be split into chords by a density.
+pub(crate) trait Spreadable<const D: usize> {
+    /// About the number of equal steps that keeps the tolerance, as a float: it may be huge. The grid is as fine.
+    fn about_even_steps(&self, tolerance: f64) -> f64;
+
+    /// The deviation of the chord from `a` to `b`, in exact arithmetic.
+    fn deviation(&self, a: f64, b: f64) -> ChordDeviation;
+
+    /// √|v|: the number of chords that a unit of the parameter needs there, up to a factor.
+    fn density(&self, t: f64) -> f64;
+
+    /// The points at whole blocks of parameters, where [`Self::certify`] wants them.
+    fn evaluate(&self, places: &[f64], axes: &mut [Vec<f64>; D]);
+
+    /// Writes a bound of each chord's deviation, infinite for chords that are left to [`Self::deviation`]. What it reads
+    /// and writes has a block more than there are chords.
+    fn certify(&self, places: &[f64], axes: &[Vec<f64>; D], tolerance: f64, deviations: &mut [f64]);
+}
+
 /// Buffers that are reused from curve to curve. The lists only ever grow; `n` says how much of them is valid.
 #[derive(Clone, Debug)]
 pub(crate) struct FlattenScratch<const D: usize> {
@@ -40,7 +58,7 @@ pub(crate) struct FlattenScratch<const D: usize> {
     n: usize,
     /// The parameters of the chord ends.
     places: Vec<f64>,
-    /// The positions of the chord ends, a list for each axis: the numbers that `Bezier::at` gives.
+    /// What [`Spreadable::evaluate`] gives: positions of the chord ends, a list for each axis.
     axes: [Vec<f64>; D],
     /// An upper bound of each chord's deviation.
     deviations: Vec<f64>,
@@ -71,20 +89,19 @@ impl<const D: usize> Default for FlattenScratch<D> {
 /// Fills `work` with chords of at most `tolerance`, nearly as few as possible, and returns the largest
 /// deviation. `None` when that did not succeed or would take more than `most` chords.
 #[inline(always)]
-pub(crate) fn spread_by_density<const D: usize>(
-    chords: &CubicChords<'_, D>,
+pub(crate) fn spread_by_density<const D: usize, P: Spreadable<D>>(
+    chords: &P,
     tolerance: f64,
     most: usize,
     work: &mut FlattenScratch<D>,
 ) -> Option<f64> {
-    let cubic = chords.cubic();
     let whole = chords.deviation(0.0, 1.0).at_most;
     if whole <= tolerance {
-        work.set_single_chord(cubic);
+        work.set_places(chords, &[0.0, 1.0]);
         return Some(whole);
     }
     // Equal steps would be about twice as many.
-    let even = chords.even_steps(tolerance);
+    let even = chords.about_even_steps(tolerance);
     let grid = if even <= 5.0 {
         COARSEST
     } else if even <= 60.0 {
@@ -94,7 +111,7 @@ pub(crate) fn spread_by_density<const D: usize>(
     } else {
         FINEST - 1
     };
-    let needed = work.sample(cubic, grid) / (8.0 * tolerance).sqrt();
+    let needed = work.sample(chords, grid) / (8.0 * tolerance).sqrt();
     // One chord was not enough, whatever the samples say; a NaN is handled in the same way.
     let mut n = if needed > 1.0 { (SPARE * needed).ceil() } else { 2.0 };
     if n > most as f64 {
@@ -102,7 +119,7 @@ pub(crate) fn spread_by_density<const D: usize>(
     }
     work.place_equal_shares(n as usize);
     for attempt in 0..ATTEMPTS {
-        work.evaluate(cubic);
+        work.evaluate(chords);
         let worst = work.certify(chords, tolerance);
         if worst <= tolerance {
             let worst = work.try_one_fewer(chords, tolerance, worst);
@@ -161,26 +178,18 @@ impl<const D: usize> FlattenScratch<D> {
         }
     }
 
-    #[inline(always)]
-    fn set_single_chord(&mut self, cubic: &Bezier<D>) {
-        self.set_n(1);
-        (self.places[0], self.places[1]) = (0.0, 1.0);
-        for (k, axis) in self.axes.iter_mut().enumerate() {
-            (axis[0], axis[1]) = (cubic.at(0.0)[k], cubic.at(1.0)[k]);
-        }
-    }
-
     /// Sets parameters that were found elsewhere; there must be at least two.
-    pub(crate) fn set_places(&mut self, cubic: &Bezier<D>, places: &[f64]) {
+    #[inline(always)]
+    pub(crate) fn set_places<P: Spreadable<D>>(&mut self, chords: &P, places: &[f64]) {
         self.set_n(places.len() - 1);
         self.places[..places.len()].copy_from_slice(places);
-        self.evaluate(cubic);
+        self.evaluate(chords);
     }
 
     /// Samples the density at the ends of `grid` equal steps, one less than a multiple of [`LANES`] and no
     /// fewer than 7, so that the nodes fill whole blocks. Returns the total.
     #[inline(always)]
-    fn sample(&mut self, cubic: &Bezier<D>, grid: usize) -> f64 {
+    fn sample<P: Spreadable<D>>(&mut self, chords: &P, grid: usize) -> f64 {
         self.set_nodes(grid + 1);
         let step = 1.0 / grid as f64;
         for block in 0..(grid + 1) / LANES {
@@ -188,7 +197,7 @@ impl<const D: usize> FlattenScratch<D> {
             let (mut nodes, mut slopes) = ([0.0; LANES], [0.0; LANES]);
             for i in 0..LANES {
                 nodes[i] = (at + i) as f64 * step;
-                slopes[i] = chord_density(cubic, nodes[i]);
+                slopes[i] = chords.density(nodes[i]);
             }
             self.nodes[at..at + LANES].copy_from_slice(&nodes);
             self.slopes[at..at + LANES].copy_from_slice(&slopes);
@@ -284,7 +293,7 @@ impl<const D: usize> FlattenScratch<D> {
     /// Tries one chord fewer where the deviations allow it and one matters; returns the largest deviation of
     /// the result.
     #[inline(always)]
-    fn try_one_fewer(&mut self, chords: &CubicChords<'_, D>, tolerance: f64, worst: f64) -> f64 {
+    fn try_one_fewer<P: Spreadable<D>>(&mut self, chords: &P, tolerance: f64, worst: f64) -> f64 {
         let n = self.n;
         if !(3..=FEW).contains(&n) {
             return worst;
@@ -298,12 +307,12 @@ impl<const D: usize> FlattenScratch<D> {
         before[..n].copy_from_slice(&self.places[..n]);
         self.density_from_deviations(tolerance, false);
         self.place_equal_shares(n - 1);
-        self.evaluate(chords.cubic());
+        self.evaluate(chords);
         let fewer = self.certify(chords, tolerance);
         if fewer <= tolerance {
             return fewer;
         }
-        self.set_places(chords.cubic(), &before[..=n]);
+        self.set_places(chords, &before[..=n]);
         worst
     }
 
@@ -345,38 +354,24 @@ impl<const D: usize> FlattenScratch<D> {
 
     /// Evaluates the points at all parameters.
     #[inline(always)]
-    fn evaluate(&mut self, cubic: &Bezier<D>) {
-        let [p0, p1, p2, p3] = cubic.control;
-        let n_blocks = self.n / LANES + 1;
-        for block in 0..n_blocks {
-            let at = block * LANES;
-            let mut places = [0.0; LANES];
-            places.copy_from_slice(&self.places[at..at + LANES]);
-            for (k, axis) in self.axes.iter_mut().enumerate() {
-                let mut x = [0.0; LANES];
-                for i in 0..LANES {
-                    let [w0, w1, w2, w3] = bernstein(places[i]);
-                    x[i] = (w0 * p0[k] + w1 * p1[k]) + (w2 * p2[k] + w3 * p3[k]);
-                }
-                axis[at..at + LANES].copy_from_slice(&x);
-            }
-        }
+    fn evaluate<P: Spreadable<D>>(&mut self, chords: &P) {
+        chords.evaluate(&self.places[..(self.n / LANES + 1) * LANES], &mut self.axes);
+    }
+
+    /// The largest deviation of the current chords, and which of them has it.
+    #[inline(always)]
+    pub(crate) fn worst_chord<P: Spreadable<D>>(&mut self, chords: &P) -> (f64, usize) {
+        // No tolerance: chords that only one of two bounds is known of get both.
+        let most = self.certify(chords, 0.0);
+        (most, self.deviations[..self.n].iter().position(|loss| *loss == most).unwrap_or(0))
     }
 
     /// Bounds the deviation of each chord; returns the largest.
-    ///
-    /// The vector loop does not handle chords that are short compared with the deviation across them, and
-    /// does not compare with the form without a chord where the curve extends beyond the ends of the chord.
-    /// Those get the bound of `chord.rs`.
     #[inline(always)]
-    fn certify(&mut self, chords: &CubicChords<'_, D>, tolerance: f64) -> f64 {
+    fn certify<P: Spreadable<D>>(&mut self, chords: &P, tolerance: f64) -> f64 {
         let n = self.n;
-        for at in (0..n).step_by(LANES) {
-            let places = lanes(&self.places, at);
-            let axes: [[[f64; LANES]; 2]; D] = std::array::from_fn(|k| lanes(&self.axes[k], at));
-            let found = simple_deviations(chords.second_differences(), places, &axes, tolerance);
-            self.deviations[at..at + LANES].copy_from_slice(&found);
-        }
+        let blocks = n.div_ceil(LANES) * LANES;
+        chords.certify(&self.places[..=blocks], &self.axes, tolerance, &mut self.deviations[..blocks]);
         let mut worst = 0.0;
         for i in 0..n {
             if self.deviations[i] == f64::INFINITY {
@@ -386,30 +381,6 @@ impl<const D: usize> FlattenScratch<D> {
         }
         worst
     }
-}
-
-/// √|v|: the number of chords that a unit of the parameter needs there, up to a factor.
-#[inline(always)]
-fn chord_density<const D: usize>(cubic: &Bezier<D>, t: f64) -> f64 {
-    let p = &cubic.control;
-    let s = 1.0 - t;
-    let (mut first_sq, mut both, mut first, mut second) = (0.0, 0.0, [0.0; D], [0.0; D]);
-    for k in 0..D {
-        let e = [p[1][k] - p[0][k], p[2][k] - p[1][k], p[3][k] - p[2][k]];
-        first[k] = s * (s * e[0] + t * e[1]) + t * (s * e[1] + t * e[2]);
-        second[k] = s * (e[1] - e[0]) + t * (e[2] - e[1]);
-        first_sq += first[k] * first[k];
-        both += first[k] * second[k];
-    }
-    // Where the derivative vanishes there is no direction, and 0/0 would spoil the sum.
-    let along = if first_sq > 0.0 { both / first_sq } else { 0.0 };
-    let mut across_sq = 0.0;
-    for k in 0..D {
-        let across = second[k] - along * first[k];
-        across_sq += across * across;
-    }
-    // P'' is 6 times `second`.
-    (6.0 * across_sq.sqrt()).sqrt()
 }
 
 /// Rounding, or a density of zero, may have put a parameter before its neighbour or made it NaN: it is
@@ -433,66 +404,4 @@ fn restore_order(places: &mut [f64]) {
 }
 
 /// Chords processed at once: a whole number of vectors with every instruction set.
-const LANES: usize = 8;
-
-/// The starts and the ends of a block of chords.
-#[inline(always)]
-fn lanes(list: &[f64], at: usize) -> [[f64; LANES]; 2] {
-    let (mut from, mut to) = ([0.0; LANES], [0.0; LANES]);
-    from.copy_from_slice(&list[at..at + LANES]);
-    to.copy_from_slice(&list[at + 1..at + 1 + LANES]);
-    [from, to]
-}
-
-/// See [`FlattenScratch::certify`]: infinite for chords that it does not handle.
-#[inline(always)]
-fn simple_deviations<const D: usize>(
-    [a0, a1]: [[f64; D]; 2],
-    [from, to]: [[f64; LANES]; 2],
-    axes: &[[[f64; LANES]; 2]; D],
-    tolerance: f64,
-) -> [f64; LANES] {
-    let mut found = [0.0; LANES];
-    for i in 0..LANES {
-        let (a, b) = (from[i], to[i]);
-        let h = b - a;
-        let h_sq = h * h;
-        let (mut s, mut q, mut c) = ([0.0; D], [0.0; D], [0.0; D]);
-        let (mut s_along, mut q_along, mut c_sq, mut sq_all) = (0.0, 0.0, 0.0, 0.0);
-        for k in 0..D {
-            let d0 = h_sq * ((1.0 - a) * a0[k] + a * a1[k]);
-            let d1 = h_sq * ((1.0 - b) * a0[k] + b * a1[k]);
-            s[k] = d0 + d1;
-            q[k] = d1 - d0;
-            c[k] = axes[k][1][i] - axes[k][0][i];
-            s_along += s[k] * c[k];
-            q_along += q[k] * c[k];
-            c_sq += c[k] * c[k];
-            sq_all += s[k] * s[k] + q[k] * q[k];
-        }
-        let inverse = 1.0 / c_sq;
-        let (s_share, q_share) = (s_along * inverse, q_along * inverse);
-        let (mut s_sq, mut q_sq) = (0.0, 0.0);
-        for k in 0..D {
-            let (x, y) = (s[k] - s_share * c[k], q[k] - q_share * c[k]);
-            s_sq += x * x;
-            q_sq += y * y;
-        }
-        // As `largest_deviation` of chord.rs, with u = q/(3·(√(s² + q²/3) + s)), which needs no quotient of
-        // the two.
-        let (s_len, q_len) = (s_sq.sqrt(), q_sq.sqrt());
-        let below = (s_sq + q_sq * (1.0 / 3.0)).sqrt() + s_len;
-        let u = if below > 0.0 { q_len / (3.0 * below) } else { 0.0 };
-        let aside = (1.0 - u * u) * (3.0 * s_len + u * q_len) * 0.125;
-        // The inner control points along the chord, from its start and from its end, in thirds of its length;
-        // the distance of the farther one from the middle, and by how much that is beyond an end.
-        let first = (0.5 * (3.0 * s_share - q_share) + 0.5).abs();
-        let last = (0.5 * (3.0 * s_share + q_share) - 0.5).abs();
-        let far = greater(first, last);
-        let beyond_sq = if far > 1.5 { (far - 1.5) * (far - 1.5) * c_sq * (1.0 / 9.0) } else { 0.0 };
-        let loss = (aside * aside + beyond_sq).sqrt();
-        let known = (c_sq > 0.0) & (sq_all <= 128.0 * c_sq) & ((beyond_sq == 0.0) | (loss <= tolerance));
-        found[i] = if known { loss } else { f64::INFINITY };
-    }
-    found
-}
+pub(super) const LANES: usize = 8;

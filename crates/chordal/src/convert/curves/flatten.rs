@@ -382,13 +382,7 @@ impl<const D: usize> PathPiece<'_, D> {
 
 impl FlattenedPiece {
     fn new<const D: usize>(part: &PathPiece<'_, D>, places: Vec<f64>) -> Self {
-        let mut worst = (0.0, 0.5);
-        for pair in places.windows(2) {
-            let loss = part.chords.deviation(pair[0], pair[1]);
-            if loss.at_most > worst.0 {
-                worst = (loss.at_most, pair[0] + loss.fraction * (pair[1] - pair[0]));
-            }
-        }
+        let worst = part.chords.worst(&places);
         let at_most = if part.rounding_error > 0.0 { add_up(worst.0, part.rounding_error) } else { worst.0 };
         Self { places, at_most, worst: worst.1 }
     }

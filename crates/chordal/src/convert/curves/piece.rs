@@ -1,6 +1,6 @@
 //! `Chords`: one piece of a path split into chords, with their number, parameters and deviations.
 use super::chord::{ChordDeviation, CubicChords, arc_deviation, coordinate_reach, rounding_at, whole_steps};
-use super::density::{FlattenScratch, spread_by_density};
+use super::density::{FlattenScratch, Spreadable, spread_by_density};
 use super::greedy;
 use super::rational_chord::{self, RationalChords};
 use crate::explicit::CurveSegment;
@@ -39,6 +39,26 @@ impl<'a, const D: usize> Chords<'a, D> {
         }
     }
 
+    /// The largest deviation of chords between these parameters, and the parameter where it is.
+    pub(crate) fn worst(&self, places: &[f64]) -> (f64, f64) {
+        let mut work = FlattenScratch::default();
+        let found = match self {
+            Self::Cubic(chords) => {
+                simd::dispatch(simd::isa(), WorstKernel { chords, places, work: &mut work })
+            }
+            Self::Rational(chords) => {
+                simd::dispatch(simd::isa(), WorstKernel { chords, places, work: &mut work })
+            }
+            Self::Point | Self::Line | Self::Arc(_) => {
+                let all = places.windows(2).map(|ends| self.deviation(ends[0], ends[1]).at_most);
+                all.enumerate().fold((0.0, 0), |most, (i, loss)| if loss > most.0 { (loss, i) } else { most })
+            }
+        };
+        let (at_most, chord) = found;
+        let [a, b] = [places[chord], places[chord + 1]];
+        (at_most, a + self.deviation(a, b).fraction * (b - a))
+    }
+
     /// The number of equal steps that keeps the tolerance (Wang's formula), as a float: it may be huge.
     pub(crate) fn even_steps(&self, tolerance: f64) -> f64 {
         let steps = match self {
@@ -59,13 +79,17 @@ impl<'a, const D: usize> Chords<'a, D> {
     /// Parameters from 0 to 1, both included, with chords of at most `tolerance`, and nearly as few as
     /// possible.
     pub(crate) fn fewest(&self, tolerance: f64) -> Vec<f64> {
-        if let Self::Cubic(chords) = self {
-            let mut work = FlattenScratch::default();
-            if simd::dispatch(simd::isa(), SpreadKernel { chords, tolerance, work: &mut work }) {
-                return work.places().to_vec();
+        let mut work = FlattenScratch::default();
+        let is_spread = match self {
+            Self::Cubic(chords) => {
+                simd::dispatch(simd::isa(), SpreadKernel { chords, tolerance, work: &mut work })
             }
-        }
-        self.greedy(tolerance)
+            Self::Rational(chords) => {
+                simd::dispatch(simd::isa(), SpreadKernel { chords, tolerance, work: &mut work })
+            }
+            Self::Point | Self::Line | Self::Arc(_) => false,
+        };
+        if is_spread { work.places().to_vec() } else { self.greedy(tolerance) }
     }
 
     /// The greedy way: one chord after the other, each as long as possible.
@@ -91,18 +115,34 @@ impl<'a, const D: usize> Chords<'a, D> {
     }
 }
 
-struct SpreadKernel<'a, 'b, const D: usize> {
-    chords: &'a CubicChords<'b, D>,
+struct SpreadKernel<'a, const D: usize, P> {
+    chords: &'a P,
     tolerance: f64,
     work: &'a mut FlattenScratch<D>,
 }
 
-impl<const D: usize> Kernel for SpreadKernel<'_, '_, D> {
+impl<const D: usize, P: Spreadable<D>> Kernel for SpreadKernel<'_, D, P> {
     type Output = bool;
 
     #[inline(always)]
     fn run(self) -> bool {
         spread_by_density(self.chords, self.tolerance, usize::MAX, self.work).is_some()
+    }
+}
+
+struct WorstKernel<'a, const D: usize, P> {
+    chords: &'a P,
+    places: &'a [f64],
+    work: &'a mut FlattenScratch<D>,
+}
+
+impl<const D: usize, P: Spreadable<D>> Kernel for WorstKernel<'_, D, P> {
+    type Output = (f64, usize);
+
+    #[inline(always)]
+    fn run(self) -> (f64, usize) {
+        self.work.set_places(self.chords, self.places);
+        self.work.worst_chord(self.chords)
     }
 }
 

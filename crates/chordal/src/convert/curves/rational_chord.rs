@@ -55,6 +55,10 @@ impl<'a, const D: usize> RationalChords<'a, D> {
         whole_steps((self.bend / tolerance).sqrt())
     }
 
+    pub(crate) fn curve(&self) -> &'a RationalBezier<D> {
+        self.curve
+    }
+
     /// The deviation of the chord between the points at `a` and `b`, in exact arithmetic.
     pub(crate) fn deviation(&self, a: f64, b: f64) -> ChordDeviation {
         let BernsteinRow(x) = self.curve.weighted().part(a, b);

@@ -1,6 +1,4 @@
 //! `BernsteinRow`: a polynomial of any degree in Bernstein form, with vectors as coefficients.
-use crate::explicit::bezier::lerp;
-
 /// The coefficients of a polynomial over `[0, 1]`, one more than its degree.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct BernsteinRow<const N: usize>(pub Vec<[f64; N]>);
@@ -9,56 +7,87 @@ impl<const N: usize> BernsteinRow<N> {
     /// The value and the first two derivatives at `t`; at 0 and 1 the value is an end coefficient.
     pub fn jet(&self, t: f64) -> [[f64; N]; 3] {
         let degree = self.0.len() - 1;
-        let mut left = self.0.clone();
         let (mut first, mut second) = ([0.0; N], [0.0; N]);
-        for n in (1..=degree).rev() {
-            // `left` has the n + 1 coefficients of a polynomial of degree n.
-            if n == 2 {
-                let scale = (degree * (degree - 1)) as f64;
-                second =
-                    std::array::from_fn(|k| scale * ((left[2][k] - left[1][k]) - (left[1][k] - left[0][k])));
+        let value = with_copy(&self.0, |left| {
+            for n in (1..=degree).rev() {
+                // `left` has the n + 1 coefficients of a polynomial of degree n.
+                if n == 2 {
+                    let scale = (degree * (degree - 1)) as f64;
+                    second = std::array::from_fn(|k| {
+                        scale * ((left[2][k] - left[1][k]) - (left[1][k] - left[0][k]))
+                    });
+                }
+                if n == 1 {
+                    first = std::array::from_fn(|k| degree as f64 * (left[1][k] - left[0][k]));
+                }
+                step(&mut left[..=n], t);
             }
-            if n == 1 {
-                first = std::array::from_fn(|k| degree as f64 * (left[1][k] - left[0][k]));
-            }
-            step(&mut left[..=n], t);
-        }
-        [left[0], first, second]
+            left[0]
+        });
+        [value, first, second]
     }
 
     /// The value at `t`.
     pub fn at(&self, t: f64) -> [f64; N] {
-        let mut left = self.0.clone();
-        for n in (1..left.len()).rev() {
-            step(&mut left[..=n], t);
-        }
-        left[0]
+        with_copy(&self.0, |left| to_value(left, t))
     }
 
     /// The coefficients over the part from `a` to `b`, which lie in `[0, 1]`.
     pub fn part(&self, a: f64, b: f64) -> Self {
-        let degree = self.0.len() - 1;
-        // The blossom with some arguments `a` and the others `b`: after k steps at b, from the left end on at a.
-        let mut with_b = self.0.clone();
-        let mut made = Vec::with_capacity(degree + 1);
-        for k in 0..=degree {
-            let mut rest = with_b[..=degree - k].to_vec();
-            for n in (1..rest.len()).rev() {
-                step(&mut rest[..=n], a);
-            }
-            made.push(rest[0]);
-            if k < degree {
-                step(&mut with_b[..=degree - k], b);
-            }
-        }
+        let mut made = self.0.clone();
+        with_copy(&self.0, |rest| part_of(&mut made, rest, [a, b]));
         Self(made)
     }
 }
 
+/// Turns coefficients into those over the part from `a` to `b`; there must be as much room beside them.
+#[inline(always)]
+fn part_of<const N: usize>(row: &mut [[f64; N]], room: &mut [[f64; N]], [a, b]: [f64; 2]) {
+    // The blossom with some arguments `a` and the others `b`: after n - k steps at a, from the right end on at b.
+    let degree = row.len() - 1;
+    for k in (0..=degree).rev() {
+        let rest = &mut room[..=k];
+        rest.copy_from_slice(&row[..=k]);
+        let made = to_value(rest, b);
+        if k > 0 {
+            step(&mut row[..=k], a);
+        }
+        row[k] = made;
+    }
+}
+
+/// The value at `t` of coefficients, which are lost.
+#[inline(always)]
+fn to_value<const N: usize>(row: &mut [[f64; N]], t: f64) -> [f64; N] {
+    for n in (1..row.len()).rev() {
+        step(&mut row[..=n], t);
+    }
+    row[0]
+}
+
+/// Rows up to this length are copied without memory of their own: of degree 7, beyond what files have.
+const SHORT: usize = 8;
+
+/// Runs with a copy of a row.
+#[inline(always)]
+fn with_copy<const N: usize, R>(row: &[[f64; N]], run: impl FnOnce(&mut [[f64; N]]) -> R) -> R {
+    if row.len() > SHORT {
+        return run(&mut row.to_vec());
+    }
+    let mut copy = [[0.0; N]; SHORT];
+    copy[..row.len()].copy_from_slice(row);
+    run(&mut copy[..row.len()])
+}
+
 /// One step of de Casteljau's algorithm: one coefficient fewer.
+#[inline(always)]
 fn step<const N: usize>(row: &mut [[f64; N]], t: f64) {
+    // As `lerp`, in loops that every level of optimisation unrolls.
+    let s = 1.0 - t;
     for i in 0..row.len() - 1 {
-        row[i] = lerp(row[i], row[i + 1], t);
+        for k in 0..N {
+            row[i][k] = s * row[i][k] + t * row[i + 1][k];
+        }
     }
 }
 
