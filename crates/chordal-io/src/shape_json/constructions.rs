@@ -10,7 +10,7 @@ use chordal::budget::Failure;
 use chordal::convert::curve_to_swept_surface;
 use chordal::convert::sweeps::{ProfilePlace, SweepPath};
 use chordal::explicit::CurveEnds;
-use chordal::explicit::nurbs::{InvalidNurbs, NurbsCurve, NurbsSurface, compatible};
+use chordal::explicit::nurbs::{InvalidNurbs, NurbsCurve, NurbsSurface};
 use chordal::math::{Box3, greater};
 use chordal::{Job, Tolerance};
 
@@ -159,6 +159,9 @@ impl ConstructionReader<'_, '_> {
         })?;
         let profile = profile.ok_or_else(|| missing(&place, "profile"))?;
         let along = along.ok_or_else(|| missing(&place, "along"))?;
+        if along == [0.0; 3] {
+            return Err(ReadError::new("invalid-surface", place, "\"along\" is [0, 0, 0], which extrudes nothing"));
+        }
         let made = NurbsSurface::extruded(&profile.curve, along);
         made.map(rounded).map_err(|error| invalid(&place, &error))
     }
@@ -182,8 +185,8 @@ impl ConstructionReader<'_, '_> {
         let made = if pair[0].knots() == pair[1].knots() {
             NurbsSurface::ruled(&pair[0], &pair[1])
         } else {
-            // Of degree 1 a loft is the ruled surface of what `compatible` makes, with its rounding.
-            compatible(&pair).and_then(|pair| NurbsSurface::lofted(&pair, 1, CurveEnds::Open))
+            // Of degree 1 a loft is the ruled surface of what `compatible` makes, and counts what that costs.
+            NurbsSurface::lofted(&pair, 1, CurveEnds::Open)
         };
         made.map_err(|error| invalid(&place, &error))
     }

@@ -91,10 +91,13 @@ impl SurfaceMembers {
     fn surface(self, wrong: &dyn Fn(String) -> ReadError) -> Result<NurbsSurface, ReadError> {
         let Self { degrees, knots, control, row_lengths, weights } = self;
         let missing = |name: &str| wrong(format!("there is no member \"{name}\""));
-        let degrees = degrees.ok_or_else(|| missing("degree"))?;
+        let degrees = degrees.ok_or_else(|| {
+            let all = CONSTRUCTIONS.map(|name| format!("\"{name}\"")).join(", ");
+            wrong(format!("there is no member \"degree\", and none that constructs a surface ({all})"))
+        })?;
         let knots = knots.ok_or_else(|| missing("knots"))?;
         if row_lengths.is_empty() {
-            return Err(missing("control"));
+            return Err(wrong("there is no member \"control\", or it is empty".to_owned()));
         }
         let mut vectors = Vec::new();
         for ((degree, knots), name) in degrees.into_iter().zip(knots).zip(["u", "v"]) {

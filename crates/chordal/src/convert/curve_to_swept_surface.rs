@@ -202,6 +202,10 @@ fn framed(sweep: &SweepPath) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     let across: [f64; 3] = std::array::from_fn(|k| up[k] - dot(up, start) * start[k]);
     // Chosen: nearer to the path rounding would turn it.
     let is_across = length(across) > 1e-6 * length(up);
+    if up == [0.0; 3] {
+        let message = "the up vector is zero, and must lie across the path";
+        return Err(Failure::refused(RefusalCode::Unsupported, message));
+    }
     if !is_across {
         let message =
             format!("the up vector {up:?} is along the path where it starts, and must lie across it");
