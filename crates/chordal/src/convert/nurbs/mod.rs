@@ -5,6 +5,7 @@ pub(super) mod fit;
 mod fit_error;
 mod prepared_face;
 mod sew;
+mod sewn_faces;
 mod trim_cells;
 mod trim_loops;
 pub(super) mod trimmed_mesh;

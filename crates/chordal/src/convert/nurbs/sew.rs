@@ -7,7 +7,7 @@ use super::prepared_face::PreparedFace;
 use super::trim_loops::{TrimEdge, TrimPoint, TrimPolygons};
 use crate::budget::{Job, par_map};
 use crate::explicit::nurbs::BezierNet;
-use crate::explicit::{BoxTree, BoxTreeNode, DisjointSets};
+use crate::explicit::{BoxTree, BoxTreeNode};
 use crate::math::{Box3, difference, greater, length, lesser};
 use std::collections::BTreeMap;
 
@@ -34,12 +34,12 @@ pub(super) struct TrimmedFace<'a> {
     pub positions: Vec<[f64; 3]>,
 }
 
-/// Which vertices of all loops are one.
+/// Which vertices of all loops belong together.
 pub(super) struct SewnVertices {
     /// By face: the number of its first vertex.
     pub first: Vec<u32>,
-    /// By vertex of all faces: the earliest that is the same.
-    pub same: Vec<u32>,
+    /// Pairs of vertices of all faces that are near each other.
+    pub near: Vec<[u32; 2]>,
 }
 
 /// An edge of all faces.
@@ -122,13 +122,8 @@ pub(super) fn sew(faces: &mut [TrimmedFace<'_>], wanted: &[f64], near: f64, job:
         n += face.positions.len();
         face.polygons.off = face.prepared.pieces.distance(&face.prepared.lattice, &face.polygons);
     }
-    let mut sets = DisjointSets::new(n);
-    let global = |[face, vertex]: [u32; 2]| first[face as usize] + vertex;
-    for [a, b] in unions {
-        sets.union(global(a), global(b));
-    }
-    let same = (0..n as u32).map(|vertex| sets.find(vertex)).collect();
-    SewnVertices { first, same }
+    let unions = unions.into_iter().map(|pair| pair.map(|[face, vertex]| first[face as usize] + vertex));
+    SewnVertices { near: unions.collect(), first }
 }
 
 /// Gives edges the vertices of others that lie on them; which vertices are one, each by its face and its number there.

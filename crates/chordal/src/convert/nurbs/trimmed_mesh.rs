@@ -2,7 +2,8 @@
 //! joined.
 use super::fit::fit;
 use super::prepared_face::PreparedFace;
-use super::sew::{SewnVertices, TrimmedFace, sew};
+use super::sew::{TrimmedFace, sew};
+use super::sewn_faces::same_vertices;
 use super::trim_cells::{FaceTriangles, TrimConflict, triangulate};
 use super::trim_loops::TrimPieces;
 use super::uncovered::uncovered;
@@ -164,24 +165,30 @@ fn one_round(
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    let moved = moved_to(&faces, &sewn);
     let indices: Vec<usize> = (0..faces.len()).collect();
     let made = par_map(job, &indices, |_, index| {
-        let face = &faces[*index];
-        let triangles = triangulate(&face.prepared.lattice, &face.polygons)?;
-        let first = sewn.first[*index] as usize;
-        let targets = &moved[first..first + face.positions.len()];
-        Ok(bounded_face(face, &triangles, targets, surfaces[*index].is_flipped()))
+        triangulate(&faces[*index].prepared.lattice, &faces[*index].polygons)
     });
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    let mut bounded = Vec::with_capacity(made.len());
+    let mut triangles = Vec::with_capacity(made.len());
     for (index, one) in made.into_iter().enumerate() {
-        bounded.push(one.map_err(|conflict| refusal(index, &faces[index], conflict))?);
+        triangles.push(one.map_err(|conflict| refusal(index, &faces[index], conflict))?);
+    }
+    let same = same_vertices(&faces, &triangles, &sewn);
+    let moved = moved_to(&faces, &same);
+    let bounded = par_map(job, &indices, |_, index| {
+        let face = &faces[*index];
+        let first = sewn.first[*index] as usize;
+        let targets = &moved[first..first + face.positions.len()];
+        bounded_face(face, &triangles[*index], targets, surfaces[*index].is_flipped())
+    });
+    if job.is_cancelled() {
+        return Err(Failure::Cancelled);
     }
     let bent = bounded.iter().fold(0.0, |most: f64, face| greater(face.bent, most));
-    let mesh = join(&faces, &sewn, &moved, bounded)?;
+    let mesh = join(&faces, &sewn.first, &same, &moved, bounded)?;
     let kept = faces.into_iter().map(|face| face.prepared).collect();
     Ok((mesh, bent, kept))
 }
@@ -190,9 +197,9 @@ fn one_round(
 const CELL_BYTES: u64 = 400;
 
 /// Where each vertex of a loop goes: where the first one that is the same is.
-fn moved_to(faces: &[TrimmedFace<'_>], sewn: &SewnVertices) -> Vec<[f64; 3]> {
+fn moved_to(faces: &[TrimmedFace<'_>], same: &[u32]) -> Vec<[f64; 3]> {
     let all: Vec<[f64; 3]> = faces.iter().flat_map(|face| face.positions.iter().copied()).collect();
-    sewn.same.iter().map(|leader| all[*leader as usize]).collect()
+    same.iter().map(|leader| all[*leader as usize]).collect()
 }
 
 /// The triangles of a face with what they lose.
@@ -257,18 +264,19 @@ fn bounded_face(
 /// All faces as one mesh.
 fn join(
     faces: &[TrimmedFace<'_>],
-    sewn: &SewnVertices,
+    first: &[u32],
+    same: &[u32],
     moved: &[[f64; 3]],
     bounded: Vec<BoundedFace>,
 ) -> Result<TrimmedMesh, Failure<Mesh>> {
     // Positions: those of loops by their first, then those within faces.
-    let n_border = sewn.same.len() as u32;
+    let n_border = same.len() as u32;
     let mut positions: Vec<[f64; 3]> = moved.to_vec();
     let (mut corners, mut flat): (Vec<[u32; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
     let mut normals: Vec<[f64; 3]> = vec![[0.0; 3]; positions.len()];
     let (mut at_most, mut worst) = (0.0, None);
     for (index, one) in bounded.iter().enumerate() {
-        let (first, own) = (sewn.first[index], faces[index].positions.len() as u32);
+        let (first, own) = (first[index], faces[index].positions.len() as u32);
         let inner = positions.len() as u32;
         positions.extend_from_slice(&one.inner);
         for (k, normal) in one.normals.iter().enumerate() {
@@ -284,14 +292,14 @@ fn join(
             (at_most, worst) = (if total.is_nan() { f64::INFINITY } else { total }, one.worst);
         }
     }
-    let leader = |k: u32| if k < n_border { sewn.same[k as usize] } else { k };
+    let leader = |k: u32| if k < n_border { same[k as usize] } else { k };
     let is_flat = |t: &[u32; 3]| {
         let [a, b, c] = t.map(leader);
         a == b || b == c || c == a
     };
     let (dropped, kept): (Vec<[u32; 3]>, Vec<[u32; 3]>) = corners.into_iter().partition(is_flat);
     if kept.is_empty() {
-        let message = "nothing of the surfaces is larger than the budget";
+        let message = "the surfaces have no area: their triangles are points and lines";
         return Err(Failure::refused(RefusalCode::Budget, message));
     }
     flat.extend(dropped);
