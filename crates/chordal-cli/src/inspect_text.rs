@@ -5,9 +5,9 @@ use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EdgeMaximumFacts, EmbeddedCertificate, FieldFacts,
-    FindingFacts, GeometricEdgeCounts, Inspection, KinkFacts, NurbsEdgeFacts, NurbsJoinFacts,
-    ParametricEdgeCounts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts,
-    WitnessFacts, cures_of_all,
+    FindingFacts, GeometricEdgeCounts, Inspection, NurbsEdgeFacts, NurbsJoinFacts, ParametricEdgeCounts,
+    PathJoinFacts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts, WitnessFacts,
+    cures_of_all,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -168,23 +168,26 @@ fn curves(lines: &mut SummaryLines, drawing: &DrawingFacts) {
     lines.add("length", format!("about {}", short(drawing.length_estimate, RoundingDirection::Down)));
     let joins = drawing.joins;
     if joins.g0 + joins.g1 + joins.g2 > 0 {
-        let smooth = format!("{} G1, {} G2", grouped(joins.g1), grouped(joins.g2));
-        lines.add("joins", format!("{}, {smooth}", plural(joins.g0, "kink")));
-    }
-    for kink in drawing.kinks.iter().take(KINKS) {
-        lines.add("", kink_text(kink));
-    }
-    let told = drawing.kinks.len().min(KINKS) as u64;
-    if joins.g0 > told {
-        lines.add("", format!("and {} more", grouped(joins.g0 - told)));
+        let seen = GeometricEdgeCounts { gaps: 0, g0: joins.g0, g1: joins.g1, g2: joins.g2 };
+        let run = ParametricEdgeCounts { c0: joins.c0, c1: joins.c1, c2: joins.c2 };
+        let shown = drawing.worst.len().min(KINKS);
+        add_classes(lines, (&seen, &run), drawing.worst[..shown].iter().map(path_join_text));
     }
 }
 
-/// `path 3 'leaf', piece 2: 90° at (1, 2, 0)`
-fn kink_text(kink: &KinkFacts) -> String {
-    let name = if kink.name.is_empty() { String::new() } else { format!(" '{}'", kink.name.escape_debug()) };
-    let angle = kink.angle_deg.map_or_else(|| "no direction".to_owned(), |deg| format!("{deg:.1}°"));
-    format!("{} {}{name}, piece {}: {angle} at {}", kink.kind, kink.element, kink.piece, point(kink.at))
+/// `path 3 'leaf', piece 2: 90.0° at (1, 2, 0)`
+fn path_join_text(join: &PathJoinFacts) -> String {
+    let name = if join.name.is_empty() { String::new() } else { format!(" '{}'", join.name.escape_debug()) };
+    let number = |x: f64| short(x, RoundingDirection::Nearest);
+    let what = match (join.geometric, join.angle_deg, join.curvature_gap, join.curvatures) {
+        (0, Some(deg), ..) => format!("{deg:.1}°"),
+        (0, None, ..) => "no direction".to_owned(),
+        (_, _, Some(gap), [Some(before), Some(after)]) => {
+            format!("curvature jumps by {}, from {} to {}", number(gap), number(before), number(after))
+        }
+        _ => "no curvature".to_owned(),
+    };
+    format!("{} {}{name}, piece {}: {what} at {}", join.kind, join.element, join.piece, point(join.at))
 }
 
 /// How many edges there are of each kind, and across how many fronts disagree.

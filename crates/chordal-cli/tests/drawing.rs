@@ -79,12 +79,13 @@ fn inspect_names_pieces_and_kinks() {
         "14 arcs",
         "kinks",
         "path 2 'branch', piece 0: 89.2°",
+        "curvature jumps by",
     ] {
         assert!(shown.stdout.contains(part), "no '{part}' in {shown:?}");
     }
     let report = run(&["inspect", DRAWING, "--json"]).report();
     follows("report", &report);
-    assert_eq!(report["inspection"]["drawing"]["kinks"][0]["name"], "branch");
+    assert_eq!(report["inspection"]["drawing"]["worst"][0]["name"], "branch");
 }
 
 #[test]

@@ -237,15 +237,20 @@ fn inspect_says_where_a_path_kinks() {
     assert_eq!((facts.elements, facts.subpaths, facts.closed, facts.open), (3, 4, 2, 2));
     assert_eq!((facts.pieces.lines, facts.pieces.cubics, facts.pieces.arcs), (6, 2, 5));
     assert_eq!(facts.joins.g0, 1, "{facts:?}");
-    let kink = &inspection.kinks()[0];
+    let kink = &inspection.worst_joins()[0];
     assert_eq!(
         (kink.kind, kink.name.as_str(), kink.element, kink.subpath, kink.piece),
         ("path", "p", 1, 1, 1)
     );
     assert_eq!((kink.at, kink.angle_deg), ([4.0, 0.0, 0.0], Some(90.0)));
+    // The corners of the rectangle: lines of length 5 run into arcs of radius 2 that take as long.
+    assert_eq!((facts.joins.g1, facts.joins.c0, facts.joins.c1 + facts.joins.c2), (9, 9, 1));
+    let jump = &facts.worst[1];
+    assert_eq!((jump.geometric, jump.kind, facts.worst.len()), (1, "rect", 10));
+    assert!((jump.curvature_gap.unwrap() - 0.5).abs() < 1e-12, "{jump:?}");
     let star = "l1 1 1-1".repeat(100);
     let many = inspected(&format!("<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0{star}'/></svg>"));
     let facts = many.drawing.unwrap();
-    assert_eq!((facts.joins.g0, facts.kinks.len()), (199, 32));
+    assert_eq!((facts.joins.g0, facts.worst.len()), (199, 32));
     assert!((facts.length_estimate - 200.0 * 2.0_f64.sqrt()).abs() < 1e-9);
 }

@@ -29,8 +29,8 @@ pub struct DrawingFacts {
     pub slack: f64,
     /// The view box of the file: lowest x and y, width and height; `None` where it has none.
     pub view_box: Option<[f64; 4]>,
-    /// The first kinks of the paths.
-    pub kinks: Vec<KinkFacts>,
+    /// The worst joins, at most [`MOST_JOINS`]: kinks by their angle, then others that are not G2 by the jump of the curvature.
+    pub worst: Vec<PathJoinFacts>,
 }
 
 /// Pieces by kind.
@@ -46,7 +46,7 @@ pub struct PieceCounts {
     pub rational: u64,
 }
 
-/// Joins by apparent smoothness.
+/// Joins by apparent smoothness, and by the derivatives where the parameter of each piece runs from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct JoinCounts {
     /// The direction jumps: a kink.
@@ -55,11 +55,17 @@ pub struct JoinCounts {
     pub g1: u64,
     /// Direction and curvature are continuous.
     pub g2: u64,
+    /// The first derivative jumps.
+    pub c0: u64,
+    /// The first derivative is continuous and the second jumps.
+    pub c1: u64,
+    /// Both are continuous.
+    pub c2: u64,
 }
 
-/// A kink of a path.
+/// A join of a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct KinkFacts {
+pub struct PathJoinFacts {
     /// The index of the element among those drawn.
     pub element: u64,
     /// What the element is, as in "path".
@@ -74,10 +80,18 @@ pub struct KinkFacts {
     pub at: [f64; 3],
     /// The turning angle; `None` where a piece has no direction because it is a point.
     pub angle_deg: Option<f64>,
+    /// The class Gn, 0 or 1.
+    pub geometric: u8,
+    /// The class Cn.
+    pub parametric: u8,
+    /// The curvatures before and after, one over the radius; `None` where a first derivative is zero.
+    pub curvatures: [Option<f64>; 2],
+    /// The length of the difference of the curvature vectors; `None` where one is missing.
+    pub curvature_gap: Option<f64>,
 }
 
-/// The most kinks that are listed.
-const MOST_KINKS: usize = 32;
+/// The most joins that are listed.
+const MOST_JOINS: usize = 32;
 
 impl DrawingFacts {
     /// The facts of curves.
@@ -96,6 +110,9 @@ impl DrawingFacts {
                 facts.add_join(&join, index, drawn.element_of(index));
             }
         }
+        // Stable, so that joins that are as bad stay in order.
+        facts.worst.sort_by(worst_first);
+        facts.worst.truncate(MOST_JOINS);
         facts
     }
 
@@ -115,25 +132,42 @@ impl DrawingFacts {
     }
 
     fn add_join<const D: usize>(&mut self, join: &Join<D>, subpath: usize, element: Option<&DrawingElement>) {
-        match join.geometric {
-            Some(2) => self.joins.g2 += 1,
-            Some(1) => self.joins.g1 += 1,
-            _ => {
-                self.joins.g0 += 1;
-                if self.kinks.len() < MOST_KINKS {
-                    self.kinks.push(KinkFacts {
-                        element: element.map_or(0, |element| element.source),
-                        kind: element.map_or("path", |element| element.kind),
-                        name: element.map_or_else(String::new, |element| element.name.to_string()),
-                        subpath: subpath as u64,
-                        piece: join.piece as u64,
-                        at: in_space(join.at),
-                        angle_deg: join.angle_rad.map(f64::to_degrees),
-                    });
-                }
-            }
+        // The pieces of a path meet to the bit.
+        let (seen, run) = (join.geometric.unwrap_or(0), join.parametric.unwrap_or(0));
+        let joins = &mut self.joins;
+        *[&mut joins.g0, &mut joins.g1, &mut joins.g2][usize::from(seen)] += 1;
+        *[&mut joins.c0, &mut joins.c1, &mut joins.c2][usize::from(run)] += 1;
+        if seen == 2 {
+            return;
+        }
+        self.worst.push(PathJoinFacts {
+            element: element.map_or(0, |element| element.source),
+            kind: element.map_or("path", |element| element.kind),
+            name: element.map_or_else(String::new, |element| element.name.to_string()),
+            subpath: subpath as u64,
+            piece: join.piece as u64,
+            at: in_space(join.at),
+            angle_deg: join.angle_rad.map(f64::to_degrees),
+            geometric: seen,
+            parametric: run,
+            curvatures: join.curvatures,
+            curvature_gap: join.curvature_gap,
+        });
+        // Not more than twice as many are ever held.
+        if self.worst.len() == 2 * MOST_JOINS {
+            self.worst.sort_by(worst_first);
+            self.worst.truncate(MOST_JOINS);
         }
     }
+}
+
+/// Kinks before others; what has no angle or no curvature first.
+fn worst_first(a: &PathJoinFacts, b: &PathJoinFacts) -> std::cmp::Ordering {
+    let badness = |join: &PathJoinFacts| {
+        let (angle, gap) = (join.angle_deg, join.curvature_gap);
+        (if join.geometric == 0 { angle } else { gap }).unwrap_or(f64::INFINITY)
+    };
+    a.geometric.cmp(&b.geometric).then(badness(b).total_cmp(&badness(a)))
 }
 
 /// The length by Gauss' quadrature of five points on each quarter of the parameter.

@@ -1,6 +1,6 @@
 //! The description of an input in the report; only from `inspect`.
 use super::{
-    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, KinkFacts, NurbsEdgeFacts,
+    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, NurbsEdgeFacts, PathJoinFacts,
     SurfaceEdgeFacts, TriangleFacts, VolumeFacts, to_value,
 };
 use crate::file_rows::rows_of;
@@ -177,10 +177,10 @@ impl Inspection {
 }
 
 impl Inspection {
-    /// The kinks of a drawing, in order; `None` for other shapes.
+    /// The worst joins of a drawing, kinks first; none for other shapes.
     #[must_use]
-    pub fn kinks(&self) -> &[KinkFacts] {
-        self.drawing.as_ref().map_or(&[], |drawing| &drawing.kinks)
+    pub fn worst_joins(&self) -> &[PathJoinFacts] {
+        self.drawing.as_ref().map_or(&[], |drawing| &drawing.worst)
     }
 }
 

@@ -41,7 +41,7 @@ pub use cage::{CageFacts, PolygonFacts, RefinementFacts, SharpnessFacts};
 pub use certificate::Certificate;
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use distance_grid::{DistanceGridFacts, InterpolantFacts, SolidFacts};
-pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
+pub use drawing::{DrawingFacts, JoinCounts, PathJoinFacts, PieceCounts};
 pub use field::FieldFacts;
 pub use findings::{FindingFacts, cures_of_all};
 pub use history::{HistoryFacts, HistoryStart, StepBound, StepFacts, StepInput, StepOutput};
