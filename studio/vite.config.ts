@@ -17,7 +17,8 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: false,
     reportCompressedSize: false,
-    rollupOptions: { input: ["index.html", "zh.html"] },
+    // exhibit.html is the mould of all exhibits: scripts/build.mjs writes a page for each from it.
+    rollupOptions: { input: ["index.html", "zh.html", "exhibit.html"] },
   },
   worker: { format: "es" },
   test: {

@@ -39,6 +39,7 @@ pub(super) fn index(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         "vertices": buffers.positions.len(),
         "bytes": buffers.bytes(),
         "unindexed_bytes": buffers.unindexed_bytes(),
+        "times": buffers.unindexed_bytes() as f64 / buffers.bytes() as f64,
         "position_bytes": 12 * buffers.positions.len(),
         "triangles_per_vertex": found.triangles_per_vertex,
         "vertex": { "row": vertex, "at": made.shape.positions()[vertex as usize], "faces": ring },
