@@ -54,7 +54,7 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./weights"),
   },
   {
-    id: "index",
+    id: "indexed",
     part: 2,
     title: { en: "Store each corner once", zh: "每个顶点只存一次" },
     claim: {

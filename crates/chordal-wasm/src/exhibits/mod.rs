@@ -2,7 +2,7 @@
 mod answer;
 mod culling;
 mod doctor;
-mod index;
+mod indexed;
 mod inside;
 mod normals;
 mod quad;
@@ -28,7 +28,7 @@ fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
         "quad" => quad::quad(&asked),
         "inside" => inside::inside(&asked),
         "weights" => weights::weights(&asked),
-        "index" => index::index(&asked),
+        "indexed" => indexed::indexed(&asked),
         "normals" => normals::normals(&asked),
         "culling" => culling::culling(&asked),
         "doctor" => doctor::doctor(&asked),
@@ -50,8 +50,8 @@ mod tests {
             (r#"{"exhibit": "quad", "colour": 1}"#, "colour"),
             (r#"{"exhibit": "quad", "corners": [[0, 0, 0]]}"#, "corners"),
             (r#"{"exhibit": "inside", "corners": [[0, 0], [1, 0], [0, 1e9]], "point": [0, 0]}"#, "corners"),
-            (r#"{"exhibit": "index", "shape": "cow", "triangles": 100}"#, "teapot"),
-            (r#"{"exhibit": "index", "shape": "teapot", "triangles": 1e9}"#, "triangles"),
+            (r#"{"exhibit": "indexed", "shape": "cow", "triangles": 100}"#, "teapot"),
+            (r#"{"exhibit": "indexed", "shape": "teapot", "triangles": 1e9}"#, "triangles"),
             (r#"{"exhibit": "normals", "shape": "cube", "crease_deg": 181}"#, "crease_deg"),
             (r#"{"exhibit": "culling", "shape": "ball", "flipped": [80], "eye": [0, 0, 9]}"#, "flipped"),
             (r#"{"exhibit": "doctor", "patient": "hole", "cures": ["luck"]}"#, "luck"),

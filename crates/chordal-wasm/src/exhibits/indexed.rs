@@ -14,7 +14,7 @@ const TRIANGLES: [u64; 2] = [64, 20_000];
 
 /// Answers `{"shape": "teapot", "triangles": n, "near": [x, y, z]}`: the teapot in at most that many
 /// triangles, the bytes of its buffers, and the triangles around the vertex nearest to a point.
-pub(super) fn index(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+pub(super) fn indexed(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     asked.only(&["shape", "triangles", "near"])?;
     asked.word("shape", &["teapot"])?;
     let triangles = asked.whole("triangles", TRIANGLES)?;
@@ -66,8 +66,8 @@ mod tests {
 
     #[test]
     fn about_six_triangles_share_a_vertex_so_that_an_index_halves_the_bytes() {
-        let question = br#"{"exhibit": "index", "shape": "teapot", "triangles": 4000, "near": [0, 0, 3]}"#;
-        let facts = index(&ExhibitRequest::parse(question).unwrap().1).unwrap().facts;
+        let question = br#"{"exhibit": "indexed", "shape": "teapot", "triangles": 4000, "near": [0, 0, 3]}"#;
+        let facts = indexed(&ExhibitRequest::parse(question).unwrap().1).unwrap().facts;
         let number = |name: &str| facts[name].as_f64().unwrap();
         assert!(number("triangles") <= 4000.0 && number("triangles") > 2000.0);
         assert_eq!(number("unindexed_bytes"), 36.0 * number("triangles"));
