@@ -15,19 +15,15 @@ const SCRIPT = /\s*<script type="module"[^>]*><\/script>/;
 
 await build({ root, logLevel: "warn" });
 
+/** What writes pages, run here in Node. */
+async function prerender(source, name) {
+  const outDir = join(cache, name);
+  await build({ root, logLevel: "warn", build: { ssr: source, outDir, emptyOutDir: true, rollupOptions: { input: source } } });
+  return import(pathToFileURL(join(outDir, "prerender.js")).href);
+}
 const cache = join(root, "node_modules/.prerender");
-await build({
-  root,
-  logLevel: "warn",
-  build: {
-    ssr: true,
-    outDir: cache,
-    emptyOutDir: true,
-    rollupOptions: { input: { widget: "src/prerender.tsx", exhibits: "src/exhibits/prerender.tsx" } },
-  },
-});
-const { Core, still } = await import(pathToFileURL(join(cache, "widget.js")).href);
-const { written } = await import(pathToFileURL(join(cache, "exhibits.js")).href);
+const { Core, still } = await prerender("src/prerender.tsx", "widget");
+const { written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
 
 /** Replaces what is there exactly once. */
 function put(html, old, text, what) {

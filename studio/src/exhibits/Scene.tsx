@@ -105,9 +105,9 @@ export function Scene(props: SceneProps) {
   const at = projector(view, size);
   const shapes = isLive ? [] : still(picture, view, size);
   return (
-    <div class="scene" data-figure ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": help })} role="group" aria-label={name}>
+    <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": help })} role="group" aria-label={name}>
       <div class="gl" ref={stage} />
-      <svg viewBox={`0 0 ${size.width} ${size.height}`} aria-hidden={isStill ? "true" : undefined}>
+      <svg data-figure viewBox={`0 0 ${size.width} ${size.height}`} aria-hidden={isStill ? "true" : undefined}>
         {shapes.map(({ d, fill, stroke, width, opacity }, i) => (
           <path key={i} d={d} fill={fill ?? "none"} stroke={stroke} stroke-width={width} opacity={opacity} stroke-linecap="round" stroke-linejoin="round" />
         ))}

@@ -75,7 +75,9 @@ pub(super) fn ball(rounds: u32) -> Result<Mesh, String> {
         }
     }
     // Any three corners at the distance of an edge are a face, counter-clockwise from outside.
-    let is_edge = |a: [f64; 3], b: [f64; 3]| (0..3).fold(0.0, |sum, k| sum + (a[k] - b[k]).powi(2)) < 4.5;
+    let apart_sq = |a: [f64; 3], b: [f64; 3]| (0..3).fold(0.0, |sum, k| sum + (a[k] - b[k]) * (a[k] - b[k]));
+    // Edges have the length 2, and the next distance is 2 golden ratios.
+    let is_edge = |a: [f64; 3], b: [f64; 3]| apart_sq(a, b) < 5.0;
     let mut faces = Vec::new();
     for a in 0..12 {
         for b in 0..12 {
