@@ -29,7 +29,7 @@ interface Answer {
 
 const TRIANGLES = 80;
 const HOME: View = { azimuth: -56, elevation: 20, distance: 5.2, target: [0, 0, 0] };
-const defaults: State = { flipped: [17, 44, 50], chosen: 17, backs: "culled", view: HOME };
+const defaults: State = { flipped: [38, 44, 50], chosen: 47, backs: "culled", view: HOME };
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -68,7 +68,7 @@ const texts: Record<Language, Texts> = {
     label: "Holes that face you",
     whole: "Every triangle agrees: culling leaves out the far half, and nobody can tell.",
     away: "The turned triangles are on the far side: their fronts now face inward, so you would see them only through a hole.",
-    open: (n) => `${n === 1 ? "One triangle" : `${n} triangles`} in front of you ${n === 1 ? "shows its" : "show their"} back, so culling left a hole.`,
+    open: (n) => `${n === 1 ? "One triangle" : `${n} triangles`} in front of you ${n === 1 ? "shows its" : "show their"} back, so culling left ${n === 1 ? "a hole" : "holes"}.`,
     culledShare: "Culled from here",
     of: (n, all) => `${n} of ${all}`,
     edges: "Edges whose triangles disagree",

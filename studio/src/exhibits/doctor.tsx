@@ -25,6 +25,7 @@ interface Answer {
   mesh: { positions: Float32Array; indices: Uint32Array };
   findings: Found[];
   faults: number;
+  next: Cure | null;
   done: { cure: Cure; changes: [string, number][]; moved_at_most: number | null }[];
   triangles: number;
   vertices: number;
@@ -118,7 +119,7 @@ function Panel({ page }: { page: Page }) {
                 {texts.defects[defect][count === 1 ? 0 : 1]}
               </b>
               <p>{texts.defects[defect][2]}</p>
-              {cure && (
+              {cure && cure === answer.next && answer.findings.find((other) => other.cure === cure)?.defect === defect && (
                 <button type="button" onClick={() => set(({ cures }) => (cures.length < MOST_CURES ? { cures: [...cures, cure] } : {}))}>
                   {texts.cures[cure]}
                 </button>

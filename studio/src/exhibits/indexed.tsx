@@ -9,7 +9,8 @@ import { Scene } from "./Scene";
 import type { Language } from "./say";
 
 interface State {
-  triangles: number;
+  /** The largest distance from the teapot that is allowed, as a stop of the slider. */
+  stop: number;
   storage: "indexed" | "unindexed";
   view: View;
 }
@@ -27,17 +28,17 @@ interface Answer {
   vertex: { row: number; at: Vec3; faces: number[] };
 }
 
-/** The stops of the slider: about a quarter more each time. */
-const STOPS = [200, 250, 320, 400, 500, 640, 800, 1000, 1250, 1600, 2000, 2500, 3200, 4000, 5000, 6400, 8000, 10000, 12500, 16000, 20000];
-const HOME: View = { azimuth: -68, elevation: 22, distance: 14.5, target: [0.15, 0, 1.45] };
-const defaults: State = { triangles: 640, storage: "indexed", view: HOME };
+/** The stops of the slider: from 0.5 units down to 0.001, by a fifth each time. */
+const STOPS = Array.from({ length: 28 }, (_, i) => Number((0.5 * 0.8 ** i).toPrecision(3)));
+const HOME: View = { azimuth: -68, elevation: 22, distance: 10.6, target: [0.35, 0, 1.5] };
+const defaults: State = { stop: 9, storage: "indexed", view: HOME };
 /** On the belly, where one looks first. */
 const NEAR: Vec3 = [0.35, -1.9, 1.3];
 
 interface Texts extends CommonTexts {
   figure: string;
   handle: string;
-  atMost(n: string): string;
+  finer(n: string): string;
   storage: string;
   indexed: string;
   unindexed: string;
@@ -57,7 +58,7 @@ const texts: Record<Language, Texts> = {
     hint: FRAME.en.turn,
     figure: "A teapot of triangles; those that share one marked vertex are yellow",
     handle: "Triangles",
-    atMost: (n) => `at most ${n}`,
+    finer: (n) => `${n} triangles`,
     storage: "Stored",
     indexed: "with an index",
     unindexed: "corner by corner",
@@ -88,7 +89,7 @@ const texts: Record<Language, Texts> = {
     hint: FRAME.zh.turn,
     figure: "由三角形构成的茶壶；共用同一个标出顶点的三角形为黄色",
     handle: "三角形数",
-    atMost: (n) => `至多 ${n}`,
+    finer: (n) => `${n} 个三角形`,
     storage: "存储方式",
     indexed: "带索引",
     unindexed: "逐角存储",
@@ -181,20 +182,19 @@ const WIDE = 300;
 
 function Panel({ page }: { page: Page }) {
   const { state, answer, texts, say, set } = page;
-  const stop = STOPS.reduce((best, n, i) => (Math.abs(n - state.triangles) < Math.abs(STOPS[best]! - state.triangles) ? i : best), 0);
   const wide = (bytes: number) => (WIDE * bytes) / answer.unindexed_bytes;
   return (
     <>
       <Slider
         id="triangles"
         label={texts.handle}
-        shown={say.whole(answer.triangles)}
-        spoken={texts.atMost(say.whole(state.triangles))}
+        shown={<Data name="triangles" value={answer.triangles}>{say.whole(answer.triangles)}</Data>}
+        spoken={texts.finer(say.whole(answer.triangles))}
         low={0}
         high={STOPS.length - 1}
         step={1}
-        value={stop}
-        choose={(stop) => set({ triangles: STOPS[stop]! })}
+        value={state.stop}
+        choose={(stop) => set({ stop })}
       />
       <Choice
         name="storage"
@@ -256,11 +256,11 @@ function Panel({ page }: { page: Page }) {
 export default exhibit<State, Answer, Texts>({
   defaults,
   parts: {
-    triangles: ["n", number(STOPS[0]!, STOPS.at(-1)!)],
+    stop: ["n", number(0, STOPS.length - 1)],
     storage: ["s", word("indexed", "unindexed")],
     view: ["o", view],
   },
-  question: ({ triangles }) => ({ shape: "teapot", triangles, near: NEAR }),
+  question: ({ stop }) => ({ shape: "teapot", length: STOPS[stop], near: NEAR }),
   texts,
   number: liveNumber,
   Figure,

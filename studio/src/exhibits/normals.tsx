@@ -28,7 +28,7 @@ interface Answer {
   bytes: number;
 }
 
-const HOME: View = { azimuth: -58, elevation: 26, distance: 7.4, target: [0, 0, 0] };
+const HOME: View = { azimuth: -58, elevation: 26, distance: 8.8, target: [0, 0, 0] };
 const defaults: State = { shape: "cube", crease: 60, on: "vertices", arrows: true, view: HOME };
 const BODIES: readonly Body[] = ["cube", "cylinder", "ball"];
 

@@ -140,7 +140,7 @@ function pictureOf({ state, answer }: Page): Picture {
   const outline = isThree ? [a, b, b, c, c, a] : [a, b, b, c, c, d, d, a];
   return {
     layers: [
-      { kind: "lines", id: "grid", positions: floats(...grid), paint: "--line", width: 1 },
+      { kind: "lines", id: "grid", positions: floats(...grid), paint: "--line", width: 1, isUnder: true },
       {
         kind: "mesh",
         id: "surface",
@@ -187,7 +187,8 @@ function Figure({ page }: { page: Page }) {
           const [mx, my] = at.to([0, 0, 0.2]);
           const far = Math.hypot(px - mx, py - my) || 1;
           return (
-            <text key={i} class="label" x={px + (24 * (px - mx)) / far} y={py + (24 * (py - my)) / far + 6}>
+            // Beside the handle, whose arrows point up and down.
+            <text key={i} class="label" x={px + (i === lifted ? 26 * Math.sign(px - mx || 1) : (24 * (px - mx)) / far)} y={py + (i === lifted ? 0 : (24 * (py - my)) / far) + 6}>
               {"ABCD"[i]}
             </text>
           );

@@ -11,6 +11,8 @@ interface Common {
   id: string;
   /** Whether it shows through what stands before it. */
   isOnTop?: boolean;
+  /** Whether everything else covers it: a ground to stand on. */
+  isUnder?: boolean;
 }
 
 /** Triangles. */

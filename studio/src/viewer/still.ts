@@ -16,7 +16,7 @@ export interface Shape {
 }
 
 /** Lines and dots lie on the triangles that they belong to: this much nearer, as a share of their depth. */
-const NEARER = 0.985;
+const NEARER = 0.965;
 
 export function still({ layers }: Picture, view: View, size: Size): Shape[] {
   const at = projector(view, size);
@@ -34,7 +34,7 @@ function lightOf(view: View): Vec3 {
 export const painted = (paint: Paint) => (paint.startsWith("--") ? `var(${paint})` : paint);
 
 function shapesOf(layer: Layer, at: Projector, light: Vec3): Shape[] {
-  const bring = layer.isOnTop ? 1e-3 : NEARER;
+  const bring = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
   switch (layer.kind) {
     case "mesh":
       return faces(layer, at, light);

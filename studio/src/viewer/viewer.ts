@@ -202,8 +202,11 @@ export class Viewer {
         shown.objects = [this.points(layer)];
         break;
     }
-    const last = layer.isOnTop ? 2 : 0;
-    shown.objects.forEach((object, i) => (object.renderOrder = last + i));
+    const order = layer.isOnTop ? 10 : layer.isUnder ? -10 : 0;
+    shown.objects.forEach((object, i) => {
+      object.renderOrder = order + i;
+      if (layer.isUnder) Object.assign((object as Mesh).material, { depthTest: false, depthWrite: false });
+    });
     this.scene.add(...shown.objects);
     this.shown.set(layer.id, shown);
   }
@@ -248,7 +251,7 @@ export class Viewer {
     const material =
       layer.shading === "none"
         ? new MeshBasicMaterial(common)
-        : new MeshPhongMaterial({ ...common, flatShading: layer.shading === "flat", shininess: 40, specular: new Color(0.1, 0.1, 0.1) });
+        : new MeshPhongMaterial({ ...common, flatShading: layer.shading === "flat", shininess: 40, specular: new Color(layer.shading === "flat" ? 0 : 0x222222) });
     return this.clipped(material);
   }
 

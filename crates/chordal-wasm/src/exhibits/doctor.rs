@@ -21,7 +21,7 @@ const MOST_CURES: usize = 16;
 const ROWS: Topology = Topology::Indices;
 
 /// Answers `{"patient": "hole", "cures": ["fill-holes", …]}`: the mesh after these cures, its findings with
-/// their first places, and for each the cure to try next.
+/// their first places and what helps, and the cure to apply next.
 pub(super) fn doctor(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     asked.only(&["patient", "cures"])?;
     let names = ["hole", "seam", "crack", "flipped", "branch", "double"];
@@ -42,12 +42,29 @@ pub(super) fn doctor(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     let found = validity(&mesh, ROWS);
     let parts = components(&mesh, ROWS);
     let findings = findings(&mesh)?;
-    let faults = findings.iter().filter(|(defect, _)| defect.severity() == Severity::Fault).count();
-    let told: Result<Vec<Value>, String> = findings.iter().map(|found| finding_json(&mesh, found)).collect();
+    let faults = faults(&findings);
+    let mut next: Option<Cure> = None;
+    let mut told = Vec::new();
+    for (defect, finding) in &findings {
+        let cure = helping_cure(&mesh, *defect, faults)?;
+        // Of all that help, the one on which the others rely.
+        next = match (next, cure) {
+            (Some(a), Some(b)) => Some(if b < a { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        told.push(json!({
+            "defect": defect.name(),
+            "is_fault": defect.severity() == Severity::Fault,
+            "count": finding.count,
+            "cure": cure.map(Cure::name),
+            "places": finding.witnesses.iter().map(|witness| place(&mesh, witness)).collect::<Vec<_>>(),
+        }));
+    }
     answer.facts = json!({
         "mesh": shown,
-        "findings": told?,
+        "findings": told,
         "faults": faults,
+        "next": next.map(Cure::name),
         "done": done,
         "triangles": found.triangles,
         "vertices": found.vertices,
@@ -85,21 +102,20 @@ fn findings(mesh: &Mesh) -> Result<Vec<(Defect, Finding)>, String> {
     Ok(all.into_iter().filter(|(_, finding)| !finding.is_none()).collect())
 }
 
-fn finding_json(mesh: &Mesh, (defect, finding): &(Defect, Finding)) -> Result<Value, String> {
-    // The first cure that changes anything: the later ones are for what it leaves.
-    let mut cure = None;
-    for next in defect.cures() {
-        if cure.is_none() && !applied(*next, mesh)?.is_unchanged() {
-            cure = Some(next.name());
+/// The kinds of faults among findings.
+fn faults(findings: &[(Defect, Finding)]) -> usize {
+    findings.iter().filter(|(defect, _)| defect.severity() == Severity::Fault).count()
+}
+
+/// The first cure of a defect that changes anything and makes nothing worse: the later ones are for what it leaves.
+fn helping_cure(mesh: &Mesh, defect: Defect, faults_before: usize) -> Result<Option<Cure>, String> {
+    for cure in defect.cures() {
+        let mended = applied(*cure, mesh)?;
+        if !mended.is_unchanged() && faults(&findings(&mended.mesh)?) <= faults_before {
+            return Ok(Some(*cure));
         }
     }
-    Ok(json!({
-        "defect": defect.name(),
-        "is_fault": defect.severity() == Severity::Fault,
-        "count": finding.count,
-        "cure": cure,
-        "places": finding.witnesses.iter().map(|witness| place(mesh, witness)).collect::<Vec<_>>(),
-    }))
+    Ok(None)
 }
 
 /// The corners of a place: one for a vertex, two for an edge, three for a face.
@@ -138,7 +154,7 @@ fn patient(name: &str) -> Result<Mesh, String> {
         // A vertex was taken out with the triangles around it.
         "hole" => {
             let ball = ball(1)?;
-            let faces = ball.faces().iter().filter(|face| !face.contains(&4));
+            let faces = ball.faces().iter().filter(|face| !face.contains(&2));
             let mesh = made(ball.positions().to_vec(), faces.copied().collect())?;
             drop_unused(&mesh, &Job::default()).map(|mended| mended.mesh).map_err(|error| error.to_string())
         }
@@ -242,9 +258,7 @@ mod tests {
         }
     }
 
-    /// The cure of the first finding that has one.
     fn next_cure(answer: &Value) -> Option<String> {
-        let all = answer["findings"].as_array().unwrap();
-        all.iter().find_map(|found| found["cure"].as_str()).map(str::to_owned)
+        answer["next"].as_str().map(str::to_owned)
     }
 }

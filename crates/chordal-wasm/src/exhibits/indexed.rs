@@ -6,21 +6,21 @@ use chordal::check::validity;
 use chordal::convert::gpu::mesh_to_gpu_buffers;
 use chordal::convert::patches_to_mesh;
 use chordal::explicit::{NormalWeight, Semantic, Shading, Topology, with_normals};
-use chordal::{Budget, Job};
+use chordal::{Budget, Job, Tolerance};
 use serde_json::json;
 
-/// The range of triangles that may be asked for; the teapot has 32 patches.
-const TRIANGLES: [u64; 2] = [64, 20_000];
+/// The range of lengths that may be asked for; the teapot is 3 units high.
+const LENGTHS: [f64; 2] = [1e-3, 1.0]; // defined: from some 20,000 triangles to two a patch
 
-/// Answers `{"shape": "teapot", "triangles": n, "near": [x, y, z]}`: the teapot in at most that many
-/// triangles, the bytes of its buffers, and the triangles around the vertex nearest to a point.
+/// Answers `{"shape": "teapot", "length": 0.05, "near": [x, y, z]}`: the teapot in triangles within that
+/// length of it, the bytes of their buffers, and the triangles around the vertex nearest to a point.
 pub(super) fn indexed(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["shape", "triangles", "near"])?;
+    asked.only(&["shape", "length", "near"])?;
     asked.word("shape", &["teapot"])?;
-    let triangles = asked.whole("triangles", TRIANGLES)?;
+    let length = Tolerance::new(asked.number("length", LENGTHS)?).map_err(|error| error.to_string())?;
     let near = asked.point::<3>("near")?;
     let job = Job::default();
-    let made = patches_to_mesh(&shapes::teapot(), &Budget::triangles(triangles), &job)
+    let made = patches_to_mesh(&shapes::teapot(), &Budget::length(length), &job)
         .map_err(|failure| failure.to_string())?;
     let smooth = with_normals(&made.shape, Topology::Indices, Shading::Smooth(NormalWeight::Angle))
         .map_err(|error| error.to_string())?;
@@ -66,10 +66,10 @@ mod tests {
 
     #[test]
     fn about_six_triangles_share_a_vertex_so_that_an_index_halves_the_bytes() {
-        let question = br#"{"exhibit": "indexed", "shape": "teapot", "triangles": 4000, "near": [0, 0, 3]}"#;
+        let question = br#"{"exhibit": "indexed", "shape": "teapot", "length": 0.004, "near": [0, 0, 3]}"#;
         let facts = indexed(&ExhibitRequest::parse(question).unwrap().1).unwrap().facts;
         let number = |name: &str| facts[name].as_f64().unwrap();
-        assert!(number("triangles") <= 4000.0 && number("triangles") > 2000.0);
+        assert!(number("bound") <= 0.004 && number("triangles") > 2000.0);
         assert_eq!(number("unindexed_bytes"), 36.0 * number("triangles"));
         assert_eq!(number("bytes"), 12.0 * number("vertices") + 6.0 * number("triangles"));
         assert!((5.5..6.0).contains(&number("triangles_per_vertex")));

@@ -37,13 +37,6 @@ impl ExhibitRequest {
         found.ok_or_else(|| format!("{key} is a number from {low} to {high}, not {value}"))
     }
 
-    /// A whole number from `low` to `high`.
-    pub fn whole(&self, key: &str, [low, high]: [u64; 2]) -> Result<u64, String> {
-        let value = self.get(key);
-        let found = value.as_u64().filter(|number| (low..=high).contains(number));
-        found.ok_or_else(|| format!("{key} is a whole number from {low} to {high}, not {value}"))
-    }
-
     /// One of these words.
     pub fn word<'a>(&self, key: &str, words: &[&'a str]) -> Result<&'a str, String> {
         let found = self.get(key).as_str().and_then(|said| words.iter().find(|word| **word == said));
