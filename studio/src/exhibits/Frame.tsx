@@ -50,42 +50,46 @@ export function Frame(props: FrameProps) {
           ))}
         </div>
         <div class="bench">
-          <div class="stage" id="figure" tabindex={-1}>
-            <exhibit.Figure page={page} />
-            <p class="aside hint" id="hint">
-              {isStill ? words.still : texts.hint}
-            </p>
-          </div>
-          <div class="panel">
-            <div class={`live ${number.tone}`}>
-              <h2>{number.label}</h2>
-              <p class="big">
-                <Data name="live" value={number.value}>
-                  {number.shown}
-                </Data>
+          <div class="wide">
+            <div class="stage" id="figure" tabindex={-1}>
+              <exhibit.Figure page={page} />
+              <p class="aside hint" id="hint">
+                {isStill ? words.still : texts.hint}
               </p>
-              <p class="meaning">{number.meaning}</p>
             </div>
-            <exhibit.Panel page={page} />
+            {!isEmbedded && (
+              <div class="prose">
+                {texts.story.map((text: string) => (
+                  <p key={text}>{emphasized(text)}</p>
+                ))}
+              </div>
+            )}
+          </div>
+          <div class="narrow">
+            <div class="panel">
+              <div class={`live ${number.tone}`}>
+                <h2>{number.label}</h2>
+                <p class="big">
+                  <Data name="live" value={number.value}>
+                    {number.shown}
+                  </Data>
+                </p>
+                <p class="meaning">{number.meaning}</p>
+              </div>
+              <exhibit.Panel page={page} />
+            </div>
+            {!isEmbedded && (
+              <aside class="attempts">
+                <h2>{words.attempts}</h2>
+                <ul>
+                  {texts.attempts.map((text: string) => (
+                    <li key={text}>{emphasized(text)}</li>
+                  ))}
+                </ul>
+              </aside>
+            )}
           </div>
         </div>
-        {!isEmbedded && (
-          <div class="prose">
-            <div>
-              {texts.story.map((text: string) => (
-                <p key={text}>{emphasized(text)}</p>
-              ))}
-            </div>
-            <aside>
-              <h2>{words.attempts}</h2>
-              <ul>
-                {texts.attempts.map((text: string) => (
-                  <li key={text}>{emphasized(text)}</li>
-                ))}
-              </ul>
-            </aside>
-          </div>
-        )}
       </main>
       {!isEmbedded && (
         <>

@@ -56,10 +56,12 @@ type Page = PageOf<State, Answer, Texts>;
 
 function pictureOf({ answer }: Page): Picture {
   const { positions, indices } = answer.mesh;
-  const places = answer.findings.flatMap(({ places, is_fault }) => places.map((corners) => ({ corners, is_fault })));
+  // What the next cure is for is lit up; where nothing helps, everything.
+  const shown = answer.next ? answer.findings.filter(({ cure }) => cure === answer.next) : answer.findings;
+  const places = shown.flatMap(({ places }) => places);
   const flat = (points: readonly Vec3[]) => new Float32Array(points.flat());
-  const dots = places.filter(({ corners }) => corners.length === 1).flatMap(({ corners }) => corners);
-  const lines = places.flatMap(({ corners: [a, b, c] }) => (c ? [a!, b!, b!, c, c, a!] : b ? [a!, b] : []));
+  const dots = places.filter((corners) => corners.length === 1).flat();
+  const lines = places.flatMap(([a, b, c]) => (c ? [a!, b!, b!, c, c, a!] : b ? [a!, b] : []));
   const layers: Layer[] = [
     { kind: "mesh", id: "patient", positions, indices, paint: PAINT.front, back: PAINT.back, shading: "flat", sides: "both" },
     { kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: 0.8 },

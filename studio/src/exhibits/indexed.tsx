@@ -118,12 +118,15 @@ const texts: Record<Language, Texts> = {
 type Page = PageOf<State, Answer, Texts>;
 
 /** Exploded triangles are kept for as long as the mesh is the same. */
-let apart: { of: Float32Array; made: ReturnType<typeof exploded> } | undefined;
+let apart: { of: Float32Array; made: ReturnType<typeof exploded>; ground: Float32Array } | undefined;
+
+/** A little below the surface, so that one does not look through the gaps to the far side. */
+const sunken = ({ mesh, normals }: Answer) => mesh.positions.map((x, i) => x - 0.04 * normals[i]!);
 
 function pictureOf({ state, answer }: Page): Picture {
   const isApart = state.storage === "unindexed";
   const of = answer.mesh.positions;
-  if (isApart && apart?.of !== of) apart = { of, made: exploded(answer.mesh, 0.16) };
+  if (isApart && apart?.of !== of) apart = { of, made: exploded(answer.mesh, 0.16), ground: sunken(answer) };
   const { positions, indices } = isApart ? apart!.made : answer.mesh;
   const groups = new Uint32Array(indices.length / 3);
   for (const face of answer.vertex.faces) groups[face] = 1;
@@ -144,6 +147,9 @@ function pictureOf({ state, answer }: Page): Picture {
   const isFine = answer.triangles > 4000;
   return {
     layers: [
+      ...(isApart
+        ? ([{ kind: "mesh", id: "ground", positions: apart!.ground, indices: answer.mesh.indices, paint: "--raised", shading: "none", sides: "both" }] as const)
+        : []),
       mesh,
       ...(isApart ? [] : ([{ kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: isFine ? 0.6 : 1 }] as const)),
       { kind: "points", id: "dots", positions: dots, paint: "--gap", size: isApart ? 7 : 10, isOnTop: true },

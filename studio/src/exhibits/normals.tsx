@@ -30,6 +30,8 @@ interface Answer {
 
 const HOME: View = { azimuth: -58, elevation: 26, distance: 8.8, target: [0, 0, 0] };
 const defaults: State = { shape: "cube", crease: 60, on: "vertices", arrows: true, view: HOME };
+/** Each as large in the picture as the others. */
+const homeOf = (shape: Body): View => ({ ...HOME, distance: { cube: 8.8, cylinder: 7.2, ball: 5.2 }[shape] });
 const BODIES: readonly Body[] = ["cube", "cylinder", "ball"];
 
 interface Texts extends CommonTexts {
@@ -158,7 +160,7 @@ function Figure({ page }: { page: Page }) {
       help="hint"
       picture={pictureOf(page)}
       view={state.view}
-      home={HOME}
+      home={homeOf(state.shape)}
       look={(view) => set({ view })}
       isStill={isStill}
     />
@@ -201,7 +203,7 @@ function Panel({ page }: { page: Page }) {
         legend={texts.shape}
         value={state.shape}
         options={BODIES.map((value) => ({ value, label: texts.shapes[value] }))}
-        choose={(shape) => set({ shape })}
+        choose={(shape) => set(({ view }) => ({ shape, view: { ...view, distance: homeOf(shape).distance } }))}
       />
       <Choice
         name="on"

@@ -12,8 +12,10 @@ export interface View {
   target: Vec3;
 }
 
-/** The angle between the lower and the upper edge of a picture, in degrees: long, so that parallels stay nearly parallel. */
-export const FOV_DEG = 28;
+/** The angle between the lower and the upper edge of a usual picture, in degrees: small, so that parallels look parallel. */
+const FOV_DEG = 28;
+/** What fits into a usual picture, as wide as this share of its height, fits into a narrower one. */
+const ASPECT = 1.5;
 
 export interface Size {
   width: number;
@@ -57,7 +59,10 @@ export function axesOf(view: View): readonly [Vec3, Vec3, Vec3] {
 }
 
 /** Pixels per unit of length at a distance of 1. */
-const focal = ({ height }: Size) => height / 2 / Math.tan(radians(FOV_DEG) / 2);
+const focal = ({ width, height }: Size) => Math.min(height, width / ASPECT) / 2 / Math.tan(radians(FOV_DEG) / 2);
+
+/** The angle between the lower and the upper edge, in degrees. */
+export const fovOf = (size: Size) => (2 * Math.atan(size.height / 2 / focal(size)) * 180) / Math.PI;
 
 export interface Projector {
   /** Where a point is in the picture, in pixels from the upper left, and how far before the eye. */

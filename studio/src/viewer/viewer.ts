@@ -31,7 +31,7 @@ import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeome
 import { LIGHT, toLinear, vertexColors } from "./color";
 import { type Edge, edgesOf, segments, silhouette, strokes } from "./geometry";
 import type { Layer, MeshLayer, Paint, Picture, Section } from "./layers";
-import { FOV_DEG, type View, eyeOf } from "./view";
+import { type View, eyeOf, fovOf } from "./view";
 
 /** More dots than this to a CSS pixel cost time and are not seen. */
 const MOST_DENSITY = 2.5;
@@ -50,7 +50,7 @@ export class Viewer {
   frames = 0;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(FOV_DEG, 1, 0.01, 1000);
+  private readonly camera = new PerspectiveCamera();
   private readonly shown = new Map<string, Shown>();
   private readonly plane = new Plane();
   private readonly sizes = new ResizeObserver(() => this.resize());
@@ -146,6 +146,7 @@ export class Viewer {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, MOST_DENSITY));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
+    this.camera.fov = fovOf({ width, height });
     this.camera.updateProjectionMatrix();
     // At once: a canvas of a new size is empty, and would blink.
     if (this.view) this.now();
@@ -240,10 +241,6 @@ export class Viewer {
       color: hasColors ? new Color(0xffffff) : this.color(paint),
       vertexColors: hasColors,
       side,
-      // Edges and dots lie on the triangles and shall win.
-      polygonOffset: true,
-      polygonOffsetFactor: 1,
-      polygonOffsetUnits: 1,
       transparent: layer.opacity !== undefined,
       opacity: layer.opacity ?? 1,
       depthTest: !layer.isOnTop,
@@ -262,6 +259,9 @@ export class Viewer {
 
   private line(positions: Float32Array, { paint, width, isOnTop }: { paint: Paint; width: number; isOnTop?: boolean }): LineSegments2 {
     const material = new LineMaterial({ linewidth: width, depthTest: !isOnTop });
+    // Edges lie on the triangles and shall win. Lines of a width are triangles, too: they are brought nearer, for triangles
+    // that were moved away would show those behind them along the outline.
+    Object.assign(material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -12 });
     material.color = this.color(paint);
     return new LineSegments2(lineGeometry(positions), this.clipped(material));
   }
