@@ -20,7 +20,8 @@ export interface Pull {
   at: Vec3;
   /** Where it would be with a value that is larger by 1. */
   along: Vec3;
-  set(value: number): void;
+  /** Changes it from what it is by then: keys may be faster than frames. */
+  move(change: (value: number) => number): void;
 }
 
 interface SceneProps {
@@ -135,8 +136,8 @@ function Puller({ pull, at, isStill }: { pull: Pull; at: Projector; isStill: boo
       at={[x, y]}
       along={(Math.atan2(wx, -wy) * 180) / Math.PI}
       isStill={isStill}
-      grab={() => (dx, dy) => pull.set(within(pull.value + (dx * wx + dy * wy) / long))}
-      step={(right, up) => pull.set(within(pull.value + (up || right) * pull.step))}
+      grab={() => (dx, dy) => pull.move(() => within(pull.value + (dx * wx + dy * wy) / long))}
+      step={(right, up) => pull.move((value) => within(value + (up || right) * pull.step))}
     />
   );
 }

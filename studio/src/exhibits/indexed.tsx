@@ -28,10 +28,10 @@ interface Answer {
   vertex: { row: number; at: Vec3; faces: number[] };
 }
 
-/** The stops of the slider: from 0.5 units down to 0.001, by a fifth each time. */
-const STOPS = Array.from({ length: 28 }, (_, i) => Number((0.5 * 0.8 ** i).toPrecision(3)));
+/** The stops of the slider: from 0.5 units down to 0.005, by a fifth each time. */
+const STOPS = Array.from({ length: 22 }, (_, i) => Number((0.5 * 0.8 ** i).toPrecision(3)));
 const HOME: View = { azimuth: -68, elevation: 22, distance: 10.6, target: [0.35, 0, 1.5] };
-const defaults: State = { stop: 9, storage: "indexed", view: HOME };
+const defaults: State = { stop: 4, storage: "indexed", view: HOME };
 /** On the belly, where one looks first. */
 const NEAR: Vec3 = [0.35, -1.9, 1.3];
 

@@ -204,7 +204,7 @@ function Figure({ page }: { page: Page }) {
           step: 0.1,
           at: [x, y, state.height],
           along: [x, y, state.height + 1],
-          set: (height) => set({ height: Math.round(height * 100) / 100 }),
+          move: (change) => set(({ height }) => ({ height: Math.round(change(height) * 100) / 100 })),
         },
       ]}
     />

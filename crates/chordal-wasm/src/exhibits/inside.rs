@@ -41,7 +41,7 @@ mod tests {
         {
             let question = format!(r#"{{"exhibit": "inside", "corners": {corners}, "point": [1, 1]}}"#);
             let facts = inside(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts;
-            assert_eq!((&facts["position"], &facts["sides"]), (&json!("inside"), &json!([sides; 3])));
+            assert_eq!((&facts["position"], &facts["sides"]), (&json!("inside"), &json!(vec![sides; 3])));
         }
     }
 }
