@@ -92,7 +92,11 @@ function follow(event: TargetedPointerEvent<SVGGElement>, grab: GripProps["grab"
   const moved = grab();
   const ending = new AbortController();
   const on = (type: string, listen: (event: PointerEvent) => void) =>
-    grip.addEventListener(type, (event) => (event as PointerEvent).pointerId === pointer && listen(event as PointerEvent), ending);
+    grip.addEventListener(
+      type,
+      (event) => (event as PointerEvent).pointerId === pointer && listen(event as PointerEvent),
+      ending,
+    );
   on("pointermove", (now) => moved((now.clientX - start[0]) * ratio, (now.clientY - start[1]) * ratio));
   on("pointerup", () => ending.abort());
   on("pointercancel", () => ending.abort());

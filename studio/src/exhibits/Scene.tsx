@@ -3,7 +3,17 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Children } from "./exhibit";
 import { Grip } from "./Grip";
-import { type Picture, type Projector, type Size, type Vec3, type View, control, createViewer, projector, still } from "../viewer";
+import {
+  type Picture,
+  type Projector,
+  type Size,
+  type Vec3,
+  type View,
+  control,
+  createViewer,
+  projector,
+  still,
+} from "../viewer";
 
 /** A figure before it is measured. */
 const STILL: Size = { width: 720, height: 480 };
@@ -110,10 +120,21 @@ export function Scene(props: SceneProps) {
       <div class="gl" ref={stage} />
       <svg data-figure viewBox={`0 0 ${size.width} ${size.height}`} aria-hidden={isStill ? "true" : undefined}>
         {shapes.map(({ d, fill, stroke, width, opacity }, i) => (
-          <path key={i} d={d} fill={fill ?? "none"} stroke={stroke} stroke-width={width} opacity={opacity} stroke-linecap="round" stroke-linejoin="round" />
+          <path
+            key={i}
+            d={d}
+            fill={fill ?? "none"}
+            stroke={stroke}
+            stroke-width={width}
+            opacity={opacity}
+            stroke-linecap="round"
+            stroke-linejoin="round"
+          />
         ))}
         {over?.(at)}
-        {pulls?.map((pull) => <Puller key={pull.name} pull={pull} at={at} isStill={isStill} />)}
+        {pulls?.map((pull) => (
+          <Puller key={pull.name} pull={pull} at={at} isStill={isStill} />
+        ))}
       </svg>
     </div>
   );

@@ -68,7 +68,8 @@ const texts: Record<Language, Texts> = {
     label: "Holes that face you",
     whole: "Every triangle agrees: culling leaves out the far half, and nobody can tell.",
     away: "The turned triangles are on the far side: their fronts now face inward, so you would see them only through a hole.",
-    open: (n) => `${n === 1 ? "One triangle" : `${n} triangles`} in front of you ${n === 1 ? "shows its" : "show their"} back, so culling left ${n === 1 ? "a hole" : "holes"}.`,
+    open: (n) =>
+      `${n === 1 ? "One triangle" : `${n} triangles`} in front of you ${n === 1 ? "shows its" : "show their"} back, so culling left ${n === 1 ? "a hole" : "holes"}.`,
     culledShare: "Culled from here",
     of: (n, all) => `${n} of ${all}`,
     edges: "Edges whose triangles disagree",
@@ -114,7 +115,11 @@ const texts: Record<Language, Texts> = {
       "两个相邻三角形沿公共边的走向相反，就算一致。翻转其中一个，它的三条边就都不一致。静止地双面绘制时看不出来；一打光、一剔除，就是一个孔。两个看上去一样的网格表现不同，原因就在这里。",
       "把所有三角形都翻转，每条边又一致了，但球里外颠倒：体积成了负数。",
     ],
-    attempts: ["不剔除，改为给背面涂色：孔其实一直都在。", "转动球，让一个孔越过轮廓，看数字怎样变。", "翻转全部三角形：有几条边不一致？你看到了什么？"],
+    attempts: [
+      "不剔除，改为给背面涂色：孔其实一直都在。",
+      "转动球，让一个孔越过轮廓，看数字怎样变。",
+      "翻转全部三角形：有几条边不一致？你看到了什么？",
+    ],
   },
 };
 
@@ -133,7 +138,14 @@ function running(positions: Float32Array, indices: Uint32Array, face: number): {
     const way = minus(to, from);
     const side = cross(normal, way);
     const tip = plus(from, way, 0.72);
-    arrows.push(from, plus(from, way, 0.86), tip, plus(plus(tip, way, -0.16), side, 0.13), tip, plus(plus(tip, way, -0.16), side, -0.13));
+    arrows.push(
+      from,
+      plus(from, way, 0.86),
+      tip,
+      plus(plus(tip, way, -0.16), side, 0.13),
+      tip,
+      plus(plus(tip, way, -0.16), side, -0.13),
+    );
     outline.push(corners[k]!, corners[(k + 1) % 3]!);
   });
   return { outline: new Float32Array(outline.flat()), arrows: new Float32Array(arrows.flat()) };
@@ -212,13 +224,19 @@ function Panel({ page }: { page: Page }) {
           choose={(chosen) => set({ chosen })}
         />
         <div class="buttons">
-          <button type="button" aria-pressed={is} onClick={() => set(({ flipped, chosen }) => ({ flipped: turnedOver(flipped, chosen) }))}>
+          <button
+            type="button"
+            aria-pressed={is}
+            onClick={() => set(({ flipped, chosen }) => ({ flipped: turnedOver(flipped, chosen) }))}
+          >
             {texts.turn}
           </button>
           <button
             type="button"
             onClick={() =>
-              set(({ flipped }) => ({ flipped: Array.from({ length: TRIANGLES }, (_, i) => i).filter((i) => !flipped.includes(i)) }))
+              set(({ flipped }) => ({
+                flipped: Array.from({ length: TRIANGLES }, (_, i) => i).filter((i) => !flipped.includes(i)),
+              }))
             }
           >
             {texts.turnAll}

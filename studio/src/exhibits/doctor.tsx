@@ -38,7 +38,16 @@ interface Answer {
 }
 
 const MOST_CURES = 16;
-const CURES: readonly Cure[] = ["weld", "drop-duplicates", "drop-degenerate", "resolve-t-junctions", "split-nonmanifold", "orient", "fill-holes", "drop-unused"];
+const CURES: readonly Cure[] = [
+  "weld",
+  "drop-duplicates",
+  "drop-degenerate",
+  "resolve-t-junctions",
+  "split-nonmanifold",
+  "orient",
+  "fill-holes",
+  "drop-unused",
+];
 const HOME: View = { azimuth: -52, elevation: 30, distance: 5.4, target: [0, 0, 0] };
 const defaults: State = { patient: "hole", cures: [], view: HOME };
 /** Two cubes take more room than a ball. */
@@ -66,7 +75,8 @@ function pictureOf({ answer }: Page): Picture {
     { kind: "mesh", id: "patient", positions, indices, paint: PAINT.front, back: PAINT.back, shading: "flat", sides: "both" },
     { kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: 0.8 },
   ];
-  if (lines.length) layers.push({ kind: "lines", id: "edges", positions: flat(lines), paint: "--gap", width: 3.5, isOnTop: true });
+  if (lines.length)
+    layers.push({ kind: "lines", id: "edges", positions: flat(lines), paint: "--gap", width: 3.5, isOnTop: true });
   if (dots.length) layers.push({ kind: "points", id: "dots", positions: flat(dots), paint: "--gap", size: 10, isOnTop: true });
   return { layers };
 }
@@ -122,7 +132,10 @@ function Panel({ page }: { page: Page }) {
               </b>
               <p>{texts.defects[defect][2]}</p>
               {cure && cure === answer.next && answer.findings.find((other) => other.cure === cure)?.defect === defect && (
-                <button type="button" onClick={() => set(({ cures }) => (cures.length < MOST_CURES ? { cures: [...cures, cure] } : {}))}>
+                <button
+                  type="button"
+                  onClick={() => set(({ cures }) => (cures.length < MOST_CURES ? { cures: [...cures, cure] } : {}))}
+                >
                   {texts.cures[cure]}
                 </button>
               )}

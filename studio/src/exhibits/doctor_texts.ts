@@ -114,16 +114,36 @@ export const DOCTOR: Record<Language, Texts> = {
     nothing: "Nothing.",
     defects: {
       boundary_edges: ["boundary edge", "boundary edges", "Only one triangle is there: the surface ends, so it has no inside."],
-      non_manifold_edges: ["edge of three triangles or more", "edges of three triangles or more", "Sheets branch there, and no side is the next one."],
-      non_manifold_vertices: ["vertex of several fans", "vertices of several fans", "Sheets touch in a point, and a walk around it is torn."],
+      non_manifold_edges: [
+        "edge of three triangles or more",
+        "edges of three triangles or more",
+        "Sheets branch there, and no side is the next one.",
+      ],
+      non_manifold_vertices: [
+        "vertex of several fans",
+        "vertices of several fans",
+        "Sheets touch in a point, and a walk around it is torn.",
+      ],
       t_junctions: ["T-junction", "T-junctions", "A vertex lies in a neighbour’s edge: a crack may show."],
-      inconsistent_edges: ["edge of opposite winding", "edges of opposite winding", "One of the two triangles there shows its back."],
+      inconsistent_edges: [
+        "edge of opposite winding",
+        "edges of opposite winding",
+        "One of the two triangles there shows its back.",
+      ],
       inside_out: ["component inside out", "components inside out", "The front looks into the material."],
-      self_intersections: ["self-intersection", "self-intersections", "Triangles meet where they should not, and inside is ambiguous."],
+      self_intersections: [
+        "self-intersection",
+        "self-intersections",
+        "Triangles meet where they should not, and inside is ambiguous.",
+      ],
       duplicate_faces: ["repeated triangle", "repeated triangles", "Two triangles lie in one place and fight for the pixels."],
       duplicate_vertices: ["duplicate vertex", "duplicate vertices", "The surface is cut apart between equal points."],
       collapsed_faces: ["collapsed triangle", "collapsed triangles", "Two corners are one, so that nothing is covered."],
-      zero_area_faces: ["triangle of no area", "triangles of no area", "All corners lie on one line, so that there is no normal."],
+      zero_area_faces: [
+        "triangle of no area",
+        "triangles of no area",
+        "All corners lie on one line, so that there is no normal.",
+      ],
       slivers: ["sliver", "slivers", "Longer than 100 heights, with a weak normal."],
       unused_vertices: ["unused vertex", "unused vertices", "No triangle has a corner there."],
     },
@@ -219,6 +239,10 @@ export const DOCTOR: Record<Language, Texts> = {
       "内核对每一种都精确*计数*，给出最先几处的位置，但什么也不改。修复要另外指名执行；它会说明做了什么、曲面最多移动了多少，并且有证明。多数修复根本不移动任何点。",
       "次序很重要。三角形汤处处是边界，若先补孔，每个三角形都会多出一个背面；应当先焊接。按钮上显示的是第一个有效的修复。",
     ],
-    attempts: ["把六个都治好。哪个需要两步修复？为什么？", "看三角形汤：焊接前有多少条边界边，焊接后呢？", "治好“有分叉”的那个：原来是一块，没有移动任何点，怎么就成了两个实体？"],
+    attempts: [
+      "把六个都治好。哪个需要两步修复？为什么？",
+      "看三角形汤：焊接前有多少条边界边，焊接后呢？",
+      "治好“有分叉”的那个：原来是一块，没有移动任何点，怎么就成了两个实体？",
+    ],
   },
 };

@@ -115,7 +115,8 @@ export function point(xs: readonly [number, number], ys: readonly [number, numbe
 
 /** From where one looks. */
 export const view: Part<View> = {
-  write: ({ azimuth, elevation, distance, target }) => [azimuth, elevation, distance, ...target].map((x) => tidy.write(x)).join(","),
+  write: ({ azimuth, elevation, distance, target }) =>
+    [azimuth, elevation, distance, ...target].map((x) => tidy.write(x)).join(","),
   read: (text) => {
     const found = six.read(text);
     if (!found) return undefined;

@@ -63,7 +63,8 @@ export const FRAME: Record<Language, FrameTexts> = {
     widgetClaim: "线段数加倍，误差降到四分之一。",
     still: "这是静态图。启用 JavaScript 和 WebAssembly 后即可操作。",
     turn: "拖动旋转；双指或 Ctrl 加滚轮缩放。键盘：方向键旋转，Shift 加方向键平移，+ 和 − 缩放，Home 复位。",
-    footer: "这里的每个数字都由 Chordal 的内核算出，与命令行和库是同一份代码，编译成 WebAssembly。不向任何地方发送数据。地址里记录了你所做的改动。",
+    footer:
+      "这里的每个数字都由 Chordal 的内核算出，与命令行和库是同一份代码，编译成 WebAssembly。不向任何地方发送数据。地址里记录了你所做的改动。",
     damaged: "地址中有一部分无法识别，相应内容已恢复为默认值。",
     rebuilt: "计算出错，已重新启动。你的改动没有丢失。",
     lost: "计算无法在这里运行：WebAssembly 多次出错。画面不再随你的操作变化；请重新载入页面再试。",

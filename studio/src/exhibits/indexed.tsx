@@ -64,8 +64,10 @@ const texts: Record<Language, Texts> = {
     unindexed: "corner by corner",
     label: { indexed: "Bytes with an index", unindexed: "Bytes without an index" },
     meaning: {
-      indexed: (times, n) => `Without an index it would be ${times} times as much. A vertex is used by ${n} triangles on average.`,
-      unindexed: (times, n) => `${times} times as much as with an index: every corner is written again for each of the ${n} triangles around it.`,
+      indexed: (times, n) =>
+        `Without an index it would be ${times} times as much. A vertex is used by ${n} triangles on average.`,
+      unindexed: (times, n) =>
+        `${times} times as much as with an index: every corner is written again for each of the ${n} triangles around it.`,
     },
     positions: "positions, 12 bytes each",
     indices: "indices, 6 bytes a triangle",
@@ -111,7 +113,10 @@ const texts: Record<Language, Texts> = {
       "随位置存放的属性（法线、颜色、纹理坐标）同样只存一次；形状变化时也只移动一次。刚算过的顶点，下一个用到它的三角形不必再算。",
       "索引还说明谁与谁相连。逐角存储时，两个三角形只是坐标恰好相等才挨在一起；STL 文件就是这样写的，所以要先焊接顶点，才谈得上相邻关系。",
     ],
-    attempts: ["改为逐角存储：三角形散开了，因为没有任何东西把它们连在一起。", "增加三角形：每个顶点的平均数更接近六，因为不足六个的壶口边缘所占比例变小了。"],
+    attempts: [
+      "改为逐角存储：三角形散开了，因为没有任何东西把它们连在一起。",
+      "增加三角形：每个顶点的平均数更接近六，因为不足六个的壶口边缘所占比例变小了。",
+    ],
   },
 };
 
@@ -141,17 +146,31 @@ function pictureOf({ state, answer }: Page): Picture {
     sides: "both",
   };
   const corners = answer.vertex.faces.flatMap((face) =>
-    [0, 1, 2].filter((k) => answer.mesh.indices[3 * face + k] === answer.vertex.row).flatMap((k) => [...positions.subarray(9 * face + 3 * k, 9 * face + 3 * k + 3)]),
+    [0, 1, 2]
+      .filter((k) => answer.mesh.indices[3 * face + k] === answer.vertex.row)
+      .flatMap((k) => [...positions.subarray(9 * face + 3 * k, 9 * face + 3 * k + 3)]),
   );
   const dots = new Float32Array(isApart ? corners : answer.vertex.at);
   const isFine = answer.triangles > 4000;
   return {
     layers: [
       ...(isApart
-        ? ([{ kind: "mesh", id: "ground", positions: apart!.ground, indices: answer.mesh.indices, paint: "--raised", shading: "none", sides: "both" }] as const)
+        ? ([
+            {
+              kind: "mesh",
+              id: "ground",
+              positions: apart!.ground,
+              indices: answer.mesh.indices,
+              paint: "--raised",
+              shading: "none",
+              sides: "both",
+            },
+          ] as const)
         : []),
       mesh,
-      ...(isApart ? [] : ([{ kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: isFine ? 0.6 : 1 }] as const)),
+      ...(isApart
+        ? []
+        : ([{ kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: isFine ? 0.6 : 1 }] as const)),
       { kind: "points", id: "dots", positions: dots, paint: "--gap", size: isApart ? 7 : 10, isOnTop: true },
     ],
   };
@@ -194,7 +213,11 @@ function Panel({ page }: { page: Page }) {
       <Slider
         id="triangles"
         label={texts.handle}
-        shown={<Data name="triangles" value={answer.triangles}>{say.whole(answer.triangles)}</Data>}
+        shown={
+          <Data name="triangles" value={answer.triangles}>
+            {say.whole(answer.triangles)}
+          </Data>
+        }
         spoken={texts.finer(say.whole(answer.triangles))}
         low={0}
         high={STOPS.length - 1}
@@ -213,12 +236,23 @@ function Panel({ page }: { page: Page }) {
         choose={(storage) => set({ storage })}
       />
       <div>
-        <svg class="bytes" viewBox={`0 0 ${WIDE} 96`} role="img" aria-label={`${texts.label.indexed}: ${say.bytes(answer.bytes)}. ${texts.label.unindexed}: ${say.bytes(answer.unindexed_bytes)}.`}>
+        <svg
+          class="bytes"
+          viewBox={`0 0 ${WIDE} 96`}
+          role="img"
+          aria-label={`${texts.label.indexed}: ${say.bytes(answer.bytes)}. ${texts.label.unindexed}: ${say.bytes(answer.unindexed_bytes)}.`}
+        >
           <text x="0" y="13" class={state.storage === "indexed" ? "chosen" : ""}>
             {texts.indexed}: {say.bytes(answer.bytes)}
           </text>
           <rect class="positions" x="0" y="20" height="18" width={wide(answer.position_bytes)} />
-          <rect class="indices" x={wide(answer.position_bytes)} y="20" height="18" width={wide(answer.bytes - answer.position_bytes)} />
+          <rect
+            class="indices"
+            x={wide(answer.position_bytes)}
+            y="20"
+            height="18"
+            width={wide(answer.bytes - answer.position_bytes)}
+          />
           <text x="0" y="62" class={state.storage === "unindexed" ? "chosen" : ""}>
             {texts.unindexed}: {say.bytes(answer.unindexed_bytes)}
           </text>

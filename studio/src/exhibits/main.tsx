@@ -36,7 +36,10 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
   let speaking: ReturnType<typeof setTimeout> | undefined;
   const spoken = Object.assign(document.createElement("p"), { className: "spoken" });
   spoken.setAttribute("role", "status");
-  const engine = new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), { answered, troubled });
+  const engine = new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), {
+    answered,
+    troubled,
+  });
 
   function ask(): boolean {
     const question = { exhibit: entry.id, ...exhibit.question(state) };
@@ -85,7 +88,9 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
     if (answer === undefined) {
       // Before the first answer the still page stands; what went wrong is said above it.
       const place = root.querySelector(".notes");
-      place?.replaceChildren(...notes.map((note) => Object.assign(document.createElement("p"), { className: "note", textContent: note })));
+      place?.replaceChildren(
+        ...notes.map((note) => Object.assign(document.createElement("p"), { className: "note", textContent: note })),
+      );
       return;
     }
     if (!isDrawn) root.replaceChildren();

@@ -111,7 +111,11 @@ const texts: Record<Language, Texts> = {
       "立方体若用平滑着色，就像充了气的枕头，因为跨过硬边的平均值对哪一侧都不对。于是硬边上的顶点要存多份，各带各的法线。立方体的一个角有三条硬边、三个面：8 个角变成 *24 个顶点*。游戏里的立方体有 24 个顶点，就是这个道理。",
       "哪些边是硬边，由一个数决定：两侧面法线的夹角。立方体处处是 90°；24 边的圆柱侧面相邻 15°，端面边缘 90°，取两者之间的角度，就都合适。",
     ],
-    attempts: ["对立方体把角度移过 90°：24 降到 8，明暗也错了。", "选圆柱，找出侧面圆滑而边缘锐利的角度范围。", "选球：角度在什么范围内是平直的？代价是多少？"],
+    attempts: [
+      "对立方体把角度移过 90°：24 降到 8，明暗也错了。",
+      "选圆柱，找出侧面圆滑而边缘锐利的角度范围。",
+      "选球：角度在什么范围内是平直的？代价是多少？",
+    ],
   },
 };
 
@@ -216,7 +220,8 @@ function Panel({ page }: { page: Page }) {
         choose={(on) => set({ on })}
       />
       <label class="check">
-        <input type="checkbox" checked={state.arrows} onChange={(event) => set({ arrows: event.currentTarget.checked })} /> {texts.arrows}
+        <input type="checkbox" checked={state.arrows} onChange={(event) => set({ arrows: event.currentTarget.checked })} />{" "}
+        {texts.arrows}
       </label>
       <dl>
         <div>

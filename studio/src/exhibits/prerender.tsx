@@ -23,7 +23,9 @@ const nothing = () => undefined;
 /** Every page of the exhibits, in both languages. */
 export async function written(core: Core): Promise<Written[]> {
   const all = await Promise.all(EXHIBITS.map(async (entry) => ({ entry, exhibit: (await entry.load()).default })));
-  const answers = all.map(({ entry, exhibit }) => core.ask("exhibit", { exhibit: entry.id, ...exhibit.question(exhibit.defaults) }));
+  const answers = all.map(({ entry, exhibit }) =>
+    core.ask("exhibit", { exhibit: entry.id, ...exhibit.question(exhibit.defaults) }),
+  );
   return LANGUAGES.flatMap((language) => [
     ...all.map(({ entry, exhibit }, i) => one(entry, exhibit, answers[i], language)),
     list(all, answers, language),
@@ -129,7 +131,14 @@ function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], 
       </footer>
     </div>
   );
-  return { file: fileOf("exhibits", language), id: "", lang: TAGS[language], title: words.all, description: words.lead, body: renderToString(page) };
+  return {
+    file: fileOf("exhibits", language),
+    id: "",
+    lang: TAGS[language],
+    title: words.all,
+    description: words.lead,
+    body: renderToString(page),
+  };
 }
 
 export { Core } from "../core/module";

@@ -81,7 +81,8 @@ const texts: Record<Language, Texts> = {
     exactly: "0, exactly",
     flat: "All four lie in one plane: both cuts give the same surface.",
     three0: "Lift C as far as you like: the plane goes with it.",
-    bulges: (rise, is) => `Now four corners are not one surface. Cut along B–D, the middle lies ${rise} ${is === "up" ? "higher" : "lower"} than along A–C.`,
+    bulges: (rise, is) =>
+      `Now four corners are not one surface. Cut along B–D, the middle lies ${rise} ${is === "up" ? "higher" : "lower"} than along A–C.`,
     story: [
       "Put three points anywhere: there is *one* plane through them, and the triangle lies in it. It cannot be bent. So it has one normal, one inside, and a straight cut with every ray.",
       "A fourth point is free to leave that plane. The four edges are still there, but what spans them? Folded along one diagonal the middle is a ridge, along the other a valley. Both have the same corners and the same edges; no file that stores only corners says which was meant.",
@@ -120,7 +121,11 @@ const texts: Record<Language, Texts> = {
       "图形硬件因此只画三角形。建模的人保留好用的四边形，在送往屏幕的途中，每个四边形都被一分为二。换一个工具，换一条对角线，形状就变了。",
       "这里的距离带符号，零是精确的零：四点是否共面由内核用精确算术判定，而不是靠谁随手选的一个小数。",
     ],
-    attempts: ["抬起 D，再换一种剖分：中间的红线就是两者之差。", "把图转到沿 A–C 方向看：是脊还是谷？", "选三个顶点并抬起 C：你能让数字离开零吗？"],
+    attempts: [
+      "抬起 D，再换一种剖分：中间的红线就是两者之差。",
+      "把图转到沿 A–C 方向看：是脊还是谷？",
+      "选三个顶点并抬起 C：你能让数字离开零吗？",
+    ],
   },
 };
 
@@ -188,7 +193,12 @@ function Figure({ page }: { page: Page }) {
           const far = Math.hypot(px - mx, py - my) || 1;
           return (
             // Beside the handle, whose arrows point up and down.
-            <text key={i} class="label" x={px + (i === lifted ? 26 * Math.sign(px - mx || 1) : (24 * (px - mx)) / far)} y={py + (i === lifted ? 0 : (24 * (py - my)) / far) + 6}>
+            <text
+              key={i}
+              class="label"
+              x={px + (i === lifted ? 26 * Math.sign(px - mx || 1) : (24 * (px - mx)) / far)}
+              y={py + (i === lifted ? 0 : (24 * (py - my)) / far) + 6}
+            >
               {"ABCD"[i]}
             </text>
           );

@@ -113,7 +113,11 @@ const texts: Record<Language, Texts> = {
       "在三角形内，权重不为负，且*总和恒为一*。在顶点处，自身权重为 1，其余为 0；在一条边上，第三个顶点不起作用，因此相邻三角形在公共边上一致，不露接缝。",
       "三个权重、三个条件（位置两个，总和一个），解唯一。四个顶点则多出一个自由度，怎么取全凭约定；硬件的约定是把四边形切成两个三角形，于是内部的颜色取决于对角线。",
     ],
-    attempts: ["把探针移到顶点，再沿边移动：哪个权重保持为 0？", "移到外面：总和仍是 1，权重变成了什么样？", "选四个顶点，把探针放在中间，再换一种剖分。"],
+    attempts: [
+      "把探针移到顶点，再沿边移动：哪个权重保持为 0？",
+      "移到外面：总和仍是 1，权重变成了什么样？",
+      "选四个顶点，把探针放在中间，再换一种剖分。",
+    ],
   },
 };
 
@@ -143,7 +147,9 @@ function Figure({ page }: { page: Page }) {
         <Blended key={rows.join()} rows={rows} places={places} prefix={isSmall ? "small-" : ""} />
       ))}
       <path class="outline" d={path(places)} />
-      {blend && state.corners === "3" && blend.rows.map((row) => <path key={row} class="spoke" d={path([places[row]!, state.probe], false)} />)}
+      {blend &&
+        state.corners === "3" &&
+        blend.rows.map((row) => <path key={row} class="spoke" d={path([places[row]!, state.probe], false)} />)}
       {places.map((corner, i) => {
         const [dx, dy] = [corner[0] - 6, corner[1] - 4];
         const far = 0.5 / Math.hypot(dx, dy);
@@ -216,7 +222,11 @@ function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
     value: gap,
     shown: say.percent(gap),
     label: texts.label4,
-    meaning: answer.blends.some((blend) => !blend?.is_inside) ? texts.outside : gap < 0.005 ? texts.same : texts.two(say.percent(gap)),
+    meaning: answer.blends.some((blend) => !blend?.is_inside)
+      ? texts.outside
+      : gap < 0.005
+        ? texts.same
+        : texts.two(say.percent(gap)),
     tone: gap < 0.005 ? "plain" : "bad",
   };
 }
@@ -228,32 +238,32 @@ function Panel({ page }: { page: Page }) {
     <>
       {shown.map(({ blend, i }) => (
         <div key={i}>
-        {state.corners === "4" && <h3>{texts.cutAlong(i ? NAMES.second : NAMES.first)}</h3>}
-        <dl>
-          {blend.rows.map((row, k) => (
-            <div key={row}>
-              <dt>{texts.weight("ABCD"[row]!)}</dt>
-              <dd>
-                <Data name={`weight-${i}-${k}`} value={blend.weights[k]!}>
-                  {say.fixed(blend.weights[k]!, 3)}
-                </Data>
+          {state.corners === "4" && <h3>{texts.cutAlong(i ? NAMES.second : NAMES.first)}</h3>}
+          <dl>
+            {blend.rows.map((row, k) => (
+              <div key={row}>
+                <dt>{texts.weight("ABCD"[row]!)}</dt>
+                <dd>
+                  <Data name={`weight-${i}-${k}`} value={blend.weights[k]!}>
+                    {say.fixed(blend.weights[k]!, 3)}
+                  </Data>
+                </dd>
+              </div>
+            ))}
+            <div>
+              <dt>{texts.swatch}</dt>
+              <dd class="with-swatch">
+                <svg class="chip" viewBox="0 0 16 16" aria-hidden="true">
+                  <circle cx="8" cy="8" r="7" fill={css(blend.color)} />
+                </svg>
+                {blend.color.map((channel, k) => (
+                  <Data key={k} name={`color-${i}-${k}`} value={channel}>
+                    {say.percent(channel)}
+                  </Data>
+                ))}
               </dd>
             </div>
-          ))}
-          <div>
-            <dt>{texts.swatch}</dt>
-            <dd class="with-swatch">
-              <svg class="chip" viewBox="0 0 16 16" aria-hidden="true">
-                <circle cx="8" cy="8" r="7" fill={css(blend.color)} />
-              </svg>
-              {blend.color.map((channel, k) => (
-                <Data key={k} name={`color-${i}-${k}`} value={channel}>
-                  {say.percent(channel)}
-                </Data>
-              ))}
-            </dd>
-          </div>
-        </dl>
+          </dl>
         </div>
       ))}
       <Choice
@@ -284,7 +294,11 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { probe: ["p", point([0, FLAT.width], [0, FLAT.height])], corners: ["c", word("3", "4")], cut: ["d", word("first", "second")] },
+  parts: {
+    probe: ["p", point([0, FLAT.width], [0, FLAT.height])],
+    corners: ["c", word("3", "4")],
+    cut: ["d", word("first", "second")],
+  },
   question: (state) => ({ corners: PLACES[state.corners], colors: colorsOf(state), point: state.probe }),
   texts,
   number: liveNumber,

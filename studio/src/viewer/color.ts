@@ -49,5 +49,11 @@ export function lit(color: Rgb, cosine: number): Rgb {
 }
 
 export function css(color: Rgb): string {
-  return `#${color.map((x) => Math.round(255 * Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, "0")).join("")}`;
+  return `#${color
+    .map((x) =>
+      Math.round(255 * Math.min(Math.max(x, 0), 1))
+        .toString(16)
+        .padStart(2, "0"),
+    )
+    .join("")}`;
 }

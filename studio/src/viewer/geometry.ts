@@ -62,7 +62,10 @@ export function seenFronts(positions: Float32Array, indices: Uint32Array, eye: V
 /** The edges of the outline for an eye: where seen and unseen meet, and open ones. */
 export function silhouette(positions: Float32Array, indices: Uint32Array, edges: readonly Edge[], eye: Vec3): Float32Array {
   const seen = seenFronts(positions, indices, eye);
-  return segments(positions, edges.filter(({ faces }) => faces.length === 1 || faces.some((face) => seen[face] !== seen[faces[0]!])));
+  return segments(
+    positions,
+    edges.filter(({ faces }) => faces.length === 1 || faces.some((face) => seen[face] !== seen[faces[0]!])),
+  );
 }
 
 /** Strokes from points along directions. */

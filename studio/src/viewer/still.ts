@@ -90,7 +90,12 @@ function mean(of: Float32Array, indices: Uint32Array, face: number): Rgb {
   return [0, 1, 2].map((k) => (three[0]![k]! + three[1]![k]! + three[2]![k]!) / 3) as unknown as Rgb;
 }
 
-function lines(positions: Float32Array, { paint, width }: { paint: Paint; width: number }, at: Projector, bring: number): Shape[] {
+function lines(
+  positions: Float32Array,
+  { paint, width }: { paint: Paint; width: number },
+  at: Projector,
+  bring: number,
+): Shape[] {
   const shapes: Shape[] = [];
   for (let i = 0; 6 * i < positions.length; i++) {
     const [a, b] = [at.to(row(positions, 2 * i)), at.to(row(positions, 2 * i + 1))];

@@ -90,8 +90,9 @@ export class Viewer {
     const wanted = new Map(picture.layers.map((layer) => [layer.id, layer]));
     for (const [id, shown] of this.shown) {
       const layer = wanted.get(id);
-      // Layers are values: one that differs in anything is built again, which takes a millisecond for what pages show.
-      if (!layer || !isSame(layer, shown.layer) || this.section) this.remove(id, shown);
+      // Where only the arrays are others, as while one drags, the materials stay: to make one anew takes milliseconds.
+      if (!layer || this.section || !isSame(layer, shown.layer, true)) this.remove(id, shown);
+      else if (!isSame(layer, shown.layer, false)) this.reshape(shown, layer);
     }
     for (const layer of picture.layers) if (!this.shown.has(layer.id)) this.add(layer);
     this.request();
@@ -186,22 +187,15 @@ export class Viewer {
       case "mesh":
         shown.objects = this.meshes(layer);
         break;
-      case "lines":
-        shown.objects = [this.line(layer.positions, layer)];
-        break;
-      case "wire":
-        shown.objects = [this.line(segments(layer.positions, edgesOf(layer.positions, layer.indices)), layer)];
-        break;
-      case "normals":
-        shown.objects = [this.line(strokes(layer.at, layer.directions, layer.length), layer)];
-        break;
-      case "silhouette":
-        shown.edges = edgesOf(layer.positions, layer.indices);
-        shown.objects = [this.line(new Float32Array(6), layer)];
-        break;
       case "points":
         shown.objects = [this.points(layer)];
         break;
+      case "silhouette":
+        shown.edges = edgesOf(layer.positions, layer.indices);
+        shown.objects = [this.line(layer)];
+        break;
+      default:
+        shown.objects = [this.line(layer)];
     }
     const order = layer.isOnTop ? 10 : layer.isUnder ? -10 : 0;
     shown.objects.forEach((object, i) => {
@@ -210,6 +204,34 @@ export class Viewer {
     });
     this.scene.add(...shown.objects);
     this.shown.set(layer.id, shown);
+  }
+
+  /** Other arrays for what is shown. */
+  private reshape(shown: Shown, layer: Layer): void {
+    shown.layer = layer;
+    if (layer.kind === "silhouette") shown.edges = edgesOf(layer.positions, layer.indices);
+    shown.objects.forEach((object) => {
+      const mesh = object as Mesh;
+      mesh.geometry.dispose();
+      mesh.geometry = this.geometry(layer);
+    });
+  }
+
+  private geometry(layer: Layer): BufferGeometry {
+    switch (layer.kind) {
+      case "mesh":
+        return meshGeometry(layer, this.color);
+      case "lines":
+        return lineGeometry(layer.positions);
+      case "wire":
+        return lineGeometry(segments(layer.positions, edgesOf(layer.positions, layer.indices)));
+      case "normals":
+        return lineGeometry(strokes(layer.at, layer.directions, layer.length));
+      case "silhouette":
+        return lineGeometry(new Float32Array(6));
+      case "points":
+        return new BufferGeometry().setAttribute("position", new BufferAttribute(layer.positions, 3));
+    }
   }
 
   private remove(id: string, { objects }: Shown): void {
@@ -222,7 +244,7 @@ export class Viewer {
   }
 
   private meshes(layer: MeshLayer): Object3D[] {
-    const geometry = meshGeometry(layer, this.color);
+    const geometry = this.geometry(layer);
     const hasColors = geometry.hasAttribute("color");
     const front = layer.sides === "front" || layer.back !== undefined || this.section !== undefined ? FrontSide : DoubleSide;
     const objects = [new Mesh(geometry, this.material(layer, layer.paint, front, hasColors))];
@@ -236,7 +258,12 @@ export class Viewer {
     return objects;
   }
 
-  private material(layer: MeshLayer, paint: Paint, side: typeof FrontSide | typeof BackSide | typeof DoubleSide, hasColors: boolean): Material {
+  private material(
+    layer: MeshLayer,
+    paint: Paint,
+    side: typeof FrontSide | typeof BackSide | typeof DoubleSide,
+    hasColors: boolean,
+  ): Material {
     const common = {
       color: hasColors ? new Color(0xffffff) : this.color(paint),
       vertexColors: hasColors,
@@ -248,7 +275,12 @@ export class Viewer {
     const material =
       layer.shading === "none"
         ? new MeshBasicMaterial(common)
-        : new MeshPhongMaterial({ ...common, flatShading: layer.shading === "flat", shininess: 40, specular: new Color(layer.shading === "flat" ? 0 : 0x222222) });
+        : new MeshPhongMaterial({
+            ...common,
+            flatShading: layer.shading === "flat",
+            shininess: 40,
+            specular: new Color(layer.shading === "flat" ? 0 : 0x222222),
+          });
     return this.clipped(material);
   }
 
@@ -257,17 +289,18 @@ export class Viewer {
     return material;
   }
 
-  private line(positions: Float32Array, { paint, width, isOnTop }: { paint: Paint; width: number; isOnTop?: boolean }): LineSegments2 {
+  private line(layer: Exclude<Layer, { kind: "mesh" | "points" }>): LineSegments2 {
+    const { paint, width, isOnTop } = layer;
     const material = new LineMaterial({ linewidth: width, depthTest: !isOnTop });
     // Edges lie on the triangles and shall win. Lines of a width are triangles, too: they are brought nearer, for triangles
     // that were moved away would show those behind them along the outline.
     Object.assign(material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -12 });
     material.color = this.color(paint);
-    return new LineSegments2(lineGeometry(positions), this.clipped(material));
+    return new LineSegments2(this.geometry(layer) as LineSegmentsGeometry, this.clipped(material));
   }
 
-  private points({ positions, paint, size, isOnTop }: Layer & { kind: "points" }): Points {
-    const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3));
+  private points(layer: Layer & { kind: "points" }): Points {
+    const { paint, size, isOnTop } = layer;
     const material = new PointsMaterial({
       color: this.color(paint),
       size: size * this.renderer.getPixelRatio(),
@@ -276,13 +309,16 @@ export class Viewer {
     });
     // Round, and drawn a little nearer, so that a vertex is not half inside its own triangles.
     material.onBeforeCompile = (shader) => {
-      shader.vertexShader = shader.vertexShader.replace("#include <project_vertex>", "#include <project_vertex>\ngl_Position.z -= 2e-4 * gl_Position.w;");
+      shader.vertexShader = shader.vertexShader.replace(
+        "#include <project_vertex>",
+        "#include <project_vertex>\ngl_Position.z -= 2e-4 * gl_Position.w;",
+      );
       shader.fragmentShader = shader.fragmentShader.replace(
         "#include <clipping_planes_fragment>",
         "#include <clipping_planes_fragment>\nif (length(gl_PointCoord - 0.5) > 0.5) discard;",
       );
     };
-    return new Points(geometry, this.clipped(material));
+    return new Points(this.geometry(layer), this.clipped(material));
   }
 
   /** A colour, or what a custom property of the root holds. */
@@ -292,15 +328,20 @@ export class Viewer {
   };
 }
 
-function isSame(a: Layer, b: Layer): boolean {
-  const keys = Object.keys(a) as (keyof Layer)[];
-  const equal = (x: unknown, y: unknown): boolean =>
-    x === y ||
-    (typeof x === "object" && typeof y === "object" && x !== null && y !== null && !ArrayBuffer.isView(x) && !ArrayBuffer.isView(y)
-      ? Object.keys(x).length === Object.keys(y).length &&
-        Object.keys(x).every((key) => equal((x as Record<string, unknown>)[key], (y as Record<string, unknown>)[key]))
-      : false);
-  return keys.length === Object.keys(b).length && keys.every((key) => equal(a[key], b[key]));
+/** Whether two layers are the same, or would be with the same arrays. */
+function isSame(a: unknown, b: unknown, withoutArrays: boolean): boolean {
+  if (a === b) return true;
+  if (ArrayBuffer.isView(a) && ArrayBuffer.isView(b))
+    return withoutArrays || hasSameNumbers(a as Float32Array, b as Float32Array);
+  if (typeof a !== "object" || typeof b !== "object" || a === null || b === null) return false;
+  const [left, right] = [a as Record<string, unknown>, b as Record<string, unknown>];
+  const keys = Object.keys(left);
+  return keys.length === Object.keys(right).length && keys.every((key) => isSame(left[key], right[key], withoutArrays));
+}
+
+/** To compare numbers is a thousandth of the work of drawing them anew. */
+function hasSameNumbers(a: Float32Array, b: Float32Array): boolean {
+  return a.length === b.length && a.every((x, i) => x === b[i]);
 }
 
 function lineGeometry(positions: Float32Array): LineSegmentsGeometry {
@@ -316,7 +357,8 @@ function meshGeometry(layer: MeshLayer, color: (paint: Paint) => Color): BufferG
     const { of, paints } = layer.groups;
     const palette = paints.map(color);
     const rows = [...layer.indices];
-    const spread = (from: Float32Array) => new Float32Array(rows.flatMap((i) => [from[3 * i]!, from[3 * i + 1]!, from[3 * i + 2]!]));
+    const spread = (from: Float32Array) =>
+      new Float32Array(rows.flatMap((i) => [from[3 * i]!, from[3 * i + 1]!, from[3 * i + 2]!]));
     geometry.setAttribute("position", new BufferAttribute(spread(layer.positions), 3));
     if (layer.normals) geometry.setAttribute("normal", new BufferAttribute(spread(layer.normals), 3));
     const painted = rows.flatMap((_, corner) => palette[of[Math.floor(corner / 3)]!]!.toArray());

@@ -44,9 +44,17 @@ async function expectNumber(page: Page, id: string): Promise<number> {
   const { question, number, texts } = exhibits.get(id)!;
   const answer = core.ask("exhibit", { exhibit: id, ...question(state) });
   const language = page.url().includes(".zh.") ? "zh" : "en";
-  const { value, shown } = number({ state, answer, say: new Say(language), texts: texts[language], set: () => undefined, isStill: false, isSmall: false });
+  const { value, shown } = number({
+    state,
+    answer,
+    say: new Say(language),
+    texts: texts[language],
+    set: () => undefined,
+    isStill: false,
+    isSmall: false,
+  });
   expect(await digits(page, "live")).toBe(value);
-  expect(await page.locator('.live data').textContent()).toBe(shown);
+  expect(await page.locator(".live data").textContent()).toBe(shown);
   return value!;
 }
 
@@ -88,8 +96,14 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
   });
 
   test("axe finds nothing serious, by day and by night, wide and narrow", async () => {
-    for (const [colorScheme, width] of [["light", 1200], ["dark", 360]] as const) {
-      const page = await open(fileOf(id, colorScheme === "dark" ? "zh" : "en"), { colorScheme, viewport: { width, height: 800 } });
+    for (const [colorScheme, width] of [
+      ["light", 1200],
+      ["dark", 360],
+    ] as const) {
+      const page = await open(fileOf(id, colorScheme === "dark" ? "zh" : "en"), {
+        colorScheme,
+        viewport: { width, height: 800 },
+      });
       expect(await seriousFindings(page), colorScheme).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth), "nothing sticks out").toBeLessThanOrEqual(width);
       await page.context().close();
@@ -182,7 +196,9 @@ test("weights: they sum to one everywhere; four corners have two colours in the 
   await page.waitForSelector("html[data-settled]");
   const gap = await expectNumber(page, "weights");
   expect(gap).toBeGreaterThan(0.3);
-  const differences = await Promise.all([0, 1, 2].map(async (k) => Math.abs((await digitsOf(page, `color-0-${k}`)) - (await digitsOf(page, `color-1-${k}`)))));
+  const differences = await Promise.all(
+    [0, 1, 2].map(async (k) => Math.abs((await digitsOf(page, `color-0-${k}`)) - (await digitsOf(page, `color-1-${k}`)))),
+  );
   expect(Math.max(...differences)).toBeCloseTo(gap, 12);
 });
 
@@ -197,16 +213,24 @@ test("weights: what the browser blends at a place is the colour that the core sa
   // Beside the probe and its spokes; the core is asked about the same place.
   const place = [4.4, 2.2] as const;
   const { question } = exhibits.get("weights")!;
-  const answer = core.ask("exhibit", { exhibit: "weights", ...question({ probe: place, corners: "3", cut: "first" }) }) as { blends: { color: number[] }[] };
+  const answer = core.ask("exhibit", { exhibit: "weights", ...question({ probe: place, corners: "3", cut: "first" }) }) as {
+    blends: { color: number[] }[];
+  };
   const seen = await page.evaluate(
     async ({ data, x, y }) => {
-      const image = await createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], { type: "image/png" }));
+      const image = await createImageBitmap(
+        new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], { type: "image/png" }),
+      );
       const canvas = new OffscreenCanvas(image.width, image.height);
       const context = canvas.getContext("2d")!;
       context.drawImage(image, 0, 0);
       return [...context.getImageData(Math.round(x * image.width), Math.round(y * image.height), 1, 1).data];
     },
-    { data: shown.toString("base64"), x: (place[0] * 60 + 1) / (box.width * (722 / box.width)), y: ((8 - place[1]) * 60 + 1) / (box.height * (482 / box.height)) },
+    {
+      data: shown.toString("base64"),
+      x: (place[0] * 60 + 1) / (box.width * (722 / box.width)),
+      y: ((8 - place[1]) * 60 + 1) / (box.height * (482 / box.height)),
+    },
   );
   answer.blends[0]!.color.forEach((channel, k) => expect(Math.abs(seen[k]! - 255 * channel)).toBeLessThan(4));
 });

@@ -23,7 +23,10 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
   test("the state at the start needs no address, and every state that is written is read back", () => {
     const { defaults, parts } = made();
     expect(write(defaults, defaults, parts)).toBe("");
-    for (const [name, [, part]] of Object.entries(parts) as [string, [string, { write(v: unknown): string; read(t: string): unknown }]][]) {
+    for (const [name, [, part]] of Object.entries(parts) as [
+      string,
+      [string, { write(v: unknown): string; read(t: string): unknown }],
+    ][]) {
       expect(part.read(part.write(defaults[name])), name).toEqual(defaults[name]);
     }
   });
@@ -39,7 +42,15 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
     const { defaults, texts, question } = made();
     const answer = core.ask("exhibit", { exhibit: id, ...question(defaults) });
     for (const language of ["en", "zh"] as const) {
-      const page = { state: defaults, answer, say: new Say(language), texts: texts[language], set: () => undefined, isStill: true, isSmall: false };
+      const page = {
+        state: defaults,
+        answer,
+        say: new Say(language),
+        texts: texts[language],
+        set: () => undefined,
+        isStill: true,
+        isSmall: false,
+      };
       const { value, shown, label, meaning } = made().number(page);
       expect(Number.isFinite(value)).toBe(true);
       for (const text of [shown, label, meaning]) expect(text).not.toMatch(/undefined|NaN|\{/);

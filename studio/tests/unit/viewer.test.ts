@@ -10,7 +10,14 @@ const SIZE = { width: 600, height: 400 };
 const VIEW: View = { azimuth: 30, elevation: 20, distance: 6, target: [0, 0, 0] };
 // A cube of edge 2 by its corners' bits.
 const positions = new Float32Array(Array.from({ length: 8 }, (_, i) => [0, 1, 2].map((k) => ((i >> k) & 1) * 2 - 1)).flat());
-const quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] as const;
+const quads = [
+  [0, 2, 3, 1],
+  [4, 5, 7, 6],
+  [0, 1, 5, 4],
+  [2, 6, 7, 3],
+  [0, 4, 6, 2],
+  [1, 3, 7, 5],
+] as const;
 const indices = new Uint32Array(quads.flatMap(([a, b, c, d]) => [a, b, c, a, c, d]));
 const cube: MeshLayer = { kind: "mesh", id: "cube", positions, indices, paint: "#808080", shading: "flat", sides: "both" };
 
@@ -19,11 +26,14 @@ test("the target is in the middle, up is up, and a ray goes back to where it cam
   expect(at.to([0, 0, 0]).slice(0, 2)).toEqual([300, 200]);
   expect(at.to([0, 0, 1])[1]).toBeLessThan(200);
   expect(at.to([0, 0, 0])[2]).toBeCloseTo(6, 9);
-  for (const point of [[0.3, -0.4, 0.5], [-1, 1, 0.2]] as Vec3[]) {
+  for (const point of [
+    [0.3, -0.4, 0.5],
+    [-1, 1, 0.2],
+  ] as Vec3[]) {
     const [x, y, depth] = at.to(point);
     const ray = at.ray(x, y);
     const eye = eyeOf(VIEW);
-    const along = depth / -(ray[0] * -eye[0] + ray[1] * -eye[1] + ray[2] * -eye[2]) * -6;
+    const along = (depth / -(ray[0] * -eye[0] + ray[1] * -eye[1] + ray[2] * -eye[2])) * -6;
     const hit = ray.map((r, k) => eye[k]! + r * along);
     hit.forEach((x, k) => expect(x).toBeCloseTo(point[k]!, 6));
   }
@@ -81,7 +91,10 @@ test("a still picture draws far triangles first, and culling leaves out the back
 
 test("values become colours of a ramp between its ends", () => {
   expect(onRamp("heat", -1)).toEqual(onRamp("heat", 0));
-  const layer: MeshLayer = { ...cube, values: { of: new Float32Array([0, 1, 2, 3, 4, 5, 6, 7]), range: [0, 7], ramp: "deviation" } };
+  const layer: MeshLayer = {
+    ...cube,
+    values: { of: new Float32Array([0, 1, 2, 3, 4, 5, 6, 7]), range: [0, 7], ramp: "deviation" },
+  };
   const colors = vertexColors(layer)!;
   onRamp("deviation", 1).forEach((x, k) => expect(colors[21 + k]).toBeCloseTo(x, 6));
   onRamp("deviation", 0).forEach((x, k) => expect(colors[k]).toBeCloseTo(x, 6));
