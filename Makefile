@@ -48,12 +48,15 @@ studio: studio-page ## build the page of 'chordal studio', and the command with 
 	@echo "Run $(CHORDAL) studio and open the link that it prints."
 	@echo "studio/dist/page holds the same page as plain files, for any host; with ?embed=1 for a frame in another page."
 
-# The page asks about curves alone, so its module leaves readers and writers out. The module of test-web is built to the
-# same place from the same library, so this one is copied at once.
+# The widget asks about curves alone, so its module leaves readers and writers out, and what exhibits ask is in a second one
+# that their pages load. Both, and the module of test-web, are built to the same place from the same library, so each is
+# copied at once.
 studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --target wasm32-unknown-unknown
 	mkdir -p studio/wasm
 	cmp -s $(WASM) studio/wasm/chordal.wasm || cp $(WASM) studio/wasm/chordal.wasm
+	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --features exhibits --target wasm32-unknown-unknown
+	cmp -s $(WASM) studio/wasm/exhibits.wasm || cp $(WASM) studio/wasm/exhibits.wasm
 	cd studio && npm run --silent build
 
 # The studio's page is built before the command is, and so is in it wherever the tests use it. The module for the page is

@@ -1,5 +1,5 @@
-// Builds the page into dist/page: first what the browser runs, then the text and the still figures of the HTML files,
-// which the core itself draws.
+// Builds the pages into dist/page: first what the browser runs, then the text and the still figures of the HTML files,
+// which the core itself draws. The widget is index.html; every exhibit has a page for each language, of one mould.
 //
 //   node scripts/build.mjs
 import { readFile, rm, writeFile } from "node:fs/promises";
@@ -8,25 +8,46 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { build } from "vite";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "..");
-const wasm = join(root, "wasm/chordal.wasm");
-const pages = { "index.html": "en", "zh.html": "zh" };
+const out = join(root, "dist/page");
+const widgets = { "index.html": "en", "zh.html": "zh" };
 const PLACE = "<!--figure and text, written at build time-->";
+const SCRIPT = /\s*<script type="module"[^>]*><\/script>/;
 
 await build({ root, logLevel: "warn" });
 
-const cache = join(root, "node_modules/.prerender");
-await build({
-  root,
-  logLevel: "warn",
-  build: { ssr: "src/prerender.tsx", outDir: cache, emptyOutDir: true, rollupOptions: { input: "src/prerender.tsx" } },
-});
-const { Core, still } = await import(pathToFileURL(join(cache, "prerender.js")).href);
-const core = await Core.load(await readFile(wasm));
-for (const [file, language] of Object.entries(pages)) {
-  const path = join(root, "dist/page", file);
-  const html = await readFile(path, "utf8");
-  if (!html.includes(PLACE)) throw new Error(`${file} has no place for the text`);
-  await writeFile(path, html.replace(PLACE, () => still(core, language)));
+/** What writes pages, run here in Node. */
+async function prerender(source, name) {
+  const outDir = join(cache, name);
+  await build({ root, logLevel: "warn", build: { ssr: source, outDir, emptyOutDir: true, rollupOptions: { input: source } } });
+  return import(pathToFileURL(join(outDir, "prerender.js")).href);
 }
+const cache = join(root, "node_modules/.prerender");
+const { Core, still } = await prerender("src/prerender.tsx", "widget");
+const { written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
+
+/** Replaces what is there exactly once. */
+function put(html, old, text, what) {
+  if (html.split(old).length !== 2) throw new Error(`the mould has no place, or several, for ${what}`);
+  return html.replace(old, () => text);
+}
+
+const core = await Core.load(await readFile(join(root, "wasm/chordal.wasm")));
+for (const [file, language] of Object.entries(widgets)) {
+  const path = join(out, file);
+  await writeFile(path, put(await readFile(path, "utf8"), PLACE, still(core, language), "the text"));
+}
+
+const mould = await readFile(join(out, "exhibit.html"), "utf8");
+const quoted = (text) => text.replace(/&/g, "&amp;").replace(/"/g, "&quot;").replace(/</g, "&lt;");
+const exhibits = await written(await Core.load(await readFile(join(root, "wasm/exhibits.wasm"))));
+for (const { file, id, lang, title, description, body } of exhibits) {
+  let html = put(mould, '<html lang="en" data-exhibit="">', `<html lang="${lang}" data-exhibit="${id}">`, "the language");
+  html = put(html, "<title>Chordal</title>", `<title>${quoted(title)}</title>`, "the title");
+  html = put(html, 'name="description" content=""', `name="description" content="${quoted(description)}"`, "the description");
+  html = put(html, PLACE, body, "the text");
+  // On the list of all there is nothing to move.
+  await writeFile(join(out, file), id ? html : html.replace(SCRIPT, ""));
+}
+await rm(join(out, "exhibit.html"));
 await rm(cache, { recursive: true });
-console.log("studio: the page is in studio/dist/page");
+console.log(`studio: the page is in studio/dist/page, with ${exhibits.length} of exhibits`);

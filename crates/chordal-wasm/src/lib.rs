@@ -28,9 +28,17 @@
 //! chordal_seam(question, n)     {"first": [[x, y] × 4], "second": …, "smoothness": "C1", "leader": "first", "scale": 0.5}
 //! ```
 //!
+//! The exhibits of the studio ask by name, and large arrays of the answer lie in the outcome's bytes:
+//!
+//! ```text
+//! chordal_exhibit(question, n)  {"exhibit": "quad", …}; an array of the answer is {"f32": [start, length]} or {"u32": …}
+//! ```
+//!
 //! Growing memory detaches views that JavaScript holds: make a new `Uint8Array` after every call.
 mod curve_join;
 mod curve_request;
+#[cfg(feature = "exhibits")]
+mod exhibits;
 #[cfg(feature = "files")]
 mod mesh;
 #[cfg(feature = "files")]
@@ -104,6 +112,19 @@ questions! {
     chordal_ladder: study::ladder;
     /// Two cubics made to meet smoothly, their joint, and the comb of their curvature.
     chordal_seam: curve_join::curve_join;
+}
+
+/// What an exhibit of the studio asks; its large arrays are in the outcome's bytes.
+///
+/// # Safety
+/// `question` and `len` are from one call of [`chordal_alloc`] and were not given back.
+#[cfg(feature = "exhibits")]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn chordal_exhibit(question: *const u8, len: usize) -> *mut Outcome {
+    // SAFETY: by the contract it is initialised, live, of that length, and nobody writes during the call, for
+    // WASM modules like this one have one thread.
+    let question = unsafe { std::slice::from_raw_parts(question, len) };
+    Box::into_raw(Box::new(exhibits::outcome(question)))
 }
 
 /// 0, or the exit code that the command would have ended with.

@@ -19,7 +19,7 @@ export interface Listener {
 }
 
 /** What matters more is asked first: the figure under the finger before the plot. */
-const ORDER: readonly Kind[] = ["study", "seam", "ladder"];
+const ORDER: readonly Kind[] = ["study", "seam", "ladder", "exhibit"];
 /** A worker that broke this often in a row, without one answer between, is given up. */
 const MOST_FAILURES = 3;
 /** An answer takes some milliseconds. A worker that is silent for this long hangs or never started. */

@@ -8,7 +8,11 @@ interface Exports {
   chordal_study(at: number, length: number): number;
   chordal_ladder(at: number, length: number): number;
   chordal_seam(at: number, length: number): number;
+  /** Only in the module of the exhibits. */
+  chordal_exhibit(at: number, length: number): number;
   chordal_exit(outcome: number): number;
+  chordal_bytes(outcome: number): number;
+  chordal_bytes_len(outcome: number): number;
   chordal_report(outcome: number): number;
   chordal_report_len(outcome: number): number;
   chordal_error(outcome: number): number;
@@ -38,7 +42,7 @@ export class Core {
   /** Asks one question. Throws [`Refused`] or [`Broken`]. */
   ask<K extends Kind>(kind: K, question: QuestionOf<K>): AnswerOf<K> {
     if (this.broken) throw new Broken("the module trapped before");
-    let outcome: { refused: string } | { answer: string };
+    let outcome: Said;
     try {
       outcome = this.call(kind, new TextEncoder().encode(JSON.stringify(question)));
     } catch (error) {
@@ -47,23 +51,40 @@ export class Core {
       throw new Broken(String(error));
     }
     if ("refused" in outcome) throw new Refused(outcome.refused);
-    return JSON.parse(outcome.answer) as AnswerOf<K>;
+    const { answer, arrays } = outcome;
+    return JSON.parse(answer, arrays && ((_, value: unknown) => arrayOf(value, arrays))) as AnswerOf<K>;
   }
 
-  private call(kind: Kind, question: Uint8Array): { refused: string } | { answer: string } {
+  private call(kind: Kind, question: Uint8Array): Said {
     const core = this.exports;
     const at = core.chordal_alloc(question.length);
     // Growing memory detaches every view, so each is made anew where it is used.
     new Uint8Array(core.memory.buffer, at, question.length).set(question);
     const outcome = core[`chordal_${kind}`](at, question.length);
+    const bytes = (start: number, length: number) => core.memory.buffer.slice(start, start + length);
     const text = (start: number, length: number) => new TextDecoder().decode(new Uint8Array(core.memory.buffer, start, length));
     const exit = core.chordal_exit(outcome);
-    const said =
+    const length = core.chordal_bytes_len(outcome);
+    const said: Said =
       exit === 0
-        ? { answer: text(core.chordal_report(outcome), core.chordal_report_len(outcome)) }
+        ? {
+            answer: text(core.chordal_report(outcome), core.chordal_report_len(outcome)),
+            arrays: length ? bytes(core.chordal_bytes(outcome), length) : undefined,
+          }
         : { refused: text(core.chordal_error(outcome), core.chordal_error_len(outcome)) };
     core.chordal_release(outcome);
     core.chordal_free(at, question.length);
     return said;
   }
+}
+
+/** What the module said: its sentence, or its answer with the bytes that arrays of the answer lie in. */
+type Said = { refused: string } | { answer: string; arrays: ArrayBuffer | undefined };
+
+/** `{"f32": [start, length]}` stands for numbers among the bytes. */
+function arrayOf(value: unknown, arrays: ArrayBuffer): unknown {
+  if (typeof value !== "object" || value === null) return value;
+  if ("f32" in value) return new Float32Array(arrays, ...(value.f32 as [number, number]));
+  if ("u32" in value) return new Uint32Array(arrays, ...(value.u32 as [number, number]));
+  return value;
 }

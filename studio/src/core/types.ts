@@ -108,8 +108,12 @@ export interface SeamAnswer {
   comb: [Tooth[], Tooth[]];
 }
 
+/** An exhibit asks by its name; its own file knows what the answer holds. Large arrays in it are typed arrays. */
+export type ExhibitQuestion = { exhibit: string } & Record<string, unknown>;
+
 /** Each kind of question with its question and its answer. */
 export interface Kinds {
+  exhibit: [ExhibitQuestion, unknown];
   study: [StudyQuestion, StudyAnswer];
   ladder: [LadderQuestion, LadderAnswer];
   seam: [SeamQuestion, SeamAnswer];

@@ -1,6 +1,6 @@
 // The page as `chordal studio` serves it, and what it weighs.
 import { spawn, spawnSync, type ChildProcess } from "node:child_process";
-import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
@@ -49,6 +49,11 @@ test("the link opens the page, which runs under the server's strict policy; it w
   expect(await page.evaluate(() => document.cookie), "scripts do not see the cookie").toBe("");
   await page.reload();
   await page.waitForSelector("html[data-ready]");
+  await page.goto(new URL("/quad.html", link).href);
+  await page.waitForSelector('html[data-settled] .scene[data-viewer="webgl"]');
+  await page.goto(new URL("/exhibits.zh.html", link).href);
+  expect(await page.locator(".cards a").count()).toBeGreaterThan(6);
+  expect(errors).toEqual([]);
 
   const stranger = await site.browser.newContext();
   expect((await (await stranger.newPage()).goto(link))!.status()).toBe(403);
@@ -80,13 +85,23 @@ test("the page's module and the command give the same points, bit for bit", asyn
   rmSync(folder, { recursive: true });
 });
 
-test("the page weighs less than a megabyte, compressed, all files together", () => {
+test("all pages together weigh less than two megabytes, compressed, and the first one loads less than 400 kB", async () => {
   const files = readdirSync(DIST, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
-  const sizes = files.map((entry) => gzipSync(readFileSync(join(entry.parentPath, entry.name)), { level: 9 }).length);
-  const all = sizes.reduce((sum, size) => sum + size, 0);
-  console.log(`the page: ${files.length} files, ${Math.round(all / 1000)} kB compressed`);
-  expect(files.length).toBe(6);
-  expect(all).toBeLessThan(1_000_000);
+  const weight = (path: string) => gzipSync(readFileSync(path), { level: 9 }).length;
+  const all = files.reduce((sum, entry) => sum + weight(join(entry.parentPath, entry.name)), 0);
+  console.log(`all pages: ${files.length} files, ${Math.round(all / 1000)} kB compressed`);
+  expect(all).toBeLessThan(2_000_000);
+  const loaded = new Set<string>();
+  const { page } = await site.ready("", {
+    prepare: async (page) => page.on("request", (request) => loaded.add(new URL(request.url()).pathname)),
+  });
+  await settled(page);
+  const first = [...loaded].map((path) => path.replace("/some/where/", "") || "index.html").filter((path) => existsSync(join(DIST, path)));
+  const mine = first.reduce((sum, path) => sum + weight(join(DIST, path)), 0);
+  console.log(`the first page: ${first.length} files, ${Math.round(mine / 1000)} kB compressed`);
+  expect(first.length).toBeGreaterThan(4);
+  expect(mine).toBeLessThan(400_000);
+  await page.context().close();
 });
 
 test("the page asks no other host for anything", () => {

@@ -12,6 +12,7 @@ import { type Browser, type BrowserContextOptions, type Page, chromium } from "p
 export const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 export const DIST = join(ROOT, "dist/page");
 export const WASM = join(ROOT, "wasm/chordal.wasm");
+export const EXHIBITS_WASM = join(ROOT, "wasm/exhibits.wasm");
 
 const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
 const FLAGS = [

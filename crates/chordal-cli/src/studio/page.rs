@@ -13,8 +13,8 @@ mod built {
 
 /// The most bytes of one file: ten times what the whole page weighs.
 const MOST_BYTES: u64 = 16 << 20;
-/// The most files of a folder that is served.
-const MOST_FILES: usize = 64;
+/// The most files of a folder that is served: every exhibit has two pages and a script or two.
+const MOST_FILES: usize = 256;
 
 /// One file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -85,7 +85,7 @@ impl StudioPage {
                     continue;
                 }
                 if data.len() > MOST_BYTES || files.len() == MOST_FILES {
-                    return Err(fault(&path, "a page has at most 64 files of 16 MiB each"));
+                    return Err(fault(&path, "a page has at most 256 files of 16 MiB each"));
                 }
                 let bytes = fs::read(&path).map_err(|error| fault(&path, &plainly(&error)))?;
                 files.insert(format!("{prefix}{name}"), PageFile { bytes: bytes.into(), kind });

@@ -1,0 +1,65 @@
+//! What the exhibits of the studio ask: each file answers one of them, by functions of the library.
+mod answer;
+mod culling;
+mod doctor;
+mod indexed;
+mod inside;
+mod normals;
+mod quad;
+mod request;
+mod shapes;
+mod weights;
+
+use crate::outcome::Outcome;
+use answer::ExhibitAnswer;
+use request::ExhibitRequest;
+
+/// Answers `{"exhibit": …}`.
+pub(crate) fn outcome(question: &[u8]) -> Outcome {
+    match answered(question) {
+        Ok(answer) => answer.into_outcome(),
+        Err(error) => Outcome::failed(2, error),
+    }
+}
+
+fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
+    let (name, asked) = ExhibitRequest::parse(question)?;
+    match name.as_str() {
+        "quad" => quad::quad(&asked),
+        "inside" => inside::inside(&asked),
+        "weights" => weights::weights(&asked),
+        "indexed" => indexed::indexed(&asked),
+        "normals" => normals::normals(&asked),
+        "culling" => culling::culling(&asked),
+        "doctor" => doctor::doctor(&asked),
+        _ => Err(format!("there is no exhibit '{name}'")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_question_that_makes_no_sense_is_refused_in_a_sentence() {
+        for (question, part) in [
+            ("", "JSON"),
+            ("[]", "object"),
+            ("{}", "exhibit"),
+            (r#"{"exhibit": "nothing"}"#, "nothing"),
+            (r#"{"exhibit": "quad", "colour": 1}"#, "colour"),
+            (r#"{"exhibit": "quad", "corners": [[0, 0, 0]]}"#, "corners"),
+            (r#"{"exhibit": "inside", "corners": [[0, 0], [1, 0], [0, 1e9]], "point": [0, 0]}"#, "corners"),
+            (r#"{"exhibit": "indexed", "shape": "cow", "length": 0.1}"#, "teapot"),
+            (r#"{"exhibit": "indexed", "shape": "teapot", "length": 0}"#, "length"),
+            (r#"{"exhibit": "normals", "shape": "cube", "crease_deg": 181}"#, "crease_deg"),
+            (r#"{"exhibit": "culling", "shape": "ball", "flipped": [80], "eye": [0, 0, 9]}"#, "flipped"),
+            (r#"{"exhibit": "doctor", "patient": "hole", "cures": ["luck"]}"#, "luck"),
+        ] {
+            let outcome = outcome(question.as_bytes());
+            let error = String::from_utf8(outcome.error).unwrap();
+            assert_eq!(outcome.exit, 2, "{question}");
+            assert!(error.contains(part) && !error.contains('\n'), "{question}: {error}");
+        }
+    }
+}

@@ -1,0 +1,53 @@
+// A figure in the plane: 12 by 8 units, y up.
+import type { Children } from "./exhibit";
+import { Grip, px } from "./Grip";
+
+export type Point = readonly [number, number];
+
+const SCALE = 60;
+export const FLAT = { width: 12, height: 8 } as const;
+/** An eighth of a unit is as fine as a hand is; the arrow keys move by this. */
+const GRID = 0.05;
+
+export const toSvg = ([x, y]: Point): Point => [x * SCALE, (FLAT.height - y) * SCALE];
+export const at = (point: Point) => toSvg(point).map(px).join(" ");
+export const path = (points: readonly Point[], isClosed = true) => `M${points.map(at).join("L")}${isClosed ? "z" : ""}`;
+
+/** Inside the figure, on a grid that the address can hold. */
+export function kept([x, y]: Point): Point {
+  const within = (value: number, most: number) => Math.round(Math.min(Math.max(value, 0.3), most - 0.3) * 100) / 100;
+  return [within(x, FLAT.width), within(y, FLAT.height)];
+}
+
+export function Flat({ name, children }: { name: string; children: Children }) {
+  return (
+    <svg class="flat" data-figure viewBox={`0 0 ${FLAT.width * SCALE} ${FLAT.height * SCALE}`} role="group" aria-label={name}>
+      {children}
+    </svg>
+  );
+}
+
+interface DotProps {
+  name: string;
+  spoken: string;
+  place: Point;
+  isStill: boolean;
+  move(change: (from: Point) => Point): void;
+}
+
+/** A point of the plane to drag. */
+export function Dot({ name, spoken, place, isStill, move }: DotProps) {
+  return (
+    <Grip
+      name={name}
+      spoken={spoken}
+      now={place[0]}
+      low={0}
+      high={FLAT.width}
+      at={toSvg(place)}
+      isStill={isStill}
+      grab={() => (dx, dy) => move(() => kept([place[0] + dx / SCALE, place[1] - dy / SCALE]))}
+      step={(right, up) => move(([x, y]) => kept([x + right * 2 * GRID, y + (Math.abs(up) === Infinity ? 0 : up * 2 * GRID)]))}
+    />
+  );
+}

@@ -1,0 +1,203 @@
+// What all exhibits share: title and claim, figure and handle, the live number, the text, the way through them.
+import { Figure as Data } from "../view/parts";
+import type { AnyExhibit, LiveNumber, Page } from "./exhibit";
+import { EXHIBITS, type Entry, PARTS, fileOf } from "./index";
+import { FRAME } from "./frame_texts";
+import { LANGUAGES, type Language, Say, TAGS } from "./say";
+
+export interface FrameProps {
+  entry: Entry;
+  exhibit: AnyExhibit;
+  state: object;
+  answer: unknown;
+  language: Language;
+  /** The fragment of the state, without `#`; the other language's page opens with it. */
+  fragment: string;
+  isStill: boolean;
+  isEmbedded: boolean;
+  notes: readonly string[];
+  set: Page<object, unknown, unknown>["set"];
+}
+
+export function Frame(props: FrameProps) {
+  const { entry, exhibit, language, isStill, isEmbedded, notes } = props;
+  const say = new Say(language);
+  const texts = exhibit.texts[language];
+  const words = FRAME[language];
+  const page = { state: props.state, answer: props.answer, say, texts, set: props.set, isStill, isSmall: false };
+  const number: LiveNumber = exhibit.number(page);
+  const n = EXHIBITS.indexOf(entry) + 1;
+  return (
+    <div class={`page exhibit${isEmbedded ? " embedded" : ""}`}>
+      {!isEmbedded && (
+        <>
+          <a class="skip" href="#figure" onClick={jump}>
+            {words.skip}
+          </a>
+          <Head {...props} />
+        </>
+      )}
+      <main>
+        <p class="kicker">
+          {words.part(entry.part)} · {PARTS[entry.part][language]}
+        </p>
+        <h1>{entry.claim[language]}</h1>
+        <div class="notes">
+          {notes.map((note) => (
+            <p class="note" role="alert" key={note}>
+              {note}
+            </p>
+          ))}
+        </div>
+        <div class="bench">
+          <div class="wide">
+            <div class="stage" id="figure" tabindex={-1}>
+              <exhibit.Figure page={page} />
+              <p class="aside hint" id="hint">
+                {isStill ? words.still : texts.hint}
+              </p>
+            </div>
+            {!isEmbedded && (
+              <div class="prose">
+                {texts.story.map((text: string) => (
+                  <p key={text}>{emphasized(text)}</p>
+                ))}
+              </div>
+            )}
+          </div>
+          <div class="narrow">
+            <div class="panel">
+              <div class={`live ${number.tone}`}>
+                <h2>{number.label}</h2>
+                <p class="big">
+                  <Data name="live" value={number.value}>
+                    {number.shown}
+                  </Data>
+                </p>
+                <p class="meaning">{number.meaning}</p>
+              </div>
+              <exhibit.Panel page={page} />
+            </div>
+            {!isEmbedded && (
+              <aside class="attempts">
+                <h2>{words.attempts}</h2>
+                <ul>
+                  {texts.attempts.map((text: string) => (
+                    <li key={text}>{emphasized(text)}</li>
+                  ))}
+                </ul>
+              </aside>
+            )}
+          </div>
+        </div>
+      </main>
+      {!isEmbedded && (
+        <>
+          <Onward n={n} language={language} />
+          <footer>
+            <p>{words.footer}</p>
+          </footer>
+        </>
+      )}
+    </div>
+  );
+}
+
+function Head({ entry, language, fragment }: FrameProps) {
+  const words = FRAME[language];
+  return (
+    <header>
+      <a class="brand" href={fileOf("exhibits", language)}>
+        <Mark />
+        {words.all}
+      </a>
+      <nav class="path" aria-label={words.path}>
+        <ol>
+          {EXHIBITS.map((other, i) => (
+            <li key={other.id} class={other.part !== EXHIBITS[i - 1]?.part && i ? "next-part" : ""}>
+              <a
+                href={fileOf(other.id, language)}
+                title={other.title[language]}
+                aria-label={`${i + 1}: ${other.title[language]}`}
+                {...(other === entry ? { "aria-current": "page" as const } : {})}
+              >
+                {i + 1}
+              </a>
+            </li>
+          ))}
+        </ol>
+      </nav>
+      <Languages language={language} file={(other) => fileOf(entry.id, other) + (fragment && `#${fragment}`)} />
+    </header>
+  );
+}
+
+export function Languages({ language, file }: { language: Language; file: (language: Language) => string }) {
+  const names: Record<Language, string> = { en: "English", zh: "中文" };
+  return (
+    <nav class="language" aria-label={FRAME[language].language}>
+      {LANGUAGES.map((other) => (
+        <a
+          key={other}
+          href={file(other)}
+          lang={TAGS[other]}
+          hreflang={TAGS[other]}
+          {...(other === language ? { "aria-current": "true" as const } : {})}
+        >
+          {names[other]}
+        </a>
+      ))}
+    </nav>
+  );
+}
+
+function Onward({ n, language }: { n: number; language: Language }) {
+  const words = FRAME[language];
+  const [before, after] = [EXHIBITS[n - 2], EXHIBITS[n]];
+  return (
+    <nav class="onward" aria-label={words.onward}>
+      {before ? (
+        <a rel="prev" href={fileOf(before.id, language)}>
+          <small>← {words.previous}</small>
+          {before.title[language]}
+        </a>
+      ) : (
+        <a href={fileOf("exhibits", language)}>
+          <small>← {words.back}</small>
+          {words.all}
+        </a>
+      )}
+      {after ? (
+        <a rel="next" href={fileOf(after.id, language)}>
+          <small>{words.next} →</small>
+          {after.title[language]}
+        </a>
+      ) : (
+        <a rel="next" href={language === "en" ? "index.html" : `${language}.html`}>
+          <small>{words.next} →</small>
+          {words.widget}
+        </a>
+      )}
+    </nav>
+  );
+}
+
+export function Mark() {
+  return (
+    <svg width="34" height="20" viewBox="0 0 34 20" aria-hidden="true">
+      <path class="mark-curve" d="M2 17C7-3 27-3 32 17" />
+      <path class="mark-chain" d="M2 17L9.5 6L17 2.5L24.5 6L32 17" />
+    </svg>
+  );
+}
+
+/** `*word*` is emphasized. */
+function emphasized(text: string) {
+  return text.split("*").map((part, i) => (i % 2 ? <em key={i}>{part}</em> : part));
+}
+
+/** The fragment holds the state, so the focus is moved without it. */
+function jump(event: Event) {
+  event.preventDefault();
+  document.getElementById("figure")?.focus();
+}

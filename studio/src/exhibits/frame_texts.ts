@@ -1,0 +1,74 @@
+// What every exhibit's page says besides its own words.
+import type { Language } from "./say";
+
+interface FrameTexts {
+  all: string;
+  lead: string;
+  path: string;
+  language: string;
+  skip: string;
+  attempts: string;
+  previous: string;
+  next: string;
+  back: string;
+  onward: string;
+  widget: string;
+  widgetClaim: string;
+  still: string;
+  turn: string;
+  footer: string;
+  damaged: string;
+  rebuilt: string;
+  lost: string;
+  part(n: number): string;
+  refused(why: string): string;
+}
+
+export const FRAME: Record<Language, FrameTexts> = {
+  en: {
+    all: "Chordal exhibits",
+    lead: "Each page has one claim, one handle and one number. Move the handle, watch the number, and see whether you believe the claim. Take them in order, or begin anywhere.",
+    path: "All exhibits",
+    language: "Language",
+    skip: "Skip to the figure",
+    attempts: "Try this",
+    previous: "Before",
+    next: "Next",
+    back: "Back",
+    onward: "Before and after",
+    widget: "How many segments until it looks smooth?",
+    widgetClaim: "Twice the segments, a quarter of the error.",
+    still: "This is a still picture. With JavaScript and WebAssembly it can be moved.",
+    turn: "Drag to turn, two fingers or Ctrl and the wheel to zoom. Keys: arrows turn, Shift with arrows shifts, + and − zoom, Home goes back.",
+    footer:
+      "Every number here is computed by Chordal’s core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address holds what you have changed.",
+    damaged: "Part of this address could not be read. What was missing is as it usually is.",
+    rebuilt: "The calculation broke down and was started again. Nothing of yours is lost.",
+    lost: "The calculation does not run here: WebAssembly broke down several times. What you see no longer follows your changes; load the page again to try once more.",
+    part: (n) => `Part ${n}`,
+    refused: (why) => `The core refused this: ${why}`,
+  },
+  zh: {
+    all: "Chordal 展品",
+    lead: "每一页只有一个论断、一个可拖动的控制点和一个数字。拖一拖，看数字怎样变，再判断论断是否可信。可以按顺序看，也可以从任何一页开始。",
+    path: "全部展品",
+    language: "语言",
+    skip: "跳到图形",
+    attempts: "试一试",
+    previous: "上一个",
+    next: "下一个",
+    back: "返回",
+    onward: "前后展品",
+    widget: "多少条线段才显得光滑？",
+    widgetClaim: "线段数加倍，误差降到四分之一。",
+    still: "这是静态图。启用 JavaScript 和 WebAssembly 后即可操作。",
+    turn: "拖动旋转；双指或 Ctrl 加滚轮缩放。键盘：方向键旋转，Shift 加方向键平移，+ 和 − 缩放，Home 复位。",
+    footer:
+      "这里的每个数字都由 Chordal 的内核算出，与命令行和库是同一份代码，编译成 WebAssembly。不向任何地方发送数据。地址里记录了你所做的改动。",
+    damaged: "地址中有一部分无法识别，相应内容已恢复为默认值。",
+    rebuilt: "计算出错，已重新启动。你的改动没有丢失。",
+    lost: "计算无法在这里运行：WebAssembly 多次出错。画面不再随你的操作变化；请重新载入页面再试。",
+    part: (n) => `第 ${n} 部分`,
+    refused: (why) => `内核拒绝了这个请求：${why}`,
+  },
+};

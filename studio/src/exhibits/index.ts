@@ -1,0 +1,99 @@
+// The exhibits in the lesson's order. A page each: `<id>.html` and `<id>.zh.html`.
+import type { AnyExhibit } from "./exhibit";
+import type { Language } from "./say";
+
+type Both = Record<Language, string>;
+
+export interface Entry {
+  id: string;
+  part: 1 | 2 | 3 | 4 | 5;
+  title: Both;
+  /** One sentence that the exhibit lets one see for oneself. */
+  claim: Both;
+  load(): Promise<{ default: AnyExhibit }>;
+}
+
+/** The five moves of the lesson. */
+export const PARTS: Record<Entry["part"], Both> = {
+  1: { en: "The triangle is the atom", zh: "三角形是原子" },
+  2: { en: "The mesh stores millions", zh: "网格存下百万个三角形" },
+  3: { en: "Authored smooth", zh: "以光滑曲面创作" },
+  4: { en: "The other answer: f(x) = 0", zh: "另一种回答：f(x) = 0" },
+  5: { en: "The cost", zh: "代价" },
+};
+
+export const EXHIBITS: readonly Entry[] = [
+  {
+    id: "quad",
+    part: 1,
+    title: { en: "Three corners or four", zh: "三个角还是四个角" },
+    claim: {
+      en: "Three points always lie in one plane. A fourth can leave it.",
+      zh: "三点必共面，第四点却可以离开这个平面。",
+    },
+    load: () => import("./quad"),
+  },
+  {
+    id: "inside",
+    part: 1,
+    title: { en: "Inside, by three signs", zh: "三个符号判定内外" },
+    claim: {
+      en: "A point is inside a triangle when it lies on the same side of all three edges.",
+      zh: "点位于三条边的同一侧，就在三角形内。",
+    },
+    load: () => import("./inside"),
+  },
+  {
+    id: "weights",
+    part: 1,
+    title: { en: "Three weights", zh: "三个权重" },
+    claim: {
+      en: "Three corners blend in one way only. Four corners leave a choice.",
+      zh: "三个角的混合方式唯一；四个角就有歧义。",
+    },
+    load: () => import("./weights"),
+  },
+  {
+    id: "indexed",
+    part: 2,
+    title: { en: "Store each corner once", zh: "每个顶点只存一次" },
+    claim: {
+      en: "About six triangles share a vertex, so an index makes a mesh less than half as large.",
+      zh: "一个顶点约由六个三角形共用，用索引存储，网格大小不到一半。",
+    },
+    load: () => import("./indexed"),
+  },
+  {
+    id: "normals",
+    part: 2,
+    title: { en: "Where normals live", zh: "法线放在哪里" },
+    claim: {
+      en: "Faceted or round is a matter of normals, not of triangles.",
+      zh: "看起来有棱还是圆滑，取决于法线，而不是三角形。",
+    },
+    load: () => import("./normals"),
+  },
+  {
+    id: "culling",
+    part: 2,
+    title: { en: "Which way round", zh: "环绕方向" },
+    claim: {
+      en: "The order of three corners says which side is the front, and culling believes it.",
+      zh: "三个顶点的次序决定哪面是正面，背面剔除只认这个次序。",
+    },
+    load: () => import("./culling"),
+  },
+  {
+    id: "doctor",
+    part: 2,
+    title: { en: "The mesh doctor", zh: "网格医生" },
+    claim: {
+      en: "A mesh has an inside when every edge joins exactly two triangles that agree.",
+      zh: "每条边恰好连接两个方向一致的三角形，网格才分得出内外。",
+    },
+    load: () => import("./doctor"),
+  },
+];
+
+/** The file of an exhibit's page. */
+export const fileOf = (id: string, language: Language) => (language === "en" ? `${id}.html` : `${id}.${language}.html`);

@@ -1,0 +1,308 @@
+// One mesh, stored with an index and without.
+import { Choice, Figure as Data, Slider } from "../view/parts";
+import { type MeshLayer, type Picture, type Vec3, type View, exploded } from "../viewer";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { number, view, word } from "./fragment";
+import { FRAME } from "./frame_texts";
+import { PAINT } from "./paint";
+import { Scene } from "./Scene";
+import type { Language } from "./say";
+
+interface State {
+  /** The largest distance from the teapot that is allowed, as a stop of the slider. */
+  stop: number;
+  storage: "indexed" | "unindexed";
+  view: View;
+}
+
+interface Answer {
+  mesh: { positions: Float32Array; indices: Uint32Array };
+  normals: Float32Array;
+  triangles: number;
+  vertices: number;
+  bytes: number;
+  position_bytes: number;
+  unindexed_bytes: number;
+  times: number;
+  triangles_per_vertex: number;
+  vertex: { row: number; at: Vec3; faces: number[] };
+}
+
+/** The stops of the slider: from 0.5 units down to 0.005, by a fifth each time. */
+const STOPS = Array.from({ length: 22 }, (_, i) => Number((0.5 * 0.8 ** i).toPrecision(3)));
+const HOME: View = { azimuth: -68, elevation: 22, distance: 10.6, target: [0.35, 0, 1.5] };
+const defaults: State = { stop: 4, storage: "indexed", view: HOME };
+/** On the belly, where one looks first. */
+const NEAR: Vec3 = [0.35, -1.9, 1.3];
+
+interface Texts extends CommonTexts {
+  figure: string;
+  handle: string;
+  finer(n: string): string;
+  storage: string;
+  indexed: string;
+  unindexed: string;
+  label: Record<State["storage"], string>;
+  meaning: Record<State["storage"], (times: string, n: string) => string>;
+  positions: string;
+  indices: string;
+  triangles: string;
+  vertices: string;
+  perVertex: string;
+  here: string;
+  shared(n: string): string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: FRAME.en.turn,
+    figure: "A teapot of triangles; those that share one marked vertex are yellow",
+    handle: "Triangles",
+    finer: (n) => `${n} triangles`,
+    storage: "Stored",
+    indexed: "with an index",
+    unindexed: "corner by corner",
+    label: { indexed: "Bytes with an index", unindexed: "Bytes without an index" },
+    meaning: {
+      indexed: (times, n) =>
+        `Without an index it would be ${times} times as much. A vertex is used by ${n} triangles on average.`,
+      unindexed: (times, n) =>
+        `${times} times as much as with an index: every corner is written again for each of the ${n} triangles around it.`,
+    },
+    positions: "positions, 12 bytes each",
+    indices: "indices, 6 bytes a triangle",
+    triangles: "Triangles",
+    vertices: "Vertices",
+    perVertex: "Triangles at a vertex, mean",
+    here: "At the marked vertex",
+    shared: (n) => `${n}`,
+    story: [
+      "In a closed surface of triangles every triangle has three edges and every edge two triangles. Euler’s formula then leaves about half as many vertices as triangles, so *about six triangles share a vertex*.",
+      "Written corner by corner, a triangle takes 36 bytes: three positions of three numbers of four bytes. With a list of vertices, and for each triangle three small numbers that point into it, a vertex takes 12 bytes and a triangle 6. For every vertex there are two triangles: 24 bytes instead of 72.",
+      "What rides along with a position (normal, colour, texture coordinate) is stored once, too, and moved once when the shape moves. And a vertex that was just computed need not be computed again for the next triangle that uses it.",
+      "An index also says what belongs together. Corner by corner, two triangles touch only because their numbers happen to agree; that is how an STL file is written, and why it has to be welded before anyone can ask for a neighbour.",
+    ],
+    attempts: [
+      "Store it corner by corner: the triangles come apart, for nothing ties them together.",
+      "Give it more triangles. The mean number at a vertex comes closer to six: the rims, where it is less, count for less.",
+    ],
+  },
+  zh: {
+    hint: FRAME.zh.turn,
+    figure: "由三角形构成的茶壶；共用同一个标出顶点的三角形为黄色",
+    handle: "三角形数",
+    finer: (n) => `${n} 个三角形`,
+    storage: "存储方式",
+    indexed: "带索引",
+    unindexed: "逐角存储",
+    label: { indexed: "带索引时的字节数", unindexed: "不带索引时的字节数" },
+    meaning: {
+      indexed: (times, n) => `不带索引则要 ${times} 倍。平均每个顶点由 ${n} 个三角形共用。`,
+      unindexed: (times, n) => `是带索引时的 ${times} 倍：每个顶点周围平均有 ${n} 个三角形，就要重写这么多次。`,
+    },
+    positions: "位置，每个 12 字节",
+    indices: "索引，每个三角形 6 字节",
+    triangles: "三角形",
+    vertices: "顶点",
+    perVertex: "每个顶点的三角形数（平均）",
+    here: "标出的顶点处",
+    shared: (n) => `${n} 个`,
+    story: [
+      "在封闭的三角形曲面上，每个三角形有三条边，每条边属于两个三角形。由欧拉公式可知，顶点数约为三角形数的一半，因此*一个顶点约由六个三角形共用*。",
+      "逐角存储时，一个三角形要 36 字节：三个位置，各三个数，每个数四字节。改为一个顶点表，再为每个三角形存三个指向表中的小整数，则每个顶点 12 字节，每个三角形 6 字节。一个顶点摊到两个三角形：24 字节对 72 字节。",
+      "随位置存放的属性（法线、颜色、纹理坐标）同样只存一次；形状变化时也只移动一次。刚算过的顶点，下一个用到它的三角形不必再算。",
+      "索引还说明谁与谁相连。逐角存储时，两个三角形只是坐标恰好相等才挨在一起；STL 文件就是这样写的，所以要先焊接顶点，才谈得上相邻关系。",
+    ],
+    attempts: [
+      "改为逐角存储：三角形散开了，因为没有任何东西把它们连在一起。",
+      "增加三角形：每个顶点的平均数更接近六，因为不足六个的壶口边缘所占比例变小了。",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+
+/** Exploded triangles are kept for as long as the mesh is the same. */
+let apart: { of: Float32Array; made: ReturnType<typeof exploded>; ground: Float32Array } | undefined;
+
+/** A little below the surface, so that one does not look through the gaps to the far side. */
+const sunken = ({ mesh, normals }: Answer) => mesh.positions.map((x, i) => x - 0.04 * normals[i]!);
+
+function pictureOf({ state, answer }: Page): Picture {
+  const isApart = state.storage === "unindexed";
+  const of = answer.mesh.positions;
+  if (isApart && apart?.of !== of) apart = { of, made: exploded(answer.mesh, 0.16), ground: sunken(answer) };
+  const { positions, indices } = isApart ? apart!.made : answer.mesh;
+  const groups = new Uint32Array(indices.length / 3);
+  for (const face of answer.vertex.faces) groups[face] = 1;
+  const mesh: MeshLayer = {
+    kind: "mesh",
+    id: "teapot",
+    positions,
+    indices,
+    groups: { of: groups, paints: [PAINT.front, PAINT.mark] },
+    paint: PAINT.front,
+    shading: "flat",
+    sides: "both",
+  };
+  const corners = answer.vertex.faces.flatMap((face) =>
+    [0, 1, 2]
+      .filter((k) => answer.mesh.indices[3 * face + k] === answer.vertex.row)
+      .flatMap((k) => [...positions.subarray(9 * face + 3 * k, 9 * face + 3 * k + 3)]),
+  );
+  const dots = new Float32Array(isApart ? corners : answer.vertex.at);
+  const isFine = answer.triangles > 4000;
+  return {
+    layers: [
+      ...(isApart
+        ? ([
+            {
+              kind: "mesh",
+              id: "ground",
+              positions: apart!.ground,
+              indices: answer.mesh.indices,
+              paint: "--raised",
+              shading: "none",
+              sides: "both",
+            },
+          ] as const)
+        : []),
+      mesh,
+      ...(isApart
+        ? []
+        : ([{ kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: isFine ? 0.6 : 1 }] as const)),
+      { kind: "points", id: "dots", positions: dots, paint: "--gap", size: isApart ? 7 : 10, isOnTop: true },
+    ],
+  };
+}
+
+function Figure({ page }: { page: Page }) {
+  const { state, texts, set, isStill } = page;
+  return (
+    <Scene
+      name={texts.figure}
+      help="hint"
+      picture={pictureOf(page)}
+      view={state.view}
+      home={HOME}
+      look={(view) => set({ view })}
+      isStill={isStill}
+    />
+  );
+}
+
+function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
+  const { storage } = state;
+  const value = storage === "indexed" ? answer.bytes : answer.unindexed_bytes;
+  return {
+    value,
+    shown: say.bytes(value),
+    label: texts.label[storage],
+    meaning: texts.meaning[storage](say.number(answer.times), say.number(answer.triangles_per_vertex)),
+    tone: storage === "indexed" ? "good" : "bad",
+  };
+}
+
+const WIDE = 300;
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const wide = (bytes: number) => (WIDE * bytes) / answer.unindexed_bytes;
+  return (
+    <>
+      <Slider
+        id="triangles"
+        label={texts.handle}
+        shown={
+          <Data name="triangles" value={answer.triangles}>
+            {say.whole(answer.triangles)}
+          </Data>
+        }
+        spoken={texts.finer(say.whole(answer.triangles))}
+        low={0}
+        high={STOPS.length - 1}
+        step={1}
+        value={state.stop}
+        choose={(stop) => set({ stop })}
+      />
+      <Choice
+        name="storage"
+        legend={texts.storage}
+        value={state.storage}
+        options={[
+          { value: "indexed", label: texts.indexed },
+          { value: "unindexed", label: texts.unindexed },
+        ]}
+        choose={(storage) => set({ storage })}
+      />
+      <div>
+        <svg
+          class="bytes"
+          viewBox={`0 0 ${WIDE} 96`}
+          role="img"
+          aria-label={`${texts.label.indexed}: ${say.bytes(answer.bytes)}. ${texts.label.unindexed}: ${say.bytes(answer.unindexed_bytes)}.`}
+        >
+          <text x="0" y="13" class={state.storage === "indexed" ? "chosen" : ""}>
+            {texts.indexed}: {say.bytes(answer.bytes)}
+          </text>
+          <rect class="positions" x="0" y="20" height="18" width={wide(answer.position_bytes)} />
+          <rect
+            class="indices"
+            x={wide(answer.position_bytes)}
+            y="20"
+            height="18"
+            width={wide(answer.bytes - answer.position_bytes)}
+          />
+          <text x="0" y="62" class={state.storage === "unindexed" ? "chosen" : ""}>
+            {texts.unindexed}: {say.bytes(answer.unindexed_bytes)}
+          </text>
+          <rect class="positions" x="0" y="69" height="18" width={WIDE} />
+        </svg>
+        <p class="legend">
+          <span class="positions">{texts.positions}</span>
+          <span class="indices">{texts.indices}</span>
+        </p>
+      </div>
+      <dl>
+        <div>
+          <dt>{texts.vertices}</dt>
+          <dd>
+            <Data name="vertices" value={answer.vertices}>
+              {say.whole(answer.vertices)}
+            </Data>
+          </dd>
+        </div>
+        <div>
+          <dt>{texts.perVertex}</dt>
+          <dd>
+            <Data name="per-vertex" value={answer.triangles_per_vertex}>
+              {say.fixed(answer.triangles_per_vertex)}
+            </Data>
+          </dd>
+        </div>
+        <div>
+          <dt>{texts.here}</dt>
+          <dd>
+            <Data name="ring" value={answer.vertex.faces.length}>
+              {texts.shared(String(answer.vertex.faces.length))}
+            </Data>
+          </dd>
+        </div>
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: {
+    stop: ["n", number(0, STOPS.length - 1)],
+    storage: ["s", word("indexed", "unindexed")],
+    view: ["o", view],
+  },
+  question: ({ stop }) => ({ shape: "teapot", length: STOPS[stop], near: NEAR }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

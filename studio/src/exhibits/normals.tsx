@@ -1,0 +1,270 @@
+// Where normals live: on faces, on shared vertices, or on vertices that hard edges split.
+import { Choice, Figure as Data, Slider } from "../view/parts";
+import { type Picture, type View, middles } from "../viewer";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { flag, number, view, word } from "./fragment";
+import { FRAME } from "./frame_texts";
+import { PAINT } from "./paint";
+import { Scene } from "./Scene";
+import type { Language } from "./say";
+
+type Body = "cube" | "cylinder" | "ball";
+
+interface State {
+  shape: Body;
+  crease: number;
+  on: "vertices" | "faces";
+  arrows: boolean;
+  view: View;
+}
+
+interface Answer {
+  mesh: { positions: Float32Array; indices: Uint32Array };
+  normals: Float32Array;
+  face_normals: Float32Array;
+  vertices: number;
+  positions: number;
+  triangles: number;
+  bytes: number;
+}
+
+const HOME: View = { azimuth: -58, elevation: 26, distance: 8.8, target: [0, 0, 0] };
+const defaults: State = { shape: "cube", crease: 60, on: "vertices", arrows: true, view: HOME };
+/** Each as large in the picture as the others. */
+const homeOf = (shape: Body): View => ({ ...HOME, distance: { cube: 8.8, cylinder: 7.2, ball: 5.2 }[shape] });
+const BODIES: readonly Body[] = ["cube", "cylinder", "ball"];
+
+interface Texts extends CommonTexts {
+  figure: string;
+  handle: string;
+  help: string;
+  shape: string;
+  shapes: Record<Body, string>;
+  on: string;
+  vertices: string;
+  faces: string;
+  arrows: string;
+  label: string;
+  places: string;
+  bytes: string;
+  triangles: string;
+  none: string;
+  all: string;
+  some(n: string): string;
+  facesOnly: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: FRAME.en.turn,
+    figure: "A body with its normals as strokes",
+    handle: "An edge is hard from",
+    help: "Where two faces meet at a sharper angle, their vertices are split and each side keeps a normal of its own.",
+    shape: "Body",
+    shapes: { cube: "cube", cylinder: "cylinder", ball: "ball" },
+    on: "Light it by normals of",
+    vertices: "vertices",
+    faces: "faces",
+    arrows: "Show the normals",
+    label: "Vertices to store",
+    places: "Corners in space",
+    bytes: "Position and normal, 24 bytes each",
+    triangles: "Triangles",
+    none: "Every corner is stored once: no edge is hard, and the light flows around all of them.",
+    all: "Each face has corners of its own: flat, facet by facet.",
+    some: (n) => `${n} more than there are corners: along hard edges a corner is stored once for each side.`,
+    facesOnly: "Lit by faces, each triangle has one tone: right for a cut gem, wrong for a ball.",
+    story: [
+      "A triangle’s normal is normalize((v₁ − v₀) × (v₂ − v₀)): one direction, one tone. That is *flat shading*. It shows every facet, as it should for a gem and should not for a ball.",
+      "Average the normals of the faces around each vertex, blend them across each triangle, and the same coarse mesh looks round: *smooth shading*. Not one triangle was added; only the outline still gives it away.",
+      "A cube shaded smoothly looks like an inflated cushion, for an average across a hard edge belongs to neither side. So at a hard edge the corner is stored twice, with two normals. A cube’s corner has three hard edges and three sides: 8 corners become *24 vertices*. That is why a cube in a game has 24.",
+      "One number decides which edges are hard: the angle between the faces on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two gives both what they need.",
+    ],
+    attempts: [
+      "Move the angle past 90° on the cube: 24 falls to 8, and the light goes wrong.",
+      "Choose the cylinder and find the angles where it is round and its rims are sharp.",
+      "Choose the ball. Between which angles is it flat, and what does that cost?",
+    ],
+  },
+  zh: {
+    hint: FRAME.zh.turn,
+    figure: "一个物体，法线画成短线",
+    handle: "硬边的最小夹角",
+    help: "两个面的夹角大于它时，公共边上的顶点被拆开，两侧各有自己的法线。",
+    shape: "物体",
+    shapes: { cube: "立方体", cylinder: "圆柱", ball: "球" },
+    on: "按哪种法线着色",
+    vertices: "顶点法线",
+    faces: "面法线",
+    arrows: "显示法线",
+    label: "需要存储的顶点数",
+    places: "空间中的顶点",
+    bytes: "位置与法线，每个 24 字节",
+    triangles: "三角形",
+    none: "每个顶点只存一次：没有硬边，明暗在所有边上连续过渡。",
+    all: "每个面都有自己的顶点：逐面平直着色。",
+    some: (n) => `比空间中的顶点多 ${n} 个：硬边上的顶点要为每一侧各存一次。`,
+    facesOnly: "按面法线着色，每个三角形只有一种明暗：适合切割的宝石，不适合球。",
+    story: [
+      "三角形的法线是 normalize((v₁ − v₀) × (v₂ − v₀))：一个方向，一种明暗，这就是*平直着色*。每个小面都看得见：宝石应当如此，球则不该。",
+      "把每个顶点周围各面的法线取平均，再在三角形内插值，同样粗糙的网格看起来就圆了：*平滑着色*。三角形一个没多，只有轮廓还露出破绽。",
+      "立方体若用平滑着色，就像充了气的枕头，因为跨过硬边的平均值对哪一侧都不对。于是硬边上的顶点要存多份，各带各的法线。立方体的一个角有三条硬边、三个面：8 个角变成 *24 个顶点*。游戏里的立方体有 24 个顶点，就是这个道理。",
+      "哪些边是硬边，由一个数决定：两侧面法线的夹角。立方体处处是 90°；24 边的圆柱侧面相邻 15°，端面边缘 90°，取两者之间的角度，就都合适。",
+    ],
+    attempts: [
+      "对立方体把角度移过 90°：24 降到 8，明暗也错了。",
+      "选圆柱，找出侧面圆滑而边缘锐利的角度范围。",
+      "选球：角度在什么范围内是平直的？代价是多少？",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+
+function pictureOf({ state, answer }: Page): Picture {
+  const { positions, indices } = answer.mesh;
+  const byFaces = state.on === "faces";
+  const length = state.shape === "ball" ? 0.18 : 0.42;
+  return {
+    layers: [
+      {
+        kind: "mesh",
+        id: "body",
+        positions,
+        indices,
+        normals: answer.normals,
+        paint: PAINT.front,
+        shading: byFaces ? "flat" : "smooth",
+        sides: "both",
+      },
+      { kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: 0.7 },
+      ...(state.arrows
+        ? ([
+            {
+              kind: "normals",
+              id: "normals",
+              at: byFaces ? middles(positions, indices) : positions,
+              directions: byFaces ? answer.face_normals : answer.normals,
+              length,
+              paint: "--gap",
+              width: 2.2,
+            },
+            { kind: "points", id: "feet", positions: byFaces ? middles(positions, indices) : positions, paint: "--gap", size: 5 },
+          ] as const)
+        : []),
+    ],
+  };
+}
+
+function Figure({ page }: { page: Page }) {
+  const { state, texts, set, isStill } = page;
+  return (
+    <Scene
+      name={texts.figure}
+      help="hint"
+      picture={pictureOf(page)}
+      view={state.view}
+      home={homeOf(state.shape)}
+      look={(view) => set({ view })}
+      isStill={isStill}
+    />
+  );
+}
+
+function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
+  const more = answer.vertices - answer.positions;
+  const meaning =
+    state.on === "faces"
+      ? texts.facesOnly
+      : more === 0
+        ? texts.none
+        : answer.vertices === 3 * answer.triangles
+          ? texts.all
+          : texts.some(say.whole(more));
+  return { value: answer.vertices, shown: say.whole(answer.vertices), label: texts.label, meaning, tone: "plain" };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  return (
+    <>
+      <div>
+        <Slider
+          id="crease"
+          label={texts.handle}
+          shown={say.degrees(state.crease)}
+          spoken={say.degrees(state.crease)}
+          low={0}
+          high={180}
+          step={1}
+          value={state.crease}
+          choose={(crease) => set({ crease })}
+        />
+        <p class="aside">{texts.help}</p>
+      </div>
+      <Choice
+        name="shape"
+        legend={texts.shape}
+        value={state.shape}
+        options={BODIES.map((value) => ({ value, label: texts.shapes[value] }))}
+        choose={(shape) => set(({ view }) => ({ shape, view: { ...view, distance: homeOf(shape).distance } }))}
+      />
+      <Choice
+        name="on"
+        legend={texts.on}
+        value={state.on}
+        options={[
+          { value: "vertices", label: texts.vertices },
+          { value: "faces", label: texts.faces },
+        ]}
+        choose={(on) => set({ on })}
+      />
+      <label class="check">
+        <input type="checkbox" checked={state.arrows} onChange={(event) => set({ arrows: event.currentTarget.checked })} />{" "}
+        {texts.arrows}
+      </label>
+      <dl>
+        <div>
+          <dt>{texts.places}</dt>
+          <dd>
+            <Data name="positions" value={answer.positions}>
+              {say.whole(answer.positions)}
+            </Data>
+          </dd>
+        </div>
+        <div>
+          <dt>{texts.bytes}</dt>
+          <dd>
+            <Data name="bytes" value={answer.bytes}>
+              {say.bytes(answer.bytes)}
+            </Data>
+          </dd>
+        </div>
+        <div>
+          <dt>{texts.triangles}</dt>
+          <dd>
+            <Data name="triangles" value={answer.triangles}>
+              {say.whole(answer.triangles)}
+            </Data>
+          </dd>
+        </div>
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: {
+    shape: ["b", word(...BODIES)],
+    crease: ["a", number(0, 180)],
+    on: ["l", word("vertices", "faces")],
+    arrows: ["n", flag],
+    view: ["o", view],
+  },
+  question: ({ shape, crease }) => ({ shape, crease_deg: crease }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

@@ -1,0 +1,47 @@
+// Numbers in the reader's language.
+export type Language = "en" | "zh";
+export const LANGUAGES: readonly Language[] = ["en", "zh"];
+/** The value of `lang` for each. */
+export const TAGS: Record<Language, string> = { en: "en", zh: "zh-CN" };
+
+export class Say {
+  private readonly short: Intl.NumberFormat;
+  private readonly grouped: Intl.NumberFormat;
+  private readonly share: Intl.NumberFormat;
+
+  constructor(readonly language: Language) {
+    const tag = TAGS[language];
+    this.short = new Intl.NumberFormat(tag, { maximumSignificantDigits: 3, useGrouping: false });
+    this.grouped = new Intl.NumberFormat(tag, { maximumFractionDigits: 0 });
+    this.share = new Intl.NumberFormat(tag, { style: "percent", maximumFractionDigits: 0 });
+  }
+
+  /** Three significant digits, with a true minus. */
+  number(value: number): string {
+    return this.short.format(value === 0 ? 0 : value).replace("-", "−");
+  }
+
+  /** So many digits behind the point, always. */
+  fixed(value: number, digits = 2): string {
+    const text = (Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits);
+    return text.replace("-", "−");
+  }
+
+  whole(value: number): string {
+    return this.grouped.format(value);
+  }
+
+  percent(share: number): string {
+    return this.share.format(share);
+  }
+
+  degrees(value: number): string {
+    return `${this.fixed(value, value !== 0 && Math.abs(value) < 10 ? 1 : 0)}°`;
+  }
+
+  /** With its unit, in thousands of bytes from ten thousand on. */
+  bytes(value: number): string {
+    if (value < 10_000) return this.language === "zh" ? `${this.whole(value)} 字节` : `${this.whole(value)} bytes`;
+    return `${this.number(value / 1000)} kB`;
+  }
+}

@@ -1,0 +1,307 @@
+// Three weights blend what stands at three corners; four corners leave a choice.
+import { Choice, Figure as Data } from "../view/parts";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
+import { point, word } from "./fragment";
+import { CORNERS } from "./paint";
+import type { Language } from "./say";
+import { css } from "../viewer/color";
+
+interface State {
+  probe: Point;
+  corners: "3" | "4";
+  cut: "first" | "second";
+}
+
+interface Blend {
+  rows: [number, number, number];
+  weights: [number, number, number];
+  sum: number;
+  color: [number, number, number];
+  is_inside: boolean;
+}
+
+interface Answer {
+  blends: (Blend | null)[];
+  color_gap: number | null;
+}
+
+const PLACES: Record<State["corners"], readonly Point[]> = {
+  "3": [
+    [1.4, 1.1],
+    [10.6, 1.6],
+    [5.2, 7.2],
+  ],
+  "4": [
+    [1.4, 1.1],
+    [10.4, 1.3],
+    [9.6, 6.9],
+    [2.6, 6.6],
+  ],
+};
+const defaults: State = { probe: [5.6, 3.4], corners: "3", cut: "first" };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  probe: string;
+  at(x: string, y: string): string;
+  corners: string;
+  three: string;
+  four: string;
+  cut: string;
+  cutAlong(name: string): string;
+  weight(name: string): string;
+  label3: string;
+  label4: string;
+  outside: string;
+  mixed: string;
+  same: string;
+  two(percent: string): string;
+  swatch: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: "Drag the point, or move it with the arrow keys: Shift for small steps, Page Up and Page Down for large ones.",
+    figure: "A shape with a colour at every corner, blended between them, and a point to move",
+    probe: "The probe",
+    at: (x, y) => `x ${x}, y ${y}`,
+    corners: "Corners",
+    three: "three",
+    four: "four",
+    cut: "Cut it along",
+    cutAlong: (name) => `cut ${name}`,
+    weight: (name) => `Weight of ${name}`,
+    label3: "Sum of the three weights",
+    label4: "Two answers for one point: largest difference in a channel",
+    outside: "Outside a weight is negative: the colour would have to be guessed beyond what the corners say.",
+    mixed: "All weights are between 0 and 1: the colour is a mixture of the three, and the only one that is linear.",
+    same: "Here both cuts agree.",
+    two: (percent) => `The same point, the same four corners, two colours: they differ by ${percent}.`,
+    swatch: "Colour at the probe",
+    story: [
+      "Whatever is known at the corners can be blended over a triangle: a colour, a normal, a place in a texture. Each corner gets a *weight*, the area that the point spans with the opposite side, as a share of the whole.",
+      "The weights are never negative inside and *always sum to one*. At a corner its own weight is 1 and the others are 0; along an edge the third corner has no say, so neighbours agree there and no seam shows.",
+      "Three weights with three conditions, two for the place and one for the sum: exactly one solution. With four corners one number is left over. Every rule that picks it is a convention, and cutting the quad is the one that hardware takes: so the colour inside depends on the diagonal.",
+    ],
+    attempts: [
+      "Move the probe to a corner, then along an edge. Which weight stays 0?",
+      "Take it outside. The sum is still 1; what has become of the weights?",
+      "Choose four corners, put the probe in the middle, and change the cut.",
+    ],
+  },
+  zh: {
+    hint: "拖动探针，或用方向键移动：加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    figure: "每个顶点各有颜色、内部由插值得到的图形，以及一个可移动的点",
+    probe: "探针",
+    at: (x, y) => `x ${x}，y ${y}`,
+    corners: "顶点数",
+    three: "三个",
+    four: "四个",
+    cut: "沿哪条对角线剖分",
+    cutAlong: (name) => `沿 ${name}`,
+    weight: (name) => `${name} 的权重`,
+    label3: "三个权重之和",
+    label4: "同一点有两个答案：各通道的最大差",
+    outside: "在外面有权重为负：颜色要靠外推，顶点并没有给出。",
+    mixed: "权重都在 0 与 1 之间：颜色是三者的混合，也是唯一的线性混合。",
+    same: "在这一点两种剖分结果相同。",
+    two: (percent) => `同一个点、同样四个顶点，却有两种颜色，相差 ${percent}。`,
+    swatch: "探针处的颜色",
+    story: [
+      "顶点上已知的量都可以在三角形上插值：颜色、法线、纹理坐标。每个顶点有一个*权重*：点与对边围成的面积占总面积的比例，即重心坐标。",
+      "在三角形内，权重不为负，且*总和恒为一*。在顶点处，自身权重为 1，其余为 0；在一条边上，第三个顶点不起作用，因此相邻三角形在公共边上一致，不露接缝。",
+      "三个权重、三个条件（位置两个，总和一个），解唯一。四个顶点则多出一个自由度，怎么取全凭约定；硬件的约定是把四边形切成两个三角形，于是内部的颜色取决于对角线。",
+    ],
+    attempts: [
+      "把探针移到顶点，再沿边移动：哪个权重保持为 0？",
+      "移到外面：总和仍是 1，权重变成了什么样？",
+      "选四个顶点，把探针放在中间，再换一种剖分。",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+const colorsOf = ({ corners }: State) => CORNERS.slice(0, Number(corners));
+/** The triangles of each cut, as the core's diagonals are. */
+const CUTS: Record<State["cut"], readonly (readonly number[])[]> = {
+  first: [
+    [0, 1, 2],
+    [0, 2, 3],
+  ],
+  second: [
+    [1, 2, 3],
+    [1, 3, 0],
+  ],
+};
+const NAMES = { first: "A–C", second: "B–D" } as const;
+
+function Figure({ page }: { page: Page }) {
+  const { state, answer, texts, say, set, isStill, isSmall } = page;
+  const places = PLACES[state.corners];
+  const triangles = state.corners === "3" ? [[0, 1, 2]] : CUTS[state.cut];
+  const blend = answer.blends[state.corners === "4" && state.cut === "second" ? 1 : 0];
+  return (
+    <Flat name={texts.figure}>
+      {triangles.map((rows) => (
+        <Blended key={rows.join()} rows={rows} places={places} prefix={isSmall ? "small-" : ""} />
+      ))}
+      <path class="outline" d={path(places)} />
+      {blend &&
+        state.corners === "3" &&
+        blend.rows.map((row) => <path key={row} class="spoke" d={path([places[row]!, state.probe], false)} />)}
+      {places.map((corner, i) => {
+        const [dx, dy] = [corner[0] - 6, corner[1] - 4];
+        const far = 0.5 / Math.hypot(dx, dy);
+        const [x, y] = at([corner[0] + dx * far, corner[1] + dy * far - 0.1]).split(" ");
+        return (
+          <text key={i} class="label" x={x} y={y}>
+            {"ABCD"[i]}
+          </text>
+        );
+      })}
+      {blend && <Swatch place={state.probe} color={blend.color} />}
+      <Dot
+        name={texts.probe}
+        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}${blend ? `: ${blend.weights.map((weight) => say.fixed(weight)).join(", ")}` : ""}`}
+        place={state.probe}
+        isStill={isStill}
+        move={(change) => set(({ probe }) => ({ probe: change(probe) }))}
+      />
+    </Flat>
+  );
+}
+
+/** Three ramps, each from nothing on the opposite side to its corner's colour, added up by the browser: that is the blend. */
+function Blended({ rows, places, prefix }: { rows: readonly number[]; places: readonly Point[]; prefix: string }) {
+  const corners = rows.map((row) => places[row]!);
+  const outline = path(corners);
+  return (
+    <g class="blended">
+      <path class="base" d={outline} />
+      {rows.map((row, k) => {
+        const [a, b, c] = [corners[k]!, corners[(k + 1) % 3]!, corners[(k + 2) % 3]!];
+        // The foot of the corner on the opposite side's line.
+        const [dx, dy] = [c[0] - b[0], c[1] - b[1]];
+        const t = ((a[0] - b[0]) * dx + (a[1] - b[1]) * dy) / (dx * dx + dy * dy);
+        const [x1, y1] = at([b[0] + t * dx, b[1] + t * dy]).split(" ");
+        const [x2, y2] = at(a).split(" ");
+        const id = `${prefix}ramp-${rows.join("")}-${row}`;
+        return (
+          <g key={row} class="ramped">
+            <linearGradient id={id} gradientUnits="userSpaceOnUse" x1={x1} y1={y1} x2={x2} y2={y2}>
+              <stop offset="0" stop-color="#000" />
+              <stop offset="1" stop-color={css(CORNERS[row]!)} />
+            </linearGradient>
+            <path class="ramp" d={outline} fill={`url(#${id})`} />
+          </g>
+        );
+      })}
+    </g>
+  );
+}
+
+function Swatch({ place, color }: { place: Point; color: readonly [number, number, number] }) {
+  const [x, y] = at([place[0] + 0.55, place[1] + 0.62]).split(" ");
+  return <circle class="swatch" cx={x} cy={y} r={19} fill={css(color)} />;
+}
+
+function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
+  if (state.corners === "3") {
+    const blend = answer.blends[0]!;
+    return {
+      value: blend.sum,
+      shown: say.fixed(blend.sum),
+      label: texts.label3,
+      meaning: blend.is_inside ? texts.mixed : texts.outside,
+      tone: blend.is_inside ? "good" : "plain",
+    };
+  }
+  const gap = answer.color_gap ?? 0;
+  return {
+    value: gap,
+    shown: say.percent(gap),
+    label: texts.label4,
+    meaning: answer.blends.some((blend) => !blend?.is_inside)
+      ? texts.outside
+      : gap < 0.005
+        ? texts.same
+        : texts.two(say.percent(gap)),
+    tone: gap < 0.005 ? "plain" : "bad",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const shown = answer.blends.flatMap((blend, i) => (blend ? [{ blend, i }] : []));
+  return (
+    <>
+      {shown.map(({ blend, i }) => (
+        <div key={i}>
+          {state.corners === "4" && <h3>{texts.cutAlong(i ? NAMES.second : NAMES.first)}</h3>}
+          <dl>
+            {blend.rows.map((row, k) => (
+              <div key={row}>
+                <dt>{texts.weight("ABCD"[row]!)}</dt>
+                <dd>
+                  <Data name={`weight-${i}-${k}`} value={blend.weights[k]!}>
+                    {say.fixed(blend.weights[k]!, 3)}
+                  </Data>
+                </dd>
+              </div>
+            ))}
+            <div>
+              <dt>{texts.swatch}</dt>
+              <dd class="with-swatch">
+                <svg class="chip" viewBox="0 0 16 16" aria-hidden="true">
+                  <circle cx="8" cy="8" r="7" fill={css(blend.color)} />
+                </svg>
+                {blend.color.map((channel, k) => (
+                  <Data key={k} name={`color-${i}-${k}`} value={channel}>
+                    {say.percent(channel)}
+                  </Data>
+                ))}
+              </dd>
+            </div>
+          </dl>
+        </div>
+      ))}
+      <Choice
+        name="corners"
+        legend={texts.corners}
+        value={state.corners}
+        options={[
+          { value: "3", label: texts.three },
+          { value: "4", label: texts.four },
+        ]}
+        choose={(corners) => set({ corners })}
+      />
+      {state.corners === "4" && (
+        <Choice
+          name="cut"
+          legend={texts.cut}
+          value={state.cut}
+          options={[
+            { value: "first", label: NAMES.first },
+            { value: "second", label: NAMES.second },
+          ]}
+          choose={(cut) => set({ cut })}
+        />
+      )}
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: {
+    probe: ["p", point([0, FLAT.width], [0, FLAT.height])],
+    corners: ["c", word("3", "4")],
+    cut: ["d", word("first", "second")],
+  },
+  question: (state) => ({ corners: PLACES[state.corners], colors: colorsOf(state), point: state.probe }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

@@ -1,0 +1,30 @@
+// The core of the exhibits in a worker: loads the module once, answers one call after the other.
+import { Broken, Core, Refused } from "../core/module";
+import type { Call, Reply } from "../core/types";
+
+const file = new URL("../../wasm/exhibits.wasm", import.meta.url);
+
+async function load(): Promise<Core> {
+  const response = await fetch(file);
+  if (!response.ok) throw new Broken(`${response.status}`);
+  // Not instantiateStreaming: that insists on a media type which some hosts do not send.
+  return Core.load(await response.arrayBuffer());
+}
+
+const loading = load();
+// Whoever asks is told; without a question nobody needs to be.
+loading.catch(() => undefined);
+
+addEventListener("message", (event: MessageEvent<Call>) => {
+  void answer(event.data).then((reply) => postMessage(reply));
+});
+
+async function answer({ id, kind, question }: Call): Promise<Reply> {
+  try {
+    const core = await loading;
+    return { id, answer: core.ask(kind, question as never) };
+  } catch (error) {
+    const message = error instanceof Error ? error.message : String(error);
+    return error instanceof Refused ? { id, refused: message } : { id, broken: message };
+  }
+}

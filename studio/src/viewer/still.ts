@@ -1,0 +1,109 @@
+// The same layers as flat shapes of an SVG, far ones first: for the page before any script runs, for print, and where a
+// browser has no WebGL.
+import { css, hex, lit, vertexColors, LIGHT, type Rgb } from "./color";
+import { across, corners, edgesOf, segments, silhouette, strokes } from "./geometry";
+import type { Layer, MeshLayer, Paint, Picture, Vec3 } from "./layers";
+import { type Projector, type Size, type View, axesOf, dot, minus, plus, projector, row, unit } from "./view";
+
+/** A path or a dot. Colours are literal, or `var(--name)` for those that follow the theme. */
+export interface Shape {
+  d: string;
+  fill?: string;
+  stroke?: string;
+  width?: number;
+  opacity?: number;
+  depth: number;
+}
+
+/** Lines and dots lie on the triangles that they belong to: this much nearer, as a share of their depth. */
+const NEARER = 0.965;
+
+export function still({ layers }: Picture, view: View, size: Size): Shape[] {
+  const at = projector(view, size);
+  const light = lightOf(view);
+  const shapes = layers.flatMap((layer) => shapesOf(layer, at, light));
+  return shapes.sort((a, b) => b.depth - a.depth);
+}
+
+function lightOf(view: View): Vec3 {
+  const [right, up, back] = axesOf(view);
+  const [x, y, z] = LIGHT.from;
+  return unit(plus(plus(plus([0, 0, 0], right, x), up, y), back, z));
+}
+
+export const painted = (paint: Paint) => (paint.startsWith("--") ? `var(${paint})` : paint);
+
+function shapesOf(layer: Layer, at: Projector, light: Vec3): Shape[] {
+  const bring = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
+  switch (layer.kind) {
+    case "mesh":
+      return faces(layer, at, light);
+    case "lines":
+      return lines(layer.positions, layer, at, bring);
+    case "wire": {
+      const seen = segments(layer.positions, edgesOf(layer.positions, layer.indices));
+      return lines(seen, layer, at, bring);
+    }
+    case "silhouette":
+      return lines(silhouette(layer.positions, layer.indices, edgesOf(layer.positions, layer.indices), at.eye), layer, at, bring);
+    case "normals":
+      return lines(strokes(layer.at, layer.directions, layer.length), layer, at, bring);
+    case "points": {
+      const dots: Shape[] = [];
+      for (let i = 0; 3 * i < layer.positions.length; i++) {
+        const [x, y, depth] = at.to(row(layer.positions, i));
+        // A stroke of no length with round ends is a dot.
+        dots.push({ d: `M${px(x)} ${px(y)}h0`, stroke: painted(layer.paint), width: layer.size, depth: depth * bring });
+      }
+      return dots;
+    }
+  }
+}
+
+function faces(layer: MeshLayer, at: Projector, light: Vec3): Shape[] {
+  const { positions, indices } = layer;
+  const colors = vertexColors(layer);
+  const shapes: Shape[] = [];
+  for (let face = 0; 3 * face < indices.length; face++) {
+    const triangle = corners(positions, indices, face);
+    const normal = unit(across(triangle));
+    const isFront = dot(normal, minus(at.eye, triangle[0])) > 0;
+    if (!isFront && layer.sides === "front") continue;
+    const places = triangle.map((p) => at.to(p));
+    const depth = (places[0]![2] + places[1]![2] + places[2]![2]) / 3;
+    const paint = !isFront && layer.back ? layer.back : layer.groups ? layer.groups.paints[layer.groups.of[face]!]! : layer.paint;
+    const color = colors ? mean(colors, indices, face) : paint.startsWith("#") ? hex(paint) : undefined;
+    const normals = layer.shading === "smooth" ? layer.normals : undefined;
+    const towards = normals ? unit(mean(normals, indices, face)) : normal;
+    const cosine = (isFront ? 1 : -1) * dot(towards, light);
+    const fill = !color ? painted(paint) : css(layer.shading === "none" ? color : lit(color, cosine));
+    const d = `M${places.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}z`;
+    // A hair of its own colour closes the seams between neighbours, which a screen would show.
+    const shape: Shape = { d, fill, stroke: fill, width: 0.6, depth };
+    shapes.push(layer.opacity === undefined ? shape : { ...shape, opacity: layer.opacity });
+  }
+  return shapes;
+}
+
+function mean(of: Float32Array, indices: Uint32Array, face: number): Rgb {
+  const three = [0, 1, 2].map((k) => row(of, indices[3 * face + k]!));
+  return [0, 1, 2].map((k) => (three[0]![k]! + three[1]![k]! + three[2]![k]!) / 3) as unknown as Rgb;
+}
+
+function lines(
+  positions: Float32Array,
+  { paint, width }: { paint: Paint; width: number },
+  at: Projector,
+  bring: number,
+): Shape[] {
+  const shapes: Shape[] = [];
+  for (let i = 0; 6 * i < positions.length; i++) {
+    const [a, b] = [at.to(row(positions, 2 * i)), at.to(row(positions, 2 * i + 1))];
+    const d = `M${px(a[0])} ${px(a[1])}L${px(b[0])} ${px(b[1])}`;
+    shapes.push({ d, stroke: painted(paint), width, depth: bring * 0.5 * (a[2] + b[2]) });
+  }
+  return shapes;
+}
+
+/** To a tenth of a pixel. */
+const px = (value: number) => String(Math.round(value * 10) / 10);

@@ -1,0 +1,131 @@
+// The camera: an eye that goes around a target, z up. Plain numbers, so that the page, the still picture and the viewer
+// look from the same place.
+import type { Vec3 } from "./layers";
+
+export interface View {
+  /** Around z, in degrees; 0 looks from +x, 90 from +y. */
+  azimuth: number;
+  /** Above the horizon, in degrees. */
+  elevation: number;
+  /** From the target to the eye. */
+  distance: number;
+  target: Vec3;
+}
+
+/** The angle between the lower and the upper edge of a usual picture, in degrees: small, so that parallels look parallel. */
+const FOV_DEG = 28;
+/** What fits into a usual picture, as wide as this share of its height, fits into a narrower one. */
+const ASPECT = 1.5;
+
+export interface Size {
+  width: number;
+  height: number;
+}
+
+/** The limits of a view: a person does not want to stand on their head. */
+export const STEEPEST = 89;
+
+const radians = (degrees: number) => (degrees * Math.PI) / 180;
+export const dot = (a: Vec3, b: Vec3) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const plus = (a: Vec3, b: Vec3, t = 1): Vec3 => [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]];
+export const minus = (a: Vec3, b: Vec3): Vec3 => plus(a, b, -1);
+export const cross = (a: Vec3, b: Vec3): Vec3 => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+export const unit = (a: Vec3): Vec3 => {
+  const length = Math.hypot(...a) || 1;
+  return [a[0] / length, a[1] / length, a[2] / length];
+};
+/** The point of a row. */
+export const row = (of: Float32Array, i: number): Vec3 => [of[3 * i]!, of[3 * i + 1]!, of[3 * i + 2]!];
+
+/** From the target towards the eye, of length 1. */
+export function towardsEye({ azimuth, elevation }: View): Vec3 {
+  const [a, e] = [radians(azimuth), radians(elevation)];
+  return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+}
+
+export function eyeOf(view: View): Vec3 {
+  return plus(view.target, towardsEye(view), view.distance);
+}
+
+/** Right, up, and back to the eye. */
+export function axesOf(view: View): readonly [Vec3, Vec3, Vec3] {
+  const back = towardsEye(view);
+  const right = unit(cross([0, 0, 1], back));
+  return [right, cross(back, right), back];
+}
+
+/** Pixels per unit of length at a distance of 1. */
+const focal = ({ width, height }: Size) => Math.min(height, width / ASPECT) / 2 / Math.tan(radians(FOV_DEG) / 2);
+
+/** The angle between the lower and the upper edge, in degrees. */
+export const fovOf = (size: Size) => (2 * Math.atan(size.height / 2 / focal(size)) * 180) / Math.PI;
+
+export interface Projector {
+  /** Where a point is in the picture, in pixels from the upper left, and how far before the eye. */
+  to(point: Vec3): readonly [x: number, y: number, depth: number];
+  /** The direction from the eye through a place of the picture. */
+  ray(x: number, y: number): Vec3;
+  eye: Vec3;
+}
+
+export function projector(view: View, size: Size): Projector {
+  const [right, up, back] = axesOf(view);
+  const eye = eyeOf(view);
+  const f = focal(size);
+  return {
+    eye,
+    to(point) {
+      const from = minus(point, eye);
+      const depth = -dot(from, back);
+      const scale = f / Math.max(depth, 1e-9);
+      return [size.width / 2 + dot(from, right) * scale, size.height / 2 - dot(from, up) * scale, depth];
+    },
+    ray: (x, y) => unit(plus(plus(plus([0, 0, 0], right, (x - size.width / 2) / f), up, (size.height / 2 - y) / f), back, -1)),
+  };
+}
+
+/** The picture of a turn, a shift and a zoom of the hand; `dx` and `dy` in pixels. */
+export const turned = (view: View, dx: number, dy: number): View => ({
+  ...view,
+  azimuth: wrapped(view.azimuth - 0.4 * dx),
+  elevation: Math.min(Math.max(view.elevation + 0.4 * dy, -STEEPEST), STEEPEST),
+});
+
+const wrapped = (degrees: number) => degrees - 360 * Math.floor((degrees + 180) / 360);
+
+export function shifted(view: View, size: Size, dx: number, dy: number): View {
+  const [right, up] = axesOf(view);
+  const scale = view.distance / focal(size);
+  return { ...view, target: plus(plus(view.target, right, -dx * scale), up, dy * scale) };
+}
+
+export function zoomed(view: View, factor: number, range: readonly [number, number]): View {
+  return { ...view, distance: Math.min(Math.max(view.distance * factor, range[0]), range[1]) };
+}
+
+/** The triangle under a place of the picture, the nearest one; `undefined` where there is none. */
+export function pick(at: Projector, x: number, y: number, positions: Float32Array, indices: Uint32Array): number | undefined {
+  const ray = at.ray(x, y);
+  let best: number | undefined;
+  let nearest = Infinity;
+  for (let face = 0; 3 * face < indices.length; face++) {
+    const [a, b, c] = [0, 1, 2].map((k) => row(positions, indices[3 * face + k]!)) as [Vec3, Vec3, Vec3];
+    const [ab, ac, from] = [minus(b, a), minus(c, a), minus(at.eye, a)];
+    const p = cross(ray, ac);
+    const det = dot(ab, p);
+    if (Math.abs(det) < 1e-12) continue;
+    const u = dot(from, p) / det;
+    const q = cross(from, ab);
+    const v = dot(ray, q) / det;
+    const t = dot(ac, q) / det;
+    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < nearest) {
+      nearest = t;
+      best = face;
+    }
+  }
+  return best;
+}

@@ -1,0 +1,374 @@
+// The viewer itself, on WebGL 2 by three.js. It knows arrays, a camera and an element to draw into; it draws when something
+// has changed, and frees everything when it is disposed of. Loaded only by pages that show something in space.
+//
+// WebGPU is left out: three.js' renderer for it is a second one of the same size, and nothing here would look different.
+import {
+  AmbientLight,
+  BackSide,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  FrontSide,
+  type Material,
+  Mesh,
+  MeshBasicMaterial,
+  MeshPhongMaterial,
+  type Object3D,
+  PerspectiveCamera,
+  Plane,
+  Points,
+  PointsMaterial,
+  SRGBColorSpace,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import { LIGHT, toLinear, vertexColors } from "./color";
+import { type Edge, edgesOf, segments, silhouette, strokes } from "./geometry";
+import type { Layer, MeshLayer, Paint, Picture, Section } from "./layers";
+import { type View, eyeOf, fovOf } from "./view";
+
+/** More dots than this to a CSS pixel cost time and are not seen. */
+const MOST_DENSITY = 2.5;
+
+/** What stands in the scene for a layer. */
+interface Shown {
+  layer: Layer;
+  objects: Object3D[];
+  /** For a silhouette, which is new for every view. */
+  edges?: Edge[];
+}
+
+export class Viewer {
+  readonly canvas: HTMLCanvasElement;
+  /** How often it has drawn; tests see that it rests. */
+  frames = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera();
+  private readonly shown = new Map<string, Shown>();
+  private readonly plane = new Plane();
+  private readonly sizes = new ResizeObserver(() => this.resize());
+  private readonly dark = matchMedia("(prefers-color-scheme: dark)");
+  private section: Section | undefined;
+  private picture: Picture = { layers: [] };
+  private view: View | undefined;
+  private frame = 0;
+  private isDisposed = false;
+
+  /** Draws into an element, which it fills. Throws where the browser has no WebGL 2. */
+  constructor(private readonly root: HTMLElement) {
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
+    this.renderer.outputColorSpace = SRGBColorSpace;
+    this.canvas = this.renderer.domElement;
+    this.canvas.setAttribute("aria-hidden", "true");
+    root.append(this.canvas);
+    // Lambert's law divides by π; the light is given as a share.
+    const sun = new DirectionalLight(0xffffff, LIGHT.one * Math.PI);
+    sun.position.set(...LIGHT.from);
+    this.camera.add(sun, sun.target);
+    this.camera.up.set(0, 0, 1);
+    this.scene.add(this.camera, new AmbientLight(0xffffff, LIGHT.all * Math.PI));
+    this.canvas.addEventListener("webglcontextlost", this.onLost);
+    this.canvas.addEventListener("webglcontextrestored", this.onRestored);
+    this.dark.addEventListener("change", this.restyle);
+    this.sizes.observe(root);
+    this.resize();
+  }
+
+  /** Shows these layers and no others. */
+  draw(picture: Picture): void {
+    this.picture = picture;
+    this.section = picture.section;
+    this.renderer.localClippingEnabled = this.section !== undefined;
+    if (this.section) this.plane.set(new Vector3(...this.section.normal).negate(), this.section.offset);
+    const wanted = new Map(picture.layers.map((layer) => [layer.id, layer]));
+    for (const [id, shown] of this.shown) {
+      const layer = wanted.get(id);
+      // Where only the arrays are others, as while one drags, the materials stay: to make one anew takes milliseconds.
+      if (!layer || this.section || !isSame(layer, shown.layer, true)) this.remove(id, shown);
+      else if (!isSame(layer, shown.layer, false)) this.reshape(shown, layer);
+    }
+    for (const layer of picture.layers) if (!this.shown.has(layer.id)) this.add(layer);
+    this.request();
+  }
+
+  look(view: View): void {
+    this.view = view;
+    this.request();
+  }
+
+  /** Reads the colours of custom properties again. */
+  restyle = (): void => {
+    const { picture } = this;
+    for (const [id, shown] of this.shown) this.remove(id, shown);
+    this.draw(picture);
+  };
+
+  /** Frees what the graphics processor holds, and leaves the element as it was. */
+  dispose(): void {
+    this.isDisposed = true;
+    cancelAnimationFrame(this.frame);
+    this.sizes.disconnect();
+    this.dark.removeEventListener("change", this.restyle);
+    this.canvas.removeEventListener("webglcontextlost", this.onLost);
+    this.canvas.removeEventListener("webglcontextrestored", this.onRestored);
+    for (const [id, shown] of this.shown) this.remove(id, shown);
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+    this.canvas.remove();
+  }
+
+  /** What the graphics processor holds of ours. */
+  get held(): { geometries: number; textures: number } {
+    const { geometries, textures } = this.renderer.info.memory;
+    return { geometries, textures };
+  }
+
+  /** Draws at once, for a picture that is read in the same moment. */
+  now(): HTMLCanvasElement {
+    cancelAnimationFrame(this.frame);
+    this.frame = 0;
+    this.render();
+    return this.canvas;
+  }
+
+  private onLost = (event: Event): void => event.preventDefault();
+  private onRestored = (): void => this.request();
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.root;
+    if (!width || !height) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, MOST_DENSITY));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.fov = fovOf({ width, height });
+    this.camera.updateProjectionMatrix();
+    // At once: a canvas of a new size is empty, and would blink.
+    if (this.view) this.now();
+  }
+
+  private request(): void {
+    if (this.frame || this.isDisposed) return;
+    this.frame = requestAnimationFrame(() => {
+      this.frame = 0;
+      this.render();
+    });
+  }
+
+  private render(): void {
+    if (!this.view || this.isDisposed) return;
+    const { view } = this;
+    this.camera.position.set(...eyeOf(view));
+    this.camera.lookAt(...view.target);
+    this.camera.near = view.distance / 50;
+    this.camera.far = view.distance * 20;
+    this.camera.updateProjectionMatrix();
+    for (const shown of this.shown.values()) this.outline(shown, view);
+    this.renderer.render(this.scene, this.camera);
+    this.frames += 1;
+  }
+
+  private outline({ layer, objects, edges }: Shown, view: View): void {
+    if (layer.kind !== "silhouette" || !edges) return;
+    const line = objects[0] as LineSegments2;
+    line.geometry.dispose();
+    line.geometry = lineGeometry(silhouette(layer.positions, layer.indices, edges, eyeOf(view)));
+  }
+
+  private add(layer: Layer): void {
+    const shown: Shown = { layer, objects: [] };
+    switch (layer.kind) {
+      case "mesh":
+        shown.objects = this.meshes(layer);
+        break;
+      case "points":
+        shown.objects = [this.points(layer)];
+        break;
+      case "silhouette":
+        shown.edges = edgesOf(layer.positions, layer.indices);
+        shown.objects = [this.line(layer)];
+        break;
+      default:
+        shown.objects = [this.line(layer)];
+    }
+    const order = layer.isOnTop ? 10 : layer.isUnder ? -10 : 0;
+    shown.objects.forEach((object, i) => {
+      object.renderOrder = order + i;
+      if (layer.isUnder) Object.assign((object as Mesh).material, { depthTest: false, depthWrite: false });
+    });
+    this.scene.add(...shown.objects);
+    this.shown.set(layer.id, shown);
+  }
+
+  /** Other arrays for what is shown. */
+  private reshape(shown: Shown, layer: Layer): void {
+    shown.layer = layer;
+    if (layer.kind === "silhouette") shown.edges = edgesOf(layer.positions, layer.indices);
+    shown.objects.forEach((object) => {
+      const mesh = object as Mesh;
+      mesh.geometry.dispose();
+      mesh.geometry = this.geometry(layer);
+    });
+  }
+
+  private geometry(layer: Layer): BufferGeometry {
+    switch (layer.kind) {
+      case "mesh":
+        return meshGeometry(layer, this.color);
+      case "lines":
+        return lineGeometry(layer.positions);
+      case "wire":
+        return lineGeometry(segments(layer.positions, edgesOf(layer.positions, layer.indices)));
+      case "normals":
+        return lineGeometry(strokes(layer.at, layer.directions, layer.length));
+      case "silhouette":
+        return lineGeometry(new Float32Array(6));
+      case "points":
+        return new BufferGeometry().setAttribute("position", new BufferAttribute(layer.positions, 3));
+    }
+  }
+
+  private remove(id: string, { objects }: Shown): void {
+    for (const object of objects as Mesh[]) {
+      this.scene.remove(object);
+      object.geometry.dispose();
+      for (const material of [object.material].flat()) material.dispose();
+    }
+    this.shown.delete(id);
+  }
+
+  private meshes(layer: MeshLayer): Object3D[] {
+    const geometry = this.geometry(layer);
+    const hasColors = geometry.hasAttribute("color");
+    const front = layer.sides === "front" || layer.back !== undefined || this.section !== undefined ? FrontSide : DoubleSide;
+    const objects = [new Mesh(geometry, this.material(layer, layer.paint, front, hasColors))];
+    if (this.section) {
+      // The inside of a closed mesh, in one tone without light, looks as if it were cut through.
+      const inside = new MeshBasicMaterial({ color: this.color(this.section.paint), side: BackSide });
+      objects.push(new Mesh(geometry.clone(), this.clipped(inside)));
+    } else if (layer.back !== undefined && layer.sides === "both") {
+      objects.push(new Mesh(geometry.clone(), this.material(layer, layer.back, BackSide, false)));
+    }
+    return objects;
+  }
+
+  private material(
+    layer: MeshLayer,
+    paint: Paint,
+    side: typeof FrontSide | typeof BackSide | typeof DoubleSide,
+    hasColors: boolean,
+  ): Material {
+    const common = {
+      color: hasColors ? new Color(0xffffff) : this.color(paint),
+      vertexColors: hasColors,
+      side,
+      transparent: layer.opacity !== undefined,
+      opacity: layer.opacity ?? 1,
+      depthTest: !layer.isOnTop,
+    };
+    const material =
+      layer.shading === "none"
+        ? new MeshBasicMaterial(common)
+        : new MeshPhongMaterial({
+            ...common,
+            flatShading: layer.shading === "flat",
+            shininess: 40,
+            specular: new Color(layer.shading === "flat" ? 0 : 0x222222),
+          });
+    return this.clipped(material);
+  }
+
+  private clipped<M extends Material>(material: M): M {
+    if (this.section) material.clippingPlanes = [this.plane];
+    return material;
+  }
+
+  private line(layer: Exclude<Layer, { kind: "mesh" | "points" }>): LineSegments2 {
+    const { paint, width, isOnTop } = layer;
+    const material = new LineMaterial({ linewidth: width, depthTest: !isOnTop });
+    // Edges lie on the triangles and shall win. Lines of a width are triangles, too: they are brought nearer, for triangles
+    // that were moved away would show those behind them along the outline.
+    Object.assign(material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -12 });
+    material.color = this.color(paint);
+    return new LineSegments2(this.geometry(layer) as LineSegmentsGeometry, this.clipped(material));
+  }
+
+  private points(layer: Layer & { kind: "points" }): Points {
+    const { paint, size, isOnTop } = layer;
+    const material = new PointsMaterial({
+      color: this.color(paint),
+      size: size * this.renderer.getPixelRatio(),
+      sizeAttenuation: false,
+      depthTest: !isOnTop,
+    });
+    // Round, and drawn a little nearer, so that a vertex is not half inside its own triangles.
+    material.onBeforeCompile = (shader) => {
+      shader.vertexShader = shader.vertexShader.replace(
+        "#include <project_vertex>",
+        "#include <project_vertex>\ngl_Position.z -= 2e-4 * gl_Position.w;",
+      );
+      shader.fragmentShader = shader.fragmentShader.replace(
+        "#include <clipping_planes_fragment>",
+        "#include <clipping_planes_fragment>\nif (length(gl_PointCoord - 0.5) > 0.5) discard;",
+      );
+    };
+    return new Points(this.geometry(layer), this.clipped(material));
+  }
+
+  /** A colour, or what a custom property of the root holds. */
+  private color = (paint: Paint): Color => {
+    const text = paint.startsWith("--") ? getComputedStyle(this.root).getPropertyValue(paint).trim() : paint;
+    return new Color(text || "#888888");
+  };
+}
+
+/** Whether two layers are the same, or would be with the same arrays. */
+function isSame(a: unknown, b: unknown, withoutArrays: boolean): boolean {
+  if (a === b) return true;
+  if (ArrayBuffer.isView(a) && ArrayBuffer.isView(b))
+    return withoutArrays || hasSameNumbers(a as Float32Array, b as Float32Array);
+  if (typeof a !== "object" || typeof b !== "object" || a === null || b === null) return false;
+  const [left, right] = [a as Record<string, unknown>, b as Record<string, unknown>];
+  const keys = Object.keys(left);
+  return keys.length === Object.keys(right).length && keys.every((key) => isSame(left[key], right[key], withoutArrays));
+}
+
+/** To compare numbers is a thousandth of the work of drawing them anew. */
+function hasSameNumbers(a: Float32Array, b: Float32Array): boolean {
+  return a.length === b.length && a.every((x, i) => x === b[i]);
+}
+
+function lineGeometry(positions: Float32Array): LineSegmentsGeometry {
+  // Without a segment the geometry would have no bounds.
+  return new LineSegmentsGeometry().setPositions(positions.length ? positions : new Float32Array(6));
+}
+
+function meshGeometry(layer: MeshLayer, color: (paint: Paint) => Color): BufferGeometry {
+  const geometry = new BufferGeometry();
+  const colors = vertexColors(layer);
+  if (layer.groups && !colors) {
+    // A colour for each triangle: its corners are its own.
+    const { of, paints } = layer.groups;
+    const palette = paints.map(color);
+    const rows = [...layer.indices];
+    const spread = (from: Float32Array) =>
+      new Float32Array(rows.flatMap((i) => [from[3 * i]!, from[3 * i + 1]!, from[3 * i + 2]!]));
+    geometry.setAttribute("position", new BufferAttribute(spread(layer.positions), 3));
+    if (layer.normals) geometry.setAttribute("normal", new BufferAttribute(spread(layer.normals), 3));
+    const painted = rows.flatMap((_, corner) => palette[of[Math.floor(corner / 3)]!]!.toArray());
+    geometry.setAttribute("color", new BufferAttribute(new Float32Array(painted), 3));
+    return geometry;
+  }
+  geometry.setAttribute("position", new BufferAttribute(layer.positions, 3));
+  geometry.setIndex(new BufferAttribute(layer.indices, 1));
+  if (layer.normals) geometry.setAttribute("normal", new BufferAttribute(layer.normals, 3));
+  else if (layer.shading === "smooth") geometry.computeVertexNormals();
+  if (colors) geometry.setAttribute("color", new BufferAttribute(colors.map(toLinear), 3));
+  return geometry;
+}
