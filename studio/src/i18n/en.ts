@@ -31,9 +31,8 @@ export const en = {
   "segments.twice": "Twice as many segments",
   "halving.ask": "Press 2×: of {n} segments it makes {twice}. How much of the gap is left?",
   "halving.counts": "{from} → {to}:",
-  "halving.comma": ", ",
-  "halving.less": "{times} times less",
-  "halving.more": "{times} times more",
+  "halving.less": ", {times} times less",
+  "halving.more": ", {times} times more",
   "film.play": "Play: one segment more after the other",
   "film.stop": "Stop the film",
   "look": "Judge by eye",
@@ -78,6 +77,8 @@ export const en = {
   "needed.none": "more than 1024",
   "needed.exception":
     "More is not always enough: by equal steps {n} is the first number that is proved, and with {fails} the gap is {px}. From {from} on every number will do.",
+  "needed.unproved":
+    "More is not always enough: by equal steps {n} is the first number that is proved, and with {fails}, where {px} were measured, no proof is found. From {from} on every number will do.",
 
   "density": "Screen",
   "density.own": "this one (×{n})",
@@ -103,10 +104,10 @@ export const en = {
   "recipe.alt": "N is the square root of the largest second derivative over eight epsilon, rounded up",
   "recipe.why":
     "Over a step h of the parameter, a chord is nowhere farther from its curve than h²/8 times the largest second derivative. With h = 1/N the gap falls like 1/N².",
-  "recipe.here": "Here max |B″| = {bend}, and {px} are ε = {gap}:",
+  "recipe.here": "Here it is {bend}, and {px} are ε = {gap}:",
   "recipe.more":
     ". That is safe and more than it takes, for it assumes the worst bend everywhere; proved chord by chord, {n} are enough.",
-  "recipe.stop": ".",
+  "recipe.stop": ". To prove it chord by chord takes more than 1024.",
   "recipe.code": "The same in Python",
   "recipe.source":
     "Wang's formula (G. Wang, 1984). The second derivative of a cubic is linear, so its largest value is at an end. The code is complete.",

@@ -32,9 +32,8 @@ export const zh: Catalogue = {
   "segments.twice": "段数翻倍",
   "halving.ask": "按一下 2×：{n} 段变成 {twice} 段，弦高误差还剩多少？",
   "halving.counts": "{from} → {to} 段：",
-  "halving.comma": "，",
-  "halving.less": "是原来的 1/{times}",
-  "halving.more": "是原来的 {times} 倍",
+  "halving.less": "，是原来的 1/{times}",
+  "halving.more": "，是原来的 {times} 倍",
   "film.play": "播放：段数逐一增加",
   "film.stop": "停止播放",
   "look": "用眼睛判断",
@@ -77,6 +76,8 @@ export const zh: Catalogue = {
   "needed.show": "显示 {segments}（{how}）",
   "needed.none": "超过 1024 段",
   "needed.exception": "段数更多不一定就够：参数等分时，{n} 段是最先得到证明的，而 {fails} 段的弦高误差为 {px}。从 {from} 段起，任何段数都满足要求。",
+  "needed.unproved":
+    "段数更多不一定就够：参数等分时，{n} 段是最先得到证明的，而 {fails} 段（实测 {px}）得不到证明。从 {from} 段起，任何段数都满足要求。",
 
   "density": "屏幕",
   "density.own": "本机（×{n}）",
@@ -101,9 +102,9 @@ export const zh: Catalogue = {
   "recipe": "公式与六行代码",
   "recipe.alt": "N 等于最大二阶导数除以八倍 ε 的平方根，向上取整",
   "recipe.why": "参数步长为 h 时，弦到曲线的距离处处不超过最大二阶导数的 h²/8 倍。取 h = 1/N，弦高误差就按 1/N² 减小。",
-  "recipe.here": "此处 max |B″| = {bend}，{px}即 ε = {gap}：",
+  "recipe.here": "此处最大二阶导数为 {bend}，{px}即 ε = {gap}：",
   "recipe.more": "。这样取值是安全的，但比实际需要的多，因为公式假定处处都和最弯的地方一样弯；逐段证明，{n} 段就够了。",
-  "recipe.stop": "。",
+  "recipe.stop": "。要逐段证明，则需要超过 1024 段。",
   "recipe.code": "用 Python 写出来",
   "recipe.source": "Wang 公式（G. Wang，1984）。三次曲线的二阶导数是线性的，所以最大值出现在端点。代码是完整的。",
 

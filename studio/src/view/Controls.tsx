@@ -86,9 +86,8 @@ function Halving({ page }: { page: Page }) {
         {" → "}
         {say.text("verdict.px", { n: say.number(now.gap.pixels) })}
       </span>
-      {say.text("halving.comma")}
       <Figure name="times" value={times}>
-        <b class={isLess ? "smooth" : "seen"}>{say.text(isLess ? "halving.less" : "halving.more", { times: say.times(times) })}</b>
+        <b>{say.text(isLess ? "halving.less" : "halving.more", { times: say.times(times) })}</b>
       </Figure>
     </p>
   );

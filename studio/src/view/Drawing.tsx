@@ -14,6 +14,8 @@ const LABEL = { away: 14, halfWidth: 40, halfHeight: 10, clear: 26 };
 /** Where it may stand, as turns from the curve's side of the gap; the nearest that is free is taken. */
 const TURNS = [0, 0.125, -0.125, 0.5, 0.25, -0.25, 0.375, -0.375];
 
+const ALONE = { chain: "look.chain.alt", curve: "look.curve.alt" } as const;
+
 export function Drawing({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const frame = new Frame(page.around.width);
@@ -30,7 +32,7 @@ export function Drawing({ page }: { page: Page }) {
       class={`drawing look-${state.look}`}
       viewBox={`0 0 ${px(frame.width)} ${px(frame.height)}`}
       role="group"
-      aria-label={state.look === "both" ? title : say.text(`look.${state.look}.alt`, { segments: say.segments(chain.segments) })}
+      aria-label={state.look === "both" ? title : say.text(ALONE[state.look], { segments: say.segments(chain.segments) })}
       data-figure="curve"
     >
       <g aria-hidden="true">

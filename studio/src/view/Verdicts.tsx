@@ -98,12 +98,12 @@ export function Needed({ page }: { page: Page }) {
 
 /** Smoothness by equal steps comes and goes: a larger number may put a vertex where it helps less. */
 function Exception({ page }: { page: Page }) {
-  const { say, answers } = page;
+  const { say, state, answers } = page;
   const { even, even_fails, even_from } = answers.study.needed;
   if (even === null || even_fails === null || even_fails.pixels === null || even_from === null) return null;
   return (
     <p class="aside exception">
-      {say.text("needed.exception", { n: even, fails: even_fails.segments, px: say.pixels(even_fails.pixels), from: even_from })}
+      {say.text(even_fails.pixels > state.goal ? "needed.exception" : "needed.unproved", { n: even, fails: even_fails.segments, px: say.pixels(even_fails.pixels), from: even_from })}
       <data data-name="even-fails-pixels" value={String(even_fails.pixels)} />
     </p>
   );

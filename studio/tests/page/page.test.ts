@@ -43,7 +43,7 @@ async function expected(page: Page, state: State) {
   }));
   const scale = new Frame(width).scale;
   const pixels_per_unit = scale * (state.density || density);
-  return core.ask("study", { control: state.control, segments: state.segments, pixels_per_unit, pixels: state.goal, t: state.t, near: 1 });
+  return core.ask("study", { control: state.control, segments: state.segments, other: 1, pixels_per_unit, pixels: state.goal, t: state.t, near: 1 });
 }
 
 async function expectNumbers(page: Page, state: State) {
@@ -438,7 +438,7 @@ describe("for everybody", () => {
 });
 
 /** The still page is drawn 720 pixels wide, for one dot a pixel. */
-const QUESTION_OF_STILL = { pixels_per_unit: new Frame(720).scale, pixels: 1, t: 0, near: 1 };
+const QUESTION_OF_STILL = { other: 1, pixels_per_unit: new Frame(720).scale, pixels: 1, t: 0, near: 1 };
 
 /** A module with a memory and a `chordal_alloc` that traps. */
 const TRAPPING = [

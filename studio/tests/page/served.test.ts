@@ -69,7 +69,7 @@ test("the page's module and the command give the same points, bit for bit", asyn
     const file = join(folder, "curve.svg");
     const [a, b, c, d] = control.map((point) => point.join(" "));
     writeFileSync(file, `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 6"><path fill="none" d="M${a}C${b} ${c} ${d}"/></svg>`);
-    const answer = core.ask("study", { control, segments, pixels_per_unit: 70, pixels: 1, t: 0, near: 1 });
+    const answer = core.ask("study", { control, segments, other: 1, pixels_per_unit: 70, pixels: 1, t: 0, near: 1 });
     for (const spacing of ["even", "fewest"] as const) {
       const run = spawnSync(command, ["mesh", file, "--segments", String(segments), "--spacing", spacing, "-o", "-", "--to", "json", "-q"]);
       const made = JSON.parse(run.stdout.toString());
@@ -85,7 +85,7 @@ test("the page weighs less than a megabyte, compressed, all files together", () 
   const sizes = files.map((entry) => gzipSync(readFileSync(join(entry.parentPath, entry.name)), { level: 9 }).length);
   const all = sizes.reduce((sum, size) => sum + size, 0);
   console.log(`the page: ${files.length} files, ${Math.round(all / 1000)} kB compressed`);
-  expect(files.length).toBe(6);
+  expect(files.length).toBe(7);
   expect(all).toBeLessThan(1_000_000);
 });
 
