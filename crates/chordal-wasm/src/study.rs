@@ -214,19 +214,18 @@ fn min_even_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
     (1..=MOST_TRIED).find(|n| is_proved(curve, *n, length))
 }
 
-/// The smallest number of segments that is proved to keep the length, wherever they are put.
+/// The smallest number of segments, wherever they are put, whose chain is proved to keep the length: the chain that is
+/// shown for that number alone. Where the length is asked for as well, one segment less may do.
 fn min_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
     let budget = Budget { segments: Some(MOST_TRIED), ..Budget::length(length) };
-    let mut fewest = ChainSpacing::Fewest.approximate(curve, &budget).ok()?.shape.n_segments() as u64;
-    // The arrow promises nearly the fewest; whether one less will do is quickly tried.
-    while fewest > 1 {
-        let fewer = Budget { segments: Some(fewest - 1), ..budget };
-        match ChainSpacing::Fewest.approximate(curve, &fewer) {
-            Ok(made) => fewest = made.shape.n_segments() as u64,
-            Err(_) => break,
-        }
-    }
-    Some(fewest)
+    let most = ChainSpacing::Fewest.approximate(curve, &budget).ok()?.shape.n_segments() as u64;
+    let keeps = |n: u64| {
+        let made = ChainSpacing::Fewest.approximate(curve, &Budget::segments(n));
+        made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
+    };
+    // The arrow promises nearly the fewest, so the answer is near.
+    let enough = (most..=MOST_TRIED).find(|n| keeps(*n))?;
+    (1..enough).rev().take_while(|n| keeps(*n)).last().or(Some(enough))
 }
 
 #[cfg(test)]
@@ -297,7 +296,8 @@ mod tests {
         // A hairpin: one vertex more moves all of them away from its tip.
         let hairpin = |segments: u64| {
             let control = r#""control": [[8.4, 5.6], [0.2, 3], [2.6, 3.5], [6.5, 4.3]]"#;
-            let rest = r#""other": 1, "pixels_per_unit": 66.66666666666667, "pixels": 0.5, "t": 0, "near": 1"#;
+            let rest =
+                r#""other": 1, "pixels_per_unit": 66.66666666666667, "pixels": 0.5, "t": 0, "near": 1"#;
             study(format!("{{{control}, \"segments\": {segments}, {rest}}}").as_bytes()).unwrap()
         };
         let told = hairpin(1);
@@ -337,6 +337,28 @@ mod tests {
         }
         // 1 / n² ≤ 0.01, the length rounded down.
         assert_eq!(told["formula"]["segments"], json!(11));
+    }
+
+    #[test]
+    fn the_chain_that_is_shown_for_the_number_needed_keeps_the_length_and_one_less_does_not() {
+        let control = r#""control": [[1, 0.8], [2.2, 5.8], [3, 5], [9.4, 2]]"#;
+        for pixels in [1.0, 0.5, 0.25] {
+            for width in (300..900).step_by(37) {
+                let at = |n: u64| {
+                    let scale = f64::from(width) / 10.8;
+                    let rest =
+                        format!(r#""pixels_per_unit": {scale}, "pixels": {pixels}, "t": 0, "near": 1"#);
+                    study(format!(r#"{{{control}, "segments": {n}, "other": 1, {rest}}}"#).as_bytes())
+                        .unwrap()
+                };
+                let needed = &at(1)["needed"];
+                for name in ["even", "fewest"] {
+                    let n = needed[name].as_u64().unwrap();
+                    let most = |n: u64| at(n)[name]["bound"]["pixels"].as_f64().unwrap();
+                    assert!(most(n) <= pixels && most(n - 1) > pixels, "{name}: {n}, {pixels}, {width}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 export const en = {
   "title": "How many segments until it looks smooth?",
   "lead":
-    "Graphics hardware draws straight lines and triangles, so a curve is first cut into straight segments. Drag a point, or change their number.",
+    "Graphics hardware draws straight lines and triangles, so a curve is cut into segments first. Drag a point, or change their number.",
   "skip": "Skip to the figure",
 
   "views": "What to look at",
@@ -30,9 +30,10 @@ export const en = {
   "segments.half": "Half as many segments",
   "segments.twice": "Twice as many segments",
   "halving.ask": "Press 2×: of {n} segments it makes {twice}. How much of the gap is left?",
-  "halving.counts": "{from} → {to}:",
-  "halving.less": ", {times} times less",
-  "halving.more": ", {times} times more",
+  "halving.counts": "{from} → {to}: ",
+  "halving.gaps": "{before} → {now} px,",
+  "halving.less": "{times} times less",
+  "halving.more": "{times} times more",
   "film.play": "Play: one segment more after the other",
   "film.stop": "Stop the film",
   "look": "Judge by eye",
@@ -89,7 +90,7 @@ export const en = {
   "loupe.alt": "The widest gap under a loupe that magnifies 20 times: each square is one pixel of the screen, and the gap spans {px}.",
   "loupe.help": "Each square is one pixel of the screen.",
 
-  "figure.alt": "A curve with four control points and {segments} drawn in its place. The widest gap, {px}, is at {place}.",
+  "figure.alt": "A curve, the pale thick stroke, with four control points, and {segments} drawn in its place. The widest gap, {px}, is at {place}.",
   "place": "{percent} of the way",
   "point.name": "Control point {i}",
   "point.end": "End point {i}",
@@ -101,10 +102,10 @@ export const en = {
   "point.y": "{name}, y",
   "reset": "As it was at first",
   "recipe": "The formula, and six lines of code",
-  "recipe.alt": "N is the square root of the largest second derivative over eight epsilon, rounded up",
+  "recipe.alt": "The gap, epsilon, is at most the largest second derivative over eight N squared",
   "recipe.why":
-    "Over a step h of the parameter, a chord is nowhere farther from its curve than h²/8 times the largest second derivative. With h = 1/N the gap falls like 1/N².",
-  "recipe.here": "Here it is {bend}, and {px} are ε = {gap}:",
+    "Over a step h of the parameter, a chord is nowhere farther from its curve than h²/8 times the largest second derivative. With h = 1/N the gap ε falls like 1/N². ",
+  "recipe.here": "Here it is {bend}, and {px} are {gap}; solved for N:",
   "recipe.more":
     ". That is safe and more than it takes, for it assumes the worst bend everywhere; proved chord by chord, {n} are enough.",
   "recipe.stop": ". To prove it chord by chord takes more than 1024.",

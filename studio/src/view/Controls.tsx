@@ -78,14 +78,10 @@ function Halving({ page }: { page: Page }) {
   const isLess = now.gap.pixels < old.gap.pixels;
   return (
     <p class="halving told">
-      {say.text("halving.counts", { from: old.segments, to: now.segments })}{" "}
-      <span class="number">
-        <Figure name="gap-before" value={old.gap.pixels}>
-          {say.number(old.gap.pixels)}
-        </Figure>
-        {" → "}
-        {say.text("verdict.px", { n: say.number(now.gap.pixels) })}
-      </span>
+      {say.text("halving.counts", { from: old.segments, to: now.segments })}
+      <Figure name="gap-before" value={old.gap.pixels}>
+        {say.text("halving.gaps", { before: say.number(old.gap.pixels), now: say.number(now.gap.pixels) })}
+      </Figure>{" "}
       <Figure name="times" value={times}>
         <b>{say.text(isLess ? "halving.less" : "halving.more", { times: say.times(times) })}</b>
       </Figure>

@@ -77,8 +77,8 @@ export function Plot({ page }: { page: Page }) {
           <Slope rungs={ladder.even} scales={scales} />
           <Dots spacing="even" rungs={ladder.even} counts={ladder.counts} scales={scales} />
           <Dots spacing="fewest" rungs={ladder.fewest} counts={ladder.counts} scales={scales} />
-          <Doubling page={page} scales={scales} />
           <path class="now" d={`M${px(scales.x(here))} ${MARGIN.top}V${px(scales.bottom)}`} />
+          <Doubling page={page} scales={scales} />
           {now.gap && <circle class={`now ${state.spacing}`} cx={px(scales.x(here))} cy={px(scales.y(now.gap.pixels))} r="6" />}
         </g>
       </svg>

@@ -19,7 +19,7 @@ export function Recipe({ page }: { page: Page }) {
       <h3>{say.text("recipe")}</h3>
       <Formula label={say.text("recipe.alt")} />
       <p>
-        {say.text("recipe.why")}{" "}
+        {say.text("recipe.why")}
         {say.text("recipe.here", { bend: say.number(formula.bend), px: say.text("verdict.px", { n: FRACTIONS[state.goal]! }), gap: say.units(formula.length) })}{" "}
         <Figure name="formula-segments" value={formula.segments}>
           <b>N = {formula.segments}</b>
@@ -34,33 +34,27 @@ export function Recipe({ page }: { page: Page }) {
   );
 }
 
-/** N = ⌈ √( max |B″| / 8 ε ) ⌉ */
+/** ε ≤ max |B″| / 8 N² */
 function Formula({ label }: { label: string }) {
   return (
     <math display="block" aria-label={label}>
-      <mi>N</mi>
-      <mo>=</mo>
-      <mrow>
-        <mo>⌈</mo>
-        <msqrt>
-          <mfrac>
-            <mrow>
-              <mi>max</mi>
-              <mo>|</mo>
-              <msup>
-                <mi>B</mi>
-                <mo>″</mo>
-              </msup>
-              <mo>|</mo>
-            </mrow>
-            <mrow>
-              <mn>8</mn>
-              <mi>ε</mi>
-            </mrow>
-          </mfrac>
-        </msqrt>
-        <mo>⌉</mo>
-      </mrow>
+      <mi>ε</mi>
+      <mo>≤</mo>
+      <mfrac>
+        <mrow>
+          <mi>max</mi>
+          <mo>|</mo>
+          <mi>B″</mi>
+          <mo>|</mo>
+        </mrow>
+        <mrow>
+          <mn>8</mn>
+          <msup>
+            <mi>N</mi>
+            <mn>2</mn>
+          </msup>
+        </mrow>
+      </mfrac>
     </math>
   );
 }
