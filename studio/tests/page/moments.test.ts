@@ -352,7 +352,9 @@ test("curvatures at the joint have their sign, and are the core's", async () => 
 });
 
 test("a frame of any width shows no figure of a negative size", async () => {
-  const { page, errors } = await site.visit();
+  const page = await site.browser.newPage();
+  const errors: string[] = [];
+  page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
   for (const width of [20, 60, 90, 120, 200, 300]) {
     await page.setContent(`<iframe src="${site.base}#v=1" width="${width}" height="400" title="narrow"></iframe>`);
     const frame = page.frameLocator("iframe");
@@ -364,7 +366,7 @@ test("a frame of any width shows no figure of a negative size", async () => {
     expect(sizes.filter((size) => !(parseFloat(size) >= 0)), `${width}`).toEqual([]);
   }
   expect(errors).toEqual([]);
-  await page.context().close();
+  await page.close();
 });
 
 describe("on paper", () => {
