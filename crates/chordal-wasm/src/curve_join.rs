@@ -65,21 +65,21 @@ fn comb(curve: Bezier<2>, scale: f64) -> Vec<Value> {
 mod tests {
     use super::*;
 
+    fn joined(first: &str, second: &str) -> Value {
+        let rest = r#""smoothness": "none", "leader": "first", "scale": 1"#;
+        curve_join(format!(r#"{{"first": {first}, "second": {second}, {rest}}}"#).as_bytes()).unwrap()["join"]
+            .take()
+    }
+
     #[test]
     fn curvatures_have_the_sign_of_the_turn() {
-        // A left turn, then its image turned about the joint: an S, with the same direction and opposite curvatures.
-        let told = curve_join(
-            br#"{"first": [[0, 0], [1, 0], [2, 1], [2, 2]], "second": [[2, 2], [2, 3], [3, 4], [4, 4]], "smoothness": "none", "leader": "first", "scale": 1}"#,
-        )
-        .unwrap();
-        let join = &told["join"];
+        // A left turn, then its image turned about the joint: an S, with one direction and opposite curvatures.
+        let right = "[[2, 2], [2, 3], [3, 4], [4, 4]]";
+        let join = joined("[[0, 0], [1, 0], [2, 1], [2, 2]]", right);
         // 2/3 of the third control point's distance from the tangent over the square of the second one's.
         assert_eq!(join["curvatures"], json!([2.0 / 3.0, -2.0 / 3.0]));
         assert_eq!((join["geometric"].as_u64(), join["curvature_gap"].as_f64()), (Some(1), Some(4.0 / 3.0)));
-        let still = curve_join(
-            br#"{"first": [[0, 0], [1, 0], [2, 2], [2, 2]], "second": [[2, 2], [2, 3], [3, 4], [4, 4]], "smoothness": "none", "leader": "first", "scale": 1}"#,
-        )
-        .unwrap();
-        assert_eq!(still["join"]["curvatures"][0], Value::Null);
+        // Where a curve stands still it has none.
+        assert_eq!(joined("[[0, 0], [1, 0], [2, 2], [2, 2]]", right)["curvatures"][0], Value::Null);
     }
 }

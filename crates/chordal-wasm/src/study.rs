@@ -91,7 +91,7 @@ fn needed_json(curve: &Curve<2>, cubic: &Bezier<2>, length: Tolerance, scale: f6
     let enough = wang_segments(cubic, length);
     let fails = even
         .filter(|_| enough <= MOST_TRIED)
-        .and_then(|first| (first + 1..enough).rev().find(|n| !is_proved(curve, *n, length)));
+        .and_then(|first| (first + 1..=enough).rev().find(|n| !is_proved(curve, *n, length)));
     let gap = fails.and_then(|n| {
         let made = ChainSpacing::Even.polyline(curve, n).ok()?;
         largest_gap(curve, &made.shape).map(|gap| in_pixels(gap.distance, scale))
@@ -123,7 +123,8 @@ fn largest_second_derivative(cubic: &Bezier<2>) -> f64 {
     if end > start { end } else { start }
 }
 
-/// From this number of equal steps on, every number keeps the length.
+/// From this number of equal steps on every number keeps the length, but for the roundings of the formula, which any
+/// larger number has room for.
 fn wang_segments(cubic: &Bezier<2>, length: Tolerance) -> u64 {
     let steps = (largest_second_derivative(cubic) / (8.0 * length.get())).sqrt();
     // A cast from float to integer saturates.
@@ -280,15 +281,18 @@ mod tests {
         }
         // By equal steps an arch loses h² / 8 of its second derivative's share across the chord: in the limit, exactly.
         assert!((told["other"]["times"]["even"].as_f64().unwrap() - 4.0).abs() < 0.02);
-        let still = study(br#"{"control": [[1, 1], [1, 1], [1, 1], [1, 1]], "segments": 1, "other": 2, "pixels_per_unit": 1, "pixels": 1, "t": 0, "near": 1}"#).unwrap();
+        let point = r#""control": [[1, 1], [1, 1], [1, 1], [1, 1]], "segments": 1, "other": 2"#;
+        let rest = r#""pixels_per_unit": 1, "pixels": 1, "t": 0, "near": 1"#;
+        let still = study(format!("{{{point}, {rest}}}").as_bytes()).unwrap();
         assert!(still["other"]["times"]["even"].is_null());
     }
 
     /// The curve that the page shows first, at the scale of a figure 720 pixels wide.
-    const SHOWN: &str = r#""control": [[1, 0.8], [2.2, 5.8], [3, 5], [9.4, 2]], "pixels_per_unit": 66.66666666666667, "pixels": 0.5, "t": 0.4, "near": 0.2"#;
-
     fn shown(segments: u64) -> Value {
-        study(format!("{{{SHOWN}, \"segments\": {segments}, \"other\": 1}}").as_bytes()).unwrap()
+        let control = r#""control": [[1, 0.8], [2.2, 5.8], [3, 5], [9.4, 2]]"#;
+        let rest =
+            r#""other": 1, "pixels_per_unit": 66.66666666666667, "pixels": 0.5, "t": 0.4, "near": 0.2"#;
+        study(format!("{{{control}, \"segments\": {segments}, {rest}}}").as_bytes()).unwrap()
     }
 
     #[test]
@@ -327,7 +331,8 @@ mod tests {
         }
         // A parabola over its chord, as a cubic: y'' = −8 everywhere.
         let parabola = r#""control": [[0, 0], [1, 1.3333333333333333], [2, 1.3333333333333333], [3, 0]]"#;
-        let told = study(format!(r#"{{{parabola}, "segments": 1, "other": 2, "pixels_per_unit": 1, "pixels": 0.01, "t": 0, "near": 1}}"#).as_bytes()).unwrap();
+        let rest = r#""segments": 1, "other": 2, "pixels_per_unit": 1, "pixels": 0.0099, "t": 0, "near": 1"#;
+        let told = study(format!("{{{parabola}, {rest}}}").as_bytes()).unwrap();
         for (what, value) in [
             (&told["formula"]["gap"], 1.0),
             (&told["even"]["gap"]["distance"], 1.0),
@@ -335,7 +340,7 @@ mod tests {
         ] {
             assert!((what.as_f64().unwrap() - value).abs() < 1e-12, "{told}");
         }
-        // 1 / n² ≤ 0.01, the length rounded down.
+        // 1 / n² ≤ 0.0099.
         assert_eq!(told["formula"]["segments"], json!(11));
     }
 
