@@ -41,8 +41,7 @@ export const en = {
   "look.chain": "what the screen draws",
   "look.curve": "the true curve",
   "look.flip": "Flip between what the screen draws and the true curve",
-  "look.help":
-    "One thick stroke, without dots. Press ⇄ to flip to and fro: as long as your eye can tell the two apart, the segments show.",
+  "look.help": "Press ⇄ to flip: can your eye tell them apart?",
   "look.chain.alt": "What the screen draws: {segments}, as one thick stroke.",
   "look.curve.alt": "The true curve as one thick stroke, in place of {segments}.",
   "legend.curve": "true curve",
@@ -159,7 +158,7 @@ export const en = {
   "seam.position": "Gap in position",
   "seam.angle": "Kink",
   "seam.curvature": "Jump in curvature",
-  "seam.curvatures": "Curvature before · after, left turns +",
+  "seam.curvatures": "Curvatures, left turns +",
   "seam.unknown": "none",
   "seam.degrees": "{n}°",
   "seam.comb": "Length of the teeth",

@@ -1,6 +1,6 @@
 // The whole page from the reader's choices and the core's answers.
 import type { Point } from "../core/types";
-import type { Theme, View } from "../state/state";
+import type { Language, Theme, View } from "../state/state";
 import { DEFAULTS, withPoint } from "../state/state";
 import { Compare } from "./Compare";
 import { Construction } from "./Construction";
@@ -70,9 +70,7 @@ function Top({ page }: { page: Page }) {
         <span>Chordal</span>
       </span>
       {page.around.isStill ? (
-        <a href={say.language === "en" ? "zh.html" : "index.html"} lang={say.language === "en" ? "zh-CN" : "en"} hreflang={say.language === "en" ? "zh-CN" : "en"}>
-          {say.language === "en" ? "中文" : "English"}
-        </a>
+        <Other language={say.language} />
       ) : (
         <Tabs page={page} />
       )}
@@ -99,6 +97,16 @@ function Top({ page }: { page: Page }) {
         </div>
       )}
     </header>
+  );
+}
+
+/** Without script: the page in the other language. */
+function Other({ language }: { language: Language }) {
+  const [file, tag, name] = language === "en" ? (["zh.html", "zh-CN", "中文"] as const) : (["index.html", "en", "English"] as const);
+  return (
+    <a href={file} lang={tag} hreflang={tag}>
+      {name}
+    </a>
   );
 }
 

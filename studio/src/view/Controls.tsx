@@ -21,9 +21,11 @@ export function Count({ page }: { page: Page }) {
   const { say, state, set, isPlaying, play } = page;
   const n = state.segments;
   const bounded = (n: number) => within(n, 1, MOST_SEGMENTS);
-  const to = (change: (n: number) => number) => set(({ segments }) => ({ segments: bounded(change(segments)), before: null }));
+  const to = (change: (n: number) => number) =>
+    set(({ segments }) => ({ segments: bounded(change(segments)), before: null }));
   // What was there before is kept, to compare with.
-  const scale = (change: (n: number) => number) => set(({ segments }) => ({ segments: bounded(change(segments)), before: segments }));
+  const scale = (change: (n: number) => number) =>
+    set(({ segments }) => ({ segments: bounded(change(segments)), before: segments }));
   const step = (key: "half" | "fewer" | "more" | "twice", sign: string, change: (n: number) => number, go: typeof to) => (
     <button
       type="button"

@@ -40,7 +40,14 @@ export function Drawing({ page }: { page: Page }) {
           <>
             <Polygon control={state.control} frame={frame} />
             <CurveAndChain control={study.control} chain={chain} ghost={ghostOf(page)} frame={frame} />
-            {gap && <Needle gap={[gap.on_curve, gap.on_polyline]} label={say.text("verdict.px", { n: say.number(gap.pixels) })} handles={state.control} frame={frame} />}
+            {gap && (
+              <Needle
+                gap={[gap.on_curve, gap.on_polyline]}
+                label={say.text("verdict.px", { n: say.number(gap.pixels) })}
+                handles={state.control}
+                frame={frame}
+              />
+            )}
           </>
         )}
         {state.look === "chain" && <path class="stroke" d={linePath(chain.points.map((point) => frame.to(point)))} />}
@@ -75,7 +82,14 @@ export function Polygon({ control, frame }: { control: readonly Point[]; frame: 
   return <path class="polygon" d={`${linePath([a!, b!])}${linePath([d!, c!])}`} />;
 }
 
-export function CurveAndChain({ control, chain, ghost, frame }: { control: Cubic; chain: Chain; ghost?: Chain | undefined; frame: Frame }) {
+interface ChainProps {
+  control: Cubic;
+  chain: Chain;
+  ghost?: Chain | undefined;
+  frame: Frame;
+}
+
+export function CurveAndChain({ control, chain, ghost, frame }: ChainProps) {
   const points = chain.points.map((point) => frame.to(point));
   return (
     <>

@@ -14,13 +14,14 @@ def polyline(p, gap):  # p: four points as complex numbers
 export function Recipe({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const { formula, needed } = answers.study;
+  const px = say.text("verdict.px", { n: FRACTIONS[state.goal]! });
   return (
     <div class="recipe">
       <h3>{say.text("recipe")}</h3>
       <Formula label={say.text("recipe.alt")} />
       <p>
         {say.text("recipe.why")}
-        {say.text("recipe.here", { bend: say.number(formula.bend), px: say.text("verdict.px", { n: FRACTIONS[state.goal]! }), gap: say.units(formula.length) })}{" "}
+        {say.text("recipe.here", { bend: say.number(formula.bend), px, gap: say.units(formula.length) })}{" "}
         <Figure name="formula-segments" value={formula.segments}>
           <b>N = {formula.segments}</b>
         </Figure>

@@ -101,9 +101,10 @@ function Exception({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const { even, even_fails, even_from } = answers.study.needed;
   if (even === null || even_fails === null || even_fails.pixels === null || even_from === null) return null;
+  const values = { n: even, fails: even_fails.segments, px: say.pixels(even_fails.pixels), from: even_from };
   return (
     <p class="aside exception">
-      {say.text(even_fails.pixels > state.goal ? "needed.exception" : "needed.unproved", { n: even, fails: even_fails.segments, px: say.pixels(even_fails.pixels), from: even_from })}
+      {say.text(even_fails.pixels > state.goal ? "needed.exception" : "needed.unproved", values)}
       <data data-name="even-fails-pixels" value={String(even_fails.pixels)} />
     </p>
   );

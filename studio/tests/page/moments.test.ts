@@ -47,7 +47,8 @@ describe("judging by eye", () => {
     const curve = await page.locator(".stage path.curve").getAttribute("d");
     await page.locator("input[name=look][value=chain]").check();
     await settled(page);
-    expect(await page.locator(".stage .drawing path").evaluateAll((all) => all.map((one) => one.getAttribute("class")))).toEqual(["stroke"]);
+    const drawn = await page.locator(".stage .drawing path").evaluateAll((all) => all.map((one) => one.getAttribute("class")));
+    expect(drawn).toEqual(["stroke"]);
     const stroke = page.locator(".stage path.stroke");
     expect(await stroke.getAttribute("d")).toBe(chain);
     const look = () => stroke.evaluate((one) => [getComputedStyle(one).strokeWidth, getComputedStyle(one).stroke]);
@@ -102,8 +103,9 @@ describe("halving", () => {
     const words = `6 → 12: ${three(other.even.gap!.pixels)} → ${three(even.gap!.pixels)} px, 4.0 times less`;
     expect((await page.locator(".halving").innerText()).replace(/\s+/g, " ")).toBe(words);
     expect(await page.locator(".stage path.ghost").getAttribute("d")).toBe(before);
-    const [line, twice] = await Promise.all([page.locator(".halving").boundingBox(), button(page, "Twice as many segments").boundingBox()]);
-    expect(line!.y - (twice!.y + twice!.height)).toBeLessThan(20);
+    const line = (await page.locator(".halving").boundingBox())!;
+    const twice = (await button(page, "Twice as many segments").boundingBox())!;
+    expect(line.y - (twice.y + twice.height)).toBeLessThan(20);
   });
 
   test("a point that is moved keeps the comparison, another number ends it", async () => {
@@ -131,8 +133,9 @@ describe("halving", () => {
     await page.locator("svg.plot").scrollIntoViewIfNeeded();
     await settled(page);
     expect(await page.locator(".plot .doubling text").allTextContents()).toEqual(["×2", "÷4.0"]);
-    const [x0, y0, x1, y1] = (await page.locator(".plot .doubling path").getAttribute("d"))!.match(/[\d.]+/g)!.map(Number) as [number, number, number, number];
-    const dots = (await page.locator(".plot .even .dots").getAttribute("d"))!.match(/M[\d.]+ [\d.]+/g)!.map((dot) => dot.slice(1));
+    const path = async (what: string) => (await page.locator(what).getAttribute("d"))!;
+    const [x0, y0, x1, y1] = (await path(".plot .doubling path")).match(/[\d.]+/g)!;
+    const dots = (await path(".plot .even .dots")).match(/M[\d.]+ [\d.]+/g)!.map((dot) => dot.slice(1));
     // The triangle's corners are the dots of 6 and of 12 segments.
     expect(dots).toContain(`${x0} ${y0}`);
     expect(dots).toContain(`${x1} ${y1}`);
@@ -343,7 +346,8 @@ describe("languages", () => {
 test("curvatures at the joint have their sign, and are the core's", async () => {
   const page = await open("#v=1&w=s");
   const { seam } = DEFAULTS;
-  const { join } = core.ask("seam", { first: seam.slice(0, 4) as never, second: seam.slice(4) as never, smoothness: "C0", leader: "first", scale: 1 });
+  const curves = { first: seam.slice(0, 4) as never, second: seam.slice(4) as never };
+  const { join } = core.ask("seam", { ...curves, smoothness: "C0", leader: "first", scale: 1 });
   expect(join.curvatures[0]! * join.curvatures[1]!).toBeLessThan(0);
   expect(await digits(page, "curvature-before")).toBe(join.curvatures[0]);
   expect(await digits(page, "curvature-after")).toBe(join.curvatures[1]);
@@ -379,10 +383,14 @@ describe("on paper", () => {
       );
       for (const part of parts) expect(part, address).toEqual(["visible", true]);
       const cut = await page.locator("main svg, pre, table, .readout").evaluateAll((all) =>
-        all.filter((one) => getComputedStyle(one).breakInside !== "avoid" && !one.closest("figure, .unbroken")).map((one) => one.outerHTML.slice(0, 60)),
+        all
+          .filter((one) => getComputedStyle(one).breakInside !== "avoid" && !one.closest("figure"))
+          .map((one) => one.outerHTML.slice(0, 60)),
       );
       expect(cut, address).toEqual([]);
-      const pressed = await page.locator("button:not(.needed button), input[type=range], select, nav").evaluateAll((all) => all.filter((one) => one.checkVisibility()).length);
+      const pressed = await page
+        .locator("button:not(.needed button), input[type=range], select, nav")
+        .evaluateAll((all) => all.filter((one) => one.checkVisibility()).length);
       expect(pressed, address).toBe(0);
       // On paper it is ink on white, whatever the screen was.
       expect(await page.evaluate(() => getComputedStyle(document.body).backgroundColor)).toBe("rgb(255, 255, 255)");

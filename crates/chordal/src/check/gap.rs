@@ -75,7 +75,7 @@ fn samples<const D: usize>(curve: &Curve<D>, [a, b]: [[f64; D]; 2], [from, to]: 
         let place = from + (to - from) * (ends[0] / (ends[0] - ends[1]));
         places.insert(places.partition_point(|other| *other < place), place);
     }
-    let turns: Vec<f64> = places.windows(2).filter_map(|pair| zero(&speed, [pair[0], pair[1]])).collect();
+    let turns: Vec<f64> = places.windows(2).filter_map(|pair| zero(speed, [pair[0], pair[1]])).collect();
     for turn in turns {
         places.insert(places.partition_point(|other| *other < turn), turn);
     }
