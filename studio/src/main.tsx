@@ -4,9 +4,11 @@ import { Engine, type Trouble } from "./core/engine";
 import type { AnswerOf, Kind, QuestionOf, SeamQuestion } from "./core/types";
 import { Speaker, TAGS, preferred } from "./i18n/speak";
 import { ladderOf, seamOf, studyOf } from "./questions";
+import { Film } from "./state/film";
 import { read, write } from "./state/fragment";
 import { type Eight, GRID, type Language, type State } from "./state/state";
-import { App } from "./view/App";
+import { Trail } from "./state/trail";
+import { App, titleOf } from "./view/App";
 import type { Answers, Change, Note, Page, Surroundings } from "./view/page";
 
 /** The address is written when the hand rests: some browsers refuse more than a hundred changes in half a minute. */
@@ -44,6 +46,21 @@ const sizes = new ResizeObserver(lookAround);
 const spoken = Object.assign(document.createElement("p"), { className: "spoken" });
 spoken.setAttribute("role", "status");
 
+const trail = new Trail(
+  {
+    push: (fragment) => history.pushState(null, "", addressOf(fragment)),
+    replace: (fragment) => history.replaceState(null, "", addressOf(fragment)),
+  },
+  location.hash.slice(1),
+);
+const film = new Film(
+  (segments) => change({ segments, before: null }, "first"),
+  () => {
+    writeSoon();
+    schedule();
+  },
+);
+
 const engine = new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), { answered, troubled });
 
 function languageOf(state: State): Language {
@@ -56,13 +73,20 @@ function measured(): number | undefined {
   return width ? Math.round(width) : undefined;
 }
 
-function set(change: Change, who: "first" | "second" = "first"): void {
+/** What the reader does. It ends the film, unless it is about something else. */
+function set(wish: Change, who: "first" | "second" = "first"): void {
+  const changes = typeof wish === "function" ? wish(state) : wish;
+  if ("segments" in changes || "view" in changes) film.stop();
+  change(changes, who);
+}
+
+function change(changes: Partial<State>, who: "first" | "second"): void {
   const before = languageOf(state);
-  state = { ...state, ...(typeof change === "function" ? change(state) : change) };
+  state = { ...state, ...changes };
+  trail.touch(Object.keys(changes));
   leader = who;
   if (languageOf(state) !== before) say = new Speaker(languageOf(state));
-  clearTimeout(writing);
-  writing = setTimeout(writeAddress, REST_MS);
+  writeSoon();
   delete document.documentElement.dataset["settled"];
   movedAt = performance.now();
   // The answer is here before the next frame, and one frame shows both. A slow one is not waited for.
@@ -70,11 +94,20 @@ function set(change: Change, who: "first" | "second" = "first"): void {
   else schedule();
 }
 
+function writeSoon(): void {
+  clearTimeout(writing);
+  writing = setTimeout(writeAddress, REST_MS);
+}
+
+/** A film is one step of the trail, however long it was. */
 function writeAddress(): void {
   writing = undefined;
   schedule();
-  const fragment = write(state);
-  history.replaceState(null, "", location.pathname + location.search + (fragment && `#${fragment}`));
+  if (!film.isPlaying) trail.write(write(state), performance.now());
+}
+
+function addressOf(fragment: string): string {
+  return location.pathname + location.search + (fragment && `#${fragment}`);
 }
 
 /** Asks what the state needs and was not asked yet. Whether there was anything. */
@@ -145,7 +178,6 @@ function draw(): void {
     return;
   }
   const html = document.documentElement;
-  dress();
   const page: Page = {
     say,
     state,
@@ -153,12 +185,19 @@ function draw(): void {
     around,
     notes,
     isMoving: isMoving(),
+    isPlaying: film.isPlaying,
+    play: () => {
+      if (film.isPlaying) film.stop();
+      else film.start(state.segments);
+      schedule();
+    },
     set,
     close: (note) => {
       notes = notes.filter((other) => other !== note);
       schedule();
     },
   };
+  dress(page);
   // What is out of sight was left as it was: once the hand rests, everything is drawn.
   if (page.isMoving) later(PLOT_MS);
   if (!isDrawn) root.replaceChildren();
@@ -175,16 +214,17 @@ function draw(): void {
     sizes.observe(stage);
   }
   // For whoever drives the page by program: what shows is the answer to the newest question, and the address says so.
-  if (engine.isIdle && !writing && !page.isMoving) html.dataset["settled"] = "1";
+  if (engine.isIdle && !writing && !page.isMoving && !film.isPlaying) html.dataset["settled"] = "1";
   clearTimeout(speaking);
   speaking = setTimeout(speak, SPEAK_MS);
 }
 
 /** Language and colours of the whole document, which is costly to change, be it for the same. */
-function dress(): void {
+function dress(page: Page): void {
   const html = document.documentElement;
   if (html.lang !== TAGS[say.language]) html.lang = TAGS[say.language];
-  if (document.title !== say.text("title")) document.title = say.text("title");
+  const title = say.text(titleOf(page));
+  if (document.title !== title) document.title = title;
   if (html.dataset["theme"] !== state.theme) html.dataset["theme"] = state.theme;
 }
 
@@ -211,8 +251,13 @@ function lookAround(): void {
   schedule();
 }
 
-addEventListener("hashchange", () => {
+/** Back, forward, or another address typed over this one. */
+function arrive(): void {
+  film.stop();
+  clearTimeout(writing);
+  writing = undefined;
   ({ state, isDamaged } = read(location.hash));
+  trail.arrive(location.hash.slice(1));
   say = new Speaker(languageOf(state));
   notes = notes.filter((note) => note.key !== "note.damaged");
   if (isDamaged) note({ key: "note.damaged" });
@@ -220,7 +265,11 @@ addEventListener("hashchange", () => {
   delete document.documentElement.dataset["settled"];
   ask();
   schedule();
-});
+}
+
+// A step of the trail is a popstate, a typed address is both, and arriving twice does no harm.
+addEventListener("popstate", arrive);
+addEventListener("hashchange", arrive);
 addEventListener("resize", lookAround);
 
 document.documentElement.dataset["theme"] = state.theme;

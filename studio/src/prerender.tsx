@@ -22,6 +22,8 @@ export function still(core: Core, language: Language): string {
     around: AROUND,
     notes: [],
     isMoving: false,
+    isPlaying: false,
+    play: () => undefined,
     set: () => undefined,
     close: () => undefined,
   };

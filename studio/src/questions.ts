@@ -16,6 +16,7 @@ export function studyOf(state: State, around: Surroundings): StudyQuestion {
   return {
     control: state.control,
     segments: state.segments,
+    other: state.before ?? 2 * state.segments,
     pixels_per_unit: pixelsPerUnit(state, around),
     pixels: state.goal,
     t: state.t,

@@ -23,7 +23,7 @@ pub(crate) fn curve_join(bytes: &[u8]) -> Result<Value, CurveRequestError> {
     Ok(json!({
         "first": curves[0].control,
         "second": curves[1].control,
-        "join": join_json(&join([&first, &second], [1.0; 2], 1)),
+        "join": join_json(&join([&first, &second], [1.0; 2], 1), curves),
         "comb": curves.map(|curve| comb(curve, scale)),
     }))
 }
@@ -36,11 +36,19 @@ fn join_curves([first, second]: [Bezier<2>; 2], smoothness: Continuity, leader: 
     }
 }
 
-fn join_json(join: &Join<2>) -> Value {
+fn join_json(join: &Join<2>, [before, after]: [Bezier<2>; 2]) -> Value {
+    // The comb's curvature has a sign, that of a join has none.
+    let signed = |curve: Bezier<2>, t: f64| {
+        curvature_comb(&curve.into(), 1, 0.0)
+            .concat()
+            .iter()
+            .find(|tooth| tooth.place == t)
+            .map(|tooth| tooth.curvature)
+    };
     json!({
         "position_gap": join.position_gap,
         "angle_rad": join.angle_rad,
-        "curvatures": join.curvatures,
+        "curvatures": [signed(before, 1.0), signed(after, 0.0)],
         "curvature_gap": join.curvature_gap,
         "parametric": join.parametric,
         "geometric": join.geometric,
@@ -51,4 +59,27 @@ fn comb(curve: Bezier<2>, scale: f64) -> Vec<Value> {
     let told =
         |tooth: &Tooth| json!({ "on_curve": tooth.on_curve, "tip": tooth.tip, "curvature": tooth.curvature });
     curvature_comb(&curve.into(), TEETH, scale).iter().flatten().map(told).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn joined(first: &str, second: &str) -> Value {
+        let rest = r#""smoothness": "none", "leader": "first", "scale": 1"#;
+        curve_join(format!(r#"{{"first": {first}, "second": {second}, {rest}}}"#).as_bytes()).unwrap()["join"]
+            .take()
+    }
+
+    #[test]
+    fn curvatures_have_the_sign_of_the_turn() {
+        // A left turn, then its image turned about the joint: an S, with one direction and opposite curvatures.
+        let right = "[[2, 2], [2, 3], [3, 4], [4, 4]]";
+        let join = joined("[[0, 0], [1, 0], [2, 1], [2, 2]]", right);
+        // 2/3 of the third control point's distance from the tangent over the square of the second one's.
+        assert_eq!(join["curvatures"], json!([2.0 / 3.0, -2.0 / 3.0]));
+        assert_eq!((join["geometric"].as_u64(), join["curvature_gap"].as_f64()), (Some(1), Some(4.0 / 3.0)));
+        // Where a curve stands still it has none.
+        assert_eq!(joined("[[0, 0], [1, 0], [2, 2], [2, 2]]", right)["curvatures"][0], Value::Null);
+    }
 }

@@ -23,7 +23,7 @@
 //! where the report stands:
 //!
 //! ```text
-//! chordal_study(question, n)    {"control": [[x, y] × 4], "segments": 8, "pixels_per_unit": 70, "pixels": 0.5, "t": 0.5, "near": 0.2}
+//! chordal_study(question, n)    {"control": [[x, y] × 4], "segments": 8, "other": 16, "pixels_per_unit": 70, "pixels": 0.5, "t": 0.5, "near": 0.2}
 //! chordal_ladder(question, n)   {"control": …, "counts": [1, 2, 4, …], "pixels_per_unit": 70}
 //! chordal_seam(question, n)     {"first": [[x, y] × 4], "second": …, "smoothness": "C1", "leader": "first", "scale": 0.5}
 //! ```
@@ -105,8 +105,8 @@ macro_rules! questions {
 }
 
 questions! {
-    /// One cubic with a number of segments: both chains, their gaps and bounds, how many segments a tolerance
-    /// takes, and de Casteljau's construction.
+    /// One cubic with a number of segments: both chains, their gaps and bounds, the same for another number, how
+    /// many segments a tolerance takes, by proof and by formula, and de Casteljau's construction.
     chordal_study: study::study;
     /// How the error of one cubic falls with the number of segments.
     chordal_ladder: study::ladder;

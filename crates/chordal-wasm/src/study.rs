@@ -38,28 +38,97 @@ impl ChainSpacing {
     }
 }
 
-/// Answers `{"control", "segments", "pixels_per_unit", "pixels", "t", "near"}`.
+/// Answers `{"control", "segments", "other", "pixels_per_unit", "pixels", "t", "near"}`.
 pub(crate) fn study(bytes: &[u8]) -> Result<Value, CurveRequestError> {
-    let asked =
-        CurveRequest::parse(bytes, &["control", "segments", "pixels_per_unit", "pixels", "t", "near"])?;
+    let asked = CurveRequest::parse(
+        bytes,
+        &["control", "segments", "other", "pixels_per_unit", "pixels", "t", "near"],
+    )?;
     let cubic = asked.cubic("control")?;
     let n = asked.segments("segments")?;
+    let other = asked.segments("other")?;
     let scale = asked.number("pixels_per_unit", SCALES)?;
     let pixels = asked.number("pixels", SCALES)?;
     let t = asked.number("t", [0.0, 1.0])?;
     let near = asked.number("near", SCALES)?;
     let curve = Curve::from(cubic);
-    let told =
-        |chain: ChainSpacing| chain.polyline(&curve, n).map(|made| chain_json(&cubic, &made, [scale, near]));
+    let told = |chain: ChainSpacing, n: u64| {
+        chain.polyline(&curve, n).map(|made| chain_json(&cubic, &made, [scale, near]))
+    };
     // Rounded down, so that what meets the length meets the pixels.
     let length = Tolerance::new((pixels / scale).next_down()).map_err(|error| error.to_string())?;
+    let chains = |n: u64| -> Result<[Value; 2], CurveRequestError> {
+        Ok([told(ChainSpacing::Even, n)?, told(ChainSpacing::Fewest, n)?])
+    };
+    let ([even, fewest], [other_even, other_fewest]) = (chains(n)?, chains(other)?);
     Ok(json!({
         "control": cubic.control,
-        "even": told(ChainSpacing::Even)?,
-        "fewest": told(ChainSpacing::Fewest)?,
-        "needed": { "even": min_even_segments(&curve, length), "fewest": min_segments(&curve, length) },
+        "other": {
+            "segments": other,
+            "times": { "even": times(&even, &other_even), "fewest": times(&fewest, &other_fewest) },
+            "even": other_even,
+            "fewest": other_fewest,
+        },
+        "even": even,
+        "fewest": fewest,
+        "needed": needed_json(&curve, &cubic, length, scale),
+        "formula": formula_json(&cubic, length, n, scale),
         "construction": construction(&cubic, t),
     }))
+}
+
+/// How many times the larger of two gaps is the smaller; none where one of them is zero.
+fn times(one: &Value, other: &Value) -> Option<f64> {
+    let pixels = |chain: &Value| chain["gap"]["pixels"].as_f64().filter(|pixels| *pixels > 0.0);
+    let (one, other) = (pixels(one)?, pixels(other)?);
+    Some(if one > other { one / other } else { other / one })
+}
+
+/// The smallest numbers that are proved to keep the length. By equal steps a larger number may be worse: then
+/// `even_fails` is the largest that is not proved, with its gap, and `even_from` the one from which all are.
+fn needed_json(curve: &Curve<2>, cubic: &Bezier<2>, length: Tolerance, scale: f64) -> Value {
+    let even = min_even_segments(curve, length);
+    let enough = wang_segments(cubic, length);
+    let fails = even
+        .filter(|_| enough <= MOST_TRIED)
+        .and_then(|first| (first + 1..=enough).rev().find(|n| !is_proved(curve, *n, length)));
+    let gap = fails.and_then(|n| {
+        let made = ChainSpacing::Even.polyline(curve, n).ok()?;
+        largest_gap(curve, &made.shape).map(|gap| in_pixels(gap.distance, scale))
+    });
+    json!({
+        "even": even,
+        "even_fails": fails.map(|n| json!({ "segments": n, "pixels": gap })),
+        "even_from": even.filter(|_| enough <= MOST_TRIED).map(|first| fails.map_or(first, |n| n + 1)),
+        "fewest": min_segments(curve, length),
+    })
+}
+
+/// The formula for equal steps (G. Wang, 1984): no chord of a step `h` is farther from its curve than `h² / 8`
+/// times the largest second derivative, which for a cubic is at an end.
+fn formula_json(cubic: &Bezier<2>, length: Tolerance, n: u64, scale: f64) -> Value {
+    let bend = largest_second_derivative(cubic);
+    let gap = bend / (8.0 * (n * n) as f64);
+    json!({
+        "bend": bend, "length": length.get(), "segments": wang_segments(cubic, length),
+        "gap": gap, "pixels": in_pixels(gap, scale),
+    })
+}
+
+fn largest_second_derivative(cubic: &Bezier<2>) -> f64 {
+    let [start, end] = [0.0, 1.0].map(|t| {
+        let [x, y] = cubic.second_derivative(t);
+        (x * x + y * y).sqrt()
+    });
+    if end > start { end } else { start }
+}
+
+/// From this number of equal steps on every number keeps the length, but for the roundings of the formula, which any
+/// larger number has room for.
+fn wang_segments(cubic: &Bezier<2>, length: Tolerance) -> u64 {
+    let steps = (largest_second_derivative(cubic) / (8.0 * length.get())).sqrt();
+    // A cast from float to integer saturates.
+    (steps.ceil() as u64).max(1)
 }
 
 /// Answers `{"control", "counts", "pixels_per_unit"}`.
@@ -135,27 +204,29 @@ fn bound_in_pixels(bound: &Bound, scale: f64) -> Option<f64> {
     bound.at_most().map(|most| if most > 0.0 { (most * scale).next_up() } else { 0.0 })
 }
 
-/// The smallest number of equal steps that is proved to keep the length; none where [`MOST_TRIED`] do not.
-fn min_even_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
-    (1..=MOST_TRIED).find(|n| {
-        let made = ChainSpacing::Even.approximate(curve, &Budget::segments(*n));
-        made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
-    })
+/// Whether that many equal steps are proved to keep the length.
+fn is_proved(curve: &Curve<2>, n: u64, length: Tolerance) -> bool {
+    let made = ChainSpacing::Even.approximate(curve, &Budget::segments(n));
+    made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
 }
 
-/// The smallest number of segments that is proved to keep the length, wherever they are put.
+/// The smallest number of equal steps that is proved to keep the length; none where [`MOST_TRIED`] do not.
+fn min_even_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
+    (1..=MOST_TRIED).find(|n| is_proved(curve, *n, length))
+}
+
+/// The smallest number of segments, wherever they are put, whose chain is proved to keep the length: the chain that is
+/// shown for that number alone. Where the length is asked for as well, one segment less may do.
 fn min_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
     let budget = Budget { segments: Some(MOST_TRIED), ..Budget::length(length) };
-    let mut fewest = ChainSpacing::Fewest.approximate(curve, &budget).ok()?.shape.n_segments() as u64;
-    // The arrow promises nearly the fewest; whether one less will do is quickly tried.
-    while fewest > 1 {
-        let fewer = Budget { segments: Some(fewest - 1), ..budget };
-        match ChainSpacing::Fewest.approximate(curve, &fewer) {
-            Ok(made) => fewest = made.shape.n_segments() as u64,
-            Err(_) => break,
-        }
-    }
-    Some(fewest)
+    let most = ChainSpacing::Fewest.approximate(curve, &budget).ok()?.shape.n_segments() as u64;
+    let keeps = |n: u64| {
+        let made = ChainSpacing::Fewest.approximate(curve, &Budget::segments(n));
+        made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
+    };
+    // The arrow promises nearly the fewest, so the answer is near.
+    let enough = (most..=MOST_TRIED).find(|n| keeps(*n))?;
+    (1..enough).rev().take_while(|n| keeps(*n)).last().or(Some(enough))
 }
 
 #[cfg(test)]
@@ -165,7 +236,8 @@ mod tests {
     const ARCH: &str = r#""control": [[0, 0], [0, 1], [1, 1], [1, 0]], "pixels_per_unit": 100"#;
 
     fn asked(rest: &str) -> Result<Value, CurveRequestError> {
-        study(format!("{{{ARCH}, {rest}}}").as_bytes())
+        let other = if rest.contains("other") { "" } else { r#""other": 2, "# };
+        study(format!("{{{ARCH}, {other}{rest}}}").as_bytes())
     }
 
     #[test]
@@ -192,6 +264,105 @@ mod tests {
             let n = told["needed"][name].as_u64().unwrap();
             let again = asked(&format!(r#""segments": {n}, "pixels": 0.5, "t": 0.5, "near": 0.1"#)).unwrap();
             assert!(again[name]["bound"]["pixels"].as_f64().unwrap() <= 0.5, "{name}: {n}");
+        }
+    }
+
+    #[test]
+    fn twice_the_segments_are_told_beside_with_how_many_times_less_is_lost() {
+        let told = asked(r#""segments": 32, "other": 64, "pixels": 1, "t": 0, "near": 1"#).unwrap();
+        let again = asked(r#""segments": 64, "other": 32, "pixels": 1, "t": 0, "near": 1"#).unwrap();
+        for name in ["even", "fewest"] {
+            assert_eq!(told["other"][name], again[name]);
+            assert_eq!(told[name], again["other"][name]);
+            let times = told["other"]["times"][name].as_f64().unwrap();
+            let pixels = |chain: &Value| chain["gap"]["pixels"].as_f64().unwrap();
+            assert_eq!(times, pixels(&told[name]) / pixels(&told["other"][name]));
+            assert_eq!(told["other"]["times"][name], again["other"]["times"][name]);
+        }
+        // By equal steps an arch loses h² / 8 of its second derivative's share across the chord: in the limit, exactly.
+        assert!((told["other"]["times"]["even"].as_f64().unwrap() - 4.0).abs() < 0.02);
+        let point = r#""control": [[1, 1], [1, 1], [1, 1], [1, 1]], "segments": 1, "other": 2"#;
+        let rest = r#""pixels_per_unit": 1, "pixels": 1, "t": 0, "near": 1"#;
+        let still = study(format!("{{{point}, {rest}}}").as_bytes()).unwrap();
+        assert!(still["other"]["times"]["even"].is_null());
+    }
+
+    /// The curve that the page shows first, at the scale of a figure 720 pixels wide.
+    fn shown(segments: u64) -> Value {
+        let control = r#""control": [[1, 0.8], [2.2, 5.8], [3, 5], [9.4, 2]]"#;
+        let rest =
+            r#""other": 1, "pixels_per_unit": 66.66666666666667, "pixels": 0.5, "t": 0.4, "near": 0.2"#;
+        study(format!("{{{control}, \"segments\": {segments}, {rest}}}").as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn a_larger_number_of_equal_steps_may_fail_and_then_it_is_named() {
+        // A hairpin: one vertex more moves all of them away from its tip.
+        let hairpin = |segments: u64| {
+            let control = r#""control": [[8.4, 5.6], [0.2, 3], [2.6, 3.5], [6.5, 4.3]]"#;
+            let rest =
+                r#""other": 1, "pixels_per_unit": 66.66666666666667, "pixels": 0.5, "t": 0, "near": 1"#;
+            study(format!("{{{control}, \"segments\": {segments}, {rest}}}").as_bytes()).unwrap()
+        };
+        let told = hairpin(1);
+        let needed = &told["needed"];
+        let number = |name: &str| needed[name].as_u64().unwrap();
+        let (first, from) = (number("even"), number("even_from"));
+        let fails = needed["even_fails"]["segments"].as_u64().unwrap();
+        assert_eq!((first, fails, from), (22, 23, 24));
+        let most = |n: u64| hairpin(n)["even"]["bound"]["pixels"].as_f64().unwrap();
+        assert!(most(first) <= 0.5 && most(first - 1) > 0.5);
+        assert_eq!(needed["even_fails"]["pixels"], hairpin(fails)["even"]["gap"]["pixels"]);
+        assert!(needed["even_fails"]["pixels"].as_f64().unwrap() > 0.5);
+        for n in from..=2 * told["formula"]["segments"].as_u64().unwrap() {
+            assert!(most(n) <= 0.5, "{n}");
+        }
+        // The curve that is shown first has no such number.
+        assert_eq!(shown(1)["needed"]["even_fails"], Value::Null);
+        assert_eq!(shown(1)["needed"]["even_from"], shown(1)["needed"]["even"]);
+    }
+
+    #[test]
+    fn the_formula_is_never_exceeded_and_reached_where_the_second_derivative_is_across_and_constant() {
+        for n in 1..40 {
+            let told = shown(n);
+            let formula = told["formula"]["pixels"].as_f64().unwrap();
+            assert!(told["even"]["gap"]["pixels"].as_f64().unwrap() <= formula, "{n}");
+        }
+        // A parabola over its chord, as a cubic: y'' = −8 everywhere.
+        let parabola = r#""control": [[0, 0], [1, 1.3333333333333333], [2, 1.3333333333333333], [3, 0]]"#;
+        let rest = r#""segments": 1, "other": 2, "pixels_per_unit": 1, "pixels": 0.0099, "t": 0, "near": 1"#;
+        let told = study(format!("{{{parabola}, {rest}}}").as_bytes()).unwrap();
+        for (what, value) in [
+            (&told["formula"]["gap"], 1.0),
+            (&told["even"]["gap"]["distance"], 1.0),
+            (&told["formula"]["bend"], 8.0),
+        ] {
+            assert!((what.as_f64().unwrap() - value).abs() < 1e-12, "{told}");
+        }
+        // 1 / n² ≤ 0.0099.
+        assert_eq!(told["formula"]["segments"], json!(11));
+    }
+
+    #[test]
+    fn the_chain_that_is_shown_for_the_number_needed_keeps_the_length_and_one_less_does_not() {
+        let control = r#""control": [[1, 0.8], [2.2, 5.8], [3, 5], [9.4, 2]]"#;
+        for pixels in [1.0, 0.5, 0.25] {
+            for width in (300..900).step_by(37) {
+                let at = |n: u64| {
+                    let scale = f64::from(width) / 10.8;
+                    let rest =
+                        format!(r#""pixels_per_unit": {scale}, "pixels": {pixels}, "t": 0, "near": 1"#);
+                    study(format!(r#"{{{control}, "segments": {n}, "other": 1, {rest}}}"#).as_bytes())
+                        .unwrap()
+                };
+                let needed = &at(1)["needed"];
+                for name in ["even", "fewest"] {
+                    let n = needed[name].as_u64().unwrap();
+                    let most = |n: u64| at(n)[name]["bound"]["pixels"].as_f64().unwrap();
+                    assert!(most(n) <= pixels && most(n - 1) > pixels, "{name}: {n}, {pixels}, {width}");
+                }
+            }
         }
     }
 
@@ -229,6 +400,7 @@ mod tests {
             (r#""segments": 1, "pixels": 0, "t": 0, "near": 1"#, "pixels"),
             (r#""segments": 1, "pixels": 1, "t": 1.5, "near": 1"#, "t is a number"),
             (r#""segments": 1, "pixels": 1, "t": 0"#, "near"),
+            (r#""segments": 1, "other": 0, "pixels": 1, "t": 0, "near": 1"#, "other"),
         ] {
             let error = asked(rest).unwrap_err();
             assert!(error.contains(part), "{rest}: {error}");

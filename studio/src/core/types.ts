@@ -7,6 +7,8 @@ export type Cubic = readonly [Point, Point, Point, Point];
 export interface StudyQuestion {
   control: Cubic;
   segments: number;
+  /** Another number of segments, to compare with. */
+  other: number;
   /** Device pixels in one unit of the drawing. */
   pixels_per_unit: number;
   /** The error that is asked for, in device pixels. */
@@ -43,9 +45,33 @@ export interface StudyAnswer {
   control: Cubic;
   even: Chain;
   fewest: Chain;
-  /** The smallest number of segments that keeps the pixels that were asked for. */
-  needed: Record<Spacing, number | null>;
+  /** The chains of the other number, and how many times the larger gap is the smaller; null where one is zero. */
+  other: Record<Spacing, Chain> & { segments: number; times: Record<Spacing, number | null> };
+  needed: Needed;
+  formula: Formula;
   construction: Construction;
+}
+
+/** The smallest numbers of segments that are proved to keep the pixels that were asked for. */
+export interface Needed {
+  even: number | null;
+  /** By equal steps a larger number may lose more: the largest that is not proved, with its gap in pixels. */
+  even_fails: { segments: number; pixels: number | null } | null;
+  /** From here on every number of equal steps is proved. */
+  even_from: number | null;
+  fewest: number | null;
+}
+
+/** The formula for equal steps: no gap is wider than the second derivative's largest length over 8 N². */
+export interface Formula {
+  /** That length, in units. */
+  bend: number;
+  /** The gap that is asked for, in units, and the number of segments that the formula has for it. */
+  length: number;
+  segments: number;
+  /** What the formula allows for the number of segments at hand, in units and in pixels. */
+  gap: number;
+  pixels: number;
 }
 
 export interface Construction {
@@ -100,6 +126,7 @@ export interface SeamAnswer {
   join: {
     position_gap: number;
     angle_rad: number | null;
+    /** Positive where the curve turns left. */
     curvatures: [number | null, number | null];
     curvature_gap: number | null;
     parametric: number | null;

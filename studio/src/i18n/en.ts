@@ -2,7 +2,7 @@
 export const en = {
   "title": "How many segments until it looks smooth?",
   "lead":
-    "A screen draws only straight lines. Grey, in its pale band, is the true curve; blue are the segments drawn in its place; red is the widest gap between the two. Drag a point, or change their number.",
+    "Graphics hardware draws straight lines and triangles, so a curve is cut into segments first. Drag a point, or change their number.",
   "skip": "Skip to the figure",
 
   "views": "What to look at",
@@ -29,6 +29,25 @@ export const en = {
   "segments.more": "One segment more",
   "segments.half": "Half as many segments",
   "segments.twice": "Twice as many segments",
+  "halving.ask": "Press 2×: of {n} segments it makes {twice}. How much of the gap is left?",
+  "halving.counts": "{from} → {to}: ",
+  "halving.gaps": "{before} → {now} px,",
+  "halving.less": "{times} times less",
+  "halving.more": "{times} times more",
+  "film.play": "Play: one segment more after the other",
+  "film.stop": "Stop the film",
+  "look": "Judge by eye",
+  "look.both": "both",
+  "look.chain": "what the screen draws",
+  "look.curve": "the true curve",
+  "look.flip": "Flip between what the screen draws and the true curve",
+  "look.help": "Press ⇄ to flip: can your eye tell them apart?",
+  "look.chain.alt": "What the screen draws: {segments}, as one thick stroke.",
+  "look.curve.alt": "The true curve as one thick stroke, in place of {segments}.",
+  "legend.curve": "true curve",
+  "legend.chain": "segments",
+  "legend.ghost": "before: {segments}",
+  "legend.gap": "widest gap",
   "spacing": "Where they go",
   "spacing.even": "in equal steps",
   "spacing.fewest": "where it bends",
@@ -45,17 +64,21 @@ export const en = {
   "gap": "Widest gap",
   "gap.measured": "measured",
   "gap.proved": "proved: at most",
-  "gap.apart": "The two differ by {n}. The drawing is 10 units wide.",
+  "gap.apart": "The two differ by {n} units. The drawing is 10 units wide.",
   "verdict": "Smooth to within",
   "verdict.px": "{n} px",
   "verdict.smooth": "smooth",
   "verdict.seen": "shows",
   "verdict.open": "undecided",
-  "needed": "For {px} it takes at least",
+  "needed": "First number proved for {px}",
   "needed.even": "in equal steps",
   "needed.fewest": "where it bends",
   "needed.show": "Show {segments}, {how}",
   "needed.none": "more than 1024",
+  "needed.exception":
+    "More is not always enough: by equal steps {n} is the first number that is proved, and with {fails} the gap is {px}. From {from} on every number will do.",
+  "needed.unproved":
+    "More is not always enough: by equal steps {n} is the first number that is proved, and with {fails}, where {px} were measured, no proof is found. From {from} on every number will do.",
 
   "density": "Screen",
   "density.own": "this one (×{n})",
@@ -66,7 +89,7 @@ export const en = {
   "loupe.alt": "The widest gap under a loupe that magnifies 20 times: each square is one pixel of the screen, and the gap spans {px}.",
   "loupe.help": "Each square is one pixel of the screen.",
 
-  "figure.alt": "A curve with four control points and {segments} drawn in its place. The widest gap, {px}, is at {place}.",
+  "figure.alt": "A curve, the pale thick stroke, with four control points, and {segments} drawn in its place. The widest gap, {px}, is at {place}.",
   "place": "{percent} of the way",
   "point.name": "Control point {i}",
   "point.end": "End point {i}",
@@ -77,10 +100,21 @@ export const en = {
   "point.x": "{name}, x",
   "point.y": "{name}, y",
   "reset": "As it was at first",
+  "recipe": "The formula, and six lines of code",
+  "recipe.alt": "The gap, epsilon, is at most the largest second derivative over eight N squared",
+  "recipe.why":
+    "Over a step h of the parameter, a chord is nowhere farther from its curve than h²/8 times the largest second derivative. With h = 1/N the gap ε falls like 1/N². ",
+  "recipe.here": "Here it is {bend}, and {px} are {gap}; solved for N:",
+  "recipe.more":
+    ". That is safe and more than it takes, for it assumes the worst bend everywhere; proved chord by chord, {n} are enough.",
+  "recipe.stop": ". To prove it chord by chord takes more than 1024.",
+  "recipe.code": "The same in Python",
+  "recipe.source":
+    "Wang's formula (G. Wang, 1984). The second derivative of a cubic is linear, so its largest value is at an end. The code is complete.",
 
   "plot.title": "Twice the segments, a quarter of the error",
   "plot.text":
-    "Both scales are logarithmic, so a power is a straight line. Once the segments are short, the gap falls with the square of their number: the dots run parallel to the dashed line of slope −2. The two ways to place the segments differ by a factor that stays, not by the slope.",
+    "Both scales are logarithmic, so a power is a straight line. Once the segments are short, the gap falls with the square of their number: the dots run parallel to the dashed line of slope −2. The triangle is one doubling: twice as far to the right is a quarter as high. The two ways to place the segments differ by a factor that stays, not by the slope.",
   "plot.alt": "The widest gap against the number of segments. In equal steps: {even} at 8, {even2} at 16, {even4} at 32. Where it bends: {fewest} at 8, {fewest2} at 16, {fewest4} at 32.",
   "plot.x": "number of segments",
   "plot.y": "gap in pixels",
@@ -110,6 +144,7 @@ export const en = {
 
   "seam.lead":
     "A long path is made of short cubics. Whether one sees where they meet depends on three things: do they meet, do they run in the same direction, and do they bend equally there? The comb shows the last: its teeth stand across the curve and are as long as it bends.",
+  "seam.title": "When does a joint disappear?",
   "seam.figure.alt": "Two cubics and their curvature combs. They are joined {how}.",
   "seam.wish": "Join them",
   "seam.none": "not at all",
@@ -123,7 +158,7 @@ export const en = {
   "seam.position": "Gap in position",
   "seam.angle": "Kink",
   "seam.curvature": "Jump in curvature",
-  "seam.curvatures": "Curvature before and after",
+  "seam.curvatures": "Curvatures, left turns +",
   "seam.unknown": "none",
   "seam.degrees": "{n}°",
   "seam.comb": "Length of the teeth",
@@ -144,6 +179,8 @@ export const en = {
   "seam.name.8": "Second curve, end",
 
   "closing": "Twice the segments, a quarter of the error — so spend them where it bends.",
+  "seam.closing":
+    "Same place, same direction, same bend: three steps to a joint that nobody sees, and each costs one control point.",
   "footer":
     "Every number here is computed by Chordal's core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address of this page holds what you have chosen.",
 };

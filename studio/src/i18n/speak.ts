@@ -15,6 +15,8 @@ export class Speaker {
   private readonly short: Intl.NumberFormat;
   private readonly fixed: Intl.NumberFormat;
   private readonly share: Intl.NumberFormat;
+  private readonly factor: Intl.NumberFormat;
+  private readonly turn: Intl.NumberFormat;
 
   constructor(readonly language: Language) {
     const tag = TAGS[language];
@@ -22,6 +24,8 @@ export class Speaker {
     this.plural = new Intl.PluralRules(tag);
     this.short = new Intl.NumberFormat(tag, { maximumSignificantDigits: 3, useGrouping: false });
     this.fixed = new Intl.NumberFormat(tag, { minimumFractionDigits: 2, maximumFractionDigits: 2, useGrouping: false });
+    this.factor = new Intl.NumberFormat(tag, { minimumFractionDigits: 1, maximumFractionDigits: 1, useGrouping: false });
+    this.turn = new Intl.NumberFormat(tag, { maximumSignificantDigits: 3, useGrouping: false, signDisplay: "exceptZero" });
     this.share = new Intl.NumberFormat(tag, { style: "percent", maximumFractionDigits: 0 });
   }
 
@@ -34,6 +38,16 @@ export class Speaker {
   number(value: number): string {
     if (value !== 0 && Math.abs(value) < 1e-4) return power(value);
     return this.short.format(value);
+  }
+
+  /** How many times: one decimal, so that 4 times is seen to be 4.0. */
+  times(value: number): string {
+    return this.factor.format(value);
+  }
+
+  /** With its sign, also a plus. */
+  signed(value: number): string {
+    return this.turn.format(value).replace("-", "−");
   }
 
   /** A coordinate: two decimals, as the grid has. */

@@ -2,7 +2,7 @@
 // whatever is wrong with a part of it, that part is as if it were not there, and the reader is told once.
 import type { Cubic, Point, Smoothness, Spacing } from "../core/types";
 import { DEFAULTS, GOALS, GRID, MOST_SEGMENTS, WORLD } from "./state";
-import type { Density, Eight, Goal, Language, State, Theme, View } from "./state";
+import type { Density, Eight, Goal, Language, Look, State, Theme, View } from "./state";
 
 export const VERSION = "1";
 /** The second curve's points follow from the first one's and may leave the drawing; this far at most. */
@@ -26,7 +26,9 @@ const PARTS: { [K in keyof State]: [key: string, part: Part<State[K]>] } = {
   view: ["w", oneOf<View>({ c: "curve", s: "seam" })],
   control: ["c", points<Cubic>(4, [0, WORLD.width], [0, WORLD.height])],
   segments: ["n", whole(1, MOST_SEGMENTS)],
+  before: ["b", whole(1, MOST_SEGMENTS)],
   spacing: ["s", oneOf<Spacing>({ e: "even", f: "fewest" })],
+  look: ["e", oneOf<Look>({ b: "both", s: "chain", c: "curve" })],
   goal: ["g", oneOf<Goal>({ "1": GOALS[0], "2": GOALS[1], "4": GOALS[2] })],
   t: ["t", share(1000)],
   density: ["d", oneOf<Density>({ "0": 0, "1": 1, "2": 2, "3": 3 })],

@@ -4,6 +4,8 @@ import type { Cubic, Point, Smoothness, Spacing } from "../core/types";
 export type Language = "en" | "zh";
 export type Theme = "auto" | "light" | "dark";
 export type View = "curve" | "seam";
+/** What the figure shows: the curve and its chain laid over each other, or one of them alone, as a stroke to be judged. */
+export type Look = "both" | "chain" | "curve";
 /** Device pixels per CSS pixel: those of this screen, or of another one. */
 export type Density = 0 | 1 | 2 | 3;
 
@@ -14,7 +16,10 @@ export interface State {
   view: View;
   control: Cubic;
   segments: number;
+  /** The number before it was doubled or halved; none after any other change. */
+  before: number | null;
   spacing: Spacing;
+  look: Look;
   /** The error that is asked for, in device pixels. */
   goal: Goal;
   t: number;
@@ -46,7 +51,9 @@ export const DEFAULTS: State = {
     [9.4, 2],
   ],
   segments: 6,
+  before: null,
   spacing: "even",
+  look: "both",
   goal: 0.5,
   t: 0.4,
   density: 0,

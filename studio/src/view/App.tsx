@@ -1,16 +1,18 @@
 // The whole page from the reader's choices and the core's answers.
 import type { Point } from "../core/types";
-import type { Theme, View } from "../state/state";
+import type { Language, Theme, View } from "../state/state";
 import { DEFAULTS, withPoint } from "../state/state";
 import { Compare } from "./Compare";
 import { Construction } from "./Construction";
-import { Count, Headline, Needed, Readout, Screen, Verdicts, Where } from "./Controls";
-import { Drawing } from "./Drawing";
+import { Count, Headline, LookAt, Where } from "./Controls";
+import { Drawing, ghostOf } from "./Drawing";
 import { InSight } from "./InSight";
 import { Loupe } from "./Loupe";
 import { Numbers } from "./Numbers";
 import { Plot } from "./Plot";
+import { Recipe } from "./Recipe";
 import { SeamView } from "./Seam";
+import { Needed, Readout, Screen, Verdicts } from "./Verdicts";
 import type { Change, Page } from "./page";
 
 export interface AppProps {
@@ -29,18 +31,18 @@ export function App({ page, move }: AppProps) {
     <div class={around.isEmbedded ? "page embedded" : "page"}>
       {!around.isEmbedded && <Top page={page} />}
       <main>
-        <h1>{say.text("title")}</h1>
+        <h1>{say.text(titleOf(page))}</h1>
         {around.isStill && (
           <noscript>
             <p class="note">{say.text("static")}</p>
           </noscript>
         )}
         <Notes page={page} />
-        {!around.isStill && <Tabs page={page} />}
         {shows("curve") && <CurveView page={page} />}
-        {around.isStill && <h2>{say.text("view.seam")}</h2>}
+        {shows("curve") && !around.isEmbedded && <p class="closing">{say.text("closing")}</p>}
+        {around.isStill && <h2>{say.text("seam.title")}</h2>}
         {shows("seam") && <SeamView page={page} move={move} />}
-        {!around.isEmbedded && <p class="closing">{say.text("closing")}</p>}
+        {shows("seam") && !around.isEmbedded && <p class="closing">{say.text("seam.closing")}</p>}
       </main>
       {!around.isEmbedded && (
         <footer>
@@ -49,6 +51,11 @@ export function App({ page, move }: AppProps) {
       )}
     </div>
   );
+}
+
+/** Each view has a title of its own; the still page begins with the first one's. */
+export function titleOf({ state, around }: Page): "title" | "seam.title" {
+  return state.view === "seam" && !around.isStill ? "seam.title" : "title";
 }
 
 function Top({ page }: { page: Page }) {
@@ -60,8 +67,13 @@ function Top({ page }: { page: Page }) {
           <path class="mark-curve" d="M2 18C2 2 30 -6 30 18" />
           <path class="mark-chain" d="M2 18L6.9 6.6L16 3L25.1 6.9L30 18" />
         </svg>
-        Chordal
+        <span>Chordal</span>
       </span>
+      {page.around.isStill ? (
+        <Other language={say.language} />
+      ) : (
+        <Tabs page={page} />
+      )}
       {!page.around.isStill && (
         <div class="wishes-of-page">
           <div class="languages" role="group" aria-label={say.text("language")}>
@@ -85,6 +97,16 @@ function Top({ page }: { page: Page }) {
         </div>
       )}
     </header>
+  );
+}
+
+/** Without script: the page in the other language. */
+function Other({ language }: { language: Language }) {
+  const [file, tag, name] = language === "en" ? (["zh.html", "zh-CN", "中文"] as const) : (["index.html", "en", "English"] as const);
+  return (
+    <a href={file} lang={tag} hreflang={tag}>
+      {name}
+    </a>
   );
 }
 
@@ -119,7 +141,7 @@ function Notes({ page }: { page: Page }) {
 
 function CurveView({ page }: { page: Page }) {
   const { say, state, around, set } = page;
-  const { control, segments, spacing, goal, t, density } = DEFAULTS;
+  const { control, segments, before, spacing, look, goal, t, density } = DEFAULTS;
   const points = state.control.map((at, i) => ({
     name: say.text(i % 3 === 0 ? "point.end" : "point.name", { i: i + 1 }),
     at,
@@ -131,26 +153,32 @@ function CurveView({ page }: { page: Page }) {
       <div class="bench">
         <div class="stage">
           <Drawing page={page} />
-          <Headline page={page} />
-          <div class="row" inert={around.isStill}>
-            <Count page={page} />
-            <Where page={page} />
-          </div>
-          {!around.isStill && <Numbers page={page} id="point" points={points} />}
-          <button type="button" class="reset" inert={around.isStill} onClick={() => set({ control, segments, spacing, goal, t, density })}>
-            {say.text("reset")}
-          </button>
+          <Legend page={page} />
         </div>
-        <div class="panel">
+        <div class="side" inert={around.isStill}>
+          <Headline page={page} />
+          <Count page={page} />
+          <LookAt page={page} />
+          <Where page={page} />
           <div class="look">
             <Loupe page={page} />
             <Readout page={page} />
           </div>
-          <div class="panel" inert={around.isStill}>
-            <Verdicts page={page} />
-            <Needed page={page} />
-            <Screen page={page} />
-          </div>
+          <Verdicts page={page} />
+          <Needed page={page} />
+          <Screen page={page} />
+        </div>
+        <div class="under">
+          {!around.isEmbedded && <Recipe page={page} />}
+          {!around.isStill && <Numbers page={page} id="point" points={points} />}
+          <button
+            type="button"
+            class="reset"
+            inert={around.isStill}
+            onClick={() => set({ control, segments, before, spacing, look, goal, t, density })}
+          >
+            {say.text("reset")}
+          </button>
         </div>
       </div>
       {!around.isEmbedded && (
@@ -161,5 +189,19 @@ function CurveView({ page }: { page: Page }) {
         </>
       )}
     </>
+  );
+}
+
+/** What the strokes of the figure are. */
+function Legend({ page }: { page: Page }) {
+  const { say, state } = page;
+  if (state.look !== "both") return <p class="legend of-figure">{say.text("look.help")}</p>;
+  return (
+    <p class="legend of-figure">
+      <span class="curve">{say.text("legend.curve")}</span>
+      <span class="chain">{say.text("legend.chain")}</span>
+      {ghostOf(page) && <span class="ghost">{say.text("legend.ghost", { segments: say.segments(state.before ?? 0) })}</span>}
+      <span class="gap">{say.text("legend.gap")}</span>
+    </p>
   );
 }

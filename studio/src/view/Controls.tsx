@@ -1,20 +1,12 @@
-// The panel beside the main figure: how many segments, where they go, how good that is, and how many would do.
-import type { Chain, Spacing } from "../core/types";
-import { type Density, GOALS, MOST_SEGMENTS, STOPS, stopOf, within } from "../state/state";
+// What one does to the main figure: how many segments, how they are placed, and what is drawn of it.
+import type { Spacing } from "../core/types";
+import { type Look, MOST_SEGMENTS, STOPS, stopOf, within } from "../state/state";
+import { verdict } from "./Verdicts";
 import { Choice, Figure, Slider } from "./parts";
 import type { Page } from "./page";
 
-export type Verdict = "smooth" | "seen" | "open";
-
-/** Smooth when that is proved, seen when that was measured; between the two nothing is known. */
-export function verdict(chain: Chain, goal: number): Verdict {
-  if (chain.bound.pixels !== null && chain.bound.pixels <= goal) return "smooth";
-  return chain.gap !== null && chain.gap.pixels > goal ? "seen" : "open";
-}
-
 const SPACINGS: readonly Spacing[] = ["even", "fewest"];
-const MARKS: Record<Verdict, string> = { smooth: "✓", seen: "✕", open: "?" };
-const FRACTIONS: Record<number, string> = { 1: "1", 0.5: "½", 0.25: "¼" };
+const LOOKS: readonly Look[] = ["both", "chain", "curve"];
 
 export function Headline({ page }: { page: Page }) {
   const { say, state, answers } = page;
@@ -26,15 +18,26 @@ export function Headline({ page }: { page: Page }) {
 }
 
 export function Count({ page }: { page: Page }) {
-  const { say, state, set } = page;
+  const { say, state, set, isPlaying, play } = page;
   const n = state.segments;
-  const to = (change: (n: number) => number) => set(({ segments }) => ({ segments: within(change(segments), 1, MOST_SEGMENTS) }));
-  const steps = [
-    ["segments.half", "½×", (n: number) => Math.ceil(n / 2)],
-    ["segments.fewer", "−", (n: number) => n - 1],
-    ["segments.more", "+", (n: number) => n + 1],
-    ["segments.twice", "2×", (n: number) => n * 2],
-  ] as const;
+  const bounded = (n: number) => within(n, 1, MOST_SEGMENTS);
+  const to = (change: (n: number) => number) =>
+    set(({ segments }) => ({ segments: bounded(change(segments)), before: null }));
+  // What was there before is kept, to compare with.
+  const scale = (change: (n: number) => number) =>
+    set(({ segments }) => ({ segments: bounded(change(segments)), before: segments }));
+  const step = (key: "half" | "fewer" | "more" | "twice", sign: string, change: (n: number) => number, go: typeof to) => (
+    <button
+      type="button"
+      aria-label={say.text(`segments.${key}`)}
+      title={say.text(`segments.${key}`)}
+      disabled={bounded(change(n)) === n}
+      onClick={() => go(change)}
+    >
+      {sign}
+    </button>
+  );
+  const film = say.text(isPlaying ? "film.stop" : "film.play");
   return (
     <div class="count">
       <Slider
@@ -49,19 +52,66 @@ export function Count({ page }: { page: Page }) {
         choose={(stop) => to(() => STOPS[stop]!)}
       />
       <div class="steps">
-        {steps.map(([key, sign, target]) => (
-          <button
-            key={key}
-            type="button"
-            aria-label={say.text(key)}
-            title={say.text(key)}
-            disabled={within(target(n), 1, MOST_SEGMENTS) === n}
-            onClick={() => to(target)}
-          >
-            {sign}
-          </button>
-        ))}
+        {step("half", "½×", (n) => Math.ceil(n / 2), scale)}
+        {step("fewer", "−", (n) => n - 1, to)}
+        <button type="button" class="film" aria-label={film} title={film} aria-pressed={isPlaying} onClick={play}>
+          <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true">
+            <path d={isPlaying ? "M4 3h3v10H4zM9 3h3v10H9z" : "M4 2.5L13.5 8L4 13.5z"} />
+          </svg>
+        </button>
+        {step("more", "+", (n) => n + 1, to)}
+        {step("twice", "2×", (n) => n * 2, scale)}
       </div>
+      <Halving page={page} />
+    </div>
+  );
+}
+
+/** What doubling or halving did to the gap; before that, the question. */
+function Halving({ page }: { page: Page }) {
+  const { say, state, answers } = page;
+  const { other, ...study } = answers.study;
+  const [old, now] = [other[state.spacing], study[state.spacing]];
+  const times = other.times[state.spacing];
+  // While the answer is on its way the question stands.
+  if (state.before === null || state.before !== other.segments || times === null || !old.gap || !now.gap) {
+    return <p class="halving">{say.text("halving.ask", { n: state.segments, twice: state.segments * 2 })}</p>;
+  }
+  const isLess = now.gap.pixels < old.gap.pixels;
+  return (
+    <p class="halving told">
+      {say.text("halving.counts", { from: old.segments, to: now.segments })}
+      <Figure name="gap-before" value={old.gap.pixels}>
+        {say.text("halving.gaps", { before: say.number(old.gap.pixels), now: say.number(now.gap.pixels) })}
+      </Figure>{" "}
+      <Figure name="times" value={times}>
+        <b>{say.text(isLess ? "halving.less" : "halving.more", { times: say.times(times) })}</b>
+      </Figure>
+    </p>
+  );
+}
+
+/** The switch between the figure that explains and strokes to be judged by eye. */
+export function LookAt({ page }: { page: Page }) {
+  const { say, state, set } = page;
+  return (
+    <div class="judging">
+      <Choice
+        name="look"
+        legend={say.text("look")}
+        value={state.look}
+        options={LOOKS.map((value) => ({ value, label: say.text(`look.${value}`) }))}
+        choose={(look) => set({ look })}
+      />
+      <button
+        type="button"
+        class="flip"
+        aria-label={say.text("look.flip")}
+        title={say.text("look.flip")}
+        onClick={() => set(({ look }) => ({ look: look === "chain" ? "curve" : "chain" }))}
+      >
+        ⇄
+      </button>
     </div>
   );
 }
@@ -76,97 +126,5 @@ export function Where({ page }: { page: Page }) {
       options={SPACINGS.map((value) => ({ value, label: say.text(`spacing.${value}`) }))}
       choose={(spacing) => set({ spacing })}
     />
-  );
-}
-
-export function Readout({ page }: { page: Page }) {
-  const { say, state, answers } = page;
-  const { gap, bound } = answers.study[state.spacing];
-  return (
-    <div class="readout">
-      <h3>{say.text("gap")}</h3>
-      <p class="big">
-        <Figure name="gap-pixels" value={gap?.pixels ?? 0}>
-          {say.pixels(gap?.pixels ?? 0)}
-        </Figure>
-      </p>
-      <dl class="plain">
-        <dt>{say.text("gap.measured")}</dt>
-        <dd>
-          <Figure name="gap-units" value={gap?.distance ?? 0}>
-            {say.units(gap?.distance ?? 0)}
-          </Figure>
-        </dd>
-        <dt>{say.text("gap.proved")}</dt>
-        <dd>
-          <Figure name="bound-units" value={bound.at_most}>
-            {bound.at_most === null ? "–" : say.units(bound.at_most)}
-          </Figure>
-        </dd>
-      </dl>
-      <p class="aside">{say.text("gap.apart", { n: say.number((bound.at_most ?? 0) - (gap?.distance ?? 0)) })}</p>
-    </div>
-  );
-}
-
-export function Verdicts({ page }: { page: Page }) {
-  const { say, state, answers, set } = page;
-  const chain = answers.study[state.spacing];
-  const options = GOALS.map((value) => {
-    const found = verdict(chain, value);
-    const extra = (
-      <small class={found} data-verdict={found}>
-        <i aria-hidden="true">{MARKS[found]}</i> {say.text(`verdict.${found}`)}
-      </small>
-    );
-    return { value, label: <b>{say.text("verdict.px", { n: FRACTIONS[value]! })}</b>, extra };
-  });
-  return (
-    <Choice class="verdicts" name="goal" legend={say.text("verdict")} value={state.goal} options={options} choose={(goal) => set({ goal })} />
-  );
-}
-
-export function Needed({ page }: { page: Page }) {
-  const { say, state, answers, set } = page;
-  const goal = say.text("verdict.px", { n: FRACTIONS[state.goal]! });
-  return (
-    <div class="needed">
-      <h3>{say.text("needed", { px: goal })}</h3>
-      <ul>
-        {SPACINGS.map((spacing) => {
-          const n = answers.study.needed[spacing];
-          const how = say.text(`needed.${spacing}`);
-          return (
-            <li key={spacing}>
-              <button
-                type="button"
-                disabled={n === null || n > MOST_SEGMENTS}
-                aria-label={n === null ? `${say.text("needed.none")}, ${how}` : say.text("needed.show", { segments: say.segments(n), how })}
-                onClick={() => n !== null && set({ segments: n, spacing })}
-              >
-                <Figure name={`needed-${spacing}`} value={n}>
-                  {n === null ? say.text("needed.none") : say.segments(n)}
-                </Figure>
-                <span>{how}</span>
-              </button>
-            </li>
-          );
-        })}
-      </ul>
-    </div>
-  );
-}
-
-export function Screen({ page }: { page: Page }) {
-  const { say, state, around, set } = page;
-  const options = ([0, 1, 2, 3] as const).map((value) => ({
-    value: value as Density,
-    label: say.text(value === 0 ? "density.own" : "density.other", { n: value === 0 ? say.number(around.ownDensity) : value }),
-  }));
-  return (
-    <div class="screen">
-      <Choice name="density" legend={say.text("density")} value={state.density} options={options} choose={(density) => set({ density })} />
-      <p class="aside">{say.text("density.help")}</p>
-    </div>
   );
 }

@@ -14,6 +14,8 @@ const LABEL = { away: 14, halfWidth: 40, halfHeight: 10, clear: 26 };
 /** Where it may stand, as turns from the curve's side of the gap; the nearest that is free is taken. */
 const TURNS = [0, 0.125, -0.125, 0.5, 0.25, -0.25, 0.375, -0.375];
 
+const ALONE = { chain: "look.chain.alt", curve: "look.curve.alt" } as const;
+
 export function Drawing({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const frame = new Frame(page.around.width);
@@ -27,16 +29,29 @@ export function Drawing({ page }: { page: Page }) {
   });
   return (
     <svg
-      class="drawing"
+      class={`drawing look-${state.look}`}
       viewBox={`0 0 ${px(frame.width)} ${px(frame.height)}`}
       role="group"
-      aria-label={title}
+      aria-label={state.look === "both" ? title : say.text(ALONE[state.look], { segments: say.segments(chain.segments) })}
       data-figure="curve"
     >
       <g aria-hidden="true">
-        <Polygon control={state.control} frame={frame} />
-        <CurveAndChain control={study.control} chain={chain} frame={frame} />
-        {gap && <Needle gap={[gap.on_curve, gap.on_polyline]} label={say.text("verdict.px", { n: say.number(gap.pixels) })} handles={state.control} frame={frame} />}
+        {state.look === "both" && (
+          <>
+            <Polygon control={state.control} frame={frame} />
+            <CurveAndChain control={study.control} chain={chain} ghost={ghostOf(page)} frame={frame} />
+            {gap && (
+              <Needle
+                gap={[gap.on_curve, gap.on_polyline]}
+                label={say.text("verdict.px", { n: say.number(gap.pixels) })}
+                handles={state.control}
+                frame={frame}
+              />
+            )}
+          </>
+        )}
+        {state.look === "chain" && <path class="stroke" d={linePath(chain.points.map((point) => frame.to(point)))} />}
+        {state.look === "curve" && <path class="stroke" d={cubicPath(study.control.map((point) => frame.to(point)))} />}
       </g>
       {state.control.map((at, i) => (
         <Handle
@@ -55,18 +70,32 @@ export function Drawing({ page }: { page: Page }) {
   );
 }
 
+/** The chain before the last doubling or halving. */
+export function ghostOf({ state, answers }: Page): Chain | undefined {
+  const other = answers.study.other;
+  return state.before === other.segments ? other[state.spacing] : undefined;
+}
+
 /** The sides of the control polygon that hold the handles. */
 export function Polygon({ control, frame }: { control: readonly Point[]; frame: Frame }) {
   const [a, b, c, d] = control.map((point) => frame.to(point));
   return <path class="polygon" d={`${linePath([a!, b!])}${linePath([d!, c!])}`} />;
 }
 
-export function CurveAndChain({ control, chain, frame }: { control: Cubic; chain: Chain; frame: Frame }) {
+interface ChainProps {
+  control: Cubic;
+  chain: Chain;
+  ghost?: Chain | undefined;
+  frame: Frame;
+}
+
+export function CurveAndChain({ control, chain, ghost, frame }: ChainProps) {
   const points = chain.points.map((point) => frame.to(point));
   return (
     <>
       <path class="curve" d={cubicPath(control.map((point) => frame.to(point)))} />
       <path class="core" d={cubicPath(control.map((point) => frame.to(point)))} />
+      {ghost && <path class="ghost" d={linePath(ghost.points.map((point) => frame.to(point)))} />}
       <path class="chain" d={linePath(points)} />
       {points.length <= MOST_DOTS && <path class="vertices" d={points.map((point) => `M${pair(point)}h0`).join("")} />}
     </>

@@ -1,8 +1,9 @@
 // The widest gap against the number of segments, both logarithmic, with a line of slope −2 to compare with.
 import type { TargetedPointerEvent } from "preact";
-import type { Rung, Spacing } from "../core/types";
+import type { Chain, Rung, Spacing } from "../core/types";
 import { GOALS, MOST_SEGMENTS, within } from "../state/state";
 import { follow } from "./Handle";
+import { FRACTIONS } from "./Verdicts";
 import { px } from "./frame";
 import type { Page } from "./page";
 
@@ -12,6 +13,8 @@ const TICKS = [1, 2, 4, 8, 16, 32, 64, 128];
 /** From a hundredth of a pixel to a thousand, always: a plot whose scale moves says nothing while one drags. */
 const DECADES = [0.01, 0.1, 1, 10, 100, 1000];
 const MARGIN = { left: 52, right: 16, top: 14, bottom: 42 };
+/** In a narrower frame the plot is scaled down whole: beyond its margins nothing would be left. */
+const NARROWEST = 280;
 const TABLE = [1, 2, 4, 8, 16, 32, 64, 128];
 
 /** From counts and pixels to places in the plot. */
@@ -40,7 +43,7 @@ class Scales {
 
 export function Plot({ page }: { page: Page }) {
   const { say, state, answers } = page;
-  const width = Math.min(page.around.width, 720);
+  const width = Math.max(Math.min(page.around.width, 720), NARROWEST);
   const scales = new Scales(width, Math.round(Math.max(width * 0.56, 260)));
   const { ladder, study } = answers;
   const at = (rungs: Rung[], n: number) => say.pixels(rungs[ladder.counts.indexOf(n)]?.gap ?? 0);
@@ -54,6 +57,7 @@ export function Plot({ page }: { page: Page }) {
   };
   const now = study[state.spacing];
   const here = Math.max(now.segments, 1);
+  const choose = (segments: number) => page.set({ segments, before: null });
   return (
     <>
       <h2 id="plot-title">{say.text("plot.title")}</h2>
@@ -63,7 +67,7 @@ export function Plot({ page }: { page: Page }) {
         viewBox={`0 0 ${px(width)} ${scales.height}`}
         role="img"
         aria-label={say.text("plot.alt", values)}
-        onPointerDown={(event: TargetedPointerEvent<SVGSVGElement>) => pick(event, scales, (segments) => page.set({ segments }))}
+        onPointerDown={(event: TargetedPointerEvent<SVGSVGElement>) => pick(event, scales, choose)}
       >
         <Axes scales={scales} page={page} />
         <clipPath id="plot-clip">
@@ -74,6 +78,7 @@ export function Plot({ page }: { page: Page }) {
           <Dots spacing="even" rungs={ladder.even} counts={ladder.counts} scales={scales} />
           <Dots spacing="fewest" rungs={ladder.fewest} counts={ladder.counts} scales={scales} />
           <path class="now" d={`M${px(scales.x(here))} ${MARGIN.top}V${px(scales.bottom)}`} />
+          <Doubling page={page} scales={scales} />
           {now.gap && <circle class={`now ${state.spacing}`} cx={px(scales.x(here))} cy={px(scales.y(now.gap.pixels))} r="6" />}
         </g>
       </svg>
@@ -100,7 +105,12 @@ function Axes({ scales, page }: { scales: Scales; page: Page }) {
         </g>
       ))}
       {GOALS.map((goal) => (
-        <path key={goal} class={goal === state.goal ? "goal chosen" : "goal"} d={`M${MARGIN.left} ${px(scales.y(goal))}H${px(scales.right)}`} />
+        <g key={goal} class={goal === state.goal ? "goal chosen" : "goal"}>
+          <path d={`M${MARGIN.left} ${px(scales.y(goal))}H${px(scales.right)}`} />
+          <text x={px(scales.right)} y={px(scales.y(goal) - 4)} text-anchor="end">
+            {say.text("verdict.px", { n: FRACTIONS[goal]! })}
+          </text>
+        </g>
       ))}
       {TICKS.map((n) => (
         <text key={n} x={px(scales.x(n))} y={scales.bottom + 16} text-anchor="middle">
@@ -112,6 +122,28 @@ function Axes({ scales, page }: { scales: Scales; page: Page }) {
       </text>
       <text class="name" transform={`translate(13 ${px((MARGIN.top + scales.bottom) / 2)})rotate(-90)`} text-anchor="middle">
         {say.text("plot.y")}
+      </text>
+    </g>
+  );
+}
+
+/** The slope's triangle: from a number of segments to the other one, and what becomes of the gap. */
+function Doubling({ page, scales }: { page: Page; scales: Scales }) {
+  const { say, state, answers } = page;
+  const { other, ...study } = answers.study;
+  const times = other.times[state.spacing];
+  const [few, many] = [study[state.spacing], other[state.spacing]].sort((a, b) => a.segments - b.segments) as [Chain, Chain];
+  if (times === null || !few.gap || !many.gap || few.segments === many.segments || many.segments > MOST_SEGMENTS) return null;
+  const [left, right] = [scales.x(few.segments), scales.x(many.segments)];
+  const [top, bottom] = [scales.y(few.gap.pixels), scales.y(many.gap.pixels)];
+  return (
+    <g class="doubling">
+      <path d={`M${px(left)} ${px(top)}H${px(right)}V${px(bottom)}`} />
+      <text x={px((left + right) / 2)} y={px(top - 6)} text-anchor="middle">
+        {`×${say.number(many.segments / few.segments)}`}
+      </text>
+      <text x={px(right + 6)} y={px((top + bottom) / 2)} dy="0.35em">
+        {`÷${say.times(times)}`}
       </text>
     </g>
   );

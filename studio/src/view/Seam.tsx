@@ -56,11 +56,10 @@ export function SeamView({ page, move }: { page: Page; move(change: Change, lead
       <div class="bench">
         <div class="stage">
           <SeamDrawing page={page} movePoint={movePoint} />
-          <p class={`headline ${levelOf(page.answers.seam) === "2" ? "smooth" : "seen"}`}>{headline(page)}</p>
-          {!page.around.isStill && <Numbers page={page} id="seam-point" points={points} />}
         </div>
-        <div class="panel">
-          <div class="panel" inert={page.around.isStill}>
+        <div class="side">
+          <p class={`headline ${levelOf(page.answers.seam) === "2" ? "smooth" : "seen"}`}>{headline(page)}</p>
+          <div class="side" inert={page.around.isStill}>
             <Choice
               class="wishes"
               name="smoothness"
@@ -83,8 +82,11 @@ export function SeamView({ page, move }: { page: Page; move(change: Change, lead
           </div>
           <JoinTable page={page} />
         </div>
+        <div class="under">
+          <p class="aside">{say.text("seam.why")}</p>
+          {!page.around.isStill && <Numbers page={page} id="seam-point" points={points} />}
+        </div>
       </div>
-      <p class="aside">{say.text("seam.why")}</p>
     </>
   );
 }
@@ -161,6 +163,7 @@ function JoinTable({ page }: { page: Page }) {
   const join = answers.seam.join;
   const apart = say.text("seam.apart");
   const number = (value: number | null) => (value === null ? say.text("seam.unknown") : say.number(value));
+  const signed = (value: number | null) => (value === null ? say.text("seam.unknown") : say.signed(value));
   // What the core calls equal up to rounding is shown as equal; all its digits stay behind the number.
   const level = join.geometric ?? -1;
   const angle = level >= 1 ? 0 : join.angle_rad;
@@ -189,7 +192,13 @@ function JoinTable({ page }: { page: Page }) {
         <div>
           <dt>{say.text("seam.curvatures")}</dt>
           <dd>
-            {number(join.curvatures[0])} · {number(join.curvatures[1])}
+            <Figure name="curvature-before" value={join.curvatures[0]}>
+              {signed(join.curvatures[0])}
+            </Figure>
+            {" · "}
+            <Figure name="curvature-after" value={join.curvatures[1]}>
+              {signed(join.curvatures[1])}
+            </Figure>
           </dd>
         </div>
       </dl>

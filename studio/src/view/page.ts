@@ -38,6 +38,9 @@ export interface Page {
   notes: readonly Note[];
   /** Whether something is being dragged: then only what is in sight needs to follow. */
   isMoving: boolean;
+  /** Whether the number of segments runs by itself, and what starts and stops that. */
+  isPlaying: boolean;
+  play(): void;
   set(change: Change): void;
   close(note: Note): void;
 }

@@ -6,10 +6,10 @@ import { Broken, Core, Refused } from "../../src/core/module";
 import type { SeamQuestion, StudyQuestion } from "../../src/core/types";
 import { DEFAULTS } from "../../src/state/state";
 import { firstOf, secondOf } from "../../src/view/Seam";
-import { verdict } from "../../src/view/Controls";
+import { verdict } from "../../src/view/Verdicts";
 
 const bytes = readFileSync(fileURLToPath(new URL("../../wasm/chordal.wasm", import.meta.url)));
-const QUESTION: StudyQuestion = { control: DEFAULTS.control, segments: 8, pixels_per_unit: 70, pixels: 0.5, t: 0.25, near: 0.2 };
+const QUESTION: StudyQuestion = { control: DEFAULTS.control, segments: 8, other: 16, pixels_per_unit: 70, pixels: 0.5, t: 0.25, near: 0.2 };
 const SEAM: SeamQuestion = { first: firstOf(DEFAULTS.seam), second: secondOf(DEFAULTS.seam), smoothness: "C0", leader: "first", scale: 1 };
 let core: Core;
 beforeAll(async () => {
@@ -47,6 +47,48 @@ test("twice the segments, a quarter of the error", () => {
   const ratio = even[0]!.gap / even[1]!.gap;
   expect(ratio).toBeGreaterThan(3.8);
   expect(ratio).toBeLessThan(4.2);
+});
+
+test("a doubling tells both gaps and how many times the one is the other", () => {
+  const question = { ...QUESTION, segments: 12, other: 6 };
+  const { even, other } = core.ask("study", question);
+  const turned = core.ask("study", { ...question, segments: 6, other: 12 });
+  expect(other.segments).toBe(6);
+  expect(other.even).toEqual(turned.even);
+  expect(other.times.even).toBe(other.even.gap!.pixels / even.gap!.pixels);
+  expect(other.times.even!).toBeGreaterThan(3.9);
+  expect(other.times.even!).toBeLessThan(4.2);
+});
+
+test("by equal steps more may be too few again, and from a number on none is", () => {
+  // A hairpin: one vertex more moves all of them away from its tip.
+  const control = [[8.4, 5.6], [0.2, 3], [2.6, 3.5], [6.5, 4.3]] as const;
+  const question = { ...QUESTION, control, pixels_per_unit: 720 / 10.8 };
+  const { needed, formula } = core.ask("study", question);
+  const judged = (segments: number) => verdict(core.ask("study", { ...question, segments }).even, 0.5);
+  expect(judged(needed.even!)).toBe("smooth");
+  expect(needed.even_fails!.segments).toBeGreaterThan(needed.even!);
+  expect(judged(needed.even_fails!.segments)).toBe("seen");
+  expect(needed.even_fails!.pixels).toBe(core.ask("study", { ...question, segments: needed.even_fails!.segments }).even.gap!.pixels);
+  expect(needed.even_from).toBe(needed.even_fails!.segments + 1);
+  for (let n = needed.even_from!; n <= 128; n++) expect(judged(n), `${n}`).toBe("smooth");
+  expect(formula.segments).toBeGreaterThanOrEqual(needed.even_from!);
+});
+
+test("a straight curve that turns back beyond its chain has a gap", () => {
+  const control = [[5, 3], [9, 3], [1, 3], [5, 3]] as const;
+  const { even } = core.ask("study", { ...QUESTION, control, segments: 5 });
+  // It turns where 1 − 6 t + 6 t² is 0, close to the vertex at a fifth of the way.
+  const x = (t: number) => 5 * (1 - t) ** 3 + 27 * t * (1 - t) ** 2 + 3 * t * t * (1 - t) + 5 * t ** 3;
+  expect(even.gap!.distance).toBeCloseTo(x((3 - Math.sqrt(3)) / 6) - x(0.2), 12);
+  expect(even.gap!.distance).toBeGreaterThan(2.5e-3);
+});
+
+test("curvatures at a joint have the sign of the turn", () => {
+  const s = { first: [[0, 0], [1, 0], [2, 1], [2, 2]], second: [[2, 2], [2, 3], [3, 4], [4, 4]] } as const;
+  const { join } = core.ask("seam", { ...SEAM, ...s, smoothness: "none" });
+  expect(join.curvatures[0]).toBeCloseTo(2 / 3, 12);
+  expect(join.curvatures[1]).toBeCloseTo(-2 / 3, 12);
 });
 
 test("a joint is as smooth as is wished, whichever curve leads", () => {

@@ -51,6 +51,21 @@ test("numbers have three digits, and one is one", () => {
   expect(new Speaker("zh").pixels(17.6630204)).toBe("17.7 像素");
 });
 
+test("factors show a decimal, and signs are shown where they say something", () => {
+  const english = new Speaker("en");
+  expect(english.times(4.0004)).toBe("4.0");
+  expect(english.times(11.96)).toBe("12.0");
+  expect(english.signed(0.51234)).toBe("+0.512");
+  expect(english.signed(-0.51234)).toBe("−0.512");
+  expect(english.signed(0)).toBe("0");
+});
+
+test("the words that a reader of a Chinese graphics textbook knows are used, and no others for the same thing", () => {
+  const all = Object.values(zh).join("\n");
+  for (const term of ["弦高误差", "已证明的上界", "参数等分", "曲率突变", "德卡斯特里奥算法", "浅色粗线", "像素密度翻倍"]) expect(all).toContain(term);
+  for (const other of ["间隙", "宽带", "加密一倍", "等步长", "跳变", "作图法", "偏差 {px}"]) expect(all).not.toContain(other);
+});
+
 test("a text keeps a place that nobody filled, and takes values as they are", () => {
   expect(fill("{a} and {b}", { a: "{b}" })).toBe("{b} and {b}");
   expect(fill("{a}", { a: "$& <b>" })).toBe("$& <b>");
