@@ -50,8 +50,12 @@ fn what_is_wrong_with_a_surface_is_one_sentence_with_its_place() {
             "/surfaces/0: row 0 has 2 control points where the knots along u need 3",
         ),
         ("[1, 1],", "[0, 1],", "/surfaces/0: along u: the degree is 0, and must be from 1 to 30"),
-        ("[1, 1],", "[1.5, 1],", "/surfaces/0: along u: the degree 1.5 is no whole number"),
-        ("\"degree\": [1, 1],", "", "/surfaces/0: there is no member \"degree\""),
+        ("[1, 1],", "[1.5, 1],", "/surfaces/0: along u: the degree 1.5 is no whole number from 1 to 30"),
+        (
+            "\"degree\": [1, 1],",
+            "",
+            "/surfaces/0: there is no member \"degree\", and none that constructs a surface (\"loft\", \"coons\", \"sweep\", \"extrude\", \"revolve\", \"ruled\")",
+        ),
         (
             "[1, 1, 1]]]",
             "[1, 1, 1]]], \"weights\": [[1, 1], [1, -1]]",
@@ -74,6 +78,24 @@ fn what_is_wrong_with_a_surface_is_one_sentence_with_its_place() {
         error(&format!(r#"{{"surfaces": [{BILINEAR}], "curves": []}}"#)),
         "a file holds surfaces or curves, not both"
     );
+}
+
+#[test]
+fn ruled_surfaces_count_what_fitting_their_curves_costs() {
+    let slack = |from: f64| {
+        let text = format!(
+            r#"{{"surfaces": [{{"ruled": [
+                {{"degree": 1, "knots": [{from}, {from}, {to}, {to}], "control": [[0, 0, 0], [1, 0, 0]]}},
+                {{"degree": 1, "knots": [0, 0, 0.33, 1, 1], "control": [[0, 1, 0], [0.33, 1, 1], [1, 1, 0]]}}]}}]}}"#,
+            to = from + 1.0
+        );
+        let content = shape_json::read(text.as_bytes(), &Limits::default()).unwrap().content;
+        let Content::Surfaces(surfaces, _) = content else { panic!("surfaces") };
+        surfaces[0].surface().slack()
+    };
+    // Of a third of a domain at 1e13 two units in the last place are 0.004.
+    assert!(slack(0.0) < 1e-12, "{}", slack(0.0));
+    assert!(slack(1e13) > 1e-3, "{}", slack(1e13));
 }
 
 #[test]

@@ -160,7 +160,11 @@ impl ConstructionReader<'_, '_> {
         let profile = profile.ok_or_else(|| missing(&place, "profile"))?;
         let along = along.ok_or_else(|| missing(&place, "along"))?;
         if along == [0.0; 3] {
-            return Err(ReadError::new("invalid-surface", place, "\"along\" is [0, 0, 0], which extrudes nothing"));
+            return Err(ReadError::new(
+                "invalid-surface",
+                place,
+                "\"along\" is [0, 0, 0], which extrudes nothing",
+            ));
         }
         let made = NurbsSurface::extruded(&profile.curve, along);
         made.map(rounded).map_err(|error| invalid(&place, &error))

@@ -6,8 +6,8 @@ use crate::{Limits, ReadError};
 
 /// A degree as it is counted.
 pub(super) fn whole_degree(degree: f64) -> Result<usize, String> {
-    if degree.fract() != 0.0 || degree < 1.0 {
-        return Err(format!("the degree {degree} is no whole number from 1 on"));
+    if degree.fract() != 0.0 || degree < 0.0 {
+        return Err(format!("the degree {degree} is no whole number from 1 to 30"));
     }
     // A cast of a float that is too large saturates, and is refused as a degree.
     Ok(degree as usize)

@@ -370,6 +370,27 @@ fn loops_that_enclose_nothing_are_one_sentence() {
     assert!(far.to_string().contains("trim loop 0 leaves the range"), "{far}");
 }
 
+/// Faces below what is sewn, alone and beside others: each stays, as near as the length says.
+#[test]
+fn faces_that_are_smaller_or_thinner_than_what_is_sewn_are_kept() {
+    let rectangle = |[x, y]: [f64; 2], [w, h]: [f64; 2]| {
+        TrimmedSurface::new(plane([[x, y, 0.0], [x + w, y, 0.0], [x, y + h, 0.0]], 1, 1), Vec::new()).unwrap()
+    };
+    let alone =
+        [rectangle([0.0; 2], [1.0; 2]), rectangle([3.0, 0.0], [2e-7; 2]), rectangle([5.0; 2], [1e-6; 2])];
+    let ribbons = [0.0, 1e-5, 2e-5].map(|y| rectangle([0.0, y], [1.0, 1e-5]));
+    for (faces, right, length) in
+        [(&alone, 5.0, 0.3), (&alone, 5.0, 1e-3), (&ribbons, 1.0, 1e-3), (&ribbons, 1.0, 1e-6)]
+    {
+        let budget = Budget::length(Tolerance::new(length).unwrap());
+        let made = convert::trimmed_surfaces_to_mesh(faces, &budget, &Job::default()).unwrap();
+        assert!(made.bound.at_most().unwrap() <= length);
+        assert!(made.shape.faces().len() >= 2 * faces.len(), "{length}");
+        let far = made.shape.positions().iter().map(|p| p[0]).fold(0.0, f64::max);
+        assert!(far >= right, "{length}: {far}");
+    }
+}
+
 /// A loop whose spike, and one whose whole inside, is thinner than the length.
 #[test]
 fn what_is_thinner_than_the_length_is_kept_where_it_is_long() {
