@@ -183,7 +183,8 @@ fn path_join_text(join: &PathJoinFacts) -> String {
         (0, Some(deg), ..) => format!("{deg:.1}°"),
         (0, None, ..) => "no direction".to_owned(),
         (_, _, Some(gap), [Some(before), Some(after)]) => {
-            format!("curvature jumps by {}, from {} to {}", number(gap), number(before), number(after))
+            let side = if gap * gap > before * before + after * after { " on the other side" } else { "" };
+            format!("curvature jumps by {}, from {} to {}{side}", number(gap), number(before), number(after))
         }
         _ => "no curvature".to_owned(),
     };

@@ -78,14 +78,25 @@ fn inspect_names_pieces_and_kinks() {
         "20 cubics",
         "14 arcs",
         "kinks",
-        "path 2 'branch', piece 0: 89.2°",
-        "curvature jumps by",
+        "31 C0, 2 C1, 6 C2",
+        "path 6 'bird', piece 0: 147.5° at (78, 126, 0)",
     ] {
         assert!(shown.stdout.contains(part), "no '{part}' in {shown:?}");
     }
     let report = run(&["inspect", DRAWING, "--json"]).report();
     follows("report", &report);
-    assert_eq!(report["inspection"]["drawing"]["worst"][0]["name"], "branch");
+    assert_eq!(report["inspection"]["drawing"]["worst"][0]["name"], "bird");
+    let folder = Folder::new("drawing-joins");
+    let bends = folder.file(
+        "bends.svg",
+        "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0C10 0 20 10 20 20C20 30 30 40 40 40'/></svg>",
+    );
+    let shown = run(&["inspect", &bends]);
+    let jump =
+        "path 0, piece 1: curvature jumps by 0.133, from 0.0667 to 0.0667 on the other side at (20, 20, 0)";
+    for part in ["0 kinks, 1 G1, 0 G2", "0 C0, 1 C1, 0 C2", jump] {
+        assert!(shown.stdout.contains(part), "no '{part}' in {shown:?}");
+    }
 }
 
 #[test]

@@ -243,10 +243,11 @@ fn inspect_says_where_a_path_kinks() {
         ("path", "p", 1, 1, 1)
     );
     assert_eq!((kink.at, kink.angle_deg), ([4.0, 0.0, 0.0], Some(90.0)));
-    // The corners of the rectangle: lines of length 5 run into arcs of radius 2 that take as long.
-    assert_eq!((facts.joins.g1, facts.joins.c0, facts.joins.c1 + facts.joins.c2), (9, 9, 1));
+    // The kink, and lines that run into arcs of radius 2, twice at each corner of the rectangle; the two cubics and the
+    // circle are C2.
+    assert_eq!((facts.joins.g1, facts.joins.c0, facts.joins.c1, facts.joins.c2), (8, 9, 0, 2));
     let jump = &facts.worst[1];
-    assert_eq!((jump.geometric, jump.kind, facts.worst.len()), (1, "rect", 10));
+    assert_eq!((jump.geometric, jump.kind, facts.worst.len()), (1, "rect", 9));
     assert!((jump.curvature_gap.unwrap() - 0.5).abs() < 1e-12, "{jump:?}");
     let star = "l1 1 1-1".repeat(100);
     let many = inspected(&format!("<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0{star}'/></svg>"));
