@@ -1,12 +1,17 @@
 //! What the exhibits of the studio ask: each file answers one of them, by functions of the library.
 mod answer;
+mod bernstein;
+mod cage;
+mod cracks;
 mod culling;
 mod doctor;
 mod indexed;
 mod inside;
+mod joins;
 mod normals;
 mod quad;
 mod request;
+mod runge;
 mod shapes;
 mod weights;
 
@@ -32,6 +37,11 @@ fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
         "normals" => normals::normals(&asked),
         "culling" => culling::culling(&asked),
         "doctor" => doctor::doctor(&asked),
+        "bernstein" => bernstein::bernstein(&asked),
+        "joins" => joins::joins(&asked),
+        "runge" => runge::runge(&asked),
+        "cracks" => cracks::cracks(&asked),
+        "cage" => cage::cage(&asked),
         _ => Err(format!("there is no exhibit '{name}'")),
     }
 }
