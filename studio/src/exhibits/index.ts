@@ -93,7 +93,33 @@ export const EXHIBITS: readonly Entry[] = [
     },
     load: () => import("./doctor"),
   },
+  {
+    id: "bernstein",
+    part: 3,
+    title: { en: "Four weights and a hull", zh: "四个权重与凸包" },
+    claim: {
+      en: "Four weights that are never negative and sum to one keep a curve in the hull of its points.",
+      zh: "四个权重都不为负、总和为一，曲线就留在控制点的凸包内。",
+    },
+    load: () => import("./bernstein"),
+  },
 ];
+
+/** The first page is a stop on the way, too: the widget stands after this exhibit, or at the end of its part. */
+export const WIDGET = { part: 3, after: "runge", file: { en: "index.html", zh: "zh.html" } } as const;
+
+/** A stop on the way through all of them: an exhibit, or the widget. */
+export type Stop = Entry | typeof WIDGET;
+
+/** All stops, in order. */
+export const STOPS: readonly Stop[] = (() => {
+  const found = EXHIBITS.findIndex(({ id }) => id === WIDGET.after) + 1;
+  const place = found || EXHIBITS.filter(({ part }) => part <= WIDGET.part).length;
+  return [...EXHIBITS.slice(0, place), WIDGET, ...EXHIBITS.slice(place)];
+})();
+
+/** The file of a stop's page. */
+export const fileOfStop = (stop: Stop, language: Language) => ("id" in stop ? fileOf(stop.id, language) : stop.file[language]);
 
 /** The file of an exhibit's page. */
 export const fileOf = (id: string, language: Language) => (language === "en" ? `${id}.html` : `${id}.${language}.html`);
