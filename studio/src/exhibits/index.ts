@@ -103,6 +103,26 @@ export const EXHIBITS: readonly Entry[] = [
     },
     load: () => import("./bernstein"),
   },
+  {
+    id: "joins",
+    part: 3,
+    title: { en: "Where curves meet", zh: "曲线相接之处" },
+    claim: {
+      en: "C0 meets with a kink, C1 hides it, and only C2 lets a reflection run on.",
+      zh: "C0 有折角，C1 看不出折角，只有 C2 让映像连续通过。",
+    },
+    load: () => import("./joins"),
+  },
+  {
+    id: "runge",
+    part: 3,
+    title: { en: "One polynomial or many", zh: "一个多项式还是许多段" },
+    claim: {
+      en: "One polynomial through many points moves everywhere when one point does.",
+      zh: "一个多项式穿过许多点，一点移动，处处都动。",
+    },
+    load: () => import("./runge"),
+  },
 ];
 
 /** The first page is a stop on the way, too: the widget stands after this exhibit, or at the end of its part. */

@@ -30,3 +30,48 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
   expect(await digits(page, "weight-1")).toBeLessThan(0);
   expect(pages.errors).toEqual([]);
 });
+
+test("joins: what is kept stays, and the handle breaks the rest; the mirror's picture is one", async () => {
+  const page = await pages.at("joins.html");
+  expect(await pages.number("joins")).toBe(1);
+  for (const [keep, left] of [["C0", 0], ["C1", 1], ["C2", 2]] as const) {
+    await page.locator(`input[name=keep][value=${keep}]`).check();
+    await page.locator(".panel .buttons button").click();
+    expect(await pages.number("joins"), `${keep} at home`).toBe(2);
+    expect(await digits(page, "curvature-gap")).toBeLessThan(1e-12);
+    const before = await page.locator(".flat image").getAttribute("href");
+    await drag(page, grip(page), -20, -30);
+    expect(await pages.number("joins"), keep).toBe(left);
+    expect((await digits(page, "angle")) > 5).toBe(left === 0);
+    expect((await digits(page, "curvature-gap")) > 0.05).toBe(left < 2);
+    expect(await page.locator(".flat image").getAttribute("href")).not.toBe(before);
+  }
+  const size = await page.evaluate(async () => {
+    const image = new Image();
+    image.src = document.querySelector(".flat image")!.getAttribute("href")!;
+    await image.decode();
+    return [image.naturalWidth, image.naturalHeight];
+  });
+  expect(size).toEqual([320, 104]);
+  expect(pages.errors).toEqual([]);
+});
+
+test("runge: the rest of the polynomial moves by several times what the point does, that of the spline hardly", async () => {
+  const page = await pages.at("runge.html#v=1&h=0.2");
+  const one = await pages.number("runge");
+  expect(one).toBeGreaterThan(5 * 0.2);
+  expect(await digits(page, "spline-moves")).toBeLessThan(0.2 / 5);
+  await grip(page).focus();
+  for (let i = 0; i < 4; i++) await page.keyboard.press("ArrowUp");
+  expect(await pages.number("runge")).toBeCloseTo(2 * one, 9);
+  await page.locator("#count").fill("15");
+  expect(await pages.number("runge")).toBeGreaterThan(6 * one);
+  await drag(page, grip(page), 0, 40);
+  expect((await pages.state("runge"))["lift"]).toBeLessThan(0.1);
+  await page.locator("#lift").fill("0");
+  expect(await pages.number("runge")).toBe(0);
+  await page.locator("#count").fill("11");
+  await settled(page);
+  expect(await digits(page, "polynomial-misses")).toBeCloseTo(1.916, 2);
+  expect(pages.errors).toEqual([]);
+});

@@ -13,12 +13,10 @@ use serde_json::{Value, json};
 
 /// Teeth of the comb of each curve.
 const TEETH: usize = 28;
-/// The picture of the stripes; its width is 12 units, and its rows are whole words.
-const PICTURE: Screen = Screen { width_px: 400, height_px: 130 };
-/// The width of the plane of the figure, in units.
-const WIDTH: f64 = 12.0;
-/// The surface is within this of the swept one: at a thirtieth of a unit a pixel, no stripe shows it.
-const TOLERANCE: f64 = 2e-3;
+/// The picture of the stripes; its rows are whole words.
+const PICTURE: Screen = Screen { width_px: 320, height_px: 104 };
+/// The surface is within this of the swept one: where a pixel is a thirtieth of a unit no stripe shows it.
+const TOLERANCE: f64 = 4e-3;
 /// How the profile that is swept along rises across, and by how much.
 const ARCH: [f64; 4] = [0.0, 1.5, 1.5, 0.0];
 
@@ -62,18 +60,24 @@ fn cubic(asked: &ExhibitRequest, key: &str) -> Result<Bezier<2>, String> {
 }
 
 /// The curves are swept along an arch that stands across them, so that y is height, and the surface is seen from
-/// straight above: x in the picture is x in the figure. Four grey pixels a word, row by row from the top.
+/// straight above: the picture reaches from the start of the first curve to the end of the second. Four grey pixels a word, row by row from the top.
 fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
+    let [from, to] = [curves[0].control[0][0], curves[1].control[3][0]];
+    if to <= from {
+        return Err("the second curve ends right of where the first one starts".to_owned());
+    }
+    let height = (to - from) * f64::from(PICTURE.height_px) / f64::from(PICTURE.width_px);
     // The walls of stripes stand along the third axis but one: they are turned against the curves by the angle of the
     // triangle of sides 3, 4 and 5, so that stripes run across the join.
     let turned = |x: f64, y: f64| [0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y];
-    let across = |i: usize| PICTURE_HALF * (i as f64 * 2.0 / 3.0 - 1.0) * 1.2;
+    // A tenth more than the picture shows, on either side.
+    let across = |i: usize| 0.6 * height * (i as f64 * 2.0 / 3.0 - 1.0);
     let patch = |curve: Bezier<2>| Patch {
         control: std::array::from_fn(|i| {
             std::array::from_fn(|j| {
-                let [x, height] = curve.control[j];
-                let [a, b] = turned(x - 0.5 * WIDTH, across(i));
-                [a, b, height + ARCH[i]]
+                let [x, y] = curve.control[j];
+                let [a, b] = turned(x - f64::midpoint(from, to), across(i));
+                [a, b, y + ARCH[i]]
             })
         }),
     };
@@ -87,7 +91,7 @@ fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
         target: [0.0; 3],
         up: [up_x, up_y, 0.0],
         near: 0.0,
-        projection: Projection::Orthographic { height: 2.0 * PICTURE_HALF },
+        projection: Projection::Orthographic { height },
         screen: PICTURE,
     };
     let options = RenderOptions {
@@ -102,9 +106,6 @@ fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
     let grey: Vec<u8> = picture.rgba.chunks_exact(4).map(|pixel| pixel[1]).collect();
     Ok(grey.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])).collect())
 }
-
-/// Half of what the picture shows across.
-const PICTURE_HALF: f64 = 0.5 * WIDTH * PICTURE.height_px as f64 / PICTURE.width_px as f64;
 
 #[cfg(test)]
 mod tests {
