@@ -123,6 +123,26 @@ export const EXHIBITS: readonly Entry[] = [
     },
     load: () => import("./runge"),
   },
+  {
+    id: "cracks",
+    part: 3,
+    title: { en: "One side, cut once", zh: "公共边只分一次" },
+    claim: {
+      en: "Two patches crack where each cuts their common side by a number of its own.",
+      zh: "两片各按各的段数剖分公共边，就会裂开。",
+    },
+    load: () => import("./cracks"),
+  },
+  {
+    id: "cage",
+    part: 3,
+    title: { en: "From cage to limit", zh: "从控制网格到极限曲面" },
+    claim: {
+      en: "Each round of subdivision has four times the faces and leaves a quarter of the error.",
+      zh: "每细分一次，面数变为四倍，误差降到四分之一。",
+    },
+    load: () => import("./cage"),
+  },
 ];
 
 /** The first page is a stop on the way, too: the widget stands after this exhibit, or at the end of its part. */

@@ -75,3 +75,51 @@ test("runge: the rest of the polynomial moves by several times what the point do
   expect(await digits(page, "polynomial-misses")).toBeCloseTo(1.916, 2);
   expect(pages.errors).toEqual([]);
 });
+
+test("cracks: different numbers gape, equal ones do not, and a side that is cut once never does", async () => {
+  const page = await pages.at("cracks.html");
+  await page.waitForSelector('.scene[data-viewer="webgl"]');
+  const before = await pages.number("cracks");
+  expect(before).toBeGreaterThan(5);
+  expect(await digits(page, "components")).toBe(2);
+  await page.locator(".scene").focus();
+  for (let i = 0; i < 6; i++) await page.keyboard.press("-");
+  // Half as near, half as wide.
+  expect(await pages.number("cracks")).toBeLessThan(0.8 * before);
+  await page.locator("#right").fill("3");
+  expect(await pages.number("cracks")).toBe(0);
+  expect(await digits(page, "lonely")).toBe(0);
+  await page.locator("#right").fill("6");
+  expect(await pages.number("cracks")).toBeGreaterThan(1);
+  expect(await digits(page, "lonely")).toBe(3);
+  await page.locator("input[name=cut][value=shared]").check();
+  for (const right of ["1", "2", "5", "6", "12"]) {
+    await page.locator("#right").fill(right);
+    expect(await pages.number("cracks"), right).toBe(0);
+    expect([await digits(page, "components"), await digits(page, "lonely")]).toEqual([1, 0]);
+  }
+  expect(pages.errors).toEqual([]);
+});
+
+test("cage: each round has four times the faces and leaves about a quarter of the error, a crease delays it", async () => {
+  const page = await pages.at("cage.html");
+  await page.waitForSelector('.scene[data-viewer="webgl"]');
+  await page.locator("#level").fill("5");
+  const last = await pages.number("cage");
+  expect(await digits(page, "faces")).toBe(14 * 4 ** 5);
+  const errors = await Promise.all([0, 1, 2, 3, 4, 5].map((n) => digits(page, `error-${n}`)));
+  expect(errors[5]).toBe(last);
+  for (const n of [3, 4, 5]) {
+    const ratio = errors[n - 1]! / errors[n]!;
+    expect(ratio > 3.8 && ratio < 4.2, `round ${n}: ${ratio}`).toBe(true);
+  }
+  await page.locator("#sharpness").fill("2");
+  expect(await pages.number("cage")).toBeGreaterThan(1.5 * last);
+  await page.locator("#level").focus();
+  await page.keyboard.press("Home");
+  expect(await pages.number("cage")).toBeGreaterThan(0.3);
+  await page.locator("input[name=show][value=limit]").check();
+  await settled(page);
+  expect(await page.locator(".ramp-scale rect").count()).toBe(8);
+  expect(pages.errors).toEqual([]);
+});

@@ -21,13 +21,13 @@ const FOV_Y_DEG: f64 = 28.0; // as in studio/src/viewer/view.ts
 /// Places of each segment at which the width of the crack is measured.
 const SAMPLES: u32 = 16;
 
-/// Answers `{"counts": [3, 4], "cut": "own" | "shared", "eye": [x, y, z]}`: two patches that share a side, and how wide
+/// Answers `{"left": 3, "right": 4, "cut": "own" | "shared", "eye": [x, y, z], "target": …}`: two patches that share a side, and how wide
 /// they gape there. Cut on their own, each is a grid of its number; cut together, the core keeps the distance that the
 /// second number leaves.
 pub(super) fn cracks(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["left", "right", "cut", "eye"])?;
+    asked.only(&["left", "right", "cut", "eye", "target"])?;
     let counts = [asked.number("left", COUNTS)? as u32, asked.number("right", COUNTS)? as u32];
-    let eye = asked.point::<3>("eye")?;
+    let [eye, target] = [asked.point::<3>("eye")?, asked.point::<3>("target")?];
     let patches = hill();
     let curve = CurveSegment::Cubic(patches[1].side(PatchSide::Left));
     let curve = Curve::new(vec![curve], CurveEnds::Open).map_err(|error| error.to_string())?;
@@ -50,7 +50,7 @@ pub(super) fn cracks(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         + seams[1].points.iter().filter(|p| !is_of(&seams[0], p)).count();
     let view = View::Camera(Camera {
         eye,
-        target: [0.0; 3],
+        target,
         up: [0.0, 0.0, 1.0],
         near: 0.0,
         projection: Projection::Perspective { fov_y_deg: FOV_Y_DEG },
@@ -65,13 +65,12 @@ pub(super) fn cracks(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     let mut answer = ExhibitAnswer::default();
     let (shown, of) = (answer.mesh(&mesh), answer.rows(&of));
     let seams = seams.map(|seam| answer.floats(seam.points.as_flattened()));
-    let lonely_at = crack.1;
     answer.facts = json!({
         "mesh": shown,
         "of": of,
         "seams": seams,
         "width": crack.0,
-        "at": lonely_at,
+        "at": crack.1,
         "pixels": if crack.0 == 0.0 { Some(0.0) } else { view.pixels_of(crack.0, &place) },
         "lonely": lonely,
         "components": found.components,
@@ -97,7 +96,6 @@ fn hill() -> [Patch; 2] {
 /// The side in so many equal steps.
 fn side(curve: &Curve<3>, count: u32) -> Polyline<3> {
     let places: Vec<f64> = (0..=count).map(|i| f64::from(i) / f64::from(count)).collect();
-    // The side runs against v.
     Polyline { points: places.iter().map(|t| curve.at(*t)).collect(), places, closed: false }
 }
 
@@ -107,7 +105,7 @@ fn grids(patches: &[Patch; 2], counts: [u32; 2]) -> Result<Mesh, String> {
     for (patch, n) in patches.iter().zip(counts) {
         let start = positions.len() as u32;
         let step = |i: u32| f64::from(i) / f64::from(n);
-        // The parameter of the shared side runs against v, and both are to see the same numbers.
+        // Against v, as the shared side runs.
         positions.extend((0..=n).flat_map(|i| (0..=n).map(move |j| patch.at(step(j), 1.0 - step(i)))));
         for i in 0..n {
             for j in 0..n {
@@ -155,7 +153,7 @@ mod tests {
 
     fn asked(left: u32, right: u32, cut: &str) -> serde_json::Value {
         let question = format!(
-            r#"{{"exhibit": "cracks", "left": {left}, "right": {right}, "cut": "{cut}", "eye": [6, -9, 5]}}"#
+            r#"{{"exhibit": "cracks", "left": {left}, "right": {right}, "cut": "{cut}", "eye": [6, -9, 5], "target": [0, 0, 0]}}"#
         );
         cracks(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
