@@ -92,7 +92,7 @@ export function Frame(props: FrameProps) {
       </main>
       {!isEmbedded && (
         <>
-          <Onward entry={entry} language={language} />
+          <Onward stop={entry} language={language} />
           <footer>
             <p>{words.footer}</p>
           </footer>
@@ -153,12 +153,13 @@ export function Languages({ language, file }: { language: Language; file: (langu
 /** What a stop is called. */
 export const titleOf = (stop: Stop, language: Language) => ("id" in stop ? stop.title[language] : FRAME[language].widget);
 
-function Onward({ entry, language }: { entry: Entry; language: Language }) {
+/** To the stops before and after one; on the first page it says its language, for it stands there in both. */
+export function Onward({ stop, language }: { stop: Stop; language: Language }) {
   const words = FRAME[language];
-  const n = STOPS.indexOf(entry);
+  const n = STOPS.indexOf(stop);
   const [before, after] = [STOPS[n - 1], STOPS[n + 1]];
   return (
-    <nav class="onward" aria-label={words.onward}>
+    <nav class="onward" aria-label={words.onward} lang={TAGS[language]}>
       {before ? (
         <a rel="prev" href={fileOfStop(before, language)}>
           <small>← {words.previous}</small>
@@ -176,7 +177,7 @@ function Onward({ entry, language }: { entry: Entry; language: Language }) {
           {titleOf(after, language)}
         </a>
       ) : (
-        <a href={fileOf("exhibits", language)}>
+        <a rel="next" href={fileOf("exhibits", language)}>
           <small>{words.next} →</small>
           {words.all}
         </a>

@@ -2,9 +2,9 @@
 import { renderToString } from "preact-render-to-string";
 import type { Core } from "../core/module";
 import type { AnyExhibit } from "./exhibit";
-import { Frame, Languages, Mark, titleOf } from "./Frame";
+import { Frame, Languages, Mark, Onward, titleOf } from "./Frame";
 import { FRAME } from "./frame_texts";
-import { EXHIBITS, type Entry, PARTS, STOPS, type Stop, fileOf, fileOfStop } from "./index";
+import { EXHIBITS, type Entry, PARTS, STOPS, type Stop, WIDGET, fileOf, fileOfStop } from "./index";
 import { LANGUAGES, type Language, Say, TAGS } from "./say";
 
 /** A page: its file, and what stands in it. */
@@ -19,6 +19,10 @@ export interface Written {
 }
 
 const nothing = () => undefined;
+
+/** The way on from the first page, in both languages: it changes its own without loading another page. */
+export const onwardFromWidget = () =>
+  LANGUAGES.map((language) => renderToString(<Onward stop={WIDGET} language={language} />)).join("");
 
 /** Every page of the exhibits, in both languages. */
 export async function written(core: Core): Promise<Written[]> {

@@ -1,7 +1,8 @@
 // The exhibits of the lesson's third part: each number changes as the exhibit claims, by mouse and keys.
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { ExhibitPages, drag, grip } from "./exhibit_page";
-import { digits, settled } from "./site";
+import { STOPS, WIDGET, fileOfStop } from "../../src/exhibits/index";
+import { digits, seriousFindings, settled } from "./site";
 
 let pages: ExhibitPages;
 beforeAll(async () => {
@@ -122,4 +123,24 @@ test("cage: each round has four times the faces and leaves about a quarter of th
   await settled(page);
   expect(await page.locator(".ramp-scale rect").count()).toBe(8);
   expect(pages.errors).toEqual([]);
+});
+
+test("the way leads through the widget, in the language that it speaks, and not in a frame", async () => {
+  const n = STOPS.indexOf(WIDGET);
+  expect(fileOfStop(STOPS[n - 1]!, "en")).toBe("runge.html");
+  expect(fileOfStop(STOPS[n + 1]!, "en")).toBe("cracks.html");
+  let page = await pages.at("index.html");
+  const shown = () => page.locator(".onward a:visible").evaluateAll((links) => links.map((link) => link.getAttribute("href")));
+  expect(await shown()).toEqual(["runge.html", "cracks.html"]);
+  expect(await seriousFindings(page)).toEqual([]);
+  await page.getByRole("button", { name: "中文" }).click();
+  await settled(page);
+  expect(await shown()).toEqual(["runge.zh.html", "cracks.zh.html"]);
+  await page.locator(".onward a[rel=next]:visible").click();
+  await page.waitForURL(/cracks\.zh\.html$/);
+  await page.waitForSelector("html[data-ready]");
+  await page.locator(".onward a[rel=prev]").click();
+  await page.waitForURL(/zh\.html$/);
+  page = await pages.at("index.html?embed=1");
+  expect(await shown()).toEqual([]);
 });
