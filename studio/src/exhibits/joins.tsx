@@ -177,7 +177,9 @@ function Figure({ page }: { page: Page }) {
           const scale = Math.hypot(ux, uy);
           return (dx, dy) => set({ leg: kept([x + dx / scale, y - dy / scale]) });
         }}
-        step={(dx, dy) => set(({ leg: [x, y] }) => ({ leg: kept([x + dx * 0.05, Math.abs(dy) === Infinity ? y : y + dy * 0.05]) }))}
+        step={(dx, dy) =>
+          set(({ leg: [x, y] }) => ({ leg: kept([x + dx * 0.05, Math.abs(dy) === Infinity ? y : y + dy * 0.05]) }))
+        }
       />
     </Flat>
   );

@@ -173,7 +173,10 @@ function Figure({ page }: { page: Page }) {
         along={0}
         isStill={isStill}
         grab={() => (_, dy) => set({ lift: within(state.lift - dy / unit) })}
-        step={(right, up) => set(({ lift }) => ({ lift: within(lift + (up || right) * (Math.abs(up || right) < 1 ? 0.1 : 0.05)) }))}
+        step={(right, up) => {
+          const far = up || right;
+          set(({ lift }) => ({ lift: within(lift + far * (Math.abs(far) < 1 ? 0.1 : 0.05)) }));
+        }}
       />
     </Flat>
   );
@@ -185,7 +188,8 @@ function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
     value: polynomial.by,
     shown: say.number(polynomial.by),
     label: texts.label,
-    meaning: state.lift === 0 ? texts.still : texts.moved(say.fixed(state.lift), say.number(polynomial.by), say.number(spline.by)),
+    meaning:
+      state.lift === 0 ? texts.still : texts.moved(say.fixed(state.lift), say.number(polynomial.by), say.number(spline.by)),
     tone: polynomial.by > Math.abs(state.lift) ? "bad" : "plain",
   };
 }

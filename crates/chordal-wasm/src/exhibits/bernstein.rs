@@ -11,8 +11,8 @@ const RANGE: [f64; 2] = [-0.25, 1.25];
 /// Steps of the graphs of the weights: 60 of them are 0.025 wide.
 const STEPS: u32 = 60;
 
-/// Answers `{"control": [[x, y] × 4], "t": 0.4}`: the weights, the levels of the construction, both parts, and
-/// whether the point lies in the hull.
+/// Answers `{"control": [[x, y] × 4], "t": 0.4}`: the weights, the levels of the construction, both parts,
+/// and whether the point lies in the hull.
 pub(super) fn bernstein(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     asked.only(&["control", "t"])?;
     let control = asked.points::<2>("control", [4, 4])?;
@@ -42,7 +42,8 @@ pub(super) fn bernstein(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String>
     Ok(answer)
 }
 
-/// The hull of four points of the plane is the union of the triangles of any three of them (C. Carathéodory, 1911).
+/// The hull of four points of the plane is the union of the triangles of any three of them (C. Carathéodory,
+/// 1911).
 fn is_in_hull(control: [[f64; 2]; 4], point: [f64; 2]) -> bool {
     [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
         .into_iter()

@@ -16,8 +16,8 @@ const STEPS: u32 = 20;
 /// The edges that are creased: the rim of the foot.
 const RIM: [[u32; 2]; 4] = [[0, 1], [1, 2], [2, 3], [3, 0]];
 
-/// Answers `{"level": 2, "sharpness": 1.5}`: the cage, its polygons after so many rounds, its limit surface, and for this
-/// round and those before it how far the farthest point of that surface is from the triangles.
+/// Answers `{"level": 2, "sharpness": 1.5}`: the cage, its polygons after so many rounds, its limit surface,
+/// and for this round and those before it how far the farthest point of that surface is from the triangles.
 pub(super) fn cage(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     asked.only(&["level", "sharpness"])?;
     let level = asked.number("level", LEVELS)? as u32;
@@ -113,7 +113,8 @@ fn limit_mesh(cage: &Cage) -> Result<(Mesh, Vec<[f64; 3]>), String> {
                 let [u, v] = [j, i].map(|i| f64::from(i) / f64::from(STEPS));
                 let jet = sheet.at(u, v).map_err(told)?;
                 positions.push(jet.point);
-                // Only a point at the end of a crease has none, and then its neighbours' light is near enough.
+                // Only a point at the end of a crease has none, and then its neighbours' light is near
+                // enough.
                 normals.push(jet.normal.unwrap_or_default());
             }
         }

@@ -1,4 +1,5 @@
-//! Two patches side by side: cut by numbers of their own they crack, cut once along the shared side they do not.
+//! Two patches side by side: cut by numbers of their own they crack, cut once along the shared side they do
+//! not.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use super::shapes::made;
@@ -15,15 +16,16 @@ use serde_json::json;
 
 /// How many segments a side may have.
 const COUNTS: [f64; 2] = [1.0, 16.0];
-/// The picture in which a crack is so many pixels wide: the figure's own size before it is measured, and its lens.
+/// The picture in which a crack is so many pixels wide: the figure's own size before it is measured, and its
+/// lens.
 const SCREEN: Screen = Screen { width_px: 720, height_px: 480 };
 const FOV_Y_DEG: f64 = 28.0; // as in studio/src/viewer/view.ts
 /// Places of each segment at which the width of the crack is measured.
 const SAMPLES: u32 = 16;
 
-/// Answers `{"left": 3, "right": 4, "cut": "own" | "shared", "eye": [x, y, z], "target": …}`: two patches that share a side, and how wide
-/// they gape there. Cut on their own, each is a grid of its number; cut together, the core keeps the distance that the
-/// second number leaves.
+/// Answers `{"left": 3, "right": 4, "cut": "own" | "shared", "eye": [x, y, z], "target": …}`: two patches
+/// that share a side, and how wide they gape there. Cut on their own, each is a grid of its number; cut
+/// together, the core keeps the distance that the second number leaves.
 pub(super) fn cracks(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     asked.only(&["left", "right", "cut", "eye", "target"])?;
     let counts = [asked.number("left", COUNTS)? as u32, asked.number("right", COUNTS)? as u32];
@@ -153,7 +155,8 @@ mod tests {
 
     fn asked(left: u32, right: u32, cut: &str) -> serde_json::Value {
         let question = format!(
-            r#"{{"exhibit": "cracks", "left": {left}, "right": {right}, "cut": "{cut}", "eye": [6, -9, 5], "target": [0, 0, 0]}}"#
+            r#"{{"exhibit": "cracks", "left": {left}, "right": {right}, "cut": "{cut}",
+                "eye": [6, -9, 5], "target": [0, 0, 0]}}"#
         );
         cracks(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }

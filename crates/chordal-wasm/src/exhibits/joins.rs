@@ -1,5 +1,5 @@
-//! Two cubics that meet as C0, C1 or C2: the join, the comb of their curvature, and stripes that a surface swept
-//! from them reflects.
+//! Two cubics that meet as C0, C1 or C2: the join, the comb of their curvature, and stripes that a surface
+//! swept from them reflects.
 use super::answer::ExhibitAnswer;
 use super::request::ExhibitRequest;
 use chordal::budget::camera::{Camera, Projection, Screen};
@@ -20,8 +20,8 @@ const TOLERANCE: f64 = 4e-3;
 /// How the profile that is swept along rises across, and by how much.
 const ARCH: [f64; 4] = [0.0, 1.5, 1.5, 0.0];
 
-/// Answers `{"first": [[x, y] × 4], "second": …, "keep": "C1", "scale": 1.0}`: the second curve made to continue
-/// the first, how they meet, their combs, and a picture of the stripes.
+/// Answers `{"first": [[x, y] × 4], "second": …, "keep": "C1", "scale": 1.0}`: the second curve made to
+/// continue the first, how they meet, their combs, and a picture of the stripes.
 pub(super) fn joins(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     asked.only(&["first", "second", "keep", "scale"])?;
     let [first, second] = [cubic(asked, "first")?, cubic(asked, "second")?];
@@ -59,16 +59,17 @@ fn cubic(asked: &ExhibitRequest, key: &str) -> Result<Bezier<2>, String> {
     Ok(Bezier { control: [points[0], points[1], points[2], points[3]] })
 }
 
-/// The curves are swept along an arch that stands across them, so that y is height, and the surface is seen from
-/// straight above: the picture reaches from the start of the first curve to the end of the second. Four grey pixels a word, row by row from the top.
+/// The curves are swept along an arch that stands across them, so that y is height, and the surface is seen
+/// from straight above: the picture reaches from the start of the first curve to the end of the second. Four
+/// grey pixels a word, row by row from the top.
 fn stripes(curves: [Bezier<2>; 2]) -> Result<Vec<u32>, String> {
     let [from, to] = [curves[0].control[0][0], curves[1].control[3][0]];
     if to <= from {
         return Err("the second curve ends right of where the first one starts".to_owned());
     }
     let height = (to - from) * f64::from(PICTURE.height_px) / f64::from(PICTURE.width_px);
-    // The walls of stripes stand along the third axis but one: they are turned against the curves by the angle of the
-    // triangle of sides 3, 4 and 5, so that stripes run across the join.
+    // Stripes run by height along the second axis. The curves are turned against it by the
+    // angle of the triangle of sides 3, 4 and 5, so that stripes run across the join.
     let turned = |x: f64, y: f64| [0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y];
     // A tenth more than the picture shows, on either side.
     let across = |i: usize| 0.6 * height * (i as f64 * 2.0 / 3.0 - 1.0);

@@ -21,9 +21,9 @@ struct Both {
     spline: Vec<[f64; 2]>,
 }
 
-/// Answers `{"count": 11, "row": 5, "lift": 0.2}`: the polynomial and the natural spline through as many points of Runge's
-/// function, one of which is lifted; how far each misses the function without it, and moves beyond the two
-/// neighbours of the point with it.
+/// Answers `{"count": 11, "row": 5, "lift": 0.2}`: the polynomial and the natural spline through as many
+/// points of Runge's function, one of which is lifted; how far each misses the function without it, and
+/// moves beyond the two neighbours of the point with it.
 pub(super) fn runge(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     asked.only(&["count", "row", "lift"])?;
     let count = asked.number("count", COUNTS)? as u32;
