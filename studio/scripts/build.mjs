@@ -11,6 +11,7 @@ const root = join(dirname(fileURLToPath(import.meta.url)), "..");
 const out = join(root, "dist/page");
 const widgets = { "index.html": "en", "zh.html": "zh" };
 const PLACE = "<!--figure and text, written at build time-->";
+const ONWARD = "<!--onward, written at build time-->";
 const SCRIPT = /\s*<script type="module"[^>]*><\/script>/;
 
 await build({ root, logLevel: "warn" });
@@ -23,7 +24,7 @@ async function prerender(source, name) {
 }
 const cache = join(root, "node_modules/.prerender");
 const { Core, still } = await prerender("src/prerender.tsx", "widget");
-const { written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
+const { onwardFromWidget, written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
 
 /** Replaces what is there exactly once. */
 function put(html, old, text, what) {
@@ -34,7 +35,8 @@ function put(html, old, text, what) {
 const core = await Core.load(await readFile(join(root, "wasm/chordal.wasm")));
 for (const [file, language] of Object.entries(widgets)) {
   const path = join(out, file);
-  await writeFile(path, put(await readFile(path, "utf8"), PLACE, still(core, language), "the text"));
+  const html = put(await readFile(path, "utf8"), PLACE, still(core, language), "the text");
+  await writeFile(path, put(html, ONWARD, onwardFromWidget(), "the way on"));
 }
 
 const mould = await readFile(join(out, "exhibit.html"), "utf8");

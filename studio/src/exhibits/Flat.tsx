@@ -13,6 +13,9 @@ export const toSvg = ([x, y]: Point): Point => [x * SCALE, (FLAT.height - y) * S
 export const at = (point: Point) => toSvg(point).map(px).join(" ");
 export const path = (points: readonly Point[], isClosed = true) => `M${points.map(at).join("L")}${isClosed ? "z" : ""}`;
 
+/** A cubic Bézier curve by its control points. */
+export const cubic = ([a, b, c, d]: readonly [Point, Point, Point, Point]) => `M${at(a)}C${at(b)} ${at(c)} ${at(d)}`;
+
 /** Inside the figure, on a grid that the address can hold. */
 export function kept([x, y]: Point): Point {
   const within = (value: number, most: number) => Math.round(Math.min(Math.max(value, 0.3), most - 0.3) * 100) / 100;

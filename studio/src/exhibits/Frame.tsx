@@ -1,7 +1,7 @@
 // What all exhibits share: title and claim, figure and handle, the live number, the text, the way through them.
 import { Figure as Data } from "../view/parts";
 import type { AnyExhibit, LiveNumber, Page } from "./exhibit";
-import { EXHIBITS, type Entry, PARTS, fileOf } from "./index";
+import { type Entry, PARTS, STOPS, type Stop, fileOf, fileOfStop } from "./index";
 import { FRAME } from "./frame_texts";
 import { LANGUAGES, type Language, Say, TAGS } from "./say";
 
@@ -26,7 +26,6 @@ export function Frame(props: FrameProps) {
   const words = FRAME[language];
   const page = { state: props.state, answer: props.answer, say, texts, set: props.set, isStill, isSmall: false };
   const number: LiveNumber = exhibit.number(page);
-  const n = EXHIBITS.indexOf(entry) + 1;
   return (
     <div class={`page exhibit${isEmbedded ? " embedded" : ""}`}>
       {!isEmbedded && (
@@ -93,7 +92,7 @@ export function Frame(props: FrameProps) {
       </main>
       {!isEmbedded && (
         <>
-          <Onward n={n} language={language} />
+          <Onward stop={entry} language={language} />
           <footer>
             <p>{words.footer}</p>
           </footer>
@@ -113,13 +112,13 @@ function Head({ entry, language, fragment }: FrameProps) {
       </a>
       <nav class="path" aria-label={words.path}>
         <ol>
-          {EXHIBITS.map((other, i) => (
-            <li key={other.id} class={other.part !== EXHIBITS[i - 1]?.part && i ? "next-part" : ""}>
+          {STOPS.map((stop, i) => (
+            <li key={fileOfStop(stop, language)} class={i && stop.part !== STOPS[i - 1]!.part ? "next-part" : ""}>
               <a
-                href={fileOf(other.id, language)}
-                title={other.title[language]}
-                aria-label={`${i + 1}: ${other.title[language]}`}
-                {...(other === entry ? { "aria-current": "page" as const } : {})}
+                href={fileOfStop(stop, language)}
+                title={titleOf(stop, language)}
+                aria-label={`${i + 1}: ${titleOf(stop, language)}`}
+                {...(stop === entry ? { "aria-current": "page" as const } : {})}
               >
                 {i + 1}
               </a>
@@ -151,15 +150,20 @@ export function Languages({ language, file }: { language: Language; file: (langu
   );
 }
 
-function Onward({ n, language }: { n: number; language: Language }) {
+/** What a stop is called. */
+export const titleOf = (stop: Stop, language: Language) => ("id" in stop ? stop.title[language] : FRAME[language].widget);
+
+/** To the stops before and after one; on the first page it says its language, for it stands there in both. */
+export function Onward({ stop, language }: { stop: Stop; language: Language }) {
   const words = FRAME[language];
-  const [before, after] = [EXHIBITS[n - 2], EXHIBITS[n]];
+  const n = STOPS.indexOf(stop);
+  const [before, after] = [STOPS[n - 1], STOPS[n + 1]];
   return (
-    <nav class="onward" aria-label={words.onward}>
+    <nav class="onward" aria-label={words.onward} lang={TAGS[language]}>
       {before ? (
-        <a rel="prev" href={fileOf(before.id, language)}>
+        <a rel="prev" href={fileOfStop(before, language)}>
           <small>← {words.previous}</small>
-          {before.title[language]}
+          {titleOf(before, language)}
         </a>
       ) : (
         <a href={fileOf("exhibits", language)}>
@@ -168,14 +172,14 @@ function Onward({ n, language }: { n: number; language: Language }) {
         </a>
       )}
       {after ? (
-        <a rel="next" href={fileOf(after.id, language)}>
+        <a rel="next" href={fileOfStop(after, language)}>
           <small>{words.next} →</small>
-          {after.title[language]}
+          {titleOf(after, language)}
         </a>
       ) : (
-        <a rel="next" href={language === "en" ? "index.html" : `${language}.html`}>
+        <a rel="next" href={fileOf("exhibits", language)}>
           <small>{words.next} →</small>
-          {words.widget}
+          {words.all}
         </a>
       )}
     </nav>

@@ -93,7 +93,73 @@ export const EXHIBITS: readonly Entry[] = [
     },
     load: () => import("./doctor"),
   },
+  {
+    id: "bernstein",
+    part: 3,
+    title: { en: "Four weights and a hull", zh: "四个权重与凸包" },
+    claim: {
+      en: "Four weights that are never negative and sum to one keep a curve in the hull of its points.",
+      zh: "四个权重都不为负、总和为一，曲线就留在控制点的凸包内。",
+    },
+    load: () => import("./bernstein"),
+  },
+  {
+    id: "joins",
+    part: 3,
+    title: { en: "Where curves meet", zh: "曲线相接之处" },
+    claim: {
+      en: "C0 meets with a kink, C1 hides it, and only C2 lets a reflection run on.",
+      zh: "C0 有折角，C1 看不出折角，只有 C2 让映像连续通过。",
+    },
+    load: () => import("./joins"),
+  },
+  {
+    id: "runge",
+    part: 3,
+    title: { en: "One polynomial or many", zh: "一个多项式还是许多段" },
+    claim: {
+      en: "One polynomial through many points moves everywhere when one point does.",
+      zh: "一个多项式穿过许多点，一点移动，处处都动。",
+    },
+    load: () => import("./runge"),
+  },
+  {
+    id: "cracks",
+    part: 3,
+    title: { en: "One side, cut once", zh: "公共边只分一次" },
+    claim: {
+      en: "Two patches crack where each cuts their common side by a number of its own.",
+      zh: "两片各按各的段数剖分公共边，就会裂开。",
+    },
+    load: () => import("./cracks"),
+  },
+  {
+    id: "cage",
+    part: 3,
+    title: { en: "From cage to limit", zh: "从控制网格到极限曲面" },
+    claim: {
+      en: "Each round of subdivision has four times the faces and leaves a quarter of the error.",
+      zh: "每细分一次，面数变为四倍，误差降到四分之一。",
+    },
+    load: () => import("./cage"),
+  },
 ];
+
+/** The first page is a stop on the way, too: the widget stands after this exhibit, or at the end of its part. */
+export const WIDGET = { part: 3, after: "runge", file: { en: "index.html", zh: "zh.html" } } as const;
+
+/** A stop on the way through all of them: an exhibit, or the widget. */
+export type Stop = Entry | typeof WIDGET;
+
+/** All stops, in order. */
+export const STOPS: readonly Stop[] = (() => {
+  const found = EXHIBITS.findIndex(({ id }) => id === WIDGET.after) + 1;
+  const place = found || EXHIBITS.filter(({ part }) => part <= WIDGET.part).length;
+  return [...EXHIBITS.slice(0, place), WIDGET, ...EXHIBITS.slice(place)];
+})();
+
+/** The file of a stop's page. */
+export const fileOfStop = (stop: Stop, language: Language) => ("id" in stop ? fileOf(stop.id, language) : stop.file[language]);
 
 /** The file of an exhibit's page. */
 export const fileOf = (id: string, language: Language) => (language === "en" ? `${id}.html` : `${id}.${language}.html`);

@@ -2,9 +2,9 @@
 import { renderToString } from "preact-render-to-string";
 import type { Core } from "../core/module";
 import type { AnyExhibit } from "./exhibit";
-import { Frame, Languages, Mark } from "./Frame";
+import { Frame, Languages, Mark, Onward, titleOf } from "./Frame";
 import { FRAME } from "./frame_texts";
-import { EXHIBITS, type Entry, PARTS, fileOf } from "./index";
+import { EXHIBITS, type Entry, PARTS, STOPS, type Stop, WIDGET, fileOf, fileOfStop } from "./index";
 import { LANGUAGES, type Language, Say, TAGS } from "./say";
 
 /** A page: its file, and what stands in it. */
@@ -19,6 +19,10 @@ export interface Written {
 }
 
 const nothing = () => undefined;
+
+/** The way on from the first page, in both languages: it changes its own without loading another page. */
+export const onwardFromWidget = () =>
+  LANGUAGES.map((language) => renderToString(<Onward stop={WIDGET} language={language} />)).join("");
 
 /** Every page of the exhibits, in both languages. */
 export async function written(core: Core): Promise<Written[]> {
@@ -59,10 +63,11 @@ function one(entry: Entry, exhibit: AnyExhibit, answer: unknown, language: Langu
 
 function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], language: Language): Written {
   const words = FRAME[language];
-  const parts = [...new Set(all.map(({ entry }) => entry.part))];
-  const cards = (part: Entry["part"]) =>
-    all.map(({ entry, exhibit }, i) => {
-      if (entry.part !== part) return null;
+  const parts = [...new Set(STOPS.map(({ part }) => part))];
+  const picture = (stop: Stop) => {
+    const i = all.findIndex(({ entry }) => entry === stop);
+      if (i < 0) return <Widget />;
+      const { exhibit } = all[i]!;
       const page = {
         state: exhibit.defaults,
         answer: answers[i],
@@ -72,20 +77,24 @@ function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], 
         isStill: true,
         isSmall: true,
       };
-      return (
-        <li key={entry.id}>
-          <a href={fileOf(entry.id, language)}>
+      return <exhibit.Figure page={page} />;
+  };
+  const cards = (part: Entry["part"]) =>
+    STOPS.map((stop, i) =>
+      stop.part !== part ? null : (
+        <li key={fileOfStop(stop, language)}>
+          <a href={fileOfStop(stop, language)}>
             <div class="thumb" aria-hidden="true">
-              <exhibit.Figure page={page} />
+              {picture(stop)}
             </div>
             <h3>
-              <span class="place">{i + 1}</span> {entry.title[language]}
+              <span class="place">{i + 1}</span> {titleOf(stop, language)}
             </h3>
-            <p>{entry.claim[language]}</p>
+            <p>{"id" in stop ? stop.claim[language] : words.widgetClaim}</p>
           </a>
         </li>
-      );
-    });
+      ),
+    );
   const page = (
     <div class="page exhibits">
       <header>
@@ -106,25 +115,6 @@ function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], 
             <ul class="cards">{cards(part)}</ul>
           </section>
         ))}
-        <section>
-          <h2>
-            <small>{words.part(3)}</small> {PARTS[3][language]}
-          </h2>
-          <ul class="cards">
-            <li>
-              <a href={language === "en" ? "index.html" : `${language}.html`}>
-                <div class="thumb" aria-hidden="true">
-                  <svg viewBox="0 0 360 240">
-                    <path class="curve" d="M40 200C120-40 180 10 330 150" />
-                    <path class="chain" d="M40 200L96 95L152 53L232 76L330 150" />
-                  </svg>
-                </div>
-                <h3>{words.widget}</h3>
-                <p>{words.widgetClaim}</p>
-              </a>
-            </li>
-          </ul>
-        </section>
       </main>
       <footer>
         <p>{words.footer}</p>
@@ -139,6 +129,16 @@ function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], 
     description: words.lead,
     body: renderToString(page),
   };
+}
+
+/** A sign for the first page: its own figure is drawn by another module. */
+function Widget() {
+  return (
+    <svg viewBox="0 0 360 240">
+      <path class="curve" d="M40 200C120-40 180 10 330 150" />
+      <path class="chain" d="M40 200L96 95L152 53L232 76L330 150" />
+    </svg>
+  );
 }
 
 export { Core } from "../core/module";

@@ -6,7 +6,7 @@ import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest"
 import { Core } from "../../src/core/module";
 import type { AnyExhibit } from "../../src/exhibits/exhibit";
 import { read } from "../../src/exhibits/fragment";
-import { EXHIBITS, fileOf } from "../../src/exhibits/index";
+import { EXHIBITS, STOPS, fileOf, fileOfStop } from "../../src/exhibits/index";
 import { Say } from "../../src/exhibits/say";
 import { EXHIBITS_WASM, Site, digits, seriousFindings, settled, type Visit } from "./site";
 
@@ -83,11 +83,11 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
       await still.page.context().close();
       const page = await open(fileOf(id, language));
       expect(await expectNumber(page, id)).toBe(before);
-      const n = EXHIBITS.indexOf(entry);
-      const [last, next] = [EXHIBITS[n - 1], EXHIBITS[n + 1]];
-      const widget = language === "en" ? "index.html" : "zh.html";
-      expect(await page.locator("a[rel=next]").getAttribute("href")).toBe(next ? fileOf(next.id, language) : widget);
-      if (last) expect(await page.locator("a[rel=prev]").getAttribute("href")).toBe(fileOf(last.id, language));
+      const n = STOPS.indexOf(entry);
+      const [last, next] = [STOPS[n - 1], STOPS[n + 1]];
+      const onward = page.locator(".onward a");
+      expect(await onward.last().getAttribute("href")).toBe(next ? fileOfStop(next, language) : fileOf("exhibits", language));
+      expect(await onward.first().getAttribute("href")).toBe(last ? fileOfStop(last, language) : fileOf("exhibits", language));
       expect(await page.locator(".path [aria-current=page]").textContent()).toBe(String(n + 1));
       expect(visit!.errors).toEqual([]);
       await page.context().close();

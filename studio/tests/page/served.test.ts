@@ -74,7 +74,7 @@ test("the page's module and the command give the same points, bit for bit", asyn
     const file = join(folder, "curve.svg");
     const [a, b, c, d] = control.map((point) => point.join(" "));
     writeFileSync(file, `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 6"><path fill="none" d="M${a}C${b} ${c} ${d}"/></svg>`);
-    const answer = core.ask("study", { control, segments, pixels_per_unit: 70, pixels: 1, t: 0, near: 1 });
+    const answer = core.ask("study", { control, segments, other: segments, pixels_per_unit: 70, pixels: 1, t: 0, near: 1 });
     for (const spacing of ["even", "fewest"] as const) {
       const run = spawnSync(command, ["mesh", file, "--segments", String(segments), "--spacing", spacing, "-o", "-", "--to", "json", "-q"]);
       const made = JSON.parse(run.stdout.toString());

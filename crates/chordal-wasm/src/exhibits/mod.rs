@@ -1,12 +1,17 @@
 //! What the exhibits of the studio ask: each file answers one of them, by functions of the library.
 mod answer;
+mod bernstein;
+mod cage;
+mod cracks;
 mod culling;
 mod doctor;
 mod indexed;
 mod inside;
+mod joins;
 mod normals;
 mod quad;
 mod request;
+mod runge;
 mod shapes;
 mod weights;
 
@@ -32,6 +37,11 @@ fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
         "normals" => normals::normals(&asked),
         "culling" => culling::culling(&asked),
         "doctor" => doctor::doctor(&asked),
+        "bernstein" => bernstein::bernstein(&asked),
+        "joins" => joins::joins(&asked),
+        "runge" => runge::runge(&asked),
+        "cracks" => cracks::cracks(&asked),
+        "cage" => cage::cage(&asked),
         _ => Err(format!("there is no exhibit '{name}'")),
     }
 }
@@ -47,6 +57,14 @@ mod tests {
             ("[]", "object"),
             ("{}", "exhibit"),
             (r#"{"exhibit": "nothing"}"#, "nothing"),
+            (r#"{"exhibit": "bernstein", "control": [[0, 0], [1, 0], [1, 1], [0, 1]], "t": 2}"#, "1.25"),
+            (r#"{"exhibit": "joins", "first": [[0, 0]], "second": [], "keep": "C1", "scale": 1}"#, "first"),
+            (r#"{"exhibit": "runge", "count": 400, "row": 0, "lift": 0}"#, "count"),
+            (
+                r#"{"exhibit": "cracks", "left": 3, "right": 4, "cut": "none", "eye": [1, 1, 1], "target": [0, 0, 0]}"#,
+                "cut",
+            ),
+            (r#"{"exhibit": "cage", "level": 6, "sharpness": 0}"#, "level"),
             (r#"{"exhibit": "quad", "colour": 1}"#, "colour"),
             (r#"{"exhibit": "quad", "corners": [[0, 0, 0]]}"#, "corners"),
             (r#"{"exhibit": "inside", "corners": [[0, 0], [1, 0], [0, 1e9]], "point": [0, 0]}"#, "corners"),

@@ -1,0 +1,238 @@
+// Two patches side by side: cut by numbers of their own they gape, cut once along the side that they share they do not.
+import { Choice, Figure as Data, Slider } from "../view/parts";
+import { type Picture, type View, eyeOf } from "../viewer";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { number, view, word } from "./fragment";
+import { FRAME } from "./frame_texts";
+import { PAINT } from "./paint";
+import { Scene } from "./Scene";
+import type { Language } from "./say";
+
+interface State {
+  right: number;
+  cut: "own" | "shared";
+  view: View;
+}
+
+interface Answer {
+  mesh: { positions: Float32Array; indices: Uint32Array };
+  of: Uint32Array;
+  seams: [Float32Array, Float32Array];
+  width: number;
+  at: [number, number, number];
+  pixels: number | null;
+  lonely: number;
+  components: number;
+  triangles: number;
+  off: [number, number];
+}
+
+const HOME: View = { azimuth: -128, elevation: 22, distance: 10.5, target: [-0.3, 0, -0.1] };
+/** The left patch has always as many. */
+const LEFT = 3;
+const COUNTS = [1, 12] as const;
+const defaults: State = { right: 5, cut: "own", view: HOME };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  handle: string;
+  spoken(n: number): string;
+  cut: string;
+  own: string;
+  shared: string;
+  label: string;
+  width: string;
+  lonely: string;
+  pieces: string;
+  triangles: string;
+  gapes(pixels: string): string;
+  same: string;
+  closed(length: string): string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: FRAME.en.turn,
+    figure: "Two curved patches side by side, in triangles, and the side that they share",
+    handle: "Segments of the right patch",
+    spoken: (n) => `${n} along each side; the left patch has ${LEFT}`,
+    cut: "The shared side is cut",
+    own: "by each patch",
+    shared: "once, for both",
+    label: "Widest crack, in pixels",
+    width: "The same as a length",
+    lonely: "Vertices without a partner",
+    pieces: "Pieces of surface",
+    triangles: "Triangles",
+    gapes: (pixels) => `One curve, two chains of chords: between them the background shows, up to ${pixels} pixels wide in a picture 480 pixels high.`,
+    same: "Both patches happen to have the same number: the same vertices, and no crack.",
+    closed: (length) => `One side, cut once: both patches use the same vertices by index. It is within ${length} of the curve, as the right patch’s own number would be.`,
+    story: [
+      "Two patches with a common side are one surface: the formulas agree to the last bit. Their triangles need not. A side in three segments and the same side in five are *two different chains of chords*, and where they part one sees through.",
+      "Even with six on one side and three on the other, where every second vertex has a partner, the vertices between stand alone, beside a long edge or a hair off it: *T-junctions*. On a flat side they hide; rounding makes them flicker. Nothing that needs an inside, printing, booleans, physics, works across them.",
+      "The cure is a rule and not a repair: *how finely a side is cut may depend only on what both patches see*, the side itself. Chordal cuts each shared side once, by its own curve and the budget, and both patches take those vertices by index. Whatever goes on inside them, the seam is closed.",
+    ],
+    attempts: [
+      "Move the number of segments. At which one does the crack close by itself?",
+      "Try 6 and 12, multiples of three: are all vertices of the left side on the right one? Is the crack gone?",
+      "Cut the side once, then move the slider through all its stops: 0 everywhere.",
+      "Zoom out until the crack is below a pixel. It still flickers when something moves.",
+    ],
+  },
+  zh: {
+    hint: FRAME.zh.turn,
+    figure: "并排的两片曲面的三角网格，以及它们的公共边",
+    handle: "右片的分段数",
+    spoken: (n) => `每边 ${n} 段；左片 ${LEFT} 段`,
+    cut: "公共边的剖分",
+    own: "各分各的",
+    shared: "只分一次，两片共用",
+    label: "最宽裂缝（像素）",
+    width: "对应的长度",
+    lonely: "没有对应的顶点",
+    pieces: "曲面块数",
+    triangles: "三角形",
+    gapes: (pixels) => `一条曲线，两条折线：两者之间露出背景，在 480 像素高的画面中最宽 ${pixels} 像素。`,
+    same: "两片的分段数恰好相同：顶点相同，没有裂缝。",
+    closed: (length) => `一条边只分一次：两片按索引共用同样的顶点。它与曲线的距离不超过 ${length}，与右片自行分段时相同。`,
+    story: [
+      "有公共边的两片是同一个曲面：公式逐位一致，三角形却未必。同一条边分三段和分五段，是*两条不同的折线*，分开的地方就能看穿。",
+      "即使一侧六段、另一侧三段，每隔一个顶点就有对应，中间的顶点仍是孤立的，靠着一条长边，或差之毫厘：这就是 *T 形接点*。边是直的时候看不出来，舍入误差却使它闪烁。凡是要分内外的，打印、布尔运算、物理，都过不了这道缝。",
+      "解决办法是一条规则，而不是修补：*一条边分得多细，只能由两片都看得见的东西决定*，也就是这条边本身。Chordal 按边的曲线和误差预算只分一次，两片按索引取用这些顶点。片内怎样剖分都不要紧，接缝总是闭合的。",
+    ],
+    attempts: [
+      "改变分段数：取几时裂缝自行闭合？",
+      "取 6 和 12 这样的三的倍数：左边的顶点都在右边上吗？裂缝消失了吗？",
+      "改成只分一次，再把滑块拖过每一档：始终是 0。",
+      "缩小画面，直到裂缝不足一个像素：一有运动，它仍会闪烁。",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+const SEAMS = ["#b3261e", "#123c8c"] as const;
+
+function pictureOf({ answer }: Page): Picture {
+  const { positions, indices } = answer.mesh;
+  return {
+    layers: [
+      {
+        kind: "mesh",
+        id: "patches",
+        positions,
+        indices,
+        groups: { of: answer.of, paints: [PAINT.front, PAINT.other] },
+        paint: PAINT.front,
+        back: PAINT.back,
+        shading: "flat",
+        sides: "both",
+      },
+      { kind: "wire", id: "wire", positions, indices, paint: "#24446b", width: 0.7 },
+      ...answer.seams.map(
+        (seam, i) =>
+          ({ kind: "lines", id: `seam-${i}`, positions: chain(seam), paint: SEAMS[i]!, width: 2.2 }) as const,
+      ),
+      ...answer.seams.map(
+        (seam, i) => ({ kind: "points", id: `ends-${i}`, positions: seam, paint: SEAMS[i]!, size: 8 - 3 * i }) as const,
+      ),
+    ],
+  };
+}
+
+/** A chain of points as segments of two ends each. */
+function chain(points: Float32Array): Float32Array {
+  const n = points.length / 3 - 1;
+  const all = new Float32Array(6 * n);
+  for (let i = 0; i < n; i++) all.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
+  return all;
+}
+
+function Figure({ page }: { page: Page }) {
+  const { state, texts, set, isStill } = page;
+  return (
+    <Scene
+      name={texts.figure}
+      help="hint"
+      picture={pictureOf(page)}
+      view={state.view}
+      home={HOME}
+      look={(view) => set({ view })}
+      isStill={isStill}
+    />
+  );
+}
+
+function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
+  const pixels = answer.pixels ?? 0;
+  return {
+    value: answer.pixels,
+    shown: pixels === 0 ? "0" : say.number(pixels),
+    label: texts.label,
+    meaning: state.cut === "shared" ? texts.closed(say.number(answer.off[1])) : pixels === 0 ? texts.same : texts.gapes(say.number(pixels)),
+    tone: pixels === 0 ? "good" : "bad",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const rows = [
+    ["width", texts.width, answer.width, say.number(answer.width)],
+    ["lonely", texts.lonely, answer.lonely, say.whole(answer.lonely)],
+    ["components", texts.pieces, answer.components, say.whole(answer.components)],
+    ["triangles", texts.triangles, answer.triangles, say.whole(answer.triangles)],
+  ] as const;
+  return (
+    <>
+      <Slider
+        id="right"
+        label={texts.handle}
+        shown={say.whole(state.right)}
+        spoken={texts.spoken(state.right)}
+        low={COUNTS[0]}
+        high={COUNTS[1]}
+        step={1}
+        value={state.right}
+        choose={(right) => set({ right })}
+      />
+      <Choice
+        name="cut"
+        legend={texts.cut}
+        value={state.cut}
+        options={[
+          { value: "own", label: texts.own },
+          { value: "shared", label: texts.shared },
+        ]}
+        choose={(cut) => set({ cut })}
+      />
+      <dl>
+        {rows.map(([name, label, value, shown]) => (
+          <div key={name}>
+            <dt>{label}</dt>
+            <dd>
+              <Data name={name} value={value}>
+                {shown}
+              </Data>
+            </dd>
+          </div>
+        ))}
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { right: ["n", number(...COUNTS)], cut: ["c", word("own", "shared")], view: ["o", view] },
+  // The eye stands on the address's grid, so that the same address always says the same number.
+  question: ({ right, cut, view: from }) => ({
+    left: LEFT,
+    right,
+    cut,
+    eye: eyeOf(view.read(view.write(from)) ?? from),
+    target: (view.read(view.write(from)) ?? from).target,
+  }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

@@ -1,0 +1,247 @@
+// Two cubics that meet: what C0, C1 and C2 keep when the first one is bent, as a comb shows it and as a mirror does.
+import { Choice, Figure as Data } from "../view/parts";
+import { type Grey, bitmap } from "./bitmap";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { Flat, type Point, at, cubic, path, toSvg } from "./Flat";
+import { point, word } from "./fragment";
+import { Grip, px } from "./Grip";
+import type { Language } from "./say";
+
+type Four = readonly [Point, Point, Point, Point];
+type Class = "C0" | "C1" | "C2";
+
+interface State {
+  keep: Class;
+  leg: Point;
+}
+
+interface Tooth {
+  on_curve: Point;
+  tip: Point;
+  curvature: number;
+}
+
+interface Answer {
+  second: Four;
+  class: 0 | 1 | 2 | null;
+  geometric: number | null;
+  angle_deg: number | null;
+  curvatures: [number | null, number | null];
+  curvature_gap: number | null;
+  combs: [Tooth[], Tooth[]];
+  stripes: Grey;
+}
+
+const CLASSES: readonly Class[] = ["C0", "C1", "C2"];
+/** Where everything agrees, whatever is kept. */
+const HOME: Point = [4.4, 2.6];
+const XS = [3.6, 5.2] as const;
+const YS = [2, 3.2] as const;
+const JOINT: Point = [6, 2.6];
+const firstOf = ({ leg }: State): Four => [[0.8, 0.7], [2.2, 1.4], leg, JOINT];
+/** It continues the first curve with both derivatives where that one's leg is at home. */
+const SECOND: Four = [JOINT, [7.6, 2.6], [8.6, 1.4], [11.2, 0.7]];
+const COMB = 2.4;
+const defaults: State = { keep: "C1", leg: [4.2, 2.95] };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  handle: string;
+  at(x: string, y: string): string;
+  keep: string;
+  keeps: Record<Class, string>;
+  label: string;
+  angle: string;
+  gap: string;
+  before: string;
+  after: string;
+  kink(angle: string): string;
+  jump(before: string, after: string): string;
+  smooth: string;
+  back: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: "Drag the leg’s end, or move it with the arrow keys: Shift for small steps.",
+    figure: "Two curves that meet, with combs of their curvature; above them the stripes that a surface swept from them reflects",
+    handle: "End of the first curve’s leg",
+    at: (x, y) => `x ${x}, y ${y}`,
+    keep: "The second curve keeps",
+    keeps: { C0: "C0: its start", C1: "C1: direction and speed, too", C2: "C2: bending, too" },
+    label: "The join",
+    angle: "Kink",
+    gap: "Jump of the curvature",
+    before: "Curvature before",
+    after: "Curvature after",
+    kink: (angle) => `Only the place agrees. The direction turns by ${angle}: a kink, and the stripes break off.`,
+    jump: (before, after) => `Direction and speed agree, so no kink shows. But the curvature jumps from ${before} to ${after}: the comb has a step, and the stripes a kink.`,
+    smooth: "Place, direction, speed and bending agree: comb and stripes run on.",
+    back: "Put the leg back to where all agrees",
+    story: [
+      "Long curves are made of short ones, and the joins decide how they look. *C0*: the end of one is the start of the next. *C1*: the first derivatives agree as well, direction and speed, so the legs on both sides are one straight line, cut in the middle. *C2*: the second derivatives agree, and with them the bending.",
+      "The eye forgives a jump of the curvature in a thin line. The *comb* does not: its teeth stand across the curve, each as long as the curvature is large. And a mirror does not: what it shows depends on the normal, one derivative more than the place, so a surface that is only C1 *reflects stripes with kinks*. Car bodies are judged so; camera paths that are only C1 jerk.",
+      "Bend the first curve, and the second one has to give way: for C0 by nothing, for C1 by its first leg, for C2 by two points. What is kept is paid for with freedom.",
+    ],
+    attempts: [
+      "Choose C0 and move the handle: the class falls to C0, with an angle. Look at the stripes above the join.",
+      "Choose C1 and do the same. The line looks smooth. What do the stripes say?",
+      "Choose C2: you cannot break it. How far does the second curve go to keep up?",
+    ],
+  },
+  zh: {
+    hint: "拖动控制臂的端点，或用方向键移动：加 Shift 走小步。",
+    figure: "两条相接的曲线和它们的曲率梳，上方是由曲线扫掠成的曲面所映出的斑马纹",
+    handle: "第一条曲线控制臂的端点",
+    at: (x, y) => `x ${x}，y ${y}`,
+    keep: "第二条曲线保持",
+    keeps: { C0: "C0：起点", C1: "C1：还有方向与速度", C2: "C2：还有弯曲" },
+    label: "接点的连续性",
+    angle: "折角",
+    gap: "曲率突变",
+    before: "接点前曲率",
+    after: "接点后曲率",
+    kink: (angle) => `只有位置相同，方向转了 ${angle}：有折角，条纹在此错断。`,
+    jump: (before, after) => `方向和速度相同，看不出折角；但曲率从 ${before} 突变到 ${after}：曲率梳有台阶，条纹有折点。`,
+    smooth: "位置、方向、速度和弯曲都一致：曲率梳和条纹连续通过。",
+    back: "把控制臂放回全部一致的位置",
+    story: [
+      "长曲线由短曲线拼成，接点决定观感。*C0*：前一段的终点是后一段的起点。*C1*：一阶导数也相同，即方向与速度相同，两侧控制臂成一条直线，接点在中点。*C2*：二阶导数也相同，弯曲随之一致。",
+      "一条细线上的曲率突变，眼睛看不出来，*曲率梳*却看得出：梳齿与曲线垂直，长度正比于曲率。镜面也看得出：映像取决于法线，比位置多一阶导数，因此只有 C1 的曲面*映出的条纹有折点*。车身就是这样检验的；只有 C1 的镜头路径会顿一下。",
+      "第一条曲线弯了，第二条就要让步：C0 不用让，C1 让出第一个控制臂，C2 让出两个点。保持得越多，自由越少。",
+    ],
+    attempts: [
+      "选 C0，移动控制点：连续性降到 C0，出现折角。看接点上方的条纹。",
+      "选 C1，同样移动：线看上去光滑，条纹怎么说？",
+      "选 C2：怎么拖都破坏不了。第二条曲线为此移动了多远？",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+const kept = ([x, y]: Point): Point => {
+  const within = (value: number, [low, high]: readonly [number, number]) =>
+    Math.round(Math.min(Math.max(value, low), high) * 100) / 100;
+  return [within(x, XS), within(y, YS)];
+};
+
+function Figure({ page }: { page: Page }) {
+  const { state, answer, texts, say, set, isStill, isSmall } = page;
+  const first = firstOf(state);
+  const { second } = answer;
+  const [left, top] = toSvg([first[0][0], 7.7]);
+  const [right] = toSvg([second[3][0], 0]);
+  const [jointX, jointY] = toSvg(JOINT);
+  const width = right - left;
+  const height = (width * answer.stripes.height) / answer.stripes.width;
+  return (
+    <Flat name={texts.figure}>
+      <image
+        href={bitmap(answer.stripes)}
+        x={px(left)}
+        y={px(top)}
+        width={px(width)}
+        height={px(height)}
+        preserveAspectRatio="none"
+      />
+      <path class="frame" d={`M${px(left)} ${px(top)}h${px(width)}v${px(height)}h${px(-width)}z`} />
+      <path class="below" d={`M${px(jointX)} ${px(top)}V${px(jointY)}`} />
+      {answer.combs.map((teeth, i) => (
+        <g key={i} class="comb">
+          <path class="area" d={path([...teeth.map((tooth) => tooth.on_curve), ...teeth.map((tooth) => tooth.tip).reverse()])} />
+          <path class="teeth" d={teeth.map((tooth) => path([tooth.on_curve, tooth.tip], false)).join("")} />
+          <path class="tips" d={path(teeth.map((tooth) => tooth.tip), false)} />
+        </g>
+      ))}
+      <path class="leg" d={path(first, false)} />
+      <path class="leg" d={path(second, false)} />
+      <path class="joined" d={cubic(first)} />
+      <path class="joined second" d={cubic(second)} />
+      {[first[1], second[1], second[2]].map((control, i) => {
+        const [x, y] = toSvg(control);
+        return <circle key={i} class="mark" cx={px(x)} cy={px(y)} r={3.6} />;
+      })}
+      <circle class="joint" cx={px(jointX)} cy={px(jointY)} r={6} />
+      {!isSmall && <path class="target" d={`M${at(HOME)}m-7 0h14m-7 -7v14`} />}
+      <Grip
+        name={texts.handle}
+        spoken={texts.at(say.fixed(state.leg[0]), say.fixed(state.leg[1]))}
+        now={state.leg[1]}
+        low={YS[0]}
+        high={YS[1]}
+        at={toSvg(state.leg)}
+        isStill={isStill}
+        grab={() => {
+          const [x, y] = state.leg;
+          const [ux, uy] = toSvg([1, 0]).map((end, k) => end - toSvg([0, 0])[k]!) as [number, number];
+          const scale = Math.hypot(ux, uy);
+          return (dx, dy) => set({ leg: kept([x + dx / scale, y - dy / scale]) });
+        }}
+        step={(dx, dy) =>
+          set(({ leg: [x, y] }) => ({ leg: kept([x + dx * 0.05, Math.abs(dy) === Infinity ? y : y + dy * 0.05]) }))
+        }
+      />
+    </Flat>
+  );
+}
+
+function liveNumber({ answer, say, texts }: Page): LiveNumber {
+  const angle = say.degrees(answer.angle_deg ?? 0);
+  const gap = say.fixed(answer.curvature_gap ?? 0);
+  const [before, after] = answer.curvatures.map((curvature) => say.fixed(curvature ?? 0)) as [string, string];
+  const told = {
+    0: { shown: `C0 · ${angle}`, meaning: texts.kink(angle), tone: "bad" },
+    1: { shown: `C1 · Δκ ${gap}`, meaning: texts.jump(before, after), tone: "plain" },
+    2: { shown: "C2", meaning: texts.smooth, tone: "good" },
+  } as const;
+  return { value: answer.class, label: texts.label, ...told[answer.class ?? 0] };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const rows = [
+    ["angle", texts.angle, answer.angle_deg, say.degrees(answer.angle_deg ?? 0)],
+    ["curvature-before", texts.before, answer.curvatures[0], say.fixed(answer.curvatures[0] ?? 0, 3)],
+    ["curvature-after", texts.after, answer.curvatures[1], say.fixed(answer.curvatures[1] ?? 0, 3)],
+    ["curvature-gap", texts.gap, answer.curvature_gap, say.fixed(answer.curvature_gap ?? 0, 3)],
+  ] as const;
+  return (
+    <>
+      <Choice
+        name="keep"
+        class="stacked"
+        legend={texts.keep}
+        value={state.keep}
+        options={CLASSES.map((value) => ({ value, label: texts.keeps[value] }))}
+        choose={(keep) => set({ keep })}
+      />
+      <div class="buttons">
+        <button type="button" onClick={() => set({ leg: HOME })}>
+          {texts.back}
+        </button>
+      </div>
+      <dl>
+        {rows.map(([name, label, value, shown]) => (
+          <div key={name}>
+            <dt>{label}</dt>
+            <dd>
+              <Data name={name} value={value}>
+                {shown}
+              </Data>
+            </dd>
+          </div>
+        ))}
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { keep: ["c", word(...CLASSES)], leg: ["p", point(XS, YS)] },
+  question: (state) => ({ first: firstOf(state), second: SECOND, keep: state.keep, scale: COMB }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

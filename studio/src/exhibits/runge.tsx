@@ -1,0 +1,262 @@
+// One polynomial through many points against a spline: one point is moved; how far does the rest move?
+import { Figure as Data, Slider } from "../view/parts";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { Flat, type Point, path, toSvg } from "./Flat";
+import { number } from "./fragment";
+import { Grip, px } from "./Grip";
+import type { Language } from "./say";
+
+interface State {
+  count: number;
+  lift: number;
+}
+
+interface Most {
+  by: number;
+  at: number;
+}
+
+interface Answer {
+  points: [number, number][];
+  curves: Record<"function" | "polynomial_before" | "polynomial" | "spline_before" | "spline", Float32Array>;
+  degree: number;
+  moves: { polynomial: Most; spline: Most };
+  misses: { polynomial: Most; spline: Most };
+}
+
+const COUNTS = [5, 15] as const;
+const LIFTS = [-1.5, 1.5] as const;
+const defaults: State = { count: 11, lift: 0.15 };
+/** The point that is moved: the one in the middle. */
+const rowOf = ({ count }: State) => (count - 1) / 2;
+
+interface Texts extends CommonTexts {
+  figure: string;
+  handle: string;
+  spoken(lift: string): string;
+  count: string;
+  degree(n: number): string;
+  label: string;
+  spline: string;
+  missPolynomial: string;
+  missSpline: string;
+  moved(lift: string, polynomial: string, spline: string): string;
+  still: string;
+  function: string;
+  polynomial: string;
+  aSpline: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: "Drag the middle point up or down, or use the arrow keys: Shift for small steps, Page Up and Page Down for large ones. Dashes show where both curves were.",
+    figure: "Points of a bell-shaped function, a polynomial and a spline through them, and a point to move",
+    handle: "The middle point",
+    spoken: (lift) => `moved by ${lift}`,
+    count: "Points",
+    degree: (n) => `degree ${n}`,
+    label: "The rest of the polynomial moves by up to",
+    spline: "The rest of the spline moves by up to",
+    missPolynomial: "Unmoved, the polynomial misses the function by",
+    missSpline: "and the spline by",
+    moved: (lift, polynomial, spline) => `One point was moved by ${lift}. Beyond its two neighbours the polynomial moves by up to ${polynomial}, the spline by ${spline}.`,
+    still: "Nothing has been moved yet. Even so the polynomial swings between its points.",
+    function: "the function",
+    polynomial: "one polynomial",
+    aSpline: "a spline",
+    story: [
+      "Through n points there is one polynomial of degree n − 1, and only one. It looks like the natural way to draw a curve through points. Carl Runge showed in 1901 what it does: through points of so tame a function as 1/(1 + 25x²) it *swings*, and more points make it worse.",
+      "And it is one formula for all of them. Move a point, and *everything* moves, most where nobody touched anything. Nobody can draw with that.",
+      "So curves are made of many short pieces of low degree: this *spline* has a cubic between each two points, joined so that direction and bending agree. A moved point is felt next door, a little in the house after, and soon not at all. That is local control, and the reason why no drawing program offers degree 20.",
+    ],
+    attempts: [
+      "Move the middle point a little and watch both ends.",
+      "Put it back to 0. How large is the swing of the polynomial then?",
+      "Take 15 points, then 5. Which of the two curves gets better with more points?",
+    ],
+  },
+  zh: {
+    hint: "上下拖动中间的点，或用方向键：加 Shift 走小步，Page Up 和 Page Down 走大步。虚线是移动前的两条曲线。",
+    figure: "钟形函数上的点，穿过它们的一个多项式和一条样条，以及一个可移动的点",
+    handle: "中间的点",
+    spoken: (lift) => `移动了 ${lift}`,
+    count: "点数",
+    degree: (n) => `${n} 次`,
+    label: "多项式其余部分最多移动",
+    spline: "样条其余部分最多移动",
+    missPolynomial: "未移动时，多项式偏离函数",
+    missSpline: "样条偏离函数",
+    moved: (lift, polynomial, spline) => `一个点移动了 ${lift}。在它两侧的邻点之外，多项式最多移动 ${polynomial}，样条最多移动 ${spline}。`,
+    still: "还没有移动。即便如此，多项式在点与点之间也在振荡。",
+    function: "原函数",
+    polynomial: "一个多项式",
+    aSpline: "样条",
+    story: [
+      "过 n 个点的 n − 1 次多项式有且只有一个，用它来画过点的曲线似乎理所当然。1901 年龙格指出了它的毛病：取 1/(1 + 25x²) 这样温和的函数上的点，它也会*剧烈振荡*，点越多越糟，这就是龙格现象。",
+      "而且它是一个管全部点的公式。移动一个点，*处处*都动，没碰过的地方动得最多。这样没法画图。",
+      "所以曲线由许多低次的短段拼成：这条*样条*在每两点之间是一段三次曲线，相接处方向和弯曲一致。移动一个点，隔壁有感觉，再隔一段略有感觉，很快就没有了。这就是局部控制，也是没有哪个绘图软件提供 20 次曲线的原因。",
+    ],
+    attempts: [
+      "把中间的点稍稍移动，看两端。",
+      "放回 0：这时多项式的振荡有多大？",
+      "取 15 个点，再取 5 个点：点越多，哪条曲线越好？",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+/** Units of the figure for one in height, and where 0 is. */
+const [TALL, GROUND] = [1.8, 2.5] as const;
+const place = (x: number, y: number): Point => [6 + 5.3 * x, GROUND + TALL * y];
+const within = (lift: number) => Math.round(Math.min(Math.max(lift, LIFTS[0]), LIFTS[1]) * 100) / 100;
+
+function drawn(curve: Float32Array): string {
+  return path(
+    Array.from({ length: curve.length / 2 }, (_, i) => place(curve[2 * i]!, curve[2 * i + 1]!)),
+    false,
+  );
+}
+
+/** The height of a curve at a place that is one of its own. */
+function heightAt(curve: Float32Array, x: number): number {
+  const last = curve.length / 2 - 1;
+  return curve[2 * Math.round(((x + 1) / 2) * last) + 1]!;
+}
+
+function Figure({ page }: { page: Page }) {
+  const { state, answer, texts, say, set, isStill, isSmall } = page;
+  const { curves, moves } = answer;
+  const moved = answer.points[rowOf(state)]!;
+  const swing = ["polynomial_before", "polynomial"] as const;
+  const reach = swing.map((name) => place(moves.polynomial.at, heightAt(curves[name], moves.polynomial.at)));
+  const [unitX, unitY] = [toSvg([0, 0]), toSvg([0, 1])];
+  const unit = TALL * (unitX[1] - unitY[1]);
+  return (
+    <Flat name={texts.figure}>
+      <path class="ground" d={path([place(-1.1, 0), place(1.1, 0)], false)} />
+      <path class="true-function" d={drawn(curves.function)} />
+      {state.lift !== 0 && (
+        <>
+          <path class="polynomial before" d={drawn(curves.polynomial_before)} />
+          <path class="spline before" d={drawn(curves.spline_before)} />
+        </>
+      )}
+      <path class="spline" d={drawn(curves.spline)} />
+      <path class="polynomial" d={drawn(curves.polynomial)} />
+      {moves.polynomial.by > 0 && <path class="swing" d={path(reach, false)} />}
+      {answer.points.map(([x, y], i) => {
+        const [px0, py0] = toSvg(place(x, y));
+        return i === rowOf(state) ? null : <circle key={i} class="node" cx={px(px0)} cy={px(py0)} r={4.5} />;
+      })}
+      {!isSmall &&
+        (
+          [
+            ["polynomial", texts.polynomial],
+            ["spline", texts.aSpline],
+            ["true-function", texts.function],
+          ] as const
+        ).map(([kind, text], i) => (
+          <g key={kind} class="key" transform={`translate(282 ${396 + 27 * i})`}>
+            <path class={kind} d="M0 0H34" />
+            <text x={44} y={5}>
+              {text}
+            </text>
+          </g>
+        ))}
+      <Grip
+        name={texts.handle}
+        spoken={texts.spoken(say.fixed(state.lift))}
+        now={state.lift}
+        low={LIFTS[0]}
+        high={LIFTS[1]}
+        at={toSvg(place(...moved))}
+        along={0}
+        isStill={isStill}
+        grab={() => (_, dy) => set({ lift: within(state.lift - dy / unit) })}
+        step={(right, up) => {
+          const far = up || right;
+          set(({ lift }) => ({ lift: within(lift + far * (Math.abs(far) < 1 ? 0.1 : 0.05)) }));
+        }}
+      />
+    </Flat>
+  );
+}
+
+function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
+  const { polynomial, spline } = answer.moves;
+  return {
+    value: polynomial.by,
+    shown: say.number(polynomial.by),
+    label: texts.label,
+    meaning:
+      state.lift === 0 ? texts.still : texts.moved(say.fixed(state.lift), say.number(polynomial.by), say.number(spline.by)),
+    tone: polynomial.by > Math.abs(state.lift) ? "bad" : "plain",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const rows = [
+    ["spline-moves", texts.spline, answer.moves.spline.by],
+    ["polynomial-misses", texts.missPolynomial, answer.misses.polynomial.by],
+    ["spline-misses", texts.missSpline, answer.misses.spline.by],
+  ] as const;
+  return (
+    <>
+      <Slider
+        id="lift"
+        label={texts.handle}
+        shown={say.fixed(state.lift)}
+        spoken={texts.spoken(say.fixed(state.lift))}
+        low={LIFTS[0]}
+        high={LIFTS[1]}
+        step={0.05}
+        value={state.lift}
+        choose={(lift) => set({ lift: within(lift) })}
+      />
+      <Slider
+        id="count"
+        label={texts.count}
+        shown={`${state.count} · ${texts.degree(answer.degree)}`}
+        spoken={`${state.count}`}
+        low={COUNTS[0]}
+        high={COUNTS[1]}
+        step={2}
+        value={state.count}
+        choose={(count) => set({ count })}
+      />
+      <dl>
+        {rows.map(([name, label, value]) => (
+          <div key={name}>
+            <dt>{label}</dt>
+            <dd>
+              <Data name={name} value={value}>
+                {say.number(value)}
+              </Data>
+            </dd>
+          </div>
+        ))}
+      </dl>
+    </>
+  );
+}
+
+/** Odd numbers, so that one point is in the middle. */
+const odd = number(...COUNTS);
+const count = {
+  write: odd.write,
+  read: (text: string) => {
+    const found = odd.read(text);
+    return found !== undefined && found % 2 === 1 ? found : undefined;
+  },
+};
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { count: ["n", count], lift: ["h", number(...LIFTS, 100)] },
+  question: (state) => ({ count: state.count, row: rowOf(state), lift: state.lift }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

@@ -1,0 +1,146 @@
+// The exhibits of the lesson's third part: each number changes as the exhibit claims, by mouse and keys.
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { ExhibitPages, drag, grip } from "./exhibit_page";
+import { STOPS, WIDGET, fileOfStop } from "../../src/exhibits/index";
+import { digits, seriousFindings, settled } from "./site";
+
+let pages: ExhibitPages;
+beforeAll(async () => {
+  pages = await ExhibitPages.open();
+});
+afterAll(() => pages.close());
+
+test("bernstein: between the ends no weight is negative, beyond them one is; they always sum to one", async () => {
+  const page = await pages.at("bernstein.html");
+  const before = (await pages.state("bernstein"))["t"] as number;
+  await drag(page, grip(page), 60, -20);
+  expect((await pages.state("bernstein"))["t"]).toBeGreaterThan(before + 0.03);
+  for (const form of ["arch", "wave", "loop"]) {
+    await page.locator(`input[name=form][value=${form}]`).check();
+    for (const [t, isInside] of [["0", true], ["0.5", true], ["1", true], ["-0.1", false], ["1.2", false]] as const) {
+      await page.locator("#t").fill(t);
+      const smallest = await pages.number("bernstein");
+      expect(smallest >= 0, `${form} ${t}`).toBe(isInside);
+      expect(await digits(page, "sum")).toBeCloseTo(1, 14);
+      expect(await page.locator(".live.good").count()).toBe(isInside ? 1 : 0);
+    }
+  }
+  await grip(page).focus();
+  await page.keyboard.press("Home");
+  expect(await pages.number("bernstein")).toBeLessThan(-1);
+  expect(await digits(page, "weight-1")).toBeLessThan(0);
+  expect(pages.errors).toEqual([]);
+});
+
+test("joins: what is kept stays, and the handle breaks the rest; the mirror's picture is one", async () => {
+  const page = await pages.at("joins.html");
+  expect(await pages.number("joins")).toBe(1);
+  for (const [keep, left] of [["C0", 0], ["C1", 1], ["C2", 2]] as const) {
+    await page.locator(`input[name=keep][value=${keep}]`).check();
+    await page.locator(".panel .buttons button").click();
+    expect(await pages.number("joins"), `${keep} at home`).toBe(2);
+    expect(await digits(page, "curvature-gap")).toBeLessThan(1e-12);
+    const before = await page.locator(".flat image").getAttribute("href");
+    await drag(page, grip(page), -20, -30);
+    expect(await pages.number("joins"), keep).toBe(left);
+    expect((await digits(page, "angle")) > 5).toBe(left === 0);
+    expect((await digits(page, "curvature-gap")) > 0.05).toBe(left < 2);
+    expect(await page.locator(".flat image").getAttribute("href")).not.toBe(before);
+  }
+  const size = await page.evaluate(async () => {
+    const image = new Image();
+    image.src = document.querySelector(".flat image")!.getAttribute("href")!;
+    await image.decode();
+    return [image.naturalWidth, image.naturalHeight];
+  });
+  expect(size).toEqual([320, 104]);
+  expect(pages.errors).toEqual([]);
+});
+
+test("runge: the rest of the polynomial moves by several times what the point does, that of the spline hardly", async () => {
+  const page = await pages.at("runge.html#v=1&h=0.2");
+  const one = await pages.number("runge");
+  expect(one).toBeGreaterThan(5 * 0.2);
+  expect(await digits(page, "spline-moves")).toBeLessThan(0.2 / 5);
+  await grip(page).focus();
+  for (let i = 0; i < 4; i++) await page.keyboard.press("ArrowUp");
+  expect(await pages.number("runge")).toBeCloseTo(2 * one, 9);
+  await page.locator("#count").fill("15");
+  expect(await pages.number("runge")).toBeGreaterThan(6 * one);
+  await drag(page, grip(page), 0, 40);
+  expect((await pages.state("runge"))["lift"]).toBeLessThan(0.1);
+  await page.locator("#lift").fill("0");
+  expect(await pages.number("runge")).toBe(0);
+  await page.locator("#count").fill("11");
+  await settled(page);
+  expect(await digits(page, "polynomial-misses")).toBeCloseTo(1.916, 2);
+  expect(pages.errors).toEqual([]);
+});
+
+test("cracks: different numbers gape, equal ones do not, and a side that is cut once never does", async () => {
+  const page = await pages.at("cracks.html");
+  await page.waitForSelector('.scene[data-viewer="webgl"]');
+  const before = await pages.number("cracks");
+  expect(before).toBeGreaterThan(5);
+  expect(await digits(page, "components")).toBe(2);
+  await page.locator(".scene").focus();
+  for (let i = 0; i < 6; i++) await page.keyboard.press("-");
+  // Half as near, half as wide.
+  expect(await pages.number("cracks")).toBeLessThan(0.8 * before);
+  await page.locator("#right").fill("3");
+  expect(await pages.number("cracks")).toBe(0);
+  expect(await digits(page, "lonely")).toBe(0);
+  await page.locator("#right").fill("6");
+  expect(await pages.number("cracks")).toBeGreaterThan(1);
+  expect(await digits(page, "lonely")).toBe(3);
+  await page.locator("input[name=cut][value=shared]").check();
+  for (const right of ["1", "2", "5", "6", "12"]) {
+    await page.locator("#right").fill(right);
+    expect(await pages.number("cracks"), right).toBe(0);
+    expect([await digits(page, "components"), await digits(page, "lonely")]).toEqual([1, 0]);
+  }
+  expect(pages.errors).toEqual([]);
+});
+
+test("cage: each round has four times the faces and leaves about a quarter of the error, a crease delays it", async () => {
+  const page = await pages.at("cage.html");
+  await page.waitForSelector('.scene[data-viewer="webgl"]');
+  await page.locator("#level").fill("5");
+  const last = await pages.number("cage");
+  expect(await digits(page, "faces")).toBe(14 * 4 ** 5);
+  const errors = await Promise.all([0, 1, 2, 3, 4, 5].map((n) => digits(page, `error-${n}`)));
+  expect(errors[5]).toBe(last);
+  for (const n of [3, 4, 5]) {
+    const ratio = errors[n - 1]! / errors[n]!;
+    expect(ratio > 3.8 && ratio < 4.2, `round ${n}: ${ratio}`).toBe(true);
+  }
+  await page.locator("#sharpness").fill("2");
+  expect(await pages.number("cage")).toBeGreaterThan(1.5 * last);
+  await page.locator("#level").focus();
+  await page.keyboard.press("Home");
+  expect(await pages.number("cage")).toBeGreaterThan(0.3);
+  await page.locator("input[name=show][value=limit]").check();
+  await settled(page);
+  expect(await page.locator(".ramp-scale rect").count()).toBe(8);
+  expect(pages.errors).toEqual([]);
+});
+
+test("the way leads through the widget, in the language that it speaks, and not in a frame", async () => {
+  const n = STOPS.indexOf(WIDGET);
+  expect(fileOfStop(STOPS[n - 1]!, "en")).toBe("runge.html");
+  expect(fileOfStop(STOPS[n + 1]!, "en")).toBe("cracks.html");
+  let page = await pages.at("index.html");
+  const shown = () => page.locator(".onward a:visible").evaluateAll((links) => links.map((link) => link.getAttribute("href")));
+  expect(await shown()).toEqual(["runge.html", "cracks.html"]);
+  expect(await seriousFindings(page)).toEqual([]);
+  await page.getByRole("button", { name: "中文" }).click();
+  await settled(page);
+  expect(await shown()).toEqual(["runge.zh.html", "cracks.zh.html"]);
+  await page.locator(".onward a[rel=next]:visible").click();
+  await page.waitForURL(/cracks\.zh\.html$/);
+  await page.waitForSelector("html[data-ready]");
+  await page.locator(".onward a[rel=prev]").click();
+  await page.waitForURL(/zh\.html$/);
+  page = await pages.at("index.html?embed=1");
+  expect(await shown()).toEqual([]);
+});
