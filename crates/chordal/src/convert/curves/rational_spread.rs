@@ -59,13 +59,8 @@ fn block_deviations<const D: usize, const C: usize>(
     places: &[f64],
     deviations: &mut [f64],
 ) {
-    let (mut points, mut weights) = ([[[0.0; LANES]; D]; C], [[[0.0; LANES]; 1]; C]);
-    for i in 0..C {
-        for k in 0..D {
-            points[i][k] = [curve.weighted().0[i][k]; LANES];
-        }
-        weights[i][0] = [curve.weights().0[i][0]; LANES];
-    }
+    let points: [[Lane; D]; C] = std::array::from_fn(|i| curve.weighted().0[i].map(|x| [x; LANES]));
+    let weights: [[Lane; 1]; C] = std::array::from_fn(|i| curve.weights().0[i].map(|w| [w; LANES]));
     for at in (0..deviations.len()).step_by(LANES) {
         let (mut from, mut to) = ([0.0; LANES], [0.0; LANES]);
         from.copy_from_slice(&places[at..at + LANES]);
@@ -94,9 +89,10 @@ fn parts<const N: usize, const C: usize>(whole: &[[Lane; N]; C], [from, to]: [&L
 #[inline(always)]
 fn step<const N: usize, const C: usize>(row: &mut [[Lane; N]; C], n: usize, t: &Lane) {
     for i in 0..n {
-        for k in 0..N {
-            for l in 0..LANES {
-                row[i][k][l] = (1.0 - t[l]) * row[i][k][l] + t[l] * row[i + 1][k][l];
+        let next = row[i + 1];
+        for (here, next) in row[i].iter_mut().zip(&next) {
+            for ((x, y), t) in here.iter_mut().zip(next).zip(t) {
+                *x = (1.0 - t) * *x + t * y;
             }
         }
     }

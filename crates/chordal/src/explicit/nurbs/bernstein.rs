@@ -85,8 +85,9 @@ fn step<const N: usize>(row: &mut [[f64; N]], t: f64) {
     // As `lerp`, in loops that every level of optimisation unrolls.
     let s = 1.0 - t;
     for i in 0..row.len() - 1 {
-        for k in 0..N {
-            row[i][k] = s * row[i][k] + t * row[i + 1][k];
+        let next = row[i + 1];
+        for (x, y) in row[i].iter_mut().zip(next) {
+            *x = s * *x + t * y;
         }
     }
 }
