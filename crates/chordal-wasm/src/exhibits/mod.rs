@@ -1,13 +1,22 @@
 //! What the exhibits of the studio ask: each file answers one of them, by functions of the library.
 mod answer;
+mod baking;
+mod budget;
+mod csg;
 mod culling;
 mod doctor;
+mod field;
 mod indexed;
 mod inside;
+mod levels;
 mod normals;
+mod overshade;
+mod plane;
 mod quad;
 mod request;
 mod shapes;
+mod squares;
+mod tracing;
 mod weights;
 
 use crate::outcome::Outcome;
@@ -32,6 +41,14 @@ fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
         "normals" => normals::normals(&asked),
         "culling" => culling::culling(&asked),
         "doctor" => doctor::doctor(&asked),
+        "field" => field::field(&asked),
+        "csg" => csg::csg(&asked),
+        "tracing" => tracing::tracing(&asked),
+        "squares" => squares::squares(&asked),
+        "baking" => baking::baking(&asked),
+        "levels" => levels::levels(&asked),
+        "overshade" => overshade::overshade(&asked),
+        "budget" => budget::budget(&asked),
         _ => Err(format!("there is no exhibit '{name}'")),
     }
 }
