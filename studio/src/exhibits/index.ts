@@ -93,6 +93,66 @@ export const EXHIBITS: readonly Entry[] = [
     },
     load: () => import("./doctor"),
   },
+  {
+    id: "field",
+    part: 4,
+    title: { en: "A rule instead of a list", zh: "用规则代替列表" },
+    claim: {
+      en: "A field tells inside by one sign and the distance by one value; a mesh has to be searched.",
+      zh: "场用一个符号分出内外，用一个值给出距离；网格则要搜索。",
+    },
+    load: () => import("./field"),
+  },
+  {
+    id: "csg",
+    part: 4,
+    title: { en: "Booleans in one line", zh: "一行布尔运算" },
+    claim: {
+      en: "Minimum and maximum get every sign right; the value stops being a distance.",
+      zh: "取最小、取最大，符号处处正确，值却不再处处是距离。",
+    },
+    load: () => import("./csg"),
+  },
+  {
+    id: "tracing",
+    part: 4,
+    title: { en: "Rays that leap", zh: "跳跃的射线" },
+    claim: {
+      en: "The value is a step that is safe, so rays leap; those that graze take many steps.",
+      zh: "场的值就是安全的步长，所以光线可以跳跃；掠过表面的要走很多步。",
+    },
+    load: () => import("./tracing"),
+  },
+  {
+    id: "squares",
+    part: 4,
+    title: { en: "From samples to lines", zh: "从样本到线" },
+    claim: {
+      en: "A lattice of samples cuts sharp corners off; a mesher that knows the parts keeps them.",
+      zh: "格点采样会切掉尖角；知道组成部分的网格化能保住它。",
+    },
+    load: () => import("./squares"),
+  },
+  {
+    id: "baking",
+    part: 4,
+    title: { en: "There and back", zh: "一来一回" },
+    claim: {
+      en: "A mesh baked to a grid and back: each way has a proved bound, and the two add up.",
+      zh: "网格烘焙成距离采样再转换回来：每一程都有已证明的上界，两者相加。",
+    },
+    load: () => import("./baking"),
+  },
+  {
+    id: "overshade",
+    part: 5,
+    title: { en: "The cliff below a pixel", zh: "小于像素的悬崖" },
+    claim: {
+      en: "Below a pixel triangles cost four times as much and show nothing more.",
+      zh: "小于一个像素的三角形，代价是四倍，却不多显示任何东西。",
+    },
+    load: () => import("./overshade"),
+  },
 ];
 
 /** The file of an exhibit's page. */
