@@ -33,7 +33,7 @@ interface Answer {
 }
 
 const [FEWEST, MOST] = [6, 36] as const;
-const HOME: View = { azimuth: -58, elevation: 24, distance: 6.2, target: [0, 0, 0] };
+const HOME: View = { azimuth: 32, elevation: 24, distance: 6.2, target: [0, 0, 0] };
 const defaults: State = { shape: "cylinder", cells: 12, view: HOME };
 
 interface Texts extends CommonTexts {
@@ -115,20 +115,24 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 
+/** How near each vertex is, so that the ramp of heat runs from light where nothing is lost to dark. */
+let near: { to: Float32Array; made: Float32Array } | undefined;
+
 function pictureOf({ answer }: Page): Picture {
   const { mesh, back, off, measured, worst } = answer;
+  if (near?.to !== off) near = { to: off, made: off.map((x) => measured - x) };
   return {
     layers: [
       {
         kind: "mesh",
         id: "back",
         ...back,
-        values: { of: off, range: [0, measured], ramp: "heat" },
+        values: { of: near.made, range: [0, measured], ramp: "heat" },
         paint: "#7ea6d8",
         shading: "flat",
         sides: "both",
       },
-      { kind: "wire", id: "before", ...mesh, paint: "--ink", width: 1.6 },
+      { kind: "wire", id: "before", ...mesh, paint: "#4a7fc1", width: 1.6 },
       { kind: "points", id: "worst", positions: new Float32Array(worst.flat()), paint: "--gap", size: 10, isOnTop: true },
     ],
   };

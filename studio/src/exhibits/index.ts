@@ -144,6 +144,16 @@ export const EXHIBITS: readonly Entry[] = [
     load: () => import("./baking"),
   },
   {
+    id: "levels",
+    part: 5,
+    title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
+    claim: {
+      en: "The error that counts is on the screen: ten times as far away, a tenth of the triangles.",
+      zh: "要紧的是屏幕上的误差：距离十倍，三角形约为十分之一。",
+    },
+    load: () => import("./levels"),
+  },
+  {
     id: "overshade",
     part: 5,
     title: { en: "The cliff below a pixel", zh: "小于像素的悬崖" },
@@ -152,6 +162,26 @@ export const EXHIBITS: readonly Entry[] = [
       zh: "小于一个像素的三角形，代价是四倍，却不多显示任何东西。",
     },
     load: () => import("./overshade"),
+  },
+  {
+    id: "budget",
+    part: 5,
+    title: { en: "What half the error costs", zh: "误差减半的代价" },
+    claim: {
+      en: "Half the error takes about twice the triangles, however a surface is written down.",
+      zh: "误差减半，三角形约加倍，无论曲面怎样写下来。",
+    },
+    load: () => import("./budget"),
+  },
+  {
+    id: "questions",
+    part: 5,
+    title: { en: "Six questions", zh: "六个问题" },
+    claim: {
+      en: "Six questions, six numbers: each can be answered by moving something.",
+      zh: "六个问题，六个数字：每个都能动手找到答案。",
+    },
+    load: () => import("./questions"),
   },
 ];
 
