@@ -41,12 +41,12 @@ export function Chart({ name, x, y, width = 320, height = 200, isFigure, childre
       aria-label={name}
     >
       <path class="axis" d={`M${x0} ${top - 8}V${y0}H${width - right + 6}`} />
-      {x.ticks.map(([value, label]) => {
+      {x.ticks.map(([value, label], i) => {
         const tick = px(at(value, y.low)[0]);
         return (
           <g key={label}>
             <path class="rule" d={`M${tick} ${y0}V${top}`} />
-            <text x={tick} y={y0 + (isFigure ? 22 : 15)} class="x">
+            <text x={tick} y={y0 + (isFigure ? 22 : 15)} class={i % 2 ? "x every-other" : "x"}>
               {label}
             </text>
           </g>

@@ -109,7 +109,7 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 /** Names stand before their lines; those of cage and field begin close together. */
-const ASIDE: Record<Name, number> = { curve: 5, patch: 5, cage: 16, field: -3 };
+const ASIDE: Record<Name, number> = { curve: 5, patch: 5, cage: 20, field: -5 };
 const kindOf = (name: Name) => (name === "curve" ? "curve" : "surface");
 
 function Figure({ page }: { page: Page }) {

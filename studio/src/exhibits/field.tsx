@@ -34,7 +34,7 @@ interface Answer {
 
 /** The stops of the slider: how far the mesh may be off. */
 const STOPS = [0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01] as const;
-const defaults: State = { probe: [10.3, 6.3], asked: "field", stop: 2 };
+const defaults: State = { probe: [11, 7.2], asked: "field", stop: 2 };
 
 interface Texts extends CommonTexts {
   figure: string;

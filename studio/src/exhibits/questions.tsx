@@ -172,7 +172,7 @@ function Panel({ page }: { page: Page }) {
 
 export default exhibit<State, Answer, Texts>({
   defaults,
-  parts: { question: ["q", word(...QUESTIONS)] },
+  parts: { question: ["n", word(...QUESTIONS)] },
   question: () => ({}),
   texts,
   number: liveNumber,
