@@ -35,7 +35,7 @@ interface Answer {
 /** Metres, by a quarter of a decade: from 0.6 m to 19 km. */
 const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
 const HOME: View = { azimuth: -86, elevation: 22, distance: 6.6, target: [0, 0, -0.1] };
-const defaults: State = { stop: 0, view: HOME };
+const defaults: State = { stop: 2, view: HOME };
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -71,7 +71,7 @@ const texts: Record<Language, Texts> = {
     chartX: "camera to teapot",
     chartY: "triangles",
     story: [
-      "The error that counts is the one *on the screen*. A teapot on the desk and a mountain three kilometres behind it both get chords that are less than a pixel off. Far away a pixel is large: as long as a metre on the mountain, less than half a millimetre on the desk.",
+      "The error that counts is the one *on the screen*. A teapot on the desk and a mountain three kilometres behind it both get chords that are less than a pixel off. Far away a pixel is large: as long as a metre on the mountain, less than a millimetre on the desk.",
       "So each shape is kept in several *levels of detail*. Each level is proved to be within some length of the true shape, and each next one is allowed twice as much, which takes half the triangles. Dividing the length by the distance gives pixels, and the coarsest level within one pixel is shown.",
       "Ten times the distance, a tenth of the triangles. The teapot falls to a handful of them while the mountain, whose distance hardly changes, keeps its own until the camera is kilometres away.",
       "One has to be careful *off the axis*. In the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
@@ -98,7 +98,7 @@ const texts: Record<Language, Texts> = {
     chartX: "相机到茶壶",
     chartY: "三角形数",
     story: [
-      "要紧的是*屏幕上*的误差。桌上的茶壶和它背后三公里处的山，弦的误差都小于一个像素。远处的像素很大：在山上长达一米，在桌上不到半毫米。",
+      "要紧的是*屏幕上*的误差。桌上的茶壶和它背后三公里处的山，弦的误差都小于一个像素。远处的像素很大：在山上长达一米，在桌上不到一毫米。",
       "所以每个形状都存成几个*细节层次*（LOD）。每一层都证明了与真实形状相差不超过某个长度，下一层允许的误差加倍，三角形约减半。长度除以距离得到像素，显示误差在一个像素以内最粗的一层。",
       "距离十倍，三角形约为十分之一。茶壶降到寥寥几个三角形，而山的距离几乎不变，直到相机退到几公里外才减少。",
       "*离开光轴*要小心：同样的距离，同一长度在画面角上占的像素比中心多。这里的切换距离对任何方向都成立，包括四角。屏幕为 1920 × 1080 像素，视角 45 度。",
@@ -123,7 +123,7 @@ function metres(say: Say, length: number): string {
 /** Where each stands in the figure, and how large a metre of it is drawn. */
 const STANDS = {
   teapot: { scale: 8.4, at: [-1.38, 0, -0.45] },
-  mountain: { scale: 0.00056, at: [1.3, 0, -0.4] },
+  mountain: { scale: 0.00052, at: [1.24, 0, -0.4] },
 } as const satisfies Record<string, { scale: number; at: Vec3 }>;
 type Name = keyof typeof STANDS;
 const kept = new Map<Name, { of: Float32Array; made: Float32Array }>();
@@ -137,7 +137,7 @@ function placed(name: Name, of: Float32Array): Float32Array {
   return made;
 }
 
-function pictureOf({ answer }: Page): Picture {
+function pictureOf({ answer, isStill }: Page): Picture {
   const layers = (["teapot", "mountain"] as const).flatMap((name) => {
     const { mesh, triangles } = answer[name];
     const positions = placed(name, mesh.positions);
@@ -149,16 +149,21 @@ function pictureOf({ answer }: Page): Picture {
         indices: mesh.indices,
         paint: name === "teapot" ? PAINT.front : "#9db38a",
         shading: "flat",
-        sides: "both",
+        // On the page before scripts every triangle is a shape of its own, so it has those that show, and no edges.
+        sides: isStill ? "front" : "both",
       },
-      {
-        kind: "wire",
-        id: `${name}-wire`,
-        positions,
-        indices: mesh.indices,
-        paint: name === "teapot" ? "#24446b" : "#3c5230",
-        width: triangles > 3000 ? 0.5 : 1,
-      },
+      ...(isStill
+        ? []
+        : ([
+            {
+              kind: "wire",
+              id: `${name}-wire`,
+              positions,
+              indices: mesh.indices,
+              paint: name === "teapot" ? "#24446b" : "#3c5230",
+              width: triangles > 3000 ? 0.5 : 1,
+            },
+          ] as const)),
     ] as const;
   });
   return { layers };

@@ -98,7 +98,7 @@ mod tests {
                 assert!(value.abs() <= truth.abs() + 2.0 * CLOSE, "{operation} {i}: {value} {truth}");
                 less[usize::from(value < 0.0)] |= value.abs() < truth.abs() - 0.1;
                 for (side, is_less) in ["outside", "inside"].iter().zip(less) {
-                    assert!(!is_less || facts["quality"][side] == "bound", "{operation} {side}");
+                    assert!(!is_less || facts["quality"][side] == "lower bound", "{operation} {side}");
                 }
             }
             assert!(less.contains(&true), "{operation}");

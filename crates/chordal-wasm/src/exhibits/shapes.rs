@@ -134,7 +134,7 @@ pub(super) fn mountain() -> Result<Mesh, String> {
         let ridges = 1.0 - (sin(2.3 * x + 0.8 * y + 0.4)).abs();
         let spurs = 1.0 - (sin(4.1 * y - 2.7 * x + 1.0)).abs();
         let hills = sin(7.0 * x + 1.3) * sin(6.0 * y + 0.5) + 0.4 * sin(15.0 * x - 2.0) * sin(13.0 * y + 1.0);
-        1400.0 * massif * (0.55 + 0.3 * ridges + 0.15 * spurs) + 14.0 * hills
+        1400.0 * massif * (0.55 + 0.3 * ridges + 0.15 * spurs) + 2.5 * hills
     };
     let place = |i: u32| 4.0 * f64::from(i) / f64::from(CELLS) - 2.0;
     let wide = CELLS + 1;
