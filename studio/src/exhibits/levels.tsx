@@ -115,9 +115,9 @@ type Page = PageOf<State, Answer, Texts>;
 
 /** A length in metres, with the unit that suits it. */
 function metres(say: Say, length: number): string {
-  const [value, unit] =
-    length < 0.01 ? [length * 1000, "mm"] : length < 1 ? [length * 100, "cm"] : length < 1000 ? [length, "m"] : [length / 1000, "km"];
-  return `${say.number(value)} ${unit}`;
+  const [factor, unit] =
+    length < 0.01 ? [1000, "mm"] : length < 1 ? [100, "cm"] : length < 1000 ? [1, "m"] : [0.001, "km"];
+  return `${say.number(factor * length)} ${unit}`;
 }
 
 /** Where each stands in the figure, and how large a metre of it is drawn. */
@@ -185,7 +185,8 @@ function Figure({ page }: { page: Page }) {
           const [x, y] = at.to([STANDS[name].at[0], -1.25, -0.75]);
           return (
             <text key={name} class="label" x={px(x)} y={px(y)}>
-              {texts[name]}, {texts.at(metres(say, answer[name].distance))}
+              {texts[name]}
+              <tspan class="how-far">, {texts.at(metres(say, answer[name].distance))}</tspan>
             </text>
           );
         })

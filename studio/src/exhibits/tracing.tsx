@@ -108,6 +108,7 @@ function Figure({ page }: { page: Page }) {
   const { steps, eye } = answer;
   const n = last(page);
   const far = steps.at(-1)!.at;
+  const place = texts.at(say.fixed(state.aim[0]), say.fixed(state.aim[1]));
   return (
     <Flat name={texts.figure}>
       <Regions regions={answer.levels} />
@@ -125,7 +126,7 @@ function Figure({ page }: { page: Page }) {
       <path class="walked" d={path([eye, steps[n]!.at], false)} />
       <Dot
         name={texts.aim}
-        spoken={`${texts.at(say.fixed(state.aim[0]), say.fixed(state.aim[1]))}. ${texts.steps(steps.length)}. ${texts.end[answer.end]}`}
+        spoken={`${place}. ${texts.steps(steps.length)}. ${texts.end[answer.end]}`}
         place={state.aim}
         isStill={isStill}
         move={(change) => set(({ aim }) => ({ aim: away(change(aim), eye) }))}
