@@ -123,7 +123,7 @@ function Figure({ page }: { page: Page }) {
       isFigure
       width={720}
       height={480}
-      x={{ low: 0.5, high: 0.0031, isLog: true, label: texts.x, ticks: lengths.map((x) => [x, say.number(x)] as const) }}
+      x={{ low: 0.8, high: 0.0031, isLog: true, label: texts.x, ticks: lengths.map((x) => [x, say.number(x)] as const) }}
       y={{
         low: 4,
         high: 20000,
