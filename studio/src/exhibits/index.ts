@@ -143,6 +143,96 @@ export const EXHIBITS: readonly Entry[] = [
     },
     load: () => import("./cage"),
   },
+  {
+    id: "field",
+    part: 4,
+    title: { en: "A rule instead of a list", zh: "用规则代替列表" },
+    claim: {
+      en: "A field tells inside by one sign and the distance by one value; a mesh has to be searched.",
+      zh: "场用一个符号分出内外，用一个值给出距离；网格则要搜索。",
+    },
+    load: () => import("./field"),
+  },
+  {
+    id: "csg",
+    part: 4,
+    title: { en: "Booleans in one line", zh: "一行布尔运算" },
+    claim: {
+      en: "Minimum and maximum get every sign right; the value stops being a distance.",
+      zh: "取最小、取最大，符号处处正确，值却不再处处是距离。",
+    },
+    load: () => import("./csg"),
+  },
+  {
+    id: "tracing",
+    part: 4,
+    title: { en: "Rays that leap", zh: "跳跃的射线" },
+    claim: {
+      en: "The value is a step that is safe, so rays leap; those that graze take many steps.",
+      zh: "场的值就是安全的步长，所以光线可以跳跃；掠过表面的要走很多步。",
+    },
+    load: () => import("./tracing"),
+  },
+  {
+    id: "squares",
+    part: 4,
+    title: { en: "From samples to lines", zh: "从样本到线" },
+    claim: {
+      en: "A lattice of samples cuts sharp corners off; a mesher that knows the parts keeps them.",
+      zh: "格点采样会切掉尖角；知道组成部分的网格化能保住它。",
+    },
+    load: () => import("./squares"),
+  },
+  {
+    id: "baking",
+    part: 4,
+    title: { en: "There and back", zh: "一来一回" },
+    claim: {
+      en: "A mesh baked to a grid and back: each way has a proved bound, and the two add up.",
+      zh: "网格烘焙成距离采样再转换回来：每一程都有已证明的上界，两者相加。",
+    },
+    load: () => import("./baking"),
+  },
+  {
+    id: "levels",
+    part: 5,
+    title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
+    claim: {
+      en: "The error that counts is on the screen: ten times as far away, a tenth of the triangles.",
+      zh: "要紧的是屏幕上的误差：距离十倍，三角形约为十分之一。",
+    },
+    load: () => import("./levels"),
+  },
+  {
+    id: "overshade",
+    part: 5,
+    title: { en: "The cliff below a pixel", zh: "小于像素的悬崖" },
+    claim: {
+      en: "Below a pixel triangles cost four times as much and show nothing more.",
+      zh: "小于一个像素的三角形，代价是四倍，却不多显示任何东西。",
+    },
+    load: () => import("./overshade"),
+  },
+  {
+    id: "budget",
+    part: 5,
+    title: { en: "What half the error costs", zh: "误差减半的代价" },
+    claim: {
+      en: "Half the error takes about twice the triangles, however a surface is written down.",
+      zh: "误差减半，三角形约加倍，无论曲面怎样写下来。",
+    },
+    load: () => import("./budget"),
+  },
+  {
+    id: "questions",
+    part: 5,
+    title: { en: "Six questions", zh: "六个问题" },
+    claim: {
+      en: "Six questions, six numbers: each can be answered by moving something.",
+      zh: "六个问题，六个数字：每个都能动手找到答案。",
+    },
+    load: () => import("./questions"),
+  },
 ];
 
 /** The first page is a stop on the way, too: the widget stands after this exhibit, or at the end of its part. */

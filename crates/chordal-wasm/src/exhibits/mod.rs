@@ -1,18 +1,28 @@
 //! What the exhibits of the studio ask: each file answers one of them, by functions of the library.
 mod answer;
+mod baking;
 mod bernstein;
+mod budget;
 mod cage;
 mod cracks;
+mod csg;
 mod culling;
 mod doctor;
+mod field;
 mod indexed;
 mod inside;
 mod joins;
+mod levels;
 mod normals;
+mod overshade;
+mod plane;
 mod quad;
+mod questions;
 mod request;
 mod runge;
 mod shapes;
+mod squares;
+mod tracing;
 mod weights;
 
 use crate::outcome::Outcome;
@@ -42,6 +52,15 @@ fn answered(question: &[u8]) -> Result<ExhibitAnswer, String> {
         "runge" => runge::runge(&asked),
         "cracks" => cracks::cracks(&asked),
         "cage" => cage::cage(&asked),
+        "field" => field::field(&asked),
+        "csg" => csg::csg(&asked),
+        "tracing" => tracing::tracing(&asked),
+        "squares" => squares::squares(&asked),
+        "baking" => baking::baking(&asked),
+        "levels" => levels::levels(&asked),
+        "overshade" => overshade::overshade(&asked),
+        "budget" => budget::budget(&asked),
+        "questions" => questions::questions(&asked),
         _ => Err(format!("there is no exhibit '{name}'")),
     }
 }
@@ -73,6 +92,14 @@ mod tests {
             (r#"{"exhibit": "normals", "shape": "cube", "crease_deg": 181}"#, "crease_deg"),
             (r#"{"exhibit": "culling", "shape": "ball", "flipped": [80], "eye": [0, 0, 9]}"#, "flipped"),
             (r#"{"exhibit": "doctor", "patient": "hole", "cures": ["luck"]}"#, "luck"),
+            (r#"{"exhibit": "field", "point": [1, 1], "length": 0}"#, "length"),
+            (r#"{"exhibit": "csg", "operation": "xor", "point": [1, 1]}"#, "operation"),
+            (r#"{"exhibit": "tracing", "aim": [0.9, 4.2]}"#, "eye"),
+            (r#"{"exhibit": "squares", "cells": 400, "method": "squares"}"#, "cells"),
+            (r#"{"exhibit": "baking", "shape": "cube", "cells": 2}"#, "cells"),
+            (r#"{"exhibit": "levels", "distance": 0}"#, "distance"),
+            (r#"{"exhibit": "overshade", "side": 0.01}"#, "side"),
+            (r#"{"exhibit": "budget", "shape": "cow", "step": 1}"#, "shape"),
         ] {
             let outcome = outcome(question.as_bytes());
             let error = String::from_utf8(outcome.error).unwrap();

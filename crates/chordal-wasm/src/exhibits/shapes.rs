@@ -124,6 +124,31 @@ fn to_sphere(p: &mut [f64; 3]) {
     *p = p.map(|x| x / length);
 }
 
+/// A mountain of 4 by 4 kilometres, 1.4 high, in metres: a massif with ridges and smaller hills.
+pub(super) fn mountain() -> Result<Mesh, String> {
+    /// Cells along a side.
+    const CELLS: u32 = 64; // chosen: 8,192 triangles, of which a pixel at 3 km leaves a part
+    let sin = |x: f64| chordal::math::elementary::sin_cos(x).0;
+    let height = |x: f64, y: f64| {
+        let massif = 1.0 / (1.0 + 2.2 * (x * x + y * y));
+        let ridges = 1.0 - (sin(2.3 * x + 0.8 * y + 0.4)).abs();
+        let spurs = 1.0 - (sin(4.1 * y - 2.7 * x + 1.0)).abs();
+        let hills = sin(7.0 * x + 1.3) * sin(6.0 * y + 0.5) + 0.4 * sin(15.0 * x - 2.0) * sin(13.0 * y + 1.0);
+        1400.0 * massif * (0.55 + 0.3 * ridges + 0.15 * spurs) + 2.5 * hills
+    };
+    let place = |i: u32| 4.0 * f64::from(i) / f64::from(CELLS) - 2.0;
+    let wide = CELLS + 1;
+    let positions = (0..wide * wide).map(|row| {
+        let [x, y] = [row % wide, row / wide].map(place);
+        [1000.0 * x, 1000.0 * y, height(x, y)]
+    });
+    let quads = (0..CELLS * CELLS).map(|cell| {
+        let a = cell / CELLS * wide + cell % CELLS;
+        [a, a + 1, a + wide + 1, a + wide]
+    });
+    made(positions.collect(), from_quads(&quads.collect::<Vec<_>>()))
+}
+
 /// A mesh from rows.
 pub(super) fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Mesh, String> {
     Mesh::new(positions, faces).map_err(|error| error.to_string())

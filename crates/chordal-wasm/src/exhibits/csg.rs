@@ -1,0 +1,107 @@
+//! Two shapes under minimum and maximum, and where the value stops being a distance.
+use super::answer::ExhibitAnswer;
+use super::plane::{Region, below, distance_to, once, outline, regions, told, value_at};
+use super::request::ExhibitRequest;
+use chordal::implicit::shapes::{circle, rectangle};
+use chordal::implicit::{Expr, Field};
+use serde_json::json;
+use std::sync::OnceLock;
+
+/// The level curves that are drawn.
+const LEVELS: [f64; 12] = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0, -0.5, -1.0, -1.5, -2.0, -2.5];
+/// The outline that the true distance is taken to is within this of the shape.
+const CLOSE: f64 = 0.001; // chosen: a tenth of a pixel of the figure
+/// From here on the value counts as no distance.
+const SHOWS: f64 = 0.03; // chosen: two pixels of the figure
+
+/// An operation's result: what is asked and what is drawn.
+struct Combined {
+    parts: [Field; 2],
+    shape: Field,
+    distance: Field,
+    levels: Vec<Region>,
+    /// Where value and distance differ by more than what shows.
+    wrong: Vec<Region>,
+    outlines: [Vec<Region>; 2],
+}
+
+const OPERATIONS: [&str; 3] = ["union", "intersection", "difference"];
+
+/// Answers `{"operation": "union", "point": [x, y]}`: the value and the true distance at the point, and where
+/// they differ.
+pub(super) fn csg(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    asked.only(&["operation", "point"])?;
+    let operation = asked.word("operation", &OPERATIONS)?;
+    let point = asked.point::<2>("point")?;
+    static MADE: [OnceLock<Combined>; 3] = [const { OnceLock::new() }; 3];
+    let place = OPERATIONS.iter().position(|name| *name == operation).unwrap_or(0);
+    let found = once(&MADE[place], || combined(operation))?;
+    let Combined { shape, distance, .. } = found;
+    let [value, truth] = [value_at(&shape.tape(), point)?, value_at(&distance.tape(), point)?];
+    let [a, b] = [value_at(&found.parts[0].tape(), point)?, value_at(&found.parts[1].tape(), point)?];
+    let mut answer = ExhibitAnswer::default();
+    let levels = regions(&mut answer, &found.levels);
+    let wrong = regions(&mut answer, &found.wrong);
+    let [one, other] = &found.outlines;
+    let outlines = [regions(&mut answer, one), regions(&mut answer, other)];
+    answer.facts = json!({
+        "levels": levels,
+        "wrong": wrong,
+        "parts": outlines,
+        "of": [a, b],
+        "value": value,
+        "truth": truth,
+        // At the surface both are 0, but for the outline's own error.
+        "share": (truth.abs() > 2.0 * CLOSE).then(|| value / truth),
+        "quality": { "outside": shape.distance().outside.as_str(), "inside": shape.distance().inside.as_str() },
+    });
+    Ok(answer)
+}
+
+fn combined(operation: &str) -> Result<Combined, String> {
+    let disc = told(told(circle(2.5))?.moved([4.6, 4.3, 0.0]))?;
+    let slab = told(told(rectangle([5.0, 2.8]))?.rotated_deg([0.0, 0.0, 1.0], 18.0))?;
+    let slab = told(slab.moved([7.2, 3.8, 0.0]))?;
+    let shape = match operation {
+        "union" => disc.union(&slab),
+        "intersection" => disc.intersection(&slab),
+        _ => disc.difference(&slab),
+    };
+    let distance = distance_to(&outline(&shape, CLOSE)?)?;
+    let differs: Expr = Expr::constant(SHOWS) - (shape.expr() - distance.expr()).abs();
+    Ok(Combined {
+        levels: below(shape.expr(), &LEVELS, 0.125)?,
+        wrong: below(&differs, &[0.0], 0.0625)?,
+        outlines: [below(disc.expr(), &[0.0], 0.125)?, below(slab.expr(), &[0.0], 0.0625)?],
+        parts: [disc, slab],
+        shape,
+        distance,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(operation: &str, point: [f64; 2]) -> serde_json::Value {
+        let question = json!({ "exhibit": "csg", "operation": operation, "point": point }).to_string();
+        csg(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
+    }
+
+    #[test]
+    fn the_value_is_never_more_than_the_distance_and_less_where_the_library_says_bound() {
+        for operation in ["union", "intersection", "difference"] {
+            let mut less = [false; 2];
+            for i in 0..96 {
+                let facts = at(operation, [f64::from(i % 12) + 0.5, f64::from(i / 12) + 0.5]);
+                let [value, truth] = ["value", "truth"].map(|name| facts[name].as_f64().unwrap());
+                assert!(value.abs() <= truth.abs() + 2.0 * CLOSE, "{operation} {i}: {value} {truth}");
+                less[usize::from(value < 0.0)] |= value.abs() < truth.abs() - 0.1;
+                for (side, is_less) in ["outside", "inside"].iter().zip(less) {
+                    assert!(!is_less || facts["quality"][side] == "lower bound", "{operation} {side}");
+                }
+            }
+            assert!(less.contains(&true), "{operation}");
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Levels of detail: a teapot on the desk and a mountain behind it, each off by at most a pixel.
+use super::answer::ExhibitAnswer;
+use super::plane::{once, told};
+use super::request::ExhibitRequest;
+use super::shapes;
+use chordal::budget::camera::{Camera, MinDistanceView, Projection, Screen};
+use chordal::budget::{JobError, Pixels};
+use chordal::convert::patches_to_mesh;
+use chordal::explicit::Topology;
+use chordal::lod::selection::SwitchDistances;
+use chordal::lod::{LodLevel, LodSource, LodSteps, chain};
+use chordal::math::Box3;
+use chordal::{Budget, Failure, Job, Patch, Tolerance, View};
+use serde_json::{Value, json};
+use std::sync::OnceLock;
+
+/// How far the camera is from the teapot, in metres.
+const DISTANCES: [f64; 2] = [0.6, 20_000.0]; // defined: what the slider offers
+/// How far the mountain is behind the teapot, in metres.
+const BEHIND: f64 = 3000.0; // the lesson's
+/// The teapot of the examples is 6.4 units wide, and this one 0.26 metres.
+const METRES: f64 = 0.04; // defined
+const SCREEN: Screen = Screen { width_px: 1920, height_px: 1080 };
+const LENS: Projection = Projection::Perspective { fov_y_deg: 45.0 };
+/// The finest levels of both, in metres.
+const FINEST: [f64; 2] = [0.00025, 1.3]; // chosen: a pixel from 0.6 m, and from 3 km
+
+struct Levels {
+    all: Vec<LodLevel>,
+    switches: SwitchDistances,
+}
+
+/// Answers `{"distance": 0.6}`: the levels of both that are within a pixel from there.
+pub(super) fn levels(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    asked.only(&["distance"])?;
+    let distance = asked.number("distance", DISTANCES)?;
+    static MADE: OnceLock<[Levels; 2]> = OnceLock::new();
+    let made = once(&MADE, || Ok([teapot()?, mountain()?]))?;
+    let mut answer = ExhibitAnswer::default();
+    let [near, far] = [0, 1].map(|i| {
+        let at = distance + if i == 0 { 0.0 } else { BEHIND };
+        told_of(&made[i], at, &mut answer)
+    });
+    answer.facts = json!({ "teapot": near, "mountain": far, "off_axis": off_axis()? });
+    Ok(answer)
+}
+
+fn told_of(levels: &Levels, distance: f64, answer: &mut ExhibitAnswer) -> Value {
+    let choice = levels.switches.at(distance, None);
+    let level = &levels.all[choice.level];
+    let ladder: Vec<Value> = levels
+        .all
+        .iter()
+        .enumerate()
+        .map(|(i, level)| json!([levels.switches.distance(i), level.mesh.faces().len(), level.error()]))
+        .collect();
+    json!({
+        "mesh": answer.mesh(&level.mesh),
+        "distance": distance,
+        "level": choice.level,
+        "levels": ladder,
+        "triangles": level.mesh.faces().len(),
+        "most": levels.all[0].mesh.faces().len(),
+        "error": level.error(),
+        "pixels": choice.pixels,
+        "is_enough": choice.is_enough,
+    })
+}
+
+fn with_switches(all: Vec<LodLevel>) -> Result<Levels, String> {
+    let errors: Vec<f64> = all.iter().map(LodLevel::error).collect();
+    // Of the distance nothing is used.
+    let lens = MinDistanceView { distance: 1.0, projection: LENS, screen: SCREEN };
+    let switches = SwitchDistances::new(&errors, lens, told(Pixels::new(1.0))?);
+    Ok(Levels { all, switches })
+}
+
+fn steps(finest: f64) -> Result<LodSteps, String> {
+    let finest = told(Tolerance::new(finest))?;
+    Ok(LodSteps { stop_at_triangles: 8, ..LodSteps::from_finest(finest) })
+}
+
+fn teapot() -> Result<Levels, String> {
+    let scaled =
+        |patch: Patch| Patch { control: patch.control.map(|row| row.map(|p| p.map(|x| METRES * x))) };
+    let patches: Vec<Patch> = shapes::teapot().into_iter().map(scaled).collect();
+    let job = Job::default();
+    let mut make = |length| {
+        patches_to_mesh(&patches, &Budget::length(length), &job).map_err(|failure| match failure {
+            Failure::Refused(refusal) => JobError::Refused(refusal),
+            _ => JobError::Cancelled,
+        })
+    };
+    with_switches(told(chain(LodSource::Smooth(&mut make), &steps(FINEST[0])?, &job))?)
+}
+
+fn mountain() -> Result<Levels, String> {
+    let mesh = shapes::mountain()?;
+    with_switches(told(chain(
+        LodSource::Triangles(&mesh, Topology::Indices),
+        &steps(FINEST[1])?,
+        &Job::default(),
+    ))?)
+}
+
+/// How many times as many pixels a length takes in the corner of the picture as in its middle, at one distance.
+fn off_axis() -> Result<f64, String> {
+    let camera = Camera {
+        eye: [0.0; 3],
+        target: [1.0, 0.0, 0.0],
+        up: [0.0, 0.0, 1.0],
+        near: 0.0,
+        projection: LENS,
+        screen: SCREEN,
+    };
+    let (sin, cos) = chordal::math::elementary::sin_cos(22.5_f64.to_radians());
+    let (up, wide) = (sin / cos, sin / cos * 1920.0 / 1080.0);
+    let far = (1.0 + up * up + wide * wide).sqrt();
+    // As far away as the middle, and just within the picture.
+    let corner = [1.0 / far, 0.999 * wide / far, 0.999 * up / far]; // chosen: within
+    let pixels = |at: [f64; 3]| View::Camera(camera).pixels_of(1e-6, &Box3 { min: at, max: at }); // chosen: small
+    match (pixels(corner), pixels([1.0, 0.0, 0.0])) {
+        (Some(corner), Some(middle)) => Ok(corner / middle),
+        _ => Err("the picture has no corner".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn farther_away_fewer_triangles_are_within_a_pixel_and_the_mountain_needs_fewer_than_the_teapot_on_the_desk()
+     {
+        let at = |distance: f64| {
+            let question = json!({ "exhibit": "levels", "distance": distance }).to_string();
+            levels(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
+        };
+        let mut before = [u64::MAX; 2];
+        for distance in [0.6, 1.0, 3.0, 10.0, 100.0, 10_000.0] {
+            let facts = at(distance);
+            for (name, before) in ["teapot", "mountain"].iter().zip(&mut before) {
+                let found = &facts[name];
+                let triangles = found["triangles"].as_u64().unwrap();
+                assert!(triangles <= *before, "{name} at {distance}");
+                assert!(
+                    found["pixels"].as_f64().unwrap() <= 1.0 && found["is_enough"] == true,
+                    "{name} at {distance}"
+                );
+                *before = triangles;
+            }
+        }
+        let desk = at(0.6);
+        assert!(desk["mountain"]["triangles"].as_u64() < desk["teapot"]["triangles"].as_u64());
+        let factor = desk["off_axis"].as_f64().unwrap();
+        assert!(factor > 1.5 && factor < 3.0, "{factor}");
+    }
+}

@@ -1,0 +1,151 @@
+//! Marching squares: a lattice of samples, the lines through it, and the corners that it loses.
+use super::answer::ExhibitAnswer;
+use super::plane::{SIZE, loops, once, raised, thin_mesh, told};
+use super::request::ExhibitRequest;
+use chordal::check::{Goal, deviation};
+use chordal::convert::{Polygonize, field_to_mesh, grid_to_polyline};
+use chordal::explicit::Polyline;
+use chordal::implicit::shapes::{circle, rectangle, regular_polygon};
+use chordal::implicit::{Affine3, Field, Grid, Samples};
+use chordal::{Budget, Job, Mesh, Tolerance};
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
+
+/// Cells along the figure.
+const CELLS: [f64; 2] = [6.0, 48.0]; // defined: what the slider offers
+/// The truth that errors are measured against is itself within this.
+const CLOSE: f64 = 0.002; // chosen: below a pixel of the figure
+/// How much finer the measured error is enclosed.
+const GOAL: Goal = Goal { relative: 0.02, absolute: None, max: None }; // chosen: two digits are shown
+
+/// Answers `{"cells": 16, "method": "squares"}`: samples, lines and their largest error.
+pub(super) fn squares(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    asked.only(&["cells", "method"])?;
+    let cells = asked.number("cells", CELLS)?.round();
+    let method = asked.word("method", &["squares", "corners"])?;
+    let step = SIZE[0] / cells;
+    let shape = shapes()?;
+    let grid = sampled(&shape, step)?;
+    let lines = match method {
+        "squares" => told(grid_to_polyline(&grid, &Polygonize::below(0.0), &Job::default()))?.shape,
+        _ => with_corners(&shape, 0.25 * step)?,
+    };
+    static TRUTH: OnceLock<Vec<Polyline<2>>> = OnceLock::new();
+    let truth = once(&TRUTH, || with_corners(&shape, CLOSE))?;
+    let found = told(deviation(&thin_mesh(truth)?, &thin_mesh(&lines)?, &GOAL, &Job::default()))?;
+    let worst = *found.worst();
+    let mut answer = ExhibitAnswer::default();
+    let values: Vec<f64> = (0..grid.samples().len()).map(|row| grid.samples().get(row)).collect();
+    answer.facts = json!({
+        "step": step,
+        "size": [grid.size()[0], grid.size()[1]],
+        "values": answer.floats(&values),
+        "truth": loops(&mut answer, truth),
+        "lines": loops(&mut answer, &lines),
+        "segments": lines.iter().map(Polyline::n_segments).sum::<usize>(),
+        "ambiguous": ambiguous(&grid),
+        "error": found.bound.at_most(),
+        "error_at_least": found.bound.at_least(),
+        "worst": [[worst.from[0], worst.from[1]], [worst.to[0], worst.to[1]]],
+    });
+    Ok(answer)
+}
+
+/// A square on its corner, a triangle that almost touches it, and a disc.
+fn shapes() -> Result<Field, String> {
+    let square = told(told(rectangle([3.2, 3.2]))?.rotated_deg([0.0, 0.0, 1.0], 33.0))?;
+    let square = told(square.moved([3.3, 3.9, 0.0]))?;
+    let wedge = told(told(regular_polygon(3, 2.0))?.rotated_deg([0.0, 0.0, 1.0], 172.0))?;
+    let wedge = told(wedge.moved([7.45, 4.75, 0.0]))?;
+    let disc = told(told(circle(1.3))?.moved([9.8, 2.5, 0.0]))?;
+    Ok(square.union(&wedge).union(&disc))
+}
+
+fn sampled(shape: &Field, step: f64) -> Result<Grid, String> {
+    let n = SIZE.map(|side| (side / step).round() as usize + 1);
+    let points: Vec<[f64; 3]> =
+        (0..n[0] * n[1]).map(|row| raised([row % n[0], row / n[0]].map(|i| step * i as f64))).collect();
+    let mut values = vec![0.0; points.len()];
+    told(shape.tape().at(&points, &mut values))?;
+    let place = told(Affine3::cubes([0.0; 3], step))?;
+    told(Grid::new([n[0], n[1], 1], Samples::F64(values), place))
+}
+
+/// The cells whose corners alternate between inside and outside: their four crossings can be joined in two ways.
+fn ambiguous(grid: &Grid) -> Vec<[usize; 2]> {
+    let [nx, ny, _] = grid.size();
+    let inside = |i, j| grid.sample([i, j, 0]) < 0.0;
+    let mixed = |[i, j]: &[usize; 2]| {
+        let [a, b, c, d] = [inside(*i, *j), inside(i + 1, *j), inside(i + 1, j + 1), inside(*i, j + 1)];
+        a == c && b == d && a != b
+    };
+    (0..ny - 1).flat_map(|j| (0..nx - 1).map(move |i| [i, j])).filter(mixed).collect()
+}
+
+/// The outline as the mesher of fields makes it, which puts vertices where two primitives meet: that of a slab
+/// over the shape, along its upper face.
+fn with_corners(shape: &Field, length: f64) -> Result<Vec<Polyline<2>>, String> {
+    let slab = told(shape.extruded(2.0))?;
+    let budget = Budget::length(told(Tolerance::new(length))?);
+    let made = told(field_to_mesh(&slab, &budget, &Job::default()))?;
+    Ok(rim(&made.shape))
+}
+
+/// The rim of the highest face of a mesh, counter-clockwise.
+fn rim(mesh: &Mesh) -> Vec<Polyline<2>> {
+    let top = mesh.positions().iter().fold(f64::NEG_INFINITY, |most, p| chordal::math::greater(p[2], most));
+    let is_top = |row: u32| mesh.positions()[row as usize][2] == top;
+    let mut sides = BTreeSet::new();
+    for face in mesh.faces().iter().filter(|face| face.iter().all(|row| is_top(*row))) {
+        for k in 0..3 {
+            let [from, to] = [face[k], face[(k + 1) % 3]];
+            // A side that two of them share is run through both ways.
+            if !sides.remove(&[to, from]) {
+                sides.insert([from, to]);
+            }
+        }
+    }
+    let mut lines = Vec::new();
+    while let Some([first, mut row]) = sides.pop_first() {
+        let mut rows = vec![first];
+        while row != first {
+            rows.push(row);
+            let Some(after) = sides.range([row, 0]..=[row, u32::MAX]).next().copied() else { break };
+            sides.remove(&after);
+            row = after[1];
+        }
+        let points = rows.iter().map(|row| mesh.positions()[*row as usize]).map(|[x, y, _]| [x, y]).collect();
+        lines.push(Polyline { points, places: Vec::new(), closed: true });
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(cells: u32, method: &str) -> serde_json::Value {
+        let question = json!({ "exhibit": "squares", "cells": cells, "method": method }).to_string();
+        squares(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
+    }
+
+    #[test]
+    fn squares_cut_corners_off_and_the_mesher_keeps_them() {
+        let error = |cells, method| at(cells, method)["error"].as_f64().unwrap();
+        let [coarse, fine] = [12, 48].map(|cells| error(cells, "squares"));
+        // Halving the cells halves what is cut off a corner, and no more.
+        assert!(fine < 0.5 * coarse && fine > 0.1 * coarse, "{coarse} {fine}");
+        for cells in [12, 24] {
+            assert!(error(cells, "corners") < 0.3 * error(cells, "squares"), "{}", error(cells, "corners"));
+            assert!(error(cells, "corners") <= 0.25 * 12.0 / f64::from(cells) + CLOSE);
+        }
+    }
+
+    #[test]
+    fn some_sizes_have_cells_that_can_be_read_two_ways() {
+        let counts: Vec<usize> =
+            (6..=48).map(|cells| at(cells, "squares")["ambiguous"].as_array().unwrap().len()).collect();
+        assert!(counts.iter().any(|n| *n > 0) && counts.contains(&0), "{counts:?}");
+    }
+}

@@ -1,0 +1,111 @@
+//! Sphere tracing: a ray goes as far at a time as the value says is free.
+use super::answer::ExhibitAnswer;
+use super::plane::{Region, below, loops, once, outline, raised, regions, told};
+use super::request::ExhibitRequest;
+use chordal::explicit::Polyline;
+use chordal::implicit::Field;
+use chordal::implicit::evaluation::Tape;
+use chordal::implicit::query::{Beam, SphereTrace, SphereTraceEnd, sphere_trace};
+use chordal::implicit::shapes::{circle, rounded_rectangle, segment};
+use serde_json::json;
+use std::sync::OnceLock;
+
+/// The eye.
+const EYE: [f64; 2] = [0.9, 4.2];
+/// How near is there.
+const CLOSE: f64 = 0.01; // chosen: less than a pixel of the figure
+/// A ray that goes as far has left the figure.
+const AWAY: f64 = 14.0;
+const MOST: usize = 250; // chosen: more than any ray here takes
+/// The fan of directions whose steps are counted, in degrees.
+const FAN: [i32; 2] = [-42, 42];
+const PER_DEGREE: i32 = 2;
+
+/// Answers `{"aim": [x, y]}`: the steps of the ray from the eye through a point, and how many each direction of
+/// a fan takes.
+pub(super) fn tracing(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
+    asked.only(&["aim"])?;
+    let aim = asked.point::<2>("aim")?;
+    let shape = shapes()?;
+    let tape = shape.tape();
+    let toward = [aim[0] - EYE[0], aim[1] - EYE[1]];
+    let far = (toward[0] * toward[0] + toward[1] * toward[1]).sqrt();
+    if far < CLOSE {
+        return Err(format!("the ray needs a point that is not the eye, {EYE:?}"));
+    }
+    let trace = traced(&tape, toward.map(|x| x / far))?;
+    static MADE: OnceLock<Around> = OnceLock::new();
+    let around = once(&MADE, || around(&shape))?;
+    let mut answer = ExhibitAnswer::default();
+    let levels = regions(&mut answer, &around.levels);
+    answer.facts = json!({
+        "levels": levels,
+        "outline": loops(&mut answer, &around.outline),
+        "eye": EYE,
+        "close": CLOSE,
+        "steps": trace.steps.iter().map(|step| json!({
+            "at": [step.point[0], step.point[1]], "t": step.t, "value": step.value,
+        })).collect::<Vec<_>>(),
+        "end": match trace.end {
+            SphereTraceEnd::Arrived => "arrived",
+            SphereTraceEnd::Passed => "passed",
+            SphereTraceEnd::Stopped => "stopped",
+        },
+        "fan": around.fan,
+    });
+    Ok(answer)
+}
+
+/// What does not depend on the ray.
+struct Around {
+    levels: Vec<Region>,
+    outline: Vec<Polyline<2>>,
+    /// A direction in degrees, and its steps.
+    fan: Vec<(f64, usize)>,
+}
+
+fn around(shape: &Field) -> Result<Around, String> {
+    let tape = shape.tape();
+    let mut fan = Vec::new();
+    for turn in FAN[0] * PER_DEGREE..=FAN[1] * PER_DEGREE {
+        let deg = f64::from(turn) / f64::from(PER_DEGREE);
+        let (sin, cos) = chordal::math::elementary::sin_cos(deg.to_radians());
+        fan.push((deg, traced(&tape, [cos, sin])?.steps.len()));
+    }
+    let levels = below(shape.expr(), &[2.0, 1.5, 1.0, 0.5], 0.125)?;
+    Ok(Around { levels, outline: outline(shape, 0.002)?, fan }) // chosen: below a pixel of the figure
+}
+
+fn traced(tape: &Tape, [x, y]: [f64; 2]) -> Result<SphereTrace, String> {
+    let beam = Beam { origin: raised(EYE), direction: [x, y, 0.0], from: 0.0, to: AWAY, cone: [CLOSE, 0.0] };
+    told(sphere_trace(tape, &beam, MOST))
+}
+
+/// A wall, a ball and a bar, apart from each other.
+fn shapes() -> Result<Field, String> {
+    let ball = told(told(circle(1.25))?.moved([6.1, 6.0, 0.0]))?;
+    let wall = told(told(rounded_rectangle([1.5, 3.4], 0.25))?.moved([10.3, 4.0, 0.0]))?;
+    let bar = told(segment([3.6, 1.6], [7.4, 2.5], 0.45))?;
+    Ok(ball.union(&wall).union(&bar))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(aim: [f64; 2]) -> serde_json::Value {
+        let question = json!({ "exhibit": "tracing", "aim": aim }).to_string();
+        tracing(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
+    }
+
+    #[test]
+    fn a_ray_that_grazes_takes_many_more_steps_than_one_that_hits() {
+        let [hit, grazing] = [[6.1, 6.0], [7.4, 2.97]].map(at);
+        let steps = |facts: &serde_json::Value| facts["steps"].as_array().unwrap().len();
+        assert_eq!(hit["end"], "arrived");
+        assert!(steps(&hit) < 10 && steps(&grazing) > 2 * steps(&hit), "{} {}", steps(&hit), steps(&grazing));
+        let last = hit["steps"].as_array().unwrap().last().unwrap()["value"].as_f64().unwrap();
+        assert!(last.abs() <= CLOSE, "{last}");
+        assert_eq!(at([0.9, 0.2])["end"], "passed");
+    }
+}

@@ -1,0 +1,243 @@
+// A mesh baked to a grid of distances and back: each way loses something, and the bounds add up.
+import { Choice, Figure as Data, Slider } from "../view/parts";
+import type { Picture, Vec3, View } from "../viewer";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { number, view, word } from "./fragment";
+import { FRAME } from "./frame_texts";
+import { Scene } from "./Scene";
+import type { Language } from "./say";
+
+interface State {
+  shape: "cylinder" | "cube";
+  cells: number;
+  view: View;
+}
+
+interface Mesh {
+  positions: Float32Array;
+  indices: Uint32Array;
+}
+
+interface Answer {
+  mesh: Mesh;
+  back: Mesh;
+  off: Float32Array;
+  cell: number;
+  samples: number;
+  triangles: [number, number];
+  there: number | null;
+  home: number | null;
+  bound: number | null;
+  measured: number;
+  worst: [Vec3, Vec3];
+}
+
+const [FEWEST, MOST] = [6, 36] as const;
+const HOME: View = { azimuth: 32, elevation: 24, distance: 6.2, target: [0, 0, 0] };
+const defaults: State = { shape: "cylinder", cells: 12, view: HOME };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  cells: string;
+  across(n: number): string;
+  shape: string;
+  shapes: Record<State["shape"], string>;
+  label: string;
+  unproved: string;
+  meaning(measured: string, share: string): string;
+  there: string;
+  home: string;
+  sum: string;
+  measured: string;
+  samples: string;
+  cell: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: FRAME.en.turn,
+    figure: "A mesh as a wire, and the mesh that came back from its grid, coloured by how far it is off; a red dot at the worst place",
+    cells: "Cells along the longest side",
+    across: (n) => `${n} cells`,
+    shape: "Shape",
+    shapes: { cylinder: "a cylinder", cube: "a cube" },
+    label: "Proved bound, there and back",
+    unproved: "With cells this large nothing is proved.",
+    meaning: (measured, share) =>
+      `No point is farther off than this. The worst, at the red dot, is off by ${measured}: ${share} of the bound.`,
+    there: "Mesh to grid, at most",
+    home: "Grid to mesh, at most",
+    sum: "Both, added",
+    measured: "Measured",
+    samples: "Samples",
+    cell: "Edge of a cell",
+    story: [
+      "Meshes are for drawing, fields for carving, blending and questions. Real engines carry both and *convert*. To bake a mesh, ask its signed distance at every point of a lattice. To come back, march through the cells and join the places where the value passes zero.",
+      "Each way loses something. Between samples the grid only knows a blend of eight values, which rounds off whatever is sharp; and the triangles that come back cut straight through the cells. For either step the core *proves a bound*: how far the zero of the blend is from the mesh, and how far the new mesh is from that zero.",
+      "By the triangle inequality *the two bounds add up*. The sum holds for the whole way, whatever lies between, and further steps would add theirs. What is measured is less: the worst places of the two steps seldom meet.",
+      "Half the cell, half the error, eight times the samples. For smooth shapes the error falls faster; it is the sharp edges that keep it up.",
+    ],
+    attempts: [
+      "Double the cells: by how much do the bounds fall, and the samples grow?",
+      "Look where it is dark. What do these places have in common?",
+      "Find a size where measured and bound are closest.",
+    ],
+  },
+  zh: {
+    hint: FRAME.zh.turn,
+    figure: "线框为原网格；从距离网格转换回来的网格按偏离着色，红点处偏离最大",
+    cells: "最长边方向的单元数",
+    across: (n) => `${n} 个单元`,
+    shape: "形状",
+    shapes: { cylinder: "圆柱", cube: "立方体" },
+    label: "往返误差已证明的上界",
+    unproved: "单元这么大，什么都证明不了。",
+    meaning: (measured, share) => `没有任何一点偏离超过它。最坏处在红点，偏离 ${measured}，为上界的 ${share}。`,
+    there: "网格到采样，至多",
+    home: "采样到网格，至多",
+    sum: "两者之和",
+    measured: "实测",
+    samples: "样本数",
+    cell: "单元边长",
+    story: [
+      "网格用来画，场用来雕刻、融合和查询。真正的引擎两者兼备，并互相*转换*。烘焙网格，就是在格点上逐点求有向距离；转换回来，则逐个单元前进，把值过零的位置连起来。",
+      "每一程都有损失。样本之间只有八个值的插值，尖锐的地方都被磨圆；转换回来的三角形又在单元内取直。对每一步，内核都*证明一个上界*：插值的零面离网格多远，新网格离零面多远。",
+      "由三角不等式，*两个上界可以相加*。无论中间经过什么，和对全程成立；再多几步，就再加几项。实测值小一些：两步的最坏处很少碰到一起。",
+      "单元减半，误差减半，样本为八倍。光滑形状的误差下降得更快，是锐边让它降不下来。",
+    ],
+    attempts: [
+      "把单元数加倍：上界下降多少，样本增加多少？",
+      "看看哪里颜色深，这些地方有什么共同点？",
+      "找出实测值最接近上界的大小。",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+
+/** How near each vertex is, so that the ramp of heat runs from light where nothing is lost to dark. */
+let near: { to: Float32Array; made: Float32Array } | undefined;
+
+function pictureOf({ answer }: Page): Picture {
+  const { mesh, back, off, measured, worst } = answer;
+  if (near?.to !== off) near = { to: off, made: off.map((x) => measured - x) };
+  return {
+    layers: [
+      {
+        kind: "mesh",
+        id: "back",
+        ...back,
+        values: { of: near.made, range: [0, measured], ramp: "heat" },
+        paint: "#7ea6d8",
+        shading: "flat",
+        sides: "both",
+      },
+      { kind: "wire", id: "before", ...mesh, paint: "#4a7fc1", width: 1.6 },
+      { kind: "points", id: "worst", positions: new Float32Array(worst.flat()), paint: "--gap", size: 10, isOnTop: true },
+    ],
+  };
+}
+
+function Figure({ page }: { page: Page }) {
+  const { state, texts, set, isStill } = page;
+  return (
+    <Scene
+      name={texts.figure}
+      help="hint"
+      picture={pictureOf(page)}
+      view={state.view}
+      home={HOME}
+      look={(view) => set({ view })}
+      isStill={isStill}
+    />
+  );
+}
+
+function liveNumber({ answer, say, texts }: Page): LiveNumber {
+  const { bound, measured } = answer;
+  return {
+    value: bound,
+    shown: bound === null ? "—" : say.fixed(bound, 3),
+    label: texts.label,
+    meaning: bound === null ? texts.unproved : texts.meaning(say.fixed(measured, 3), say.percent(measured / bound)),
+    tone: bound !== null && measured <= bound ? "good" : "bad",
+  };
+}
+
+const WIDE = 300;
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const { there, home, bound, measured } = answer;
+  const most = Math.max(bound ?? 0, measured);
+  const wide = (value: number) => (WIDE * value) / most;
+  const rows = [
+    ["there", texts.there, there],
+    ["home", texts.home, home],
+    ["sum", texts.sum, bound],
+    ["measured", texts.measured, measured],
+    ["cell", texts.cell, answer.cell],
+  ] as const;
+  return (
+    <>
+      <Slider
+        id="cells"
+        label={texts.cells}
+        shown={String(state.cells)}
+        spoken={texts.across(state.cells)}
+        low={FEWEST}
+        high={MOST}
+        step={1}
+        value={state.cells}
+        choose={(cells) => set({ cells })}
+      />
+      <Choice
+        name="shape"
+        legend={texts.shape}
+        value={state.shape}
+        options={(["cylinder", "cube"] as const).map((value) => ({ value, label: texts.shapes[value] }))}
+        choose={(shape) => set({ shape })}
+      />
+      <svg
+        class="bytes"
+        viewBox={`0 0 ${WIDE} 62`}
+        role="img"
+        aria-label={`${texts.sum}: ${say.fixed(bound ?? 0, 3)}. ${texts.measured}: ${say.fixed(measured, 3)}.`}
+      >
+        <rect class="positions" x="0" y="4" height="20" width={wide(there ?? 0)} />
+        <rect class="indices" x={wide(there ?? 0)} y="4" height="20" width={wide((bound ?? 0) - (there ?? 0))} />
+        <rect class="lost" x="0" y="34" height="20" width={wide(measured)} />
+      </svg>
+      <dl>
+        {rows.map(([name, label, value]) => (
+          <div key={name} class={`of-${name}`}>
+            <dt>{label}</dt>
+            <dd>
+              <Data name={name} value={value}>
+                {value === null ? "—" : say.fixed(value, 3)}
+              </Data>
+            </dd>
+          </div>
+        ))}
+        <div>
+          <dt>{texts.samples}</dt>
+          <dd>
+            <Data name="samples" value={answer.samples}>
+              {say.whole(answer.samples)}
+            </Data>
+          </dd>
+        </div>
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { shape: ["s", word("cylinder", "cube")], cells: ["n", number(FEWEST, MOST)], view: ["o", view] },
+  question: ({ shape, cells }) => ({ shape, cells }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

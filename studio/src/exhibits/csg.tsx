@@ -1,0 +1,221 @@
+// Two shapes under minimum and maximum: the sign is right everywhere, the value stops being a distance somewhere.
+import { Choice, Figure as Data } from "../view/parts";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { Dot, FLAT, Flat, type Point, toSvg } from "./Flat";
+import { point, word } from "./fragment";
+import { px } from "./Grip";
+import { type Region, Regions, outline } from "./Regions";
+import type { Language } from "./say";
+
+type Operation = "union" | "intersection" | "difference";
+
+interface State {
+  probe: Point;
+  operation: Operation;
+}
+
+interface Answer {
+  levels: Region[];
+  wrong: Region[];
+  parts: [Region[], Region[]];
+  of: [number, number];
+  value: number;
+  truth: number;
+  share: number | null;
+  quality: { outside: string; inside: string };
+}
+
+const defaults: State = { probe: [6.1, 4.3], operation: "union" };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  probe: string;
+  at(x: string, y: string): string;
+  legend: string;
+  operation: Record<Operation, string>;
+  rule: Record<Operation, string>;
+  label: string;
+  surface: string;
+  exact(truth: string): string;
+  less(value: string, truth: string): string;
+  value: string;
+  truth: string;
+  of: readonly [string, string];
+  says(side: string, what: string): string;
+  outside: string;
+  inside: string;
+  known: Record<string, string>;
+  wrong: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: "Drag the point, or move it with the arrow keys: Shift for small steps, Page Up and Page Down for large ones.",
+    figure: "A disc and a rectangle combined, with lines of equal value; in red, where the value is no distance",
+    probe: "The probe",
+    at: (x, y) => `x ${x}, y ${y}`,
+    legend: "Disc A and rectangle B",
+    operation: { union: "union", intersection: "intersection", difference: "A without B" },
+    rule: { union: "min(a, b)", intersection: "max(a, b)", difference: "max(a, −b)" },
+    label: "Value as a share of the true distance",
+    surface: "The probe is on the surface: both are zero.",
+    exact: (truth) => `Here the value is the distance, ${truth}: both circles are one.`,
+    less: (value, truth) =>
+      `The value says ${value}, the nearest point of the surface is ${truth} away. Still safe: the value never says more.`,
+    value: "Value",
+    truth: "True distance",
+    of: ["Value of A", "Value of B"],
+    says: (side, what) => `${side} it is ${what}`,
+    outside: "Outside, as the core knows,",
+    inside: "Inside, as the core knows,",
+    known: { "exact distance": "exact", "lower bound": "a bound" },
+    wrong: "red: the value is no distance",
+    story: [
+      "On two fields, a boolean is one line. A point is in the union when it is in either: *min(a, b)*. It is in both when the larger is negative: *max(a, b)*. Negate a field, and inside is outside: so A without B is *max(a, −b)*, a hole through a block. On two meshes the same takes intersections of all triangles, and cracks where rounding goes wrong.",
+      "The sign is right everywhere. The value is not. Inside a union the nearest surface of a part may be covered by the other part, and does not exist any more; outside an intersection the nearest point of one part may not lie in the other. There the value is *less* than the distance.",
+      "Less is harmless for sphere tracing, which only takes shorter steps. It matters for shells, offsets and rounded edges, which take the value at its word. The core keeps account of this on either side: exact, bound, or only a sign.",
+      "The true distance is measured to the outline of the result, traced within a thousandth of a unit.",
+    ],
+    attempts: [
+      "Union: move the probe from A to B through the red. Where is the surface that the value still believes in?",
+      "Intersection: why is the red outside, and in front of the corners?",
+      "A without B: find the point outside where the value is least true.",
+    ],
+  },
+  zh: {
+    hint: "拖动这个点，或用方向键移动：加 Shift 走小步，Page Up 和 Page Down 走大步。",
+    figure: "圆盘与矩形的组合及其等值线；红色处的值不是距离",
+    probe: "探针",
+    at: (x, y) => `x ${x}，y ${y}`,
+    legend: "圆盘 A 与矩形 B",
+    operation: { union: "并", intersection: "交", difference: "A 减 B" },
+    rule: { union: "min(a, b)", intersection: "max(a, b)", difference: "max(a, −b)" },
+    label: "值与真实距离之比",
+    surface: "探针在表面上：两者都是零。",
+    exact: (truth) => `这里的值就是距离 ${truth}：两个圆重合。`,
+    less: (value, truth) => `值为 ${value}，而到表面最近点的距离是 ${truth}。仍然安全：值从不大于距离。`,
+    value: "值",
+    truth: "真实距离",
+    of: ["A 的值", "B 的值"],
+    says: (side, what) => `${side}${what}`,
+    outside: "内核所知，外部：",
+    inside: "内核所知，内部：",
+    known: { "exact distance": "精确距离", "lower bound": "下界" },
+    wrong: "红色：值不是距离",
+    story: [
+      "对两个场，布尔运算只要一行。点属于其中之一就在并集里：*min(a, b)*；两者中较大的为负，就在交集里：*max(a, b)*。把场取负，内外互换，所以 A 减 B 是 *max(a, −b)*，即在块上打一个孔。换成两个网格，就要求所有三角形的交，舍入一出错便有裂缝。",
+      "符号处处正确，值却不然。在并集内部，某一部分最近的表面可能被另一部分盖住，已不存在；在交集外部，某一部分的最近点可能不在另一部分里。在这些地方，值*小于*距离。",
+      "值偏小对球面追踪无害，只是步子变短。但对壳、偏移和倒圆就有影响，它们直接把值当作距离。内核对内外两侧分别记账：精确、下界，或只有符号。",
+      "真实距离是到结果轮廓的距离，轮廓的误差在千分之一个单位以内。",
+    ],
+    attempts: [
+      "并：让探针从 A 穿过红色区域到 B。值仍然相信的那段表面在哪里？",
+      "交：红色为什么在外部，而且在角的前方？",
+      "A 减 B：在外部找出值偏离最大的点。",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+/** Within this share they are one, as they are drawn. */
+const ALIKE = 0.02;
+const isExact = ({ share }: Answer) => share === null || Math.abs(share - 1) < ALIKE;
+
+function Figure({ page }: { page: Page }) {
+  const { state, answer, texts, say, set, isStill } = page;
+  const [x, y] = toSvg(state.probe).map(px);
+  const radius = (value: number) => px(toSvg([Math.abs(value), 0])[0]);
+  return (
+    <Flat name={texts.figure}>
+      <Regions regions={answer.levels} />
+      {answer.wrong.map(({ level, loops }) => (
+        <path key={level} class="wrong" d={outline(loops)} fill-rule="evenodd" />
+      ))}
+      {answer.parts.map(([part], i) => (
+        <path key={i} class="part" d={outline(part!.loops)} />
+      ))}
+      <text class="label" x="150" y="215">
+        A
+      </text>
+      <text class="label" x="605" y="215">
+        B
+      </text>
+      <circle class="truth" cx={x} cy={y} r={radius(answer.truth)} />
+      <circle class="free" cx={x} cy={y} r={radius(answer.value)} />
+      <Dot
+        name={texts.probe}
+        spoken={`${texts.at(say.fixed(state.probe[0]), say.fixed(state.probe[1]))}. ${liveNumber(page).meaning}`}
+        place={state.probe}
+        isStill={isStill}
+        move={(change) => set(({ probe }) => ({ probe: change(probe) }))}
+      />
+    </Flat>
+  );
+}
+
+function liveNumber({ answer, say, texts }: Page): LiveNumber {
+  const { share } = answer;
+  const [value, truth] = [say.fixed(Math.abs(answer.value)), say.fixed(Math.abs(answer.truth))];
+  return {
+    value: share,
+    shown: share === null ? "—" : say.percent(share),
+    label: texts.label,
+    meaning: share === null ? texts.surface : isExact(answer) ? texts.exact(truth) : texts.less(value, truth),
+    tone: isExact(answer) ? "good" : "bad",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const rows = [
+    ["value", texts.value, answer.value],
+    ["truth", texts.truth, answer.truth],
+    ["a", texts.of[0], answer.of[0]],
+    ["b", texts.of[1], answer.of[1]],
+  ] as const;
+  return (
+    <>
+      <Choice
+        name="operation"
+        legend={texts.legend}
+        value={state.operation}
+        options={(["union", "intersection", "difference"] as const).map((value) => ({
+          value,
+          label: texts.operation[value],
+          extra: <small> {texts.rule[value]}</small>,
+        }))}
+        choose={(operation) => set({ operation })}
+      />
+      <dl>
+        {rows.map(([name, label, value]) => (
+          <div key={name}>
+            <dt>{label}</dt>
+            <dd>
+              <Data name={name} value={value}>
+                {say.fixed(value)}
+              </Data>
+            </dd>
+          </div>
+        ))}
+      </dl>
+      <p class="aside">
+        {texts.says(texts.outside, texts.known[answer.quality.outside] ?? answer.quality.outside)}
+        <br />
+        {texts.says(texts.inside, texts.known[answer.quality.inside] ?? answer.quality.inside)}
+      </p>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: {
+    probe: ["p", point([0, FLAT.width], [0, FLAT.height])],
+    operation: ["b", word("union", "intersection", "difference")],
+  },
+  question: (state) => ({ operation: state.operation, point: state.probe }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

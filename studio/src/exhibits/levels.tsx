@@ -1,0 +1,315 @@
+// Levels of detail: as the camera goes back, teapot and mountain are each shown by the fewest triangles within a pixel.
+import { Figure as Data, Slider } from "../view/parts";
+import type { Picture, Vec3, View } from "../viewer";
+import { Chart } from "./Chart";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { number, view } from "./fragment";
+import { FRAME } from "./frame_texts";
+import { px } from "./Grip";
+import { PAINT } from "./paint";
+import { Scene } from "./Scene";
+import type { Language, Say } from "./say";
+
+interface State {
+  stop: number;
+  view: View;
+}
+
+interface Model {
+  mesh: { positions: Float32Array; indices: Uint32Array };
+  distance: number;
+  level: number;
+  levels: [from: number, triangles: number, error: number][];
+  triangles: number;
+  most: number;
+  error: number;
+  pixels: number;
+}
+
+interface Answer {
+  teapot: Model;
+  mountain: Model;
+  off_axis: number;
+}
+
+/** Metres, by a quarter of a decade: from 0.6 m to 19 km. */
+const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
+const HOME: View = { azimuth: -86, elevation: 22, distance: 6.6, target: [0, 0, -0.1] };
+const defaults: State = { stop: 2, view: HOME };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  handle: string;
+  label: string;
+  meaning(teapot: string, mountain: string): string;
+  both(teapot: string, mountain: string): string;
+  teapot: string;
+  mountain: string;
+  at(distance: string): string;
+  allowed: string;
+  factor: string;
+  chart: string;
+  chartX: string;
+  chartY: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: FRAME.en.turn,
+    figure: "A teapot and a mountain, drawn as large as each other, with the triangles that are shown from this distance",
+    handle: "Camera to teapot",
+    label: "Triangles, teapot and mountain",
+    meaning: (teapot, mountain) =>
+      `Neither is off by more than a pixel: that is ${teapot} on the teapot, and ${mountain} on the mountain.`,
+    both: (teapot, mountain) => `${teapot} and ${mountain}`,
+    teapot: "Teapot",
+    mountain: "Mountain",
+    at: (distance) => `at ${distance}`,
+    allowed: "off by at most",
+    factor: "A length in the corner of the picture, against its middle",
+    chart: "Triangles that are needed, by the distance of the camera from the teapot",
+    chartX: "camera to teapot",
+    chartY: "triangles",
+    story: [
+      "The error that counts is the one *on the screen*. A teapot on the desk and a mountain three kilometres behind it both get chords that are less than a pixel off. Far away a pixel is large: as long as a metre on the mountain, less than a millimetre on the desk.",
+      "So each shape is kept in several *levels of detail*. Each level is proved to be within some length of the true shape, and each next one is allowed twice as much, which takes half the triangles. Dividing the length by the distance gives pixels, and the coarsest level within one pixel is shown.",
+      "Ten times the distance, a tenth of the triangles. The teapot falls to a handful of them while the mountain, whose distance hardly changes, keeps its own until the camera is kilometres away.",
+      "One has to be careful *off the axis*. In the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
+    ],
+    attempts: [
+      "Move the camera back tenfold. What is left of the teapot’s triangles?",
+      "From where on does the mountain need more than the teapot?",
+      "Turn the figure at 100 metres: would you have seen this from there?",
+    ],
+  },
+  zh: {
+    hint: FRAME.zh.turn,
+    figure: "茶壶和山画成一样大，显示的是从这个距离看时所用的三角形",
+    handle: "相机到茶壶",
+    label: "三角形数：茶壶与山",
+    meaning: (teapot, mountain) => `两者的误差都不超过一个像素：在茶壶上是 ${teapot}，在山上是 ${mountain}。`,
+    both: (teapot, mountain) => `${teapot} 与 ${mountain}`,
+    teapot: "茶壶",
+    mountain: "山",
+    at: (distance) => `距离 ${distance}`,
+    allowed: "误差至多",
+    factor: "同一长度在画面角上与中心的像素之比",
+    chart: "所需三角形数随相机到茶壶距离的变化",
+    chartX: "相机到茶壶",
+    chartY: "三角形数",
+    story: [
+      "要紧的是*屏幕上*的误差。桌上的茶壶和它背后三公里处的山，弦的误差都小于一个像素。远处的像素很大：在山上长达一米，在桌上不到一毫米。",
+      "所以每个形状都存成几个*细节层次*（LOD）。每一层都证明了与真实形状相差不超过某个长度，下一层允许的误差加倍，三角形约减半。长度除以距离得到像素，显示误差在一个像素以内最粗的一层。",
+      "距离十倍，三角形约为十分之一。茶壶降到寥寥几个三角形，而山的距离几乎不变，直到相机退到几公里外才减少。",
+      "*离开光轴*要小心：同样的距离，同一长度在画面角上占的像素比中心多。这里的切换距离对任何方向都成立，包括四角。屏幕为 1920 × 1080 像素，视角 45 度。",
+    ],
+    attempts: [
+      "相机后退到十倍远，茶壶还剩多少三角形？",
+      "从多远起，山需要的三角形比茶壶多？",
+      "在 100 米处转动图形：从那里看得出来吗？",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+
+/** A length in metres, with the unit that suits it. */
+function metres(say: Say, length: number): string {
+  const [factor, unit] =
+    length < 0.01 ? [1000, "mm"] : length < 1 ? [100, "cm"] : length < 1000 ? [1, "m"] : [0.001, "km"];
+  return `${say.number(factor * length)} ${unit}`;
+}
+
+/** Where each stands in the figure, and how large a metre of it is drawn. */
+const STANDS = {
+  teapot: { scale: 8.4, at: [-1.38, 0, -0.45] },
+  mountain: { scale: 0.00052, at: [1.24, 0, -0.4] },
+} as const satisfies Record<string, { scale: number; at: Vec3 }>;
+type Name = keyof typeof STANDS;
+const kept = new Map<Name, { of: Float32Array; made: Float32Array }>();
+
+function placed(name: Name, of: Float32Array): Float32Array {
+  const before = kept.get(name);
+  if (before?.of === of) return before.made;
+  const { scale, at } = STANDS[name];
+  const made = of.map((x, i) => x * scale + at[i % 3]!);
+  kept.set(name, { of, made });
+  return made;
+}
+
+function pictureOf({ answer, isStill }: Page): Picture {
+  const layers = (["teapot", "mountain"] as const).flatMap((name) => {
+    const { mesh, triangles } = answer[name];
+    const positions = placed(name, mesh.positions);
+    return [
+      {
+        kind: "mesh",
+        id: name,
+        positions,
+        indices: mesh.indices,
+        paint: name === "teapot" ? PAINT.front : "#9db38a",
+        shading: "flat",
+        // On the page before scripts every triangle is a shape of its own, so it has those that show, and no edges.
+        sides: isStill ? "front" : "both",
+      },
+      ...(isStill
+        ? []
+        : ([
+            {
+              kind: "wire",
+              id: `${name}-wire`,
+              positions,
+              indices: mesh.indices,
+              paint: name === "teapot" ? "#24446b" : "#3c5230",
+              width: triangles > 3000 ? 0.5 : 1,
+            },
+          ] as const)),
+    ] as const;
+  });
+  return { layers };
+}
+
+function Figure({ page }: { page: Page }) {
+  const { state, answer, texts, say, set, isStill } = page;
+  return (
+    <Scene
+      name={texts.figure}
+      help="hint"
+      picture={pictureOf(page)}
+      view={state.view}
+      home={HOME}
+      look={(view) => set({ view })}
+      isStill={isStill}
+      over={(at) =>
+        (["teapot", "mountain"] as const).map((name) => {
+          const [x, y] = at.to([STANDS[name].at[0], -1.25, -0.75]);
+          return (
+            <text key={name} class="label" x={px(x)} y={px(y)}>
+              {texts[name]}
+              <tspan class="how-far">, {texts.at(metres(say, answer[name].distance))}</tspan>
+            </text>
+          );
+        })
+      }
+    />
+  );
+}
+
+function liveNumber({ answer, say, texts }: Page): LiveNumber {
+  const { teapot, mountain } = answer;
+  return {
+    value: teapot.triangles + mountain.triangles,
+    shown: texts.both(say.whole(teapot.triangles), say.whole(mountain.triangles)),
+    label: texts.label,
+    meaning: texts.meaning(
+      metres(say, teapot.error / teapot.pixels),
+      metres(say, mountain.error / mountain.pixels),
+    ),
+    tone: teapot.pixels <= 1 && mountain.pixels <= 1 ? "good" : "bad",
+  };
+}
+
+/** Triangles over the distance of the camera from the teapot; `behind` metres lie between. */
+function stairs(levels: Model["levels"], behind: number, low: number, high: number): [number, number][] {
+  const points: [number, number][] = [];
+  levels.forEach(([from, triangles], i) => {
+    const to = levels[i + 1]?.[0] ?? Infinity;
+    const [a, b] = [Math.max(from - behind, low), Math.min(to - behind, high)];
+    if (a < b) points.push([a, triangles], [b, triangles]);
+  });
+  return points;
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const distance = STOPS[state.stop]!;
+  const [low, high] = [STOPS[0]!, STOPS.at(-1)!];
+  const behind = answer.mountain.distance - answer.teapot.distance;
+  const line = (at: (x: number, y: number) => readonly [number, number], points: [number, number][]) =>
+    `M${points.map(([x, y]) => at(x, y).map(px).join(" ")).join("L")}`;
+  return (
+    <>
+      <Slider
+        id="distance"
+        label={texts.handle}
+        shown={metres(say, distance)}
+        spoken={metres(say, distance)}
+        low={0}
+        high={STOPS.length - 1}
+        step={1}
+        value={state.stop}
+        choose={(stop) => set({ stop })}
+      />
+      <Chart
+        name={texts.chart}
+        x={{
+          low,
+          high,
+          isLog: true,
+          label: texts.chartX,
+          ticks: [
+            [1, "1 m"],
+            [10, "10 m"],
+            [100, "100 m"],
+            [1000, "1 km"],
+            [10000, "10 km"],
+          ],
+        }}
+        y={{
+          low: 10,
+          high: 10000,
+          isLog: true,
+          label: texts.chartY,
+          ticks: [10, 100, 1000, 10000].map((y) => [y, say.whole(y)] as const),
+        }}
+      >
+        {(at) => (
+          <>
+            <path class="drawn" d={line(at, stairs(answer.teapot.levels, 0, low, high))} />
+            <path class="drawn hill" d={line(at, stairs(answer.mountain.levels, behind, low, high))} />
+            {(["teapot", "mountain"] as const).map((name) => {
+              const [cx, cy] = at(distance, answer[name].triangles).map(px);
+              return <circle key={name} class={`here ${name === "mountain" ? "hill" : ""}`} r="6" cx={cx} cy={cy} />;
+            })}
+          </>
+        )}
+      </Chart>
+      <dl>
+        {(["teapot", "mountain"] as const).map((name) => (
+          <div key={name} class={`of-${name}`}>
+            <dt>
+              {texts[name]}, {texts.allowed}
+            </dt>
+            <dd>
+              <Data name={`${name}-error`} value={answer[name].error}>
+                {metres(say, answer[name].error)}
+              </Data>
+              {" = "}
+              <Data name={`${name}-pixels`} value={answer[name].pixels}>
+                {say.fixed(answer[name].pixels)} px
+              </Data>
+            </dd>
+          </div>
+        ))}
+        <div>
+          <dt>{texts.factor}</dt>
+          <dd>
+            <Data name="off-axis" value={answer.off_axis}>
+              {say.fixed(answer.off_axis)}×
+            </Data>
+          </dd>
+        </div>
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { stop: ["n", number(0, STOPS.length - 1)], view: ["o", view] },
+  question: ({ stop }) => ({ distance: STOPS[stop] }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

@@ -1,0 +1,254 @@
+// What a screen shades for triangles of a size: blocks of two by two pixels, for each triangle that touches them.
+import { Figure as Data, Slider } from "../view/parts";
+import { Chart, chain } from "./Chart";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { FLAT, Flat, type Point, path, toSvg } from "./Flat";
+import { number } from "./fragment";
+import { px } from "./Grip";
+import type { Language } from "./say";
+
+interface State {
+  stop: number;
+}
+
+interface Answer {
+  mesh: { positions: Float32Array; indices: Uint32Array } | null;
+  screen: [number, number];
+  launches: number[];
+  columns: number;
+  triangles: number;
+  area_px: number;
+  missed: number;
+  missed_share: number;
+  covered: number;
+  lanes: number;
+  ratio: number;
+  curve: [side: number, ratio: number][];
+}
+
+/** Sides of the triangles in pixels, from large to small. */
+const STOPS = Array.from({ length: 27 }, (_, i) => Number((16 * 0.86 ** i).toPrecision(2)));
+const defaults: State = { stop: 9 };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  side: string;
+  pixels(n: string): string;
+  label: string;
+  meaning(triangles: string, area: string): string;
+  cliff(missed: string): string;
+  triangles: string;
+  area: string;
+  lanes: string;
+  covered: string;
+  missed: string;
+  chart: string;
+  chartX: string;
+  chartY: string;
+  legend(n: number): string;
+  legendName: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: "The slider makes the triangles smaller. Each square is one pixel; heavier lines bound blocks of two by two.",
+    figure: "A screen of 36 by 24 pixels, covered by triangles, coloured by how often each block of two by two pixels is shaded",
+    side: "Side of a triangle",
+    pixels: (n) => `${n} pixels`,
+    label: "Shaded per pixel that is covered",
+    meaning: (triangles, area) =>
+      `${triangles} triangles of ${area} pixels each. Blocks on an edge are shaded once for every triangle that has a pixel in them.`,
+    cliff: (missed) =>
+      `Over the cliff: every pixel is shaded four times, and ${missed} of the triangles cover no pixel’s centre and are not seen at all.`,
+    triangles: "Triangles on the screen",
+    area: "Pixels in a triangle",
+    lanes: "Lanes that are shaded",
+    covered: "Pixels that are covered",
+    missed: "Triangles that nobody sees",
+    chart: "Shading per pixel by the size of triangles",
+    chartX: "side in pixels, smaller to the right",
+    chartY: "shaded per pixel",
+    legend: (n) => (n >= 8 ? "8 or more" : String(n)),
+    legendName: "triangles shaded in a block",
+    story: [
+      "A graphics processor does not shade pixels one by one. It takes *blocks of two by two*, because it needs differences between neighbours to read a texture. If a triangle has one pixel of a block, all four are shaded, and three are thrown away.",
+      "With large triangles this happens only along edges. The smaller they are, the more of them is edge: at a side of four pixels every pixel is already paid for twice.",
+      "Below one pixel comes *the cliff*. No two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and thrown away, and flicker when they move.",
+      "So more triangles are not always better. They are worth their price as long as an error shows. Once every chord is within a pixel of the truth, more of them only cost.",
+    ],
+    attempts: [
+      "Go from 16 pixels down to 4. How much dearer has every pixel become?",
+      "Find the size from which the number does not grow any more.",
+      "Below that, watch the share of triangles that nobody sees.",
+    ],
+  },
+  zh: {
+    hint: "滑块让三角形变小。每个小格是一个像素，粗线围成 2 × 2 的像素块。",
+    figure: "36 × 24 像素的屏幕被三角形铺满，颜色表示每个 2 × 2 像素块着色了几次",
+    side: "三角形边长",
+    pixels: (n) => `${n} 像素`,
+    label: "每个被覆盖的像素的着色次数",
+    meaning: (triangles, area) =>
+      `共 ${triangles} 个三角形，每个面积 ${area} 像素。压在边上的像素块，每有一个三角形占到其中的像素，就要着色一次。`,
+    cliff: (missed) => `跌下悬崖：每个像素着色四次，而且 ${missed} 的三角形不含任何像素中心，根本看不见。`,
+    triangles: "屏幕上的三角形",
+    area: "每个三角形的像素数",
+    lanes: "着色的通道数",
+    covered: "被覆盖的像素",
+    missed: "看不见的三角形",
+    chart: "每像素着色次数随三角形大小的变化",
+    chartX: "边长（像素），越往右越小",
+    chartY: "每像素着色次数",
+    legend: (n) => (n >= 8 ? "8 次以上" : String(n)),
+    legendName: "一个像素块中着色的三角形数",
+    story: [
+      "图形处理器不是逐个像素着色，而是以 *2 × 2 的像素块*为单位，因为读取纹理需要相邻像素之差。三角形只要占到块中一个像素，四个都要着色，其中三个的结果丢弃。",
+      "三角形大时，这只发生在边上。三角形越小，边所占的比例越大：边长四像素时，每个像素已经付了两份钱。",
+      "小于一个像素，就到了*悬崖*：同一块里没有两个像素属于同一个三角形，每个像素要着色四次。再增加三角形，画面毫无变化，大多数三角形不含任何像素中心：它们照样要变换、要分拣，然后丢弃；一运动还会闪烁。",
+      "所以三角形并非越多越好。误差看得见时，它们物有所值；弦的误差一旦都在一个像素以内，再多就只有代价。",
+    ],
+    attempts: [
+      "从 16 像素降到 4 像素：每个像素贵了多少？",
+      "找出从哪个大小起，这个数不再增长。",
+      "再往下，看看看不见的三角形占多大比例。",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+/** Heat has as many steps as this. */
+const HOTTEST = 8;
+
+function Figure({ page }: { page: Page }) {
+  const { answer, texts } = page;
+  const { screen, columns, launches, mesh } = answer;
+  const unit = FLAT.width / screen[0];
+  const block = px(toSvg([2 * unit, 0])[0]);
+  // A path for each heat, so that the picture is a few elements.
+  const heats = Array.from({ length: HOTTEST }, (_, i) =>
+    launches
+      .map((count, row) => [Math.min(count, HOTTEST), row] as const)
+      .filter(([count]) => count === i + 1)
+      .map(([, row]) => {
+        // Rows of the screen run downward.
+        const [x, y] = toSvg([2 * unit * (row % columns), FLAT.height - 2 * unit * Math.floor(row / columns)]).map(px);
+        return `M${x} ${y}h${block}v${block}h-${block}z`;
+      })
+      .join(""),
+  );
+  const rules = (every: number) =>
+    [
+      ...Array.from({ length: screen[0] / every + 1 }, (_, i) =>
+        path([[i * every * unit, 0], [i * every * unit, FLAT.height]], false)),
+      ...Array.from({ length: screen[1] / every + 1 }, (_, j) =>
+        path([[0, j * every * unit], [FLAT.width, j * every * unit]], false)),
+    ].join("");
+  return (
+    <Flat name={texts.figure}>
+      {heats.map((d, i) => d && <path key={i} class={`heat heat-${i + 1}`} d={d} />)}
+      <path class="pixels" d={rules(1)} />
+      <path class="blocks" d={rules(2)} />
+      {mesh && <path class="edges" d={edges(mesh, unit)} />}
+    </Flat>
+  );
+}
+
+/** The sides of triangles that reach into the figure. */
+function edges({ positions, indices }: NonNullable<Answer["mesh"]>, unit: number): string {
+  const at = (row: number): Point => [positions[3 * row]! * unit, positions[3 * row + 1]! * unit];
+  const isNear = ([x, y]: Point) => x > -1 && x < FLAT.width + 1 && y > -1 && y < FLAT.height + 1;
+  let d = "";
+  for (let i = 0; i < indices.length; i += 3) {
+    const corners = [0, 1, 2].map((k) => at(indices[i + k]!));
+    if (corners.some(isNear)) d += path(corners);
+  }
+  return d;
+}
+
+function liveNumber({ answer, say, texts }: Page): LiveNumber {
+  const isOver = answer.area_px < 1;
+  return {
+    value: answer.ratio,
+    shown: say.fixed(answer.ratio),
+    label: texts.label,
+    meaning: isOver
+      ? texts.cliff(say.percent(answer.missed_share))
+      : texts.meaning(say.whole(answer.triangles), say.number(answer.area_px)),
+    tone: answer.ratio < 1.5 ? "good" : answer.ratio > 3 ? "bad" : "plain",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const side = STOPS[state.stop]!;
+  const rows = [
+    ["triangles", texts.triangles, answer.triangles],
+    ["covered", texts.covered, answer.covered],
+    ["lanes", texts.lanes, answer.lanes],
+  ] as const;
+  return (
+    <>
+      <Slider
+        id="side"
+        label={texts.side}
+        shown={texts.pixels(say.number(side))}
+        spoken={texts.pixels(say.number(side))}
+        low={0}
+        high={STOPS.length - 1}
+        step={1}
+        value={state.stop}
+        choose={(stop) => set({ stop })}
+      />
+      <Chart
+        name={texts.chart}
+        x={{ low: 16, high: 0.3, isLog: true, label: texts.chartX, ticks: [16, 8, 4, 2, 1, 0.5].map((x) => [x, String(x)]) }}
+        y={{ low: 1, high: 4.2, label: texts.chartY, ticks: [1, 2, 3, 4].map((y) => [y, String(y)]) }}
+      >
+        {(at) => (
+          <>
+            <path class="drawn" d={chain(at, answer.curve)} />
+            <circle class="here" r="6" cx={px(at(side, answer.ratio)[0])} cy={px(at(side, answer.ratio)[1])} />
+          </>
+        )}
+      </Chart>
+      <p class="legend heats" aria-label={texts.legendName}>
+        {[1, 2, 4, 6, 8].map((n) => (
+          <span key={n} class={`heat-${n}`}>
+            {texts.legend(n)}
+          </span>
+        ))}
+        {texts.legendName}
+      </p>
+      <dl>
+        {rows.map(([name, label, value]) => (
+          <div key={name}>
+            <dt>{label}</dt>
+            <dd>
+              <Data name={name} value={value}>
+                {say.whole(value)}
+              </Data>
+            </dd>
+          </div>
+        ))}
+        <div>
+          <dt>{texts.missed}</dt>
+          <dd>
+            <Data name="missed" value={answer.missed}>
+              {say.percent(answer.missed_share)}
+            </Data>
+          </dd>
+        </div>
+      </dl>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { stop: ["n", number(0, STOPS.length - 1)] },
+  question: ({ stop }) => ({ side: STOPS[stop] }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});

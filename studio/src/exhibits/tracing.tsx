@@ -1,0 +1,217 @@
+// Sphere tracing, step by step: the value says how far a ray may go.
+import { Figure as Data, Slider } from "../view/parts";
+import { Chart, chain } from "./Chart";
+import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import { Dot, FLAT, Flat, type Point, path, toSvg } from "./Flat";
+import { number, point } from "./fragment";
+import { px } from "./Grip";
+import { type Loops, type Region, Regions, outline } from "./Regions";
+import type { Language } from "./say";
+
+interface State {
+  aim: Point;
+  shown: number;
+}
+
+interface Answer {
+  levels: Region[];
+  outline: Loops;
+  eye: Point;
+  close: number;
+  steps: { at: Point; t: number; value: number }[];
+  end: "arrived" | "passed" | "stopped";
+  fan: [deg: number, steps: number][];
+}
+
+/** More circles than this are too small to be told apart. */
+const MOST = 40;
+const defaults: State = { aim: [8.6, 3.3], shown: 4 };
+
+interface Texts extends CommonTexts {
+  figure: string;
+  aim: string;
+  at(x: string, y: string): string;
+  shown: string;
+  steps(n: number): string;
+  label: string;
+  end: Record<Answer["end"], string>;
+  after(n: number, left: string): string;
+  left: string;
+  gone: string;
+  fan: string;
+  fanX: string;
+  fanY: string;
+}
+
+const texts: Record<Language, Texts> = {
+  en: {
+    hint: "Drag the point that the ray goes through, or move it with the arrow keys. The slider takes the steps one by one.",
+    figure: "A ray from an eye among three shapes, and the circle that is free at every step",
+    aim: "The ray goes through",
+    at: (x, y) => `x ${x}, y ${y}`,
+    shown: "Steps shown",
+    steps: (n) => `${n} steps`,
+    label: "Steps of this ray",
+    end: { arrived: "It arrives.", passed: "It passes by and leaves.", stopped: "It is stopped." },
+    after: (n, left) => `After step ${n} the nearest surface is ${left} away.`,
+    left: "Distance to the nearest surface",
+    gone: "Way along the ray",
+    fan: "Steps by the direction of the ray",
+    fanX: "degrees upward",
+    fanY: "steps",
+    story: [
+      "The value of a distance field is *a step that is safe*. Draw the circle of that radius: it is free of surface. So the ray may leap to its rim without looking, ask again there, and leap again. It arrives when the circle is smaller than a pixel.",
+      "Far from everything the leaps are large. Head on, each step leaves a small part of the way, and a handful are enough. *A ray that grazes* a surface stays close to it for long, and close means short steps: that is where the time goes, along every outline.",
+      "No triangle is asked, and nothing is sorted. The value may also be less than the distance, as it is inside a boolean: the leaps are shorter, and still nothing is jumped over. A value that says too much would miss thin things.",
+      "The core’s own tracer also knows how fast the value changes, and brackets each hit between a point outside and one inside. What is shown here is the plain method, step by step, to be looked at.",
+    ],
+    attempts: [
+      "Aim just above the bar, so that the ray slides along it: how many steps now?",
+      "Aim into the gap between ball and bar, and let the steps play.",
+      "In the small chart each peak is an outline. Which of them is which?",
+    ],
+  },
+  zh: {
+    hint: "拖动射线经过的点，或用方向键移动；用滑块逐步查看。",
+    figure: "从眼睛射出、穿过三个形状之间的射线，以及每一步的空圆",
+    aim: "射线经过的点",
+    at: (x, y) => `x ${x}，y ${y}`,
+    shown: "显示的步数",
+    steps: (n) => `${n} 步`,
+    label: "这条射线的步数",
+    end: { arrived: "到达表面。", passed: "从旁经过，离开画面。", stopped: "被中止。" },
+    after: (n, left) => `第 ${n} 步之后，最近的表面还有 ${left}。`,
+    left: "到最近表面的距离",
+    gone: "沿射线走过的路程",
+    fan: "步数随射线方向的变化",
+    fanX: "仰角（度）",
+    fanY: "步数",
+    story: [
+      "距离场的值就是*一步安全的步长*。以它为半径作圆，圆内没有表面。所以射线可以直接跳到圆周，在那里再问一次，再跳。圆比一个像素还小时，就算到达。",
+      "远离一切时步子很大。正对表面时，每一步只剩下一小段路，几步就够了。*掠过*表面的射线长时间贴近它，贴近就意味着步子短：时间都花在这里，在每一条轮廓线上。",
+      "不必问任何三角形，也不必排序。值也可以小于距离，例如布尔运算的内部：步子变短，但不会跳过任何东西。值若偏大，就会漏掉薄的部分。",
+      "内核自己的追踪器还知道值变化的快慢，并把每个交点夹在外部一点与内部一点之间。这里展示的是朴素的方法，一步一步，便于观察。",
+    ],
+    attempts: [
+      "对准横杆上方一点，让射线贴着它滑过：现在要多少步？",
+      "对准圆与横杆之间的空隙，逐步播放。",
+      "小图中每个峰都是一条轮廓线，哪个峰对应哪条？",
+    ],
+  },
+};
+
+type Page = PageOf<State, Answer, Texts>;
+const last = ({ state, answer }: Page) => Math.min(state.shown, answer.steps.length) - 1;
+
+function Figure({ page }: { page: Page }) {
+  const { state, answer, texts, say, set, isStill } = page;
+  const { steps, eye } = answer;
+  const n = last(page);
+  const far = steps.at(-1)!.at;
+  const place = texts.at(say.fixed(state.aim[0]), say.fixed(state.aim[1]));
+  return (
+    <Flat name={texts.figure}>
+      <Regions regions={answer.levels} />
+      <path class="solid" d={outline(answer.outline)} />
+      <path class="sight" d={path([eye, far], false)} />
+      {steps.slice(0, n + 1).map(({ at, value }, i) => {
+        const [x, y] = toSvg(at).map(px);
+        return (
+          <g key={i} class={`step ${i === n ? "now" : ""}`}>
+            <circle class="free" cx={x} cy={y} r={px(toSvg([Math.max(value, 0), 0])[0])} />
+            <circle class="stop" cx={x} cy={y} r="3.5" />
+          </g>
+        );
+      })}
+      <path class="walked" d={path([eye, steps[n]!.at], false)} />
+      <Dot
+        name={texts.aim}
+        spoken={`${place}. ${texts.steps(steps.length)}. ${texts.end[answer.end]}`}
+        place={state.aim}
+        isStill={isStill}
+        move={(change) => set(({ aim }) => ({ aim: away(change(aim), eye) }))}
+      />
+    </Flat>
+  );
+}
+
+/** A ray needs a direction: the point stays in front of the eye. */
+const away = ([x, y]: Point, eye: Point): Point => [Math.max(x, Math.round((eye[0] + 0.6) * 100) / 100), y];
+
+function liveNumber(page: Page): LiveNumber {
+  const { answer, texts, say } = page;
+  const n = last(page);
+  const count = answer.steps.length;
+  return {
+    value: count,
+    shown: String(count),
+    label: texts.label,
+    meaning: `${texts.end[answer.end]} ${texts.after(n + 1, say.number(Math.max(answer.steps[n]!.value, 0)))}`,
+    tone: answer.end === "arrived" ? "good" : "plain",
+  };
+}
+
+function Panel({ page }: { page: Page }) {
+  const { state, answer, texts, say, set } = page;
+  const n = last(page);
+  const step = answer.steps[n]!;
+  const deg = (Math.atan2(state.aim[1] - answer.eye[1], state.aim[0] - answer.eye[0]) * 180) / Math.PI;
+  const most = Math.max(...answer.fan.map(([, steps]) => steps));
+  const low = answer.fan[0]![0];
+  const high = answer.fan.at(-1)![0];
+  return (
+    <>
+      <Slider
+        id="steps"
+        label={texts.shown}
+        shown={String(n + 1)}
+        spoken={texts.after(n + 1, say.number(step.value))}
+        low={1}
+        high={MOST}
+        step={1}
+        value={state.shown}
+        choose={(shown) => set({ shown })}
+      />
+      <dl>
+        <div>
+          <dt>{texts.left}</dt>
+          <dd>
+            <Data name="left" value={step.value}>
+              {say.number(step.value)}
+            </Data>
+          </dd>
+        </div>
+        <div>
+          <dt>{texts.gone}</dt>
+          <dd>
+            <Data name="gone" value={step.t}>
+              {say.fixed(step.t)}
+            </Data>
+          </dd>
+        </div>
+      </dl>
+      <Chart
+        name={texts.fan}
+        x={{ low, high, label: texts.fanX, ticks: [-40, -20, 0, 20, 40].map((x) => [x, say.fixed(x, 0)]) }}
+        y={{ low: 0, high: most, label: texts.fanY, ticks: [0, 20, 40, 60].filter((y) => y <= most).map((y) => [y, String(y)]) }}
+      >
+        {(at) => (
+          <>
+            <path class="drawn" d={chain(at, answer.fan)} />
+            {deg >= low && deg <= high && <path class="goal" d={chain(at, [[deg, 0], [deg, most]])} />}
+          </>
+        )}
+      </Chart>
+    </>
+  );
+}
+
+export default exhibit<State, Answer, Texts>({
+  defaults,
+  parts: { aim: ["p", point([1.5, FLAT.width], [0, FLAT.height])], shown: ["n", number(1, MOST)] },
+  question: (state) => ({ aim: state.aim }),
+  texts,
+  number: liveNumber,
+  Figure,
+  Panel,
+});
