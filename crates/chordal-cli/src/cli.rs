@@ -1,5 +1,6 @@
 //! The command line: all verbs, and the exit codes.
 use crate::bake::BakeArgs;
+#[cfg(not(target_family = "wasm"))]
 use crate::batch::BatchArgs;
 use crate::convert::ConvertArgs;
 use crate::deviation::DeviationArgs;
@@ -8,6 +9,7 @@ use crate::lod::LodArgs;
 use crate::mend::MendArgs;
 use crate::mesh::MeshArgs;
 use crate::render::RenderArgs;
+#[cfg(not(target_family = "wasm"))]
 use crate::studio::StudioArgs;
 use crate::verify::VerifyArgs;
 use clap::{Parser, Subcommand};
@@ -61,8 +63,10 @@ pub enum Verb {
     /// Take a picture: .png, .jpg or .webp
     Render(RenderArgs),
     /// Do one of these with many files, and go on where it was stopped
+    #[cfg(not(target_family = "wasm"))]
     Batch(BatchArgs),
     /// Show in a browser how many segments a curve needs until it looks smooth
+    #[cfg(not(target_family = "wasm"))]
     Studio(StudioArgs),
     /// Print the completions of a shell
     Completions {

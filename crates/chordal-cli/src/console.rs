@@ -2,8 +2,6 @@
 use crate::args::ConsoleArgs;
 use crate::fault::{Fault, plainly};
 use crate::signal;
-use chordal::Job;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use serde_json::json;
 use std::borrow::Cow;
@@ -59,6 +57,7 @@ impl Console {
     }
 
     /// Something that went wrong while other things go on.
+    #[cfg(not(target_family = "wasm"))]
     pub fn failure(&self, text: &str) {
         self.message(Verbosity::Errors, text);
     }
@@ -96,26 +95,6 @@ impl Console {
                 Ok(())
             }
         }
-    }
-
-    /// The job with a bar on stderr, when that is a terminal and something may be said.
-    pub fn progress(&self, job: Job) -> Job {
-        if !self.shows_progress() {
-            return job;
-        }
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        // The template is a constant; should it ever be wrong, the bar looks plainer.
-        if let Ok(style) = ProgressStyle::with_template("{msg:12} {wide_bar} {percent:>3} %") {
-            bar.set_style(style);
-        }
-        job.with_progress(move |progress| {
-            bar.set_length(progress.total);
-            bar.set_message(progress.stage);
-            bar.set_position(progress.done);
-            if progress.done >= progress.total {
-                bar.finish_and_clear();
-            }
-        })
     }
 }
 

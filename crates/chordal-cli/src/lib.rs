@@ -4,6 +4,7 @@
 //! same.
 mod args;
 mod bake;
+#[cfg(not(target_family = "wasm"))]
 mod batch;
 mod beside;
 mod boolean;
@@ -17,6 +18,7 @@ mod execution;
 mod fault;
 mod folder;
 mod folder_lock;
+mod host;
 mod input;
 mod inspect;
 mod inspect_text;
@@ -33,11 +35,17 @@ mod output_set;
 mod output_set_write;
 mod output_write;
 mod overwrite;
+mod progress;
 mod render;
 mod require;
 mod run_outcome;
+#[cfg(not(target_family = "wasm"))]
+mod signal;
+#[cfg(target_family = "wasm")]
+#[path = "no_signal.rs"]
 mod signal;
 pub mod spelling;
+#[cfg(not(target_family = "wasm"))]
 mod studio;
 mod summary;
 mod temp_output;
@@ -46,6 +54,7 @@ mod volume;
 mod volume_text;
 mod watch;
 
+#[cfg(not(target_family = "wasm"))]
 use batch::BatchCommand;
 pub use beside::read_beside;
 use clap::Parser;
@@ -66,6 +75,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
 }
 
 /// The same, where other words than the path of this program start the command again, as `batch` does.
+#[cfg_attr(target_family = "wasm", expect(unused_variables, reason = "there is no batch"))]
 pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsString]) -> u8 {
     // First of all: parsing allocates too.
     signal::end_aborts_with_a_code();
@@ -85,7 +95,9 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsStr
         Verb::Bake(args) => bake::run(&args),
         Verb::Convert(args) => convert::run(&args),
         Verb::Render(args) => render::run(&args),
+        #[cfg(not(target_family = "wasm"))]
         Verb::Batch(args) => batch::run(&args, BatchCommand { program, check: &check_words }),
+        #[cfg(not(target_family = "wasm"))]
         Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
         Verb::Man { output } => docs::man(&output),
@@ -106,9 +118,12 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Mend(args) => args.console.json,
         Verb::Bake(args) => args.console.json,
         Verb::Convert(args) => args.console.json,
-        Verb::Batch(args) => args.console.json,
         Verb::Render(args) => args.console.json,
-        Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
+        #[cfg(not(target_family = "wasm"))]
+        Verb::Batch(args) => args.console.json,
+        #[cfg(not(target_family = "wasm"))]
+        Verb::Studio(_) => false,
+        Verb::Completions { .. } | Verb::Man { .. } => false,
     }
 }
 
@@ -139,6 +154,7 @@ fn sentence_of(error: &clap::Error) -> String {
 }
 
 /// Refuses words that are no command line.
+#[cfg(not(target_family = "wasm"))]
 fn check_words(words: Vec<OsString>) -> Result<(), Fault> {
     let cli = Cli::try_parse_from(words).map_err(|error| match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {

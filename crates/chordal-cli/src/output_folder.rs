@@ -9,6 +9,7 @@
 //! Only files of the verb's own names are ever removed. A folder with anything else in it is refused.
 use crate::fault::{Fault, plainly};
 use crate::folder_lock::FolderLock;
+use crate::host;
 use crate::overwrite::{self, OverwritePolicy};
 use crate::signal;
 use crate::temp_output::{self, keep_permissions, unwritable};
@@ -254,7 +255,7 @@ impl AsideFolder {
         let (parent, prefix, is_own) = (overwrite::parent(&place.path), place.aside_prefix(), place.is_own);
         // Another process can have the name only if it had this one's number before and was killed.
         for attempt in 0..1000 {
-            let path = parent.join(format!("{prefix}{}-{attempt}.tmp", std::process::id()));
+            let path = parent.join(format!("{prefix}{}-{attempt}.tmp", host::process_number()));
             let remove = Box::new(move |path: &Path| remove_own(path, is_own));
             match signal::create_unfinished(&path, remove, || fs::create_dir(&path)) {
                 Ok(()) => return Ok(Self { path, is_own }),

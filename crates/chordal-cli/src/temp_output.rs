@@ -3,6 +3,7 @@
 //! What a kill at any moment can leave behind is a file `.chordal-….tmp` beside the output; never half an
 //! output. Outputs of several files are in `output_set.rs` and `output_folder.rs`.
 use crate::fault::{Fault, plainly};
+use crate::host;
 use crate::overwrite::{OverwritePolicy, exists, parent, refuse_occupied};
 use crate::signal;
 use chordal_io::WriteError;
@@ -32,7 +33,7 @@ impl TempOutput {
         };
         // Another process can have the name only if it had this one's number before and was killed.
         for attempt in 0..1000 {
-            let path = folder.join(format!(".chordal-{}-{attempt}.tmp", std::process::id()));
+            let path = folder.join(format!(".chordal-{}-{attempt}.tmp", host::process_number()));
             match signal::create_unfinished(&path, Box::new(signal::remove_file), || File::create_new(&path))
             {
                 Ok(file) => return Ok(Self { file, path }),
