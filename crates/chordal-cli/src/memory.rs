@@ -8,9 +8,17 @@ const SHARE: u64 = 2;
 
 /// Half of the memory that this process can have: of the machine's, or of the limit of its control group
 /// where that is less. None where the system does not say.
+#[cfg(not(target_family = "wasm"))]
 #[must_use]
 pub fn default_limit() -> Option<u64> {
     default_limit_from(&|path| fs::read_to_string(path).ok())
+}
+
+/// Half of what a module can address, 4 GiB: what is beyond ends in a sentence, and not in a trap.
+#[cfg(target_family = "wasm")]
+#[must_use]
+pub fn default_limit() -> Option<u64> {
+    Some((1_u64 << u32::BITS) / SHARE)
 }
 
 /// The least memory, in bytes, for reading the triangles of a file of so many bytes and for any work on them: its bytes
@@ -32,6 +40,7 @@ pub fn least_for(scene: &Scene, n_file_bytes: u64) -> u64 {
 }
 
 /// The same, where `read` knows the system's files.
+#[cfg_attr(target_family = "wasm", expect(dead_code, reason = "there are no such files"))]
 fn default_limit_from(read: &dyn Fn(&str) -> Option<String>) -> Option<u64> {
     let machine = read("/proc/meminfo").and_then(|text| total(&text));
     let most = groups(read).into_iter().chain(machine).min()?;

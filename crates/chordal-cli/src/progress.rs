@@ -41,7 +41,8 @@ impl Console {
             let mut said = said.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             if *said != now {
                 *said = now;
-                let _ = write!(std::io::stderr(), "\r{} {}", now.0, now.1);
+                // At once: stderr has no buffer, and each piece would be a line.
+                let _ = std::io::stderr().write_all(format!("\r{} {}", now.0, now.1).as_bytes());
             }
         })
     }
