@@ -67,6 +67,22 @@ def test_every_function_of_the_language_is_there_with_its_arguments() -> None:
         assert taken.rstrip(")").startswith(said)
 
 
+def test_what_a_function_does_is_said_in_the_same_words_as_by_the_command() -> None:
+    n_same = 0
+    for name, _, does, worth in _chordal.language():
+        function = getattr(chordal, name)
+        # Paths take arrays, and `field` takes functions of points: of these Python says more.
+        if function.__module__ not in ("chordal._language", "chordal._formulas"):
+            continue
+        said = inspect.getdoc(function)
+        assert said is not None
+        first = " ".join(said.split("\n\n")[0].split())
+        assert first.split(". ")[0].rstrip(".") == does.split(". ")[0].rstrip("."), name
+        assert not worth or said.endswith(f"\n\nThe value is worth: {worth}."), name
+        n_same += 1
+    assert n_same > 50
+
+
 def test_a_function_of_points_is_called_with_many_at_once() -> None:
     sizes: list[int] = []
 

@@ -5,6 +5,7 @@ use crate::batch::BatchArgs;
 use crate::convert::ConvertArgs;
 use crate::deviation::DeviationArgs;
 use crate::inspect::InspectArgs;
+use crate::language::LanguageArgs;
 use crate::lod::LodArgs;
 use crate::mend::MendArgs;
 use crate::mesh::MeshArgs;
@@ -68,6 +69,8 @@ pub enum Verb {
     /// Show in a browser how many segments a curve needs until it looks smooth
     #[cfg(not(target_family = "wasm"))]
     Studio(StudioArgs),
+    /// Print the functions of shape scripts
+    Language(LanguageArgs),
     /// Print the completions of a shell
     Completions {
         /// Which shell

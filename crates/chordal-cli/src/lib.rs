@@ -22,6 +22,7 @@ mod host;
 mod input;
 mod inspect;
 mod inspect_text;
+mod language;
 mod load;
 mod lod;
 pub mod memory;
@@ -99,6 +100,7 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsStr
         Verb::Batch(args) => batch::run(&args, BatchCommand { program, check: &check_words }),
         #[cfg(not(target_family = "wasm"))]
         Verb::Studio(args) => studio::run(&args),
+        Verb::Language(args) => language::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
         Verb::Man { output } => docs::man(&output),
     };
@@ -123,6 +125,7 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Batch(args) => args.console.json,
         #[cfg(not(target_family = "wasm"))]
         Verb::Studio(_) => false,
+        Verb::Language(args) => args.json,
         Verb::Completions { .. } | Verb::Man { .. } => false,
     }
 }

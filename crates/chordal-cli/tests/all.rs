@@ -15,6 +15,7 @@ mod hard_fields;
 mod hard_inputs;
 mod input;
 mod inspect;
+mod language;
 mod letters;
 mod lod;
 mod mend;

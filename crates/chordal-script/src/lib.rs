@@ -31,6 +31,7 @@ mod script_source;
 mod texts;
 mod values;
 mod warning;
+pub mod words;
 
 pub use error::ScriptError;
 pub use files::{FileUse, FontText, NoFiles, OpenedFile, ScriptFiles};

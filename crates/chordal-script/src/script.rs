@@ -197,7 +197,7 @@ impl<'e> BeforeStmtFuncDyn<'e> for StatementHook {
 }
 
 /// Every global name of a script, and the operators.
-fn globals() -> Globals {
+pub(crate) fn globals() -> Globals {
     let mut globals = GlobalsBuilder::new().with(builtins);
     for function in functions() {
         globals.set(function.name, StarlarkFunction(function));

@@ -70,23 +70,33 @@ impl fmt::Display for ParameterDefault {
 }
 
 /// A required argument.
-pub(super) const fn required(name: &'static str) -> FunctionParameter {
+pub(crate) const fn required(name: &'static str) -> FunctionParameter {
     FunctionParameter { name, default: None, rest: false }
 }
 
 /// An optional argument.
-pub(super) const fn optional(name: &'static str, default: f64) -> FunctionParameter {
+pub(crate) const fn optional(name: &'static str, default: f64) -> FunctionParameter {
     defaulting(name, ParameterDefault::Number(default))
 }
 
 /// An optional argument of any kind.
-pub(super) const fn defaulting(name: &'static str, default: ParameterDefault) -> FunctionParameter {
+pub(crate) const fn defaulting(name: &'static str, default: ParameterDefault) -> FunctionParameter {
     FunctionParameter { name, default: Some(default), rest: false }
 }
 
 /// Any number of arguments.
-pub(super) const fn variadic(name: &'static str) -> FunctionParameter {
+pub(crate) const fn variadic(name: &'static str) -> FunctionParameter {
     FunctionParameter { name, default: None, rest: true }
+}
+
+/// The signature of a function of this name.
+pub(crate) fn usage(name: &str, parameters: &[FunctionParameter]) -> String {
+    let shown = parameters.iter().map(|p| match (p.rest, p.default) {
+        (true, _) => format!("*{}", p.name),
+        (false, None) => p.name.to_owned(),
+        (false, Some(default)) => format!("{}={default}", p.name),
+    });
+    format!("{name}({})", shown.collect::<Vec<_>>().join(", "))
 }
 
 /// The arguments of a call, bound to parameters.
@@ -198,12 +208,7 @@ impl Function {
     /// Its signature, as in `gyroid(period, level=0)`.
     #[must_use]
     pub fn usage(&self) -> String {
-        let shown = self.parameters.iter().map(|p| match (p.rest, p.default) {
-            (true, _) => format!("*{}", p.name),
-            (false, None) => p.name.to_owned(),
-            (false, Some(default)) => format!("{}={default}", p.name),
-        });
-        format!("{}({})", self.name, shown.collect::<Vec<_>>().join(", "))
+        usage(self.name, self.parameters)
     }
 }
 

@@ -17,6 +17,7 @@ use std::fmt;
 use std::sync::Arc;
 
 pub use bind::{BoundArgs, Function, FunctionParameter, ParameterDefault};
+pub(crate) use bind::{defaulting, optional, required, usage, variadic};
 pub use formula::operate;
 pub use script_path::ScriptPath;
 

@@ -4,7 +4,7 @@ use super::{paths, sweep};
 use chordal::implicit::shapes;
 
 const EXACT: &str = "exact";
-const BOUND: &str = "lower bound";
+const BOUND: &str = "a lower bound";
 
 /// Solids.
 pub(super) const SOLIDS: &[Function] = &[

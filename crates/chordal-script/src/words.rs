@@ -1,0 +1,168 @@
+//! The words of a script beside the functions of the language: what Starlark itself gives, constants and keywords.
+use crate::language::{self, FunctionParameter, ParameterDefault, defaulting, optional, required, variadic};
+
+/// A function that scripts have from Starlark, or that reads a file or a parameter.
+#[derive(Debug)]
+pub struct BuiltIn {
+    /// Its name.
+    pub name: &'static str,
+    /// Its parameters, in order.
+    pub parameters: &'static [FunctionParameter],
+    /// What it returns or does.
+    pub about: &'static str,
+    /// How far the result's value can be trusted as a distance; empty where the result is no shape.
+    pub distance: &'static str,
+}
+
+impl BuiltIn {
+    /// Its signature, as in `param(name, default)`.
+    #[must_use]
+    pub fn usage(&self) -> String {
+        language::usage(self.name, self.parameters)
+    }
+}
+
+const fn plain(name: &'static str, parameters: &'static [FunctionParameter], about: &'static str) -> BuiltIn {
+    BuiltIn { name, parameters, about, distance: "" }
+}
+
+const VALUE: &[FunctionParameter] = &[required("value")];
+const VALUES: &[FunctionParameter] = &[required("values")];
+const ANY: &[FunctionParameter] = &[variadic("values")];
+
+/// Every such function: first those that are Chordal's own.
+pub const BUILT_INS: &[BuiltIn] = &[
+    plain(
+        "param",
+        &[required("name"), required("default")],
+        "A number that is set from outside, by its name; its default otherwise.",
+    ),
+    BuiltIn {
+        name: "mesh",
+        parameters: &[required("name")],
+        about: "The triangles of a file beside the script, as a shape.",
+        distance: "exact; a sign where they are not closed",
+    },
+    BuiltIn {
+        name: "svg",
+        parameters: &[required("name"), required("tolerance")],
+        about: "What a drawing in a file beside the script fills, as a shape of the plane; its curves are polygons within \
+                the tolerance.",
+        distance: "exact; lower bound where outlines cross",
+    },
+    BuiltIn {
+        name: "text",
+        parameters: &[required("text"), required("font"), required("tolerance"), optional("em", 1.0)],
+        about: "The letters of a text in a font beside the script, as a shape of the plane; their curves are polygons \
+                within the tolerance. Axes of the font go by their tags, as wght=700.",
+        distance: "exact; lower bound where outlines cross",
+    },
+    plain(
+        "check",
+        &[required("condition"), required("message")],
+        "Ends the script with a message unless the condition holds.",
+    ),
+    plain("fail", &[required("message")], "Ends the script with a message."),
+    plain("print", ANY, "Adds a line to what is said of the script."),
+    plain("abs", VALUE, "The size of a number or of a formula, without its sign."),
+    plain("bool", VALUE, "Whether a value is neither 0 nor empty nor None."),
+    plain("enumerate", VALUES, "The items of a list, each as a pair with its index from 0."),
+    plain("float", VALUE, "The value as a number that need not be whole."),
+    plain("int", VALUE, "The number without its fraction."),
+    plain("len", VALUE, "How many items a list, dictionary or text has."),
+    plain("list", VALUES, "The items of a list or tuple, or the keys of a dictionary, as a new list."),
+    plain("max", ANY, "The largest of some numbers, or of those in a list."),
+    plain("min", ANY, "The smallest of some numbers, or of those in a list."),
+    plain(
+        "range",
+        &[required("first"), defaulting("end", ParameterDefault::Nothing), optional("step", 1.0)],
+        "The whole numbers from the first up to but without the end; of one number alone, those from 0 up to it.",
+    ),
+    plain("reversed", VALUES, "The items of a list, the last first."),
+    plain("str", VALUE, "The value as a text."),
+    plain("sum", VALUES, "The sum of the numbers or formulas in a list."),
+    plain("tuple", VALUES, "The items of a list as a tuple."),
+    plain(
+        "zip",
+        &[variadic("lists")],
+        "The first items of all lists together, then the second, up to the end of the shortest.",
+    ),
+];
+
+/// Names with a value: the coordinates, and what Starlark calls so.
+pub const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "True", "False", "None"];
+
+/// The keywords that a script can use, in the order of the alphabet.
+pub const KEYWORDS: &[&str] = &[
+    "and", "break", "continue", "def", "elif", "else", "for", "if", "in", "lambda", "load", "not", "or",
+    "pass", "return",
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operators::OPERATORS;
+    use crate::script::globals;
+    use crate::{RunOptions, run};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn a_script_has_these_words_and_no_others() {
+        let globals = globals();
+        // Names that end so are what calls and indices are rewritten to.
+        let is_own = |name: &str| !name.ends_with("__") && !OPERATORS.contains(&name);
+        let known: BTreeSet<String> =
+            globals.names().map(|name| name.as_str().to_owned()).filter(|name| is_own(name)).collect();
+        let told: Vec<&str> = language::functions()
+            .map(|function| function.name)
+            .chain(BUILT_INS.iter().map(|built_in| built_in.name))
+            .chain(CONSTANTS.iter().copied())
+            .collect();
+        assert_eq!(told.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>(), known);
+        assert_eq!(told.len(), known.len(), "none twice");
+    }
+
+    #[test]
+    fn keywords_are_no_names() {
+        for word in KEYWORDS {
+            let refused =
+                run(&format!("{word} = 1\nsphere({word})\n"), &RunOptions::default(), &Default::default());
+            assert_eq!(refused.unwrap_err().code, "script-syntax", "{word}");
+        }
+        assert!(KEYWORDS.is_sorted());
+    }
+
+    #[test]
+    fn every_built_in_says_what_it_does_and_takes_what_it_says() {
+        for built_in in BUILT_INS {
+            assert!(built_in.about.ends_with('.'), "{}", built_in.name);
+            let is_shape = ["mesh", "svg", "text"].contains(&built_in.name);
+            assert_eq!(built_in.distance.is_empty(), !is_shape, "{}", built_in.name);
+        }
+        for call in [
+            "param('r', 2)",
+            "abs(-2)",
+            "2 if bool(3) else 1",
+            "len(enumerate([3, 4]))",
+            "float(2)",
+            "int(2.5)",
+            "len([3, 4])",
+            "list((2, 3))[0]",
+            "max(1, 2)",
+            "min([2, 3])",
+            "len(range(2))",
+            "range(2, 9)[0]",
+            "range(2, 9, 3)[0]",
+            "reversed([3, 2])[0]",
+            "len(str(12))",
+            "sum([1, 1])",
+            "tuple([2])[0]",
+            "zip([2], [3])[0][0]",
+        ] {
+            let script = run(&format!("sphere({call})"), &RunOptions::default(), &Default::default());
+            let mut values = [0.0];
+            script.unwrap().field.tape().at(&[[0.0; 3]], &mut values).unwrap();
+            assert_eq!(values, [-2.0], "{call}");
+        }
+    }
+}
