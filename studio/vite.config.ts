@@ -19,8 +19,8 @@ export default defineConfig({
     reportCompressedSize: false,
     // three.js is 570 kB in one piece, and only figures in space load it.
     chunkSizeWarningLimit: 700,
-    // exhibit.html is the mould of all exhibits: scripts/build.mjs writes a page for each from it.
-    rollupOptions: { input: ["index.html", "zh.html", "exhibit.html"] },
+    // exhibit.html and workbench.html are moulds: scripts/build.mjs writes a page for each exhibit and language from them.
+    rollupOptions: { input: ["index.html", "zh.html", "exhibit.html", "workbench.html"] },
   },
   worker: { format: "es" },
   test: {

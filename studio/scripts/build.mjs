@@ -26,6 +26,8 @@ const cache = join(root, "node_modules/.prerender");
 const { Core, still } = await prerender("src/prerender.tsx", "widget");
 const { onwardFromWidget, written } = await prerender("src/exhibits/prerender.tsx", "exhibits");
 
+const { workbenches } = await prerender("src/workbench/prerender.tsx", "workbench");
+
 /** Replaces what is there exactly once. */
 function put(html, old, text, what) {
   if (html.split(old).length !== 2) throw new Error(`the mould has no place, or several, for ${what}`);
@@ -49,6 +51,13 @@ for (const { file, id, lang, title, description, body } of exhibits) {
   html = put(html, PLACE, body, "the text");
   // On the list of all there is nothing to move.
   await writeFile(join(out, file), id ? html : html.replace(SCRIPT, ""));
+}
+const bench = await readFile(join(out, "workbench.html"), "utf8");
+for (const { file, lang, title, description, body } of workbenches()) {
+  let html = put(bench, '<html lang="en">', `<html lang="${lang}">`, "the language");
+  html = put(html, "<title>Chordal</title>", `<title>${quoted(title)}</title>`, "the title");
+  html = put(html, 'name="description" content=""', `name="description" content="${quoted(description)}"`, "the description");
+  await writeFile(join(out, file), put(html, PLACE, body, "the text"));
 }
 await rm(join(out, "exhibit.html"));
 await rm(cache, { recursive: true });

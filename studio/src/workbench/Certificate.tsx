@@ -1,0 +1,106 @@
+// What is known of the mesh: its bound, how that is known, and what holds of the triangles.
+import { Figure } from "../view/parts";
+import type { Vec3 } from "../viewer";
+import type { LaneName } from "./controller";
+import type { BoundFacts } from "./report";
+import type { Page } from "./words";
+
+export function Certificate({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
+  const { words, say, state, control } = page;
+  const { shown, fault } = state;
+  const bound = shown?.certificate.bound;
+  const { output, valid } = shown?.certificate ?? {};
+  const isWorking = state.running.includes("proof") || state.running.includes("draft");
+  return (
+    <section class="panel certificate" aria-live="polite">
+      <h2>{words.certificate}</h2>
+      {fault && (
+        <p class="fault" role="alert">
+          <b>{fault.line ? words.atLine(fault.line) : words.error}:</b> {fault.text}
+        </p>
+      )}
+      {shown?.isShort && !shown.isDraft && <p class="aside">{words.short}</p>}
+      {bound && shown && (
+        <>
+          <p class={`big ${shown.isDraft ? "draft" : bound.evidence}`}>
+            <Figure name="bound" value={bound.at_most ?? bound.at_least}>
+              {bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most))}
+            </Figure>
+          </p>
+          <p class="evidence">
+            <b>{evidenceOf(page, bound)}</b>
+            {bound.pixels !== null && ` · ${words.inPixels(say.number(bound.pixels))}`}
+          </p>
+          {bound.assumptions?.map((one) => (
+            <p class="aside" key={one}>
+              {one}
+            </p>
+          ))}
+          {shown.isDraft && <p class="aside">{words.draft}</p>}
+        </>
+      )}
+      {isWorking && <Working page={page} lanes={["proof", "draft"]} />}
+      {shown && (
+        <dl class="facts">
+          <div>
+            <dt>{words.triangles}</dt>
+            <dd>
+              <Figure name="triangles" value={output?.triangles ?? null}>
+                {say.whole(output?.triangles ?? 0)}
+              </Figure>
+            </dd>
+          </div>
+          {valid && (
+            <div>
+              <dt>{words.closed}</dt>
+              <dd>{valid.closed && valid.manifold ? words.yes : words.no}</dd>
+            </div>
+          )}
+          {valid && valid.genus !== null && valid.closed && (
+            <div>
+              <dt>{words.genus}</dt>
+              <dd>{valid.genus}</dd>
+            </div>
+          )}
+          <div>
+            <dt>{words.seconds}</dt>
+            <dd>{say.fixed(shown.seconds)}</dd>
+          </div>
+        </dl>
+      )}
+      {bound?.at && !shown?.isDraft && control && (
+        <button
+          type="button"
+          onClick={() => {
+            const at = control.place(bound.at!);
+            mark([at]);
+            control.look({ ...state.view, target: at, distance: state.home.distance / 3 });
+          }}
+        >
+          {words.worst}
+        </button>
+      )}
+    </section>
+  );
+}
+
+function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
+  return { proved: words.proved, "proved-if": words.provedIf, measured: words.measured, estimated: words.estimated }[evidence];
+}
+
+/** How far work is, and a button that ends it. */
+export function Working({ page, lanes }: { page: Page; lanes: readonly LaneName[] }) {
+  const { words, state, control } = page;
+  const lane = lanes.find((one) => state.running.includes(one));
+  if (!lane) return null;
+  const progress = state.progress[lane];
+  return (
+    <p class="working">
+      <progress max={100} {...(progress ? { value: progress.percent } : {})} aria-label={words.waiting} />
+      <span>{progress ? words.working(progress.stage, progress.percent) : words.waiting}</span>
+      <button type="button" onClick={() => control?.cancel(lane)}>
+        {words.cancel}
+      </button>
+    </p>
+  );
+}

@@ -1,0 +1,103 @@
+// Files for the disk, and the lines that make them anywhere else.
+import { useState } from "preact/hooks";
+import { Choice } from "../view/parts";
+import { Working } from "./Certificate";
+import type { Files } from "./command";
+import { type Line, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
+import type { Page } from "./words";
+
+const MESHES = ["glb", "3mf", "stl", "ply", "obj"] as const;
+const LANGUAGES = ["shell", "python", "rust"] as const;
+
+/** Long enough for a browser to have begun. */
+const KEPT_MS = 60_000;
+
+export function Exports({ page }: { page: Page }) {
+  const { words, state, control } = page;
+  const { bench } = state;
+  const [language, setLanguage] = useState<(typeof LANGUAGES)[number]>("shell");
+  const [isCopied, setCopied] = useState(false);
+  const output = `${stem(bench.name)}.glb`;
+  const line = control?.line(output) ?? meshLine(bench, { width: 0, height: 0, fovDeg: 0, distance: 0 }, output);
+  const screen = control?.screen ?? { width: 1, height: 1, fovDeg: 1, distance: 1 };
+  const name = line.at(-1)!;
+  const text =
+    language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, name) : rust(bench, screen, name);
+  const save = (line: Line, zipped?: string) => void control?.export(line).then((made) => made && saveAll(made, zipped));
+  return (
+    <section class="export">
+      <div class="panel">
+        <h2>{words.export}</h2>
+        <div class="row tight">
+          {MESHES.map((format) => (
+            <button type="button" key={format} data-export={format} onClick={() => save(control!.line(`${stem(bench.name)}.${format}`))}>
+              {format.toUpperCase()}
+            </button>
+          ))}
+          <button
+            type="button"
+            data-export="tiles"
+            onClick={() => save(["lod", ...reading(bench), "--px", "1", "-o", "tiles/"], `${stem(bench.name)}-tiles.zip`)}
+          >
+            3D Tiles (.zip)
+          </button>
+          {isDrawing(bench) && (
+            <button type="button" data-export="svg" onClick={() => save(["convert", ...reading(bench), `${stem(bench.name)}-out.svg`])}>
+              SVG
+            </button>
+          )}
+          <button
+            type="button"
+            data-export="png"
+            onClick={() => save(["render", ...reading(bench), "-o", `${stem(bench.name)}.png`])}
+          >
+            PNG
+          </button>
+        </div>
+        <p class="aside">{words.exportHint}</p>
+        <Working page={page} lanes={["export"]} />
+      </div>
+      <div class="panel line">
+        <Choice
+          name="language"
+          legend={words.line}
+          value={language}
+          options={LANGUAGES.map((value) => ({ value, label: { shell: "Shell", python: "Python", rust: "Rust" }[value] }))}
+          choose={(next) => setLanguage(next)}
+        />
+        <pre lang="en" tabIndex={0} aria-label={words.line}>
+          <code>{text}</code>
+        </pre>
+        <button
+          type="button"
+          onClick={() =>
+            void navigator.clipboard?.writeText(text).then(
+              () => setCopied(true),
+              () => undefined,
+            )
+          }
+        >
+          {isCopied ? words.copied : words.copy}
+        </button>
+        <p class="aside">{state.link || !control ? words.share : words.noLink}</p>
+      </div>
+    </section>
+  );
+}
+
+/** One file as it is; several, or those of a folder, in an archive. */
+async function saveAll(made: Files, zipped?: string): Promise<void> {
+  const names = Object.keys(made);
+  if (!zipped && names.length === 1) return save(names[0]!, made[names[0]!]!);
+  const { zip } = await import("fflate");
+  zip(made, { level: 6 }, (error, bytes) => {
+    if (!error) save(zipped ?? "files.zip", bytes);
+  });
+}
+
+function save(name: string, bytes: Uint8Array): void {
+  const address = URL.createObjectURL(new Blob([bytes as BlobPart]));
+  const link = Object.assign(document.createElement("a"), { href: address, download: name.replace(/^.*\//, "") });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), KEPT_MS);
+}

@@ -1,0 +1,151 @@
+// What is on the bench: a script or a file, its parameters, its options, and how much error may be seen.
+import { useRef } from "preact/hooks";
+import { Choice, Slider } from "../view/parts";
+import { EXAMPLES, example } from "./examples";
+import { type Bench, type BudgetKind, isScript, viewText } from "./document";
+import { Script } from "./Script";
+import type { Page } from "./words";
+
+const KINDS: readonly BudgetKind[] = ["tol", "px", "triangles"];
+/** How far a slider goes beyond the value that is written, and in how many steps. */
+const REACH = 2;
+const STEPS = 100;
+
+export function Inputs({ page }: { page: Page }) {
+  const { words, state, control, say } = page;
+  const { bench } = state;
+  const picker = useRef<HTMLInputElement>(null);
+  return (
+    <section class="inputs" aria-label={words.file}>
+      <div class="row tight">
+        <label class="field">
+          {words.example}
+          <select
+            value={EXAMPLES.find((name) => `${name}.star` === bench.name) ?? ""}
+            onChange={(event) => {
+              const name = EXAMPLES.find((one) => one === event.currentTarget.value);
+              if (name) control?.put(example(name));
+            }}
+          >
+            <option value="" hidden></option>
+            {EXAMPLES.map((name) => (
+              <option key={name} value={name}>
+                {words.examples[name]}
+              </option>
+            ))}
+          </select>
+        </label>
+        <button type="button" onClick={() => picker.current?.click()}>
+          {words.open}
+        </button>
+        <input
+          ref={picker}
+          type="file"
+          multiple
+          hidden
+          aria-label={words.open}
+          onChange={(event) => {
+            void control?.open([...(event.currentTarget.files ?? [])]);
+            event.currentTarget.value = "";
+          }}
+        />
+        <button type="button" disabled={!state.past.length} onClick={() => control?.undo()}>
+          {words.undo}
+        </button>
+        <button type="button" disabled={!state.future.length} onClick={() => control?.redo()}>
+          {words.redo}
+        </button>
+      </div>
+      {isScript(bench) ? (
+        <Script page={page} />
+      ) : (
+        <p class="named">
+          <b>{bench.name}</b> · {say.bytes(bench.files[bench.name]?.length ?? 0)}
+        </p>
+      )}
+      <p class="aside">{words.drop}</p>
+      <Parameters page={page} />
+      <BudgetBar page={page} />
+      <details class="options-more" open={bench.options !== ""}>
+        <summary>{words.options}</summary>
+        <label class="field">
+          <span class="aside">{words.optionsHint}</span>
+          <input
+            type="text"
+            spellcheck={false}
+            value={bench.options}
+            onChange={(event) => control?.put({ ...bench, options: event.currentTarget.value })}
+          />
+        </label>
+      </details>
+    </section>
+  );
+}
+
+function Parameters({ page }: { page: Page }) {
+  const { words, state, control, say } = page;
+  const { bench, inspection } = state;
+  const parameters = inspection?.field?.parameters ?? [];
+  if (!isScript(bench) || !parameters.length) return null;
+  const set = (name: string, value: number, isDragging: boolean) =>
+    control?.put({ ...bench, set: { ...bench.set, [name]: String(value) } }, isDragging);
+  return (
+    <fieldset class="parameters" onPointerUp={() => control?.put(bench)}>
+      <legend>{words.parameters}</legend>
+      {parameters.map(({ name, default: usual }) => {
+        const value = Number(bench.set[name] ?? usual);
+        const [low, high] = usual === 0 ? [-1, 1] : usual > 0 ? [0, REACH * usual] : [REACH * usual, 0];
+        const step = Number.isInteger(usual) && usual > REACH ? 1 : Number(((high - low) / STEPS).toPrecision(1));
+        return (
+          <Slider
+            key={name}
+            id={`param-${name}`}
+            label={name}
+            shown={say.number(value)}
+            spoken={`${name} ${value}`}
+            low={Math.min(low, value)}
+            high={Math.max(high, value)}
+            step={step}
+            value={value}
+            choose={(next) => set(name, next, true)}
+          />
+        );
+      })}
+      {Object.keys(bench.set).length > 0 && (
+        <button type="button" onClick={() => control?.put({ ...bench, set: {} })}>
+          {words.reset}
+        </button>
+      )}
+    </fieldset>
+  );
+}
+
+function BudgetBar({ page }: { page: Page }) {
+  const { words, state, control } = page;
+  const { bench } = state;
+  const { budget } = bench;
+  const put = (change: Partial<Bench["budget"]>) => control?.put({ ...bench, budget: { ...budget, ...change } });
+  const hint = budget.by === "px" ? words.budgetHints.px(control ? viewText(control.screen) : "") : words.budgetHints[budget.by];
+  return (
+    <div class="budget">
+      <Choice
+        name="budget"
+        legend={words.budget}
+        value={budget.by}
+        options={KINDS.map((value) => ({ value, label: words.budgets[value] }))}
+        choose={(by) => put({ by })}
+      />
+      <label class="field">
+        <span class="aside">{hint}</span>
+        <input
+          type="text"
+          inputMode={budget.by === "tol" ? "text" : "decimal"}
+          spellcheck={false}
+          value={budget[budget.by]}
+          aria-label={words.budgets[budget.by]}
+          onChange={(event) => put({ [budget.by]: event.currentTarget.value })}
+        />
+      </label>
+    </div>
+  );
+}

@@ -1,0 +1,175 @@
+// How it looks: the triangles in space, and beside them the field that they stand for, traced or sliced.
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { PAINT } from "../exhibits/paint";
+import { Scene } from "../exhibits/Scene";
+import { Choice, Slider } from "../view/parts";
+import type { Layer, Picture, Vec3 } from "../viewer";
+import { Working } from "./Certificate";
+import { hasField, isScript } from "./document";
+import type { Part } from "./glb";
+import { levelAt } from "./Levels";
+import { drawSlice } from "./slice";
+import type { Page } from "./words";
+
+type Look = "shaded" | "wire" | "normals" | "culled";
+const LOOKS: readonly Look[] = ["shaded", "wire", "normals", "culled"];
+/** Longer lists of normals hide the surface. */
+const MOST_NORMALS = 4000;
+
+export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] }) {
+  const { words, state, control } = page;
+  const { shown, levels, view, home, bench } = state;
+  const [look, setLook] = useState<Look>("shaded");
+  const [pane, setPane] = useState<"mesh" | "field" | "both">("both");
+  const [fieldLook, setFieldLook] = useState<"traced" | "sliced">("traced");
+  const level = levelAt(page);
+  const parts = level === null ? (shown?.parts ?? []) : (levels!.parts[level] ?? []);
+  const picture = useMemo<Picture>(() => ({ layers: layersOf(parts, look, marked, home.distance) }), [parts, look, marked, home]);
+  const isTwo = pane === "both";
+  return (
+    <section class="stage-column" id="figure" tabindex={-1}>
+      <div class="row tight">
+        <Choice
+          name="pane"
+          legend={words.panes}
+          value={pane}
+          options={(["mesh", "field", "both"] as const).map((value) => ({ value, label: words[value] }))}
+          choose={(next) => setPane(next)}
+        />
+        <Choice
+          name="look"
+          legend={words.show}
+          value={look}
+          options={LOOKS.map((value) => ({ value, label: words.shows[value] }))}
+          choose={(next) => setLook(next)}
+        />
+      </div>
+      <div class={`panes${isTwo ? " two" : ""}`}>
+        {pane !== "field" && (
+          <figure class="pane">
+            <Scene
+              name={words.mesh}
+              help="turn-hint"
+              picture={picture}
+              view={view}
+              home={home}
+              look={(next) => control?.look(next)}
+              isStill={!control}
+            />
+            <Measure page={page} />
+          </figure>
+        )}
+        {pane !== "mesh" && (
+          <figure class="pane field-pane">
+            <FieldPane page={page} look={fieldLook} />
+            <Choice
+              name="field-look"
+              legend={words.fieldShow}
+              value={fieldLook}
+              options={(["traced", "sliced"] as const).map((value) => ({ value, label: words[value] }))}
+              choose={(next) => setFieldLook(next)}
+            />
+          </figure>
+        )}
+      </div>
+      <p class="aside hint" id="turn-hint">
+        {words.turnHint}
+      </p>
+      {!isScript(bench) && !hasField(bench) && pane !== "mesh" && <p class="aside">{words.noField}</p>}
+    </section>
+  );
+}
+
+/** Tells the bench how large the picture is: pixels are counted on it. */
+function Measure({ page }: { page: Page }) {
+  const mark = useRef<HTMLSpanElement>(null);
+  const control = useRef(page.control);
+  control.current = page.control;
+  useEffect(() => {
+    const scene = mark.current!.parentElement!.querySelector(".scene")!;
+    const sizes = new ResizeObserver(() => {
+      const { clientWidth: width, clientHeight: height } = scene;
+      if (width && height) control.current?.resize({ width, height });
+    });
+    sizes.observe(scene);
+    return () => sizes.disconnect();
+  }, []);
+  return <span ref={mark} hidden />;
+}
+
+function FieldPane({ page, look }: { page: Page; look: "traced" | "sliced" }) {
+  const { words, state, control } = page;
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const [height, setHeight] = useState(0.5);
+  const { field, slice } = state;
+  const isTraced = look === "traced" && isScript(state.bench);
+  useEffect(() => {
+    const place = canvas.current;
+    if (!place) return;
+    if (isTraced && field) {
+      void createImageBitmap(new Blob([field.png as BlobPart])).then((picture) => {
+        Object.assign(place, { width: picture.width, height: picture.height });
+        place.getContext("2d")?.drawImage(picture, 0, 0);
+      });
+    } else if (!isTraced && slice) drawSlice(place, slice, height);
+  }, [field, slice, isTraced, height]);
+  const hasPicture = isTraced ? field : slice;
+  return (
+    <>
+      <canvas ref={canvas} class="field-picture" role="img" aria-label={words.field} hidden={!hasPicture} width={720} height={480} />
+      {!isTraced && slice && (
+        <Slider
+          id="slice"
+          label={words.sliceAt}
+          shown={page.say.number(slice.origin[2] + slice.spacing * height * (slice.size[2] - 1))}
+          spoken={String(slice.origin[2] + slice.spacing * height * (slice.size[2] - 1))}
+          low={0}
+          high={1}
+          step={1 / Math.max(slice.size[2] - 1, 1)}
+          value={height}
+          choose={setHeight}
+        />
+      )}
+      {!isTraced && !slice && (
+        <button type="button" onClick={() => void control?.bake()}>
+          {words.bakeForSlice}
+        </button>
+      )}
+      <Working page={page} lanes={isTraced ? ["field"] : ["slice"]} />
+    </>
+  );
+}
+
+function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], distance: number): Layer[] {
+  const layers = parts.flatMap((part, k): Layer[] => {
+    const { positions, indices, normals, groups, paints } = part;
+    const mesh: Layer = {
+      kind: "mesh",
+      id: `mesh-${k}`,
+      positions,
+      indices,
+      ...(normals && look !== "wire" ? { normals } : {}),
+      groups: { of: groups, paints: paints.map((paint) => paint ?? PAINT.front) },
+      paint: PAINT.front,
+      back: PAINT.back,
+      shading: normals && look !== "wire" ? "smooth" : "flat",
+      sides: look === "culled" ? "front" : "both",
+    };
+    if (look === "wire") {
+      return [mesh, { kind: "wire", id: `wire-${k}`, positions, indices, paint: "#1d232b", width: 1 }];
+    }
+    if (look === "normals" && normals) {
+      const every = Math.max(1, Math.ceil(positions.length / 3 / MOST_NORMALS));
+      const some = (rows: Float32Array) => rows.filter((_, i) => Math.floor(i / 3) % every === 0);
+      return [
+        mesh,
+        { kind: "normals", id: `normals-${k}`, at: some(positions), directions: some(normals), length: distance / 60, paint: "#8a5a00", width: 1.5 },
+      ];
+    }
+    return [mesh];
+  });
+  if (marked.length) {
+    layers.push({ kind: "points", id: "marked", positions: Float32Array.from(marked.flat()), paint: "#c62a12", size: 14, isOnTop: true });
+  }
+  return layers;
+}

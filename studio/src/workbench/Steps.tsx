@@ -1,0 +1,62 @@
+// What makes another shape of this one: a solid united, subtracted or intersected, and a bake into a field.
+import { useRef, useState } from "preact/hooks";
+import { Choice } from "../view/parts";
+import { type Bench, stem } from "./document";
+import type { Page } from "./words";
+
+const HOWS = ["union", "minus", "intersect"] as const;
+/** Cells of a bake, unless one says otherwise. */
+const CELLS = "64";
+
+export function Steps({ page }: { page: Page }) {
+  const { words, state, control } = page;
+  const { bench } = state;
+  const picker = useRef<HTMLInputElement>(null);
+  const [cells, setCells] = useState(CELLS);
+  const combine = (change: Bench["combine"], files = bench.files) => control?.put({ ...bench, files, combine: change });
+  return (
+    <section class="panel steps-panel">
+      <h2>{words.combine}</h2>
+      {bench.combine ? (
+        <>
+          <Choice
+            name="how"
+            legend={bench.combine.name}
+            value={bench.combine.how}
+            options={HOWS.map((value) => ({ value, label: words.how[value] }))}
+            choose={(how) => combine({ ...bench.combine!, how })}
+          />
+          <button type="button" onClick={() => combine(null)}>
+            {words.remove}
+          </button>
+        </>
+      ) : (
+        <button type="button" onClick={() => picker.current?.click()}>
+          {words.combineWith}
+        </button>
+      )}
+      <input
+        ref={picker}
+        type="file"
+        hidden
+        aria-label={words.combineWith}
+        onChange={async (event) => {
+          const file = event.currentTarget.files?.[0];
+          event.currentTarget.value = "";
+          if (!file) return;
+          const name = file.name === bench.name ? `other-${file.name}` : file.name;
+          combine({ how: "union", name }, { ...bench.files, [name]: new Uint8Array(await file.arrayBuffer()) });
+        }}
+      />
+      <h2>{words.bake}</h2>
+      <label class="field">
+        {words.cells}
+        <input type="text" inputMode="numeric" value={cells} onChange={(event) => setCells(event.currentTarget.value)} />
+      </label>
+      <button type="button" onClick={() => void control?.step("bake", ["--cells", cells], `${stem(bench.name)}.nrrd`)}>
+        {words.bake}
+      </button>
+      <p class="aside">{words.bakeHint}</p>
+    </section>
+  );
+}

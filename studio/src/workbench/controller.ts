@@ -1,0 +1,419 @@
+// What the bench does: it keeps the state, orders runs of the command, and tells whoever draws. It computes nothing itself.
+import type { Size, Vec3, View } from "../viewer";
+import { eyeOf, fovOf } from "../viewer/view";
+import type { Files, Outcome, Progress } from "./command";
+import {
+  type Bench,
+  type Line,
+  type Screen,
+  bench,
+  isScript,
+  meshLine,
+  reading,
+  stem,
+  withText,
+} from "./document";
+import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood } from "./glb";
+import { type Jobs, Stopped } from "./jobs";
+import type { Certificate, Inspection, LevelFacts, Report } from "./report";
+import { pack } from "./share";
+
+export type LaneName = "draft" | "proof" | "inspect" | "field" | "slice" | "levels" | "step" | "export";
+
+/** A mesh that is shown. */
+export interface Shown {
+  parts: readonly Part[];
+  certificate: Certificate;
+  bytes: Uint8Array;
+  seconds: number;
+  /** Measured, and soon replaced by the proved one. */
+  isDraft: boolean;
+  /** The budget was not met: this is the best that was reached. */
+  isShort: boolean;
+}
+
+export interface Fault {
+  text: string;
+  /** Where in the script, from 1. */
+  line?: number;
+  column?: number;
+}
+
+export interface Levels {
+  parts: readonly (readonly Part[])[];
+  facts: readonly LevelFacts[];
+  bytes: Uint8Array;
+  line: Line;
+}
+
+/** A slice through a baked field. */
+export interface Slice {
+  size: readonly [number, number, number];
+  origin: Vec3;
+  spacing: number;
+  samples: Float64Array;
+}
+
+export interface State {
+  bench: Bench;
+  past: readonly Bench[];
+  future: readonly Bench[];
+  shown: Shown | null;
+  fault: Fault | null;
+  inspection: Inspection | null;
+  progress: Partial<Record<LaneName, Progress>>;
+  running: readonly LaneName[];
+  field: { png: Uint8Array; view: View; size: Size } | null;
+  slice: Slice | null;
+  levels: Levels | null;
+  view: View;
+  home: View;
+  size: Size;
+  notice: Notice | null;
+  /** The link of this bench; `null` where it is too large for one. */
+  link: string | null;
+}
+
+export type Notice = "damaged" | "too-large" | "stopped" | "trapped";
+
+const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
+/** How long the hand rests before the proof begins, and before the field is drawn for a new view. */
+const REST_MS = 250;
+/** The error of a draft, as a share of the diagonal: seen at once, and coarse enough to be there at once. */
+const DRAFT = "2%";
+const MOST_STEPS = 100;
+/** What a browser can hold several times over. */
+const MOST_BYTES = 600e6;
+/** From the middle of a box to the eye, in diagonals. */
+const AWAY = 2.4;
+/** Cells along the longest side of a slice: a pixel or two each. */
+const SLICE_CELLS = "96";
+
+export class Controller {
+  private timers = new Map<string, ReturnType<typeof setTimeout>>();
+  private seen: { name: string; up: string | null } | null = null;
+  state: State;
+
+  constructor(
+    private readonly jobs: Jobs<LaneName>,
+    first: Bench,
+    private readonly changed: () => void,
+  ) {
+    this.state = {
+      bench: first,
+      past: [],
+      future: [],
+      shown: null,
+      fault: null,
+      inspection: null,
+      progress: {},
+      running: [],
+      field: null,
+      slice: null,
+      levels: null,
+      view: HOME,
+      home: HOME,
+      size: { width: 720, height: 480 },
+      notice: null,
+      link: null,
+    };
+  }
+
+  /** Begins with the first shape. */
+  start(): void {
+    this.work(false);
+  }
+
+  get screen(): Screen {
+    const { size, view } = this.state;
+    const ratio = globalThis.devicePixelRatio || 1;
+    return { width: size.width * ratio, height: size.height * ratio, fovDeg: fovOf(size), distance: view.distance };
+  }
+
+  /** The line that makes the mesh that is asked for. */
+  line(output = `${stem(this.state.bench.name)}.glb`): Line {
+    return meshLine(this.state.bench, this.screen, this.outputOf(output));
+  }
+
+  /** An output never has the input's name. */
+  private outputOf(output: string): string {
+    const { files } = this.state.bench;
+    return output in files ? output.replace(/(\.[^.]*)$/, "-out$1") : output;
+  }
+
+  /** Puts something else on the bench; it can be taken back. */
+  put(next: Bench, isDragging = false): void {
+    const { bench: now, past } = this.state;
+    // While something is dragged the state before it is one step.
+    if (!this.dragged) this.update({ past: [...past, now].slice(-MOST_STEPS), future: [] });
+    this.dragged = isDragging;
+    this.update({ bench: next });
+    this.work(isDragging);
+  }
+  private dragged = false;
+
+  undo(): void {
+    const { past, bench: now, future } = this.state;
+    const before = past.at(-1);
+    if (!before) return;
+    this.update({ bench: before, past: past.slice(0, -1), future: [now, ...future] });
+    this.work(false);
+  }
+
+  redo(): void {
+    const { past, bench: now, future } = this.state;
+    const after = future[0];
+    if (!after) return;
+    this.update({ bench: after, past: [...past, now], future: future.slice(1) });
+    this.work(false);
+  }
+
+  /** A new text of the script. */
+  write(text: string, isDragging = false): void {
+    this.put(withText(this.state.bench, text), isDragging);
+  }
+
+  /** Files that were dropped or opened. One of them is the shape, and others are what it names. */
+  async open(list: readonly File[]): Promise<void> {
+    const total = list.reduce((sum, file) => sum + file.size, 0);
+    const main = list.find((file) => !/\.(bin|mtl|png|jpe?g|webp|raw|img)$/i.test(file.name)) ?? list[0];
+    if (!main) return;
+    if (total > MOST_BYTES) return this.update({ notice: "too-large" });
+    const files: Files = {};
+    for (const file of list) files[file.name] = new Uint8Array(await file.arrayBuffer());
+    this.update({ notice: null });
+    this.put(bench(main.name, files));
+  }
+
+  /** Puts the result of a verb in the place of the shape. */
+  async step(verb: string, options: Line, output: string): Promise<void> {
+    const { bench: now } = this.state;
+    const name = this.outputOf(output);
+    const line = [verb, ...reading(now), ...options, "-o", name];
+    const outcome = await this.run("step", line, now.files, false);
+    if (!outcome) return;
+    const made = outcome.made[name];
+    if (!made) return this.update({ fault: faultOf(outcome) });
+    this.put({ ...bench(name, outcome.made, [...now.before, line]), budget: now.budget });
+  }
+
+  async levels(): Promise<void> {
+    const { bench: now } = this.state;
+    const name = this.outputOf(`${stem(now.name)}-levels.glb`);
+    const line: Line = ["lod", ...reading(now), "--px", "1", "-o", name];
+    const outcome = await this.run("levels", line, now.files, true);
+    if (!outcome || now !== this.state.bench) return;
+    const bytes = outcome.made[name];
+    const report = reportOf(outcome);
+    if (!bytes || !report.certificate?.levels) return this.update({ fault: faultOf(outcome) });
+    const { up } = report.certificate.frame;
+    const parts = levelsOf(bytes).map((level) => level.map((part) => standing(part, this.upOf(now, up))));
+    this.update({ levels: { parts, facts: report.certificate.levels.levels, bytes, line } });
+  }
+
+  /** Samples the field for slices. */
+  async bake(): Promise<void> {
+    const { bench: now } = this.state;
+    const words = ["bake", ...reading(now), "--cells", SLICE_CELLS, "-o", "slice.npy"];
+    const outcome = await this.run("slice", words, now.files, true);
+    if (!outcome || now !== this.state.bench) return;
+    const bytes = outcome.made["slice.npy"];
+    if (!bytes) return this.update({ fault: faultOf(outcome) });
+    this.update({ slice: sliceOf(bytes, reportOf(outcome)) });
+  }
+
+  /** Files for the disk: those that a line makes. */
+  async export(line: Line): Promise<Files | null> {
+    const outcome = await this.run("export", line, this.state.bench.files, false);
+    if (!outcome) return null;
+    const isUseful = Object.keys(outcome.made).length > 0;
+    if (!isUseful) this.update({ fault: faultOf(outcome) });
+    return isUseful ? outcome.made : null;
+  }
+
+  look(view: View): void {
+    this.update({ view });
+    this.later("field", () => void this.draw());
+    // Pixels are counted at this distance.
+    if (this.state.bench.budget.by === "px") this.later("proof", () => void this.prove());
+  }
+
+  resize(size: Size): void {
+    if (size.width === this.state.size.width && size.height === this.state.size.height) return;
+    this.update({ size });
+    this.later("field", () => void this.draw());
+  }
+
+  cancel(lane: LaneName): void {
+    this.jobs.cancel(lane);
+    this.update({ notice: "stopped" });
+  }
+
+  say(notice: Notice): void {
+    this.update({ notice });
+  }
+
+  dismiss(): void {
+    this.update({ notice: null });
+  }
+
+  private work(isDragging: boolean): void {
+    const { bench: now } = this.state;
+    this.update({ levels: null, slice: null, notice: null });
+    for (const lane of ["levels", "slice", "step"] as const) this.jobs.cancel(lane);
+    if (isScript(now)) void this.draft();
+    if (isDragging) {
+      this.jobs.cancel("proof");
+      this.jobs.cancel("field");
+      clearTimeout(this.timers.get("proof"));
+    } else {
+      this.later("proof", () => void this.prove());
+      void this.inspect();
+      this.later("field", () => void this.draw());
+      this.later("link", () => void pack(this.state.bench).then((link) => this.update({ link })));
+    }
+  }
+
+  private async draft(): Promise<void> {
+    const { bench: now } = this.state;
+    const words = ["mesh", ...reading(now), "--tol", DRAFT, "--require", "measured", "--keep-best", "-o", "draft.glb"];
+    await this.mesh("draft", words, "draft.glb", now);
+  }
+
+  private async prove(): Promise<void> {
+    const { bench: now } = this.state;
+    const output = this.outputOf(`${stem(now.name)}.glb`);
+    await this.mesh("proof", [...meshLine(now, this.screen, output), "--keep-best"], output, now);
+  }
+
+  private async mesh(lane: "draft" | "proof", words: Line, output: string, now: Bench): Promise<void> {
+    const begun = performance.now();
+    const outcome = await this.run(lane, words, now.files, true);
+    if (!outcome) return;
+    const report = reportOf(outcome);
+    const bytes = outcome.made[output];
+    const { certificate } = report;
+    // An older draft is better than none while one drags; a proof is of this shape or of no use.
+    if (now !== this.state.bench && lane === "proof") return;
+    if (!bytes || !certificate) return this.update({ fault: faultOf(outcome) });
+    if (lane === "draft" && this.state.shown && !this.state.shown.isDraft && !this.jobs.isRunning("proof") && now === this.state.bench) {
+      // The proof was sooner.
+      if (this.provedOf === now) return;
+    }
+    const up = this.upOf(now, certificate.frame.up);
+    const parts = partsOf(bytes).map((part) => standing(part, up));
+    if (lane === "proof") this.provedOf = now;
+    const seconds = (performance.now() - begun) / 1000;
+    const isShort = outcome.exit !== 0;
+    this.frame(now, parts, up);
+    this.update({ shown: { parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort }, fault: isShort && lane === "proof" ? faultOf(outcome) : null });
+  }
+  private provedOf: Bench | null = null;
+
+  /** The axis that is up: glTF's is y, if the report does not say. */
+  private upOf(now: Bench, up: string | null): string | null {
+    return up ?? (/\.(glb|gltf)$/i.test(now.name) ? "y" : null);
+  }
+
+  /** Stands before a new shape; a changed one is looked at as before. */
+  private frame(now: Bench, parts: readonly Part[], up: string | null): void {
+    if (this.seen?.name === now.name) return;
+    const box = boxOf(parts);
+    if (!box) return;
+    this.seen = { name: now.name, up };
+    const [low, high] = box;
+    const diagonal = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
+    const target: Vec3 = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
+    const home = { ...HOME, target, distance: AWAY * diagonal };
+    this.update({ view: home, home });
+  }
+
+  /** A place of the report in the picture. */
+  place(at: Vec3): Vec3 {
+    return stood(at, this.seen?.up ?? null);
+  }
+
+  private async inspect(): Promise<void> {
+    const { bench: now } = this.state;
+    const outcome = await this.run("inspect", ["inspect", ...reading(now)], now.files, true);
+    if (!outcome || now !== this.state.bench) return;
+    const { inspection } = reportOf(outcome);
+    this.update({ inspection: inspection ?? null });
+    if (!inspection) this.update({ fault: faultOf(outcome) });
+  }
+
+  /** The field as the command's sphere tracer sees it, from where the mesh is seen. */
+  private async draw(): Promise<void> {
+    const { bench: now, view, size, shown } = this.state;
+    if (!isScript(now) || !shown) return;
+    const ratio = Math.min(globalThis.devicePixelRatio || 1, 1);
+    const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
+    const numbers = (of: Vec3) => of.map((value) => Number(value.toPrecision(7))).join(",");
+    const camera = `${width}x${height} fov=${fovOf(size).toFixed(3)} eye=${numbers(eyeOf(view))} target=${numbers(view.target)}`;
+    const words = ["render", ...reading(now), "--view", camera, "--size", `${width}x${height}`, "-o", "field.png"];
+    const outcome = await this.run("field", words, now.files, false);
+    const png = outcome?.made["field.png"];
+    if (png && now === this.state.bench) this.update({ field: { png, view, size } });
+  }
+
+  private async run(lane: LaneName, words: Line, files: Files, isReport: boolean): Promise<Outcome | null> {
+    const mark = (isOn: boolean) => {
+      const { running, progress } = this.state;
+      const { [lane]: _, ...rest } = progress;
+      this.update({ running: isOn ? [...running.filter((one) => one !== lane), lane] : running.filter((one) => one !== lane), progress: rest });
+    };
+    mark(true);
+    try {
+      const all = isReport ? [...words, "--json"] : words;
+      return await this.jobs.run(lane, all, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: progress } }));
+    } catch (error) {
+      if (error instanceof Stopped && error.why === "trapped") {
+        this.update({ notice: "trapped", fault: { text: error.message.split("\n")[0] ?? "" } });
+      } else if (!(error instanceof Stopped)) throw error;
+      return null;
+    } finally {
+      if (!this.jobs.isRunning(lane)) mark(false);
+    }
+  }
+
+  private later(name: string, act: () => void): void {
+    clearTimeout(this.timers.get(name));
+    this.timers.set(name, setTimeout(act, REST_MS));
+  }
+
+  private update(change: Partial<State>): void {
+    this.state = { ...this.state, ...change };
+    this.changed();
+  }
+}
+
+function reportOf({ stdout }: Outcome): Report {
+  try {
+    return JSON.parse(stdout) as Report;
+  } catch {
+    return {};
+  }
+}
+
+const PLACE = /^[^:]*: line (\d+)(?:, column (\d+))?: ([^]*)$/;
+
+/** What went wrong, as the command says it; the first sentence, with its place in the script. */
+export function faultOf(outcome: Outcome): Fault {
+  const { error } = reportOf(outcome);
+  const said = error?.messages[0] ?? outcome.stderr.split("\nchordal: ")[0]!.replace(/^chordal: /, "").trim();
+  const found = PLACE.exec(said);
+  if (!found) return { text: said };
+  const [, line, column, text] = found;
+  return { text: text!.split("\n")[0]!, line: Number(line), ...(column ? { column: Number(column) } : {}) };
+}
+
+/** numpy's format, of doubles, the first index running fastest. */
+function sliceOf(bytes: Uint8Array, report: Report): Slice | null {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const start = 10 + view.getUint16(8, true);
+  const header = new TextDecoder().decode(bytes.subarray(10, start));
+  const baked = report.certificate?.baked;
+  if (!baked || !header.includes("<f8") || !header.includes("'fortran_order': True")) return null;
+  const samples = new Float64Array(bytes.slice(start).buffer);
+  return { size: baked.size, origin: baked.origin, spacing: baked.spacing, samples };
+}

@@ -1,0 +1,57 @@
+// What the page reads of a report: a part of docs/schema/report.schema.json.
+import type { Vec3 } from "../viewer";
+
+export interface BoundFacts {
+  at_least: number;
+  at_most: number | null;
+  pixels: number | null;
+  evidence: "proved" | "proved-if" | "measured" | "estimated";
+  assumptions?: readonly string[];
+  samples?: number;
+  reference: string;
+  at?: Vec3 | null;
+}
+
+export interface LevelFacts {
+  triangles: number;
+  at_least: number;
+  at_most: number | null;
+  evidence: BoundFacts["evidence"];
+  distance: number;
+}
+
+export interface Certificate {
+  frame: { up: string | null; metres_per_unit: number | null };
+  budget: { length: number | null; pixels: number | null; triangles: number | null } | null;
+  bound: BoundFacts | null;
+  output: { triangles?: number; vertices?: number; segments?: number } | null;
+  valid: { closed: boolean; manifold: boolean; oriented: boolean; components: number; genus: number | null } | null;
+  levels?: { levels: readonly LevelFacts[] };
+  baked?: { size: readonly [number, number, number]; origin: Vec3; spacing: number };
+  notes: readonly string[];
+}
+
+export interface FindingFacts {
+  of: string;
+  count: number;
+  weight: "fault" | "warning" | "note" | string;
+  words: string;
+  means: string;
+  cures: readonly string[];
+  advice: string | null;
+  places?: readonly Vec3[];
+}
+
+export interface Inspection {
+  bytes: number;
+  box: readonly [Vec3, Vec3] | null;
+  parts: readonly { name: string; triangles: number }[] | null;
+  field: { parameters: readonly { name: string; default: number; value: number }[]; terms: number; outside: string; inside: string } | null;
+  findings: readonly FindingFacts[] | null;
+}
+
+export interface Report {
+  certificate?: Certificate;
+  inspection?: Inspection;
+  error?: { code: string; messages: readonly string[] };
+}

@@ -1,0 +1,101 @@
+// The bench in the address: what is small enough to be a link, compressed. A dropped file of megabytes is not; then the link
+// holds everything else, and says the file's name.
+import { BUDGET, type Bench, type BudgetKind } from "./document";
+
+interface Packed {
+  /** Of what may change between versions. */
+  v: 1;
+  name: string;
+  /** The text of a script, or of another small text file. */
+  text?: string;
+  budget: Bench["budget"];
+  set: Bench["set"];
+  options: string;
+}
+
+/** Longer links are cut off by some programs that pass them on. */
+const MOST = 24_000;
+/** A text of more than this is no script that anybody wrote. */
+const MOST_TEXT = 400_000;
+
+export async function pack(of: Bench): Promise<string | null> {
+  const { name, files, budget, set, options } = of;
+  const bytes = files[name];
+  const text = bytes && isText(bytes) ? new TextDecoder().decode(bytes) : undefined;
+  if (text === undefined) return null;
+  const packed: Packed = { v: 1, name, text, budget, set, options };
+  const squeezed = await through(new TextEncoder().encode(JSON.stringify(packed)), new CompressionStream("deflate-raw"));
+  const coded = btoa(String.fromCharCode(...squeezed.slice(0, MOST))).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
+  return squeezed.length > MOST ? null : coded;
+}
+
+/** The bench of a link; `null` where it is none, or damaged. */
+export async function unpack(coded: string): Promise<Bench | null> {
+  try {
+    const squeezed = Uint8Array.from(atob(coded.replace(/-/g, "+").replace(/_/g, "/")), (c) => c.charCodeAt(0));
+    const bytes = await through(squeezed, new DecompressionStream("deflate-raw"), MOST_TEXT);
+    return read(JSON.parse(new TextDecoder("utf-8", { fatal: true }).decode(bytes)));
+  } catch {
+    return null;
+  }
+}
+
+const isRecord = (value: unknown): value is Record<string, unknown> => typeof value === "object" && value !== null && !Array.isArray(value);
+const KINDS: readonly BudgetKind[] = ["tol", "px", "triangles"];
+/** No folder, and nothing that hides. */
+const NAME = /^[^/\\.][^/\\]{0,80}$/;
+const SHORT = 80;
+
+function read(value: unknown): Bench | null {
+  if (!isRecord(value) || value["v"] !== 1) return null;
+  const { name, text, budget, set, options } = value;
+  if (typeof name !== "string" || !NAME.test(name) || typeof text !== "string") return null;
+  const wanted = isRecord(budget) ? budget : {};
+  const word = (key: string, usual: string) => {
+    const found = wanted[key];
+    return typeof found === "string" && found.length <= SHORT ? found : usual;
+  };
+  const by = KINDS.find((kind) => kind === wanted["by"]) ?? BUDGET.by;
+  const values = Object.entries(isRecord(set) ? set : {}).filter(
+    (pair): pair is [string, string] => typeof pair[1] === "string" && pair[1].length <= SHORT,
+  );
+  return {
+    name,
+    files: { [name]: new TextEncoder().encode(text) },
+    budget: { by, tol: word("tol", BUDGET.tol), px: word("px", BUDGET.px), triangles: word("triangles", BUDGET.triangles) },
+    set: Object.fromEntries(values),
+    combine: null,
+    options: typeof options === "string" && options.length <= 10 * SHORT ? options : "",
+    before: [],
+  };
+}
+
+function isText(bytes: Uint8Array): boolean {
+  if (bytes.length > MOST_TEXT) return false;
+  try {
+    return !new TextDecoder("utf-8", { fatal: true }).decode(bytes).includes("\0");
+  } catch {
+    return false;
+  }
+}
+
+/** What comes out of a stream; refused beyond a length, so that a small link cannot become gigabytes. */
+async function through(bytes: Uint8Array, stream: GenericTransformStream, most = Infinity): Promise<Uint8Array> {
+  const reader = new Blob([bytes as BlobPart]).stream().pipeThrough(stream as ReadableWritablePair<Uint8Array, Uint8Array>).getReader();
+  const pieces: Uint8Array[] = [];
+  let length = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) break;
+    length += value.length;
+    if (length > most) throw new RangeError("too long");
+    pieces.push(value);
+  }
+  const all = new Uint8Array(length);
+  let at = 0;
+  for (const piece of pieces) {
+    all.set(piece, at);
+    at += piece.length;
+  }
+  return all;
+}

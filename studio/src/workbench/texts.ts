@@ -1,0 +1,293 @@
+// The words of the workbench, in both languages. Sentences of the command stay as it says them.
+import type { Notice } from "./controller";
+
+export type Language = "en" | "zh";
+
+export interface Texts {
+  title: string;
+  lead: string;
+  skip: string;
+  home: string;
+  exhibits: string;
+  open: string;
+  drop: string;
+  example: string;
+  examples: Record<"bracket" | "gear" | "vase" | "badge", string>;
+  undo: string;
+  redo: string;
+  script: string;
+  file: string;
+  bytes(kb: string): string;
+  parameters: string;
+  reset: string;
+  options: string;
+  optionsHint: string;
+  budget: string;
+  budgets: { tol: string; px: string; triangles: string };
+  budgetHints: { tol: string; px(screen: string): string; triangles: string };
+  mesh: string;
+  field: string;
+  both: string;
+  panes: string;
+  show: string;
+  shows: { shaded: string; wire: string; normals: string; culled: string };
+  section: string;
+  sliceAt: string;
+  fieldShow: string;
+  traced: string;
+  sliced: string;
+  noField: string;
+  bakeForSlice: string;
+  inside: string;
+  outside: string;
+  certificate: string;
+  draft: string;
+  working(stage: string, percent: number): string;
+  waiting: string;
+  cancel: string;
+  proved: string;
+  provedIf: string;
+  measured: string;
+  estimated: string;
+  atMost(value: string): string;
+  atLeast(value: string): string;
+  inPixels(value: string): string;
+  triangles: string;
+  closed: string;
+  yes: string;
+  no: string;
+  genus: string;
+  seconds: string;
+  worst: string;
+  short: string;
+  findings: string;
+  sound: string;
+  show1: string;
+  cure: string;
+  cureAll: string;
+  combine: string;
+  how: { union: string; minus: string; intersect: string };
+  combineWith: string;
+  remove: string;
+  levels: string;
+  makeLevels: string;
+  distance: string;
+  level(k: number, n: number, triangles: string): string;
+  levelError(error: string, px: string): string;
+  bake: string;
+  cells: string;
+  bakeHint: string;
+  export: string;
+  exportHint: string;
+  line: string;
+  copy: string;
+  copied: string;
+  share: string;
+  noLink: string;
+  notices: Record<Notice, string>;
+  dismiss: string;
+  turnHint: string;
+  footer: string;
+  noScript: string;
+  error: string;
+  atLine(line: number): string;
+}
+
+export const TEXTS: Record<Language, Texts> = {
+  en: {
+    title: "Workbench",
+    lead: "Write a shape or drop a file; say how much error may be seen; take the triangles with their proof. Nothing leaves this page.",
+    skip: "To the picture",
+    home: "Chordal",
+    exhibits: "Exhibits",
+    open: "Open files…",
+    drop: "Drop files here: meshes, patches, cages, drawings, fonts, volumes, scripts",
+    example: "Example",
+    examples: { bracket: "Bracket", gear: "Gear", vase: "Vase", badge: "Badge in three colours" },
+    undo: "Undo",
+    redo: "Redo",
+    script: "Script",
+    file: "File",
+    bytes: (kb) => `${kb} kB`,
+    parameters: "Parameters",
+    reset: "As written",
+    options: "More options",
+    optionsHint: "as the command takes them: --iso 60, --extrude 2, --text Word",
+    budget: "How much error may be seen?",
+    budgets: { tol: "Length", px: "Pixels", triangles: "Triangles" },
+    budgetHints: {
+      tol: "0.1, 0.1mm, or 0.5% of the diagonal",
+      px: (screen) => `on this screen, from here or farther: ${screen}`,
+      triangles: "the best mesh with no more than these",
+    },
+    mesh: "Mesh",
+    field: "Field",
+    both: "Both",
+    panes: "Show",
+    show: "Mesh as",
+    shows: { shaded: "Surface", wire: "Edges", normals: "Normals", culled: "Backs culled" },
+    section: "Cut",
+    sliceAt: "Height of the cut",
+    fieldShow: "Field as",
+    traced: "Sphere-traced",
+    sliced: "Slice",
+    noField: "This shape is no field. Bake it to see its distance.",
+    bakeForSlice: "Sample the distance",
+    inside: "inside",
+    outside: "outside",
+    certificate: "Certificate",
+    draft: "Draft, measured; the proof is under way",
+    working: (stage, percent) => `${stage} ${percent} %`,
+    waiting: "Working…",
+    cancel: "Stop",
+    proved: "proved",
+    provedIf: "proved if what was promised holds",
+    measured: "measured",
+    estimated: "estimated",
+    atMost: (value) => `off by at most ${value}`,
+    atLeast: (value) => `off by ${value} somewhere`,
+    inPixels: (value) => `${value} px on this screen`,
+    triangles: "Triangles",
+    closed: "Closed and manifold",
+    yes: "yes",
+    no: "no",
+    genus: "Genus",
+    seconds: "Seconds",
+    worst: "Go to the worst place",
+    short: "The budget was not met; this is the best that was reached.",
+    findings: "What is wrong with it",
+    sound: "Nothing was found: the mesh is sound.",
+    show1: "Show",
+    cure: "Cure",
+    cureAll: "Cure all",
+    combine: "Combine with",
+    how: { union: "Unite", minus: "Subtract", intersect: "Intersect" },
+    combineWith: "Choose a file…",
+    remove: "Remove",
+    levels: "Levels of detail",
+    makeLevels: "Make levels for one pixel",
+    distance: "Distance",
+    level: (k, n, triangles) => `level ${k} of ${n}: ${triangles} triangles`,
+    levelError: (error, px) => `off by at most ${error}, ${px} px from here`,
+    bake: "Bake into a field",
+    cells: "Cells along the longest side",
+    bakeHint: "The samples take the place of the shape; mesh them to come back.",
+    export: "Export",
+    exportHint: "Written by the command itself: the same bytes as on your machine.",
+    line: "The line that does the same",
+    copy: "Copy",
+    copied: "Copied",
+    share: "The address of this page holds the script and the budget.",
+    noLink: "This file is too large for a link: the address does not hold it.",
+    notices: {
+      damaged: "The address was damaged; this is the first example.",
+      "too-large": "These files are more than 600 MB, which a browser cannot hold. The command can.",
+      stopped: "Stopped. What is shown is from before.",
+      trapped: "The work ran out of memory or stack in this browser. A larger budget, or the command on your machine, may do it.",
+    },
+    dismiss: "Dismiss",
+    turnHint: "Drag to turn, Shift-drag to shift; arrows turn, + and − zoom, Home goes back.",
+    footer: "The command runs in this page, as WebAssembly. Nothing is sent anywhere.",
+    noScript: "The workbench needs JavaScript and WebAssembly. The command does the same on your machine.",
+    error: "Error",
+    atLine: (line) => `Line ${line}`,
+  },
+  zh: {
+    title: "工作台",
+    lead: "写一个形状，或放入一个文件；说明允许看出多大误差；带走三角形和它的证明。一切都在本页内完成，不上传任何内容。",
+    skip: "跳到图形",
+    home: "Chordal",
+    exhibits: "展品",
+    open: "打开文件…",
+    drop: "把文件拖到这里：网格、曲面片、控制网格、图形、字体、体数据、脚本",
+    example: "示例",
+    examples: { bracket: "支架", gear: "齿轮", vase: "花瓶", badge: "三色徽章" },
+    undo: "撤销",
+    redo: "重做",
+    script: "脚本",
+    file: "文件",
+    bytes: (kb) => `${kb} kB`,
+    parameters: "参数",
+    reset: "恢复原值",
+    options: "更多选项",
+    optionsHint: "写法同命令行：--iso 60、--extrude 2、--text Word",
+    budget: "允许看出多大误差？",
+    budgets: { tol: "长度", px: "像素", triangles: "三角形数" },
+    budgetHints: {
+      tol: "0.1、0.1mm，或对角线的 0.5%",
+      px: (screen) => `在这块屏幕上，从此处或更远处看：${screen}`,
+      triangles: "不超过这个数目的最佳网格",
+    },
+    mesh: "网格",
+    field: "场",
+    both: "并排",
+    panes: "显示",
+    show: "网格显示为",
+    shows: { shaded: "表面", wire: "边", normals: "法线", culled: "剔除背面" },
+    section: "剖切",
+    sliceAt: "剖切高度",
+    fieldShow: "场显示为",
+    traced: "球面追踪",
+    sliced: "切片",
+    noField: "这个形状不是场。烘焙后即可看到距离。",
+    bakeForSlice: "采样距离",
+    inside: "内部",
+    outside: "外部",
+    certificate: "证书",
+    draft: "草稿，误差为实测；证明正在进行",
+    working: (stage, percent) => `${stage} ${percent} %`,
+    waiting: "正在计算…",
+    cancel: "停止",
+    proved: "已证明",
+    provedIf: "在所作承诺成立时已证明",
+    measured: "实测",
+    estimated: "估计",
+    atMost: (value) => `偏差至多 ${value}`,
+    atLeast: (value) => `某处偏差 ${value}`,
+    inPixels: (value) => `在这块屏幕上为 ${value} 像素`,
+    triangles: "三角形",
+    closed: "封闭且为流形",
+    yes: "是",
+    no: "否",
+    genus: "亏格",
+    seconds: "用时（秒）",
+    worst: "转到偏差最大处",
+    short: "预算未能满足；这是达到的最好结果。",
+    findings: "问题",
+    sound: "没有发现问题：网格是健全的。",
+    show1: "显示",
+    cure: "修复",
+    cureAll: "全部修复",
+    combine: "与另一形状组合",
+    how: { union: "并", minus: "差", intersect: "交" },
+    combineWith: "选择文件…",
+    remove: "移除",
+    levels: "细节层次",
+    makeLevels: "按一个像素生成各层次",
+    distance: "距离",
+    level: (k, n, triangles) => `第 ${k} 层（共 ${n} 层）：${triangles} 个三角形`,
+    levelError: (error, px) => `偏差至多 ${error}，从此处看为 ${px} 像素`,
+    bake: "烘焙成场",
+    cells: "最长边上的格数",
+    bakeHint: "采样取代原来的形状；再网格化就能回来。",
+    export: "导出",
+    exportHint: "由命令本身写出：与在你机器上得到的字节相同。",
+    line: "完成同样工作的一行",
+    copy: "复制",
+    copied: "已复制",
+    share: "本页地址中含有脚本和预算。",
+    noLink: "文件太大，无法放进链接：地址中不含它。",
+    notices: {
+      damaged: "地址已损坏；这是第一个示例。",
+      "too-large": "这些文件超过 600 MB，浏览器装不下；命令可以处理。",
+      stopped: "已停止。显示的是之前的结果。",
+      trapped: "在浏览器中内存或栈耗尽。放宽预算，或在你的机器上运行命令，也许可行。",
+    },
+    dismiss: "关闭",
+    turnHint: "拖动旋转，按住 Shift 拖动平移；方向键旋转，+ 和 − 缩放，Home 复位。",
+    footer: "命令以 WebAssembly 形式在本页运行，不发送任何内容。",
+    noScript: "工作台需要 JavaScript 和 WebAssembly。命令可以在你的机器上完成同样的工作。",
+    error: "错误",
+    atLine: (line) => `第 ${line} 行`,
+  },
+};
