@@ -18,6 +18,11 @@ CHORDAL := $(TARGET)/release/chordal
 TESTED := $(TARGET)/debug/chordal
 VENV := $(TARGET)/python/venv
 WASM := $(TARGET)/wasm32-unknown-unknown/release/chordal_wasm.wasm
+# The command as the workbench runs it. What is small takes long to build, so tests build what is not.
+WEB_PROFILE ?= web
+WASI = $(TARGET)/wasm32-wasip1/$(WEB_PROFILE)/chordal.wasm
+# Scripts and expressions nest deeper than the 1 MiB that a module has unless it says otherwise.
+export CARGO_TARGET_WASM32_WASIP1_RUSTFLAGS ?= -C link-arg=-zstack-size=16777216
 CHROMIUM ?= /usr/bin/chromium
 VIEW := 1920x1080 fov=45 dist=4
 
@@ -48,19 +53,22 @@ studio: studio-page ## build the page of 'chordal studio', and the command with 
 	@echo "Run $(CHORDAL) studio and open the link that it prints."
 	@echo "studio/dist/page holds the same page as plain files, for any host; with ?embed=1 for a frame in another page."
 
-# The widget asks about curves alone, so its module leaves readers and writers out, and what exhibits ask is in a second one
-# that their pages load. Both, and the module of test-web, are built to the same place from the same library, so each is
-# copied at once.
+# The widget asks about curves alone, so its module leaves readers and writers out; what exhibits ask is in a second one that
+# their pages load; the workbench runs the command. The first two, and the module of test-web, are built to the same place
+# from the same library, so each is copied at once.
 studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --target wasm32-unknown-unknown
 	mkdir -p studio/wasm
 	cmp -s $(WASM) studio/wasm/chordal.wasm || cp $(WASM) studio/wasm/chordal.wasm
 	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --features exhibits --target wasm32-unknown-unknown
 	cmp -s $(WASM) studio/wasm/exhibits.wasm || cp $(WASM) studio/wasm/exhibits.wasm
+	$(CARGO) build --profile $(WEB_PROFILE) --locked -p chordal-cli --no-default-features --target wasm32-wasip1
+	cmp -s $(WASI) studio/wasm/command.wasm || cp $(WASI) studio/wasm/command.wasm
 	cd studio && npm run --silent build
 
 # The studio's page is built before the command is, and so is in it wherever the tests use it. The module for the page is
 # the library without threads.
+test: export WEB_PROFILE := web-test
 test: fmt-check lint studio-page test-rust test-studio test-web test-looks test-tiles test-python ## everything that CI runs
 	@echo "All tests passed."
 
@@ -260,9 +268,11 @@ need-fuzz: need-rust
 		|| { echo "Fuzzing needs cargo-fuzz: run 'cargo install cargo-fuzz'." >&2; exit 1; }
 
 need-wasm: need-rust
-	@[ -d "$$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ] \
-		|| { command -v rustup > /dev/null && rustup target add wasm32-unknown-unknown; } \
-		|| { echo "The web tests need Rust's WASM target: install rustup and run 'rustup target add wasm32-unknown-unknown'." >&2; exit 1; }
+	@for target in wasm32-unknown-unknown wasm32-wasip1; do \
+		[ -d "$$(rustc --print sysroot)/lib/rustlib/$$target" ] \
+			|| { command -v rustup > /dev/null && rustup target add $$target; } \
+			|| { echo "The web tests need Rust's target $$target: install rustup and run 'rustup target add $$target'." >&2; exit 1; }; \
+	done
 
 need-node:
 	@{ command -v node && command -v npm; } > /dev/null \

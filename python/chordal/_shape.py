@@ -175,7 +175,7 @@ class Shape(Combinable, Bakeable):
         normal_error: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
         effort: Literal["best", "fast"] = "best",
-        require: Literal["proved", "measured"] | None = None,
+        require: Literal["proved", "measured", "estimated"] | None = None,
         extrude: Length | None = None,
         bevel: Length | None = None,
         progress: Progress | None = None,
@@ -190,7 +190,8 @@ class Shape(Combinable, Bakeable):
         `normal_error`, beside `tol`, `rel` or `pixels`, are for triangles that have texture coordinates and normals: the
         largest distance to those of the input, where 1 is the texture's side, and the largest angle, in degrees; both are
         measured. All that are given hold. `require` is the
-        evidence that a field's mesh needs, "proved", or "measured", which is sooner there; unless it is said, a proof
+        evidence that a field's mesh needs: "proved"; "measured", which is sooner there; or "estimated", for a draft that is there
+        at once and whose distance nobody knows. Unless it is said, a proof
         where there is anything to prove with, and a measurement for functions without a Lipschitz constant. `extrude` is
         the height to which a drawing or letters are raised, as a closed solid that stands on z = 0, and `bevel` how wide
         the edges of both its ends are cut off at 45 degrees: less than half of the height.

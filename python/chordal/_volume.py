@@ -60,7 +60,7 @@ class Volume(Shape):
         normal_error: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
         effort: Literal["best", "fast"] = "best",
-        require: Literal["proved", "measured"] | None = None,
+        require: Literal["proved", "measured", "estimated"] | None = None,
         extrude: Length | None = None,
         bevel: Length | None = None,
         progress: Callable[[str, int, int], object] | None = None,

@@ -1,7 +1,6 @@
 //! How much memory a job may take where nobody says it: a share of what the machine, or the group of
 //! processes, has. And how much triangles take at least.
 use chordal_io::Scene;
-use std::fs;
 
 /// The share of the memory: half, chosen so that a job and what reads its result fit side by side.
 const SHARE: u64 = 2;
@@ -11,7 +10,7 @@ const SHARE: u64 = 2;
 #[cfg(not(target_family = "wasm"))]
 #[must_use]
 pub fn default_limit() -> Option<u64> {
-    default_limit_from(&|path| fs::read_to_string(path).ok())
+    default_limit_from(&|path| std::fs::read_to_string(path).ok())
 }
 
 /// Half of what a module can address, 4 GiB: what is beyond ends in a sentence, and not in a trap.

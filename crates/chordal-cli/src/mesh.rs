@@ -67,8 +67,8 @@ pub struct MeshArgs {
     #[command(flatten)]
     pub volume: VolumeArgs,
 
-    /// Mesh again whenever the input changes, or a file that it names: of a script first a preview, whose distance is
-    /// measured, and then the proved mesh, unless --require says which. Ctrl-C ends
+    /// Mesh again whenever the input changes, or a file that it names: of a script first a draft, whose distance is
+    /// not known, and then the proved mesh, unless --require says which. Ctrl-C ends
     #[arg(long)]
     pub watch: bool,
 
@@ -113,8 +113,8 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub segments: Option<u64>,
 
-    /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where
-    /// there is anything to prove with. Other shapes are proved either way
+    /// How a field's distance is known: proved; measured, which is sooner there; or estimated, for a draft that is
+    /// there at once and whose distance nobody knows. Unless said, proved where there is anything to prove with. Other shapes are proved either way
     #[arg(long, value_name = "EVIDENCE")]
     pub require: Option<RequiredEvidence>,
 

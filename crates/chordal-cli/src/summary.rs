@@ -238,6 +238,7 @@ pub(crate) fn bound(facts: &BoundFacts) -> String {
                 facts.evidence
             )
         }
+        None if facts.evidence == "estimated" && facts.at_least == 0.0 => "not known (estimated)".into(),
         None => format!("at least {least} ({})", facts.evidence),
     }
 }

@@ -64,12 +64,12 @@ fn a_script_is_meshed_again_after_each_change_of_it_and_of_what_it_loads() {
     folder.file("a.star", "load(\"size.star\", \"radius\")\nsphere(radius)\n");
     let mut watcher = Watcher::start(folder, "a.star");
     watcher.until_it_waits();
-    assert_eq!(watcher.ends(), ["measured", "proved"]);
+    assert_eq!(watcher.ends(), ["estimated", "proved"]);
     assert!((watcher.reach() - 1.0).abs() < 0.06);
     // A loaded file.
     watcher.folder.file("size.star", "radius = 20\n");
     watcher.until_it_waits();
-    assert_eq!(watcher.ends()[2..], ["measured", "proved"]);
+    assert_eq!(watcher.ends()[2..], ["estimated", "proved"]);
     assert!((watcher.reach() - 20.0).abs() < 0.06);
     // A mistake is told with its place, and what was made stays.
     watcher.folder.file("a.star", "sphere(radius)\n");
@@ -80,7 +80,7 @@ fn a_script_is_meshed_again_after_each_change_of_it_and_of_what_it_loads() {
     // And mended.
     watcher.folder.file("a.star", "box(3, 3, 3)\n");
     watcher.until_it_waits();
-    assert_eq!(watcher.ends()[5..], ["measured", "proved"]);
+    assert_eq!(watcher.ends()[5..], ["estimated", "proved"]);
     assert!((watcher.reach() - 1.5).abs() < 1e-6); // rounding of the file
     // Ctrl-C ends it as it ends any job.
     let id = watcher.child.id().to_string();
@@ -100,7 +100,7 @@ fn a_change_ends_a_proof_that_is_not_needed_any_more() {
     watcher.folder.file("a.star", "sphere(2)\n");
     watcher.until_it_waits();
     let ends = watcher.ends();
-    assert!(ends.len() < 4 && ends.ends_with(&["measured".to_owned(), "proved".to_owned()]), "{ends:?}");
+    assert!(ends.len() < 4 && ends.ends_with(&["estimated".to_owned(), "proved".to_owned()]), "{ends:?}");
     assert!((watcher.reach() - 2.0).abs() < 0.06);
 }
 

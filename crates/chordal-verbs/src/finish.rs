@@ -111,7 +111,11 @@ fn pixels_of(request: &MeshRequest, bound: &Bound) -> Option<f64> {
 fn lengths_are_met(request: &MeshRequest, bound: &Bound) -> bool {
     let MeshRequest { budget, bounds, .. } = request;
     let is_measured = matches!(bound.evidence(), Evidence::Measured { .. });
-    let measured = budget.require == RequiredEvidence::Measured && is_measured;
+    // A draft has no number that could be compared.
+    if budget.require == RequiredEvidence::Estimated && *bound.evidence() == Evidence::Estimated {
+        return true;
+    }
+    let measured = budget.require != RequiredEvidence::Proved && is_measured;
     let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
     let pixels = match budget.pixels {
         Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), bounds),

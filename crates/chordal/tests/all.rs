@@ -18,6 +18,7 @@ mod curve_measures;
 mod curve_referee;
 mod deviation_attack;
 mod deviation_referee;
+mod drafts;
 mod elementary;
 mod enclosure;
 mod exact;

@@ -24,7 +24,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
         <>
           <p class={`big ${shown.isDraft ? "draft" : bound.evidence}`}>
             <Figure name="bound" value={bound.at_most ?? bound.at_least}>
-              {bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most))}
+              {bound.evidence === "estimated" ? words.unknown : bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most))}
             </Figure>
           </p>
           <p class="evidence">

@@ -26,7 +26,7 @@ export interface Shown {
   certificate: Certificate;
   bytes: Uint8Array;
   seconds: number;
-  /** Measured, and soon replaced by the proved one. */
+  /** Its distance is not known; the proved one soon takes its place. */
   isDraft: boolean;
   /** The budget was not met: this is the best that was reached. */
   isShort: boolean;
@@ -79,8 +79,8 @@ export type Notice = "damaged" | "too-large" | "stopped" | "trapped";
 const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
 /** How long the hand rests before the proof begins, and before the field is drawn for a new view. */
 const REST_MS = 250;
-/** The error of a draft, as a share of the diagonal: seen at once, and coarse enough to be there at once. */
-const DRAFT = "2%";
+/** The cells of a draft, as a share of the diagonal: seen at once, and coarse enough to be there at once. */
+const DRAFT = "1.5%";
 const MOST_STEPS = 100;
 /** What a browser can hold several times over. */
 const MOST_BYTES = 600e6;
@@ -276,7 +276,7 @@ export class Controller {
 
   private async draft(): Promise<void> {
     const { bench: now } = this.state;
-    const words = ["mesh", ...reading(now), "--tol", DRAFT, "--require", "measured", "--keep-best", "-o", "draft.glb"];
+    const words = ["mesh", ...reading(now), "--tol", DRAFT, "--require", "estimated", "--keep-best", "-o", "draft.glb"];
     await this.mesh("draft", words, "draft.glb", now);
   }
 
@@ -306,9 +306,12 @@ export class Controller {
     const seconds = (performance.now() - begun) / 1000;
     const isShort = outcome.exit !== 0;
     this.frame(now, parts, up);
-    this.update({ shown: { parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort }, fault: isShort && lane === "proof" ? faultOf(outcome) : null });
+    const shown = { parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
+    this.update({ shown, fault: isShort && lane === "proof" ? faultOf(outcome) : null });
+    if (this.drawnOf !== now) this.later("field", () => void this.draw());
   }
   private provedOf: Bench | null = null;
+  private drawnOf: Bench | null = null;
 
   /** The axis that is up: glTF's is y, if the report does not say. */
   private upOf(now: Bench, up: string | null): string | null {
@@ -353,7 +356,9 @@ export class Controller {
     const words = ["render", ...reading(now), "--view", camera, "--size", `${width}x${height}`, "-o", "field.png"];
     const outcome = await this.run("field", words, now.files, false);
     const png = outcome?.made["field.png"];
-    if (png && now === this.state.bench) this.update({ field: { png, view, size } });
+    if (!png || now !== this.state.bench) return;
+    this.drawnOf = now;
+    this.update({ field: { png, view, size } });
   }
 
   private async run(lane: LaneName, words: Line, files: Files, isReport: boolean): Promise<Outcome | null> {

@@ -51,6 +51,7 @@ export interface Texts {
   estimated: string;
   atMost(value: string): string;
   atLeast(value: string): string;
+  unknown: string;
   inPixels(value: string): string;
   triangles: string;
   closed: string;
@@ -136,7 +137,7 @@ export const TEXTS: Record<Language, Texts> = {
     inside: "inside",
     outside: "outside",
     certificate: "Certificate",
-    draft: "Draft, measured; the proof is under way",
+    draft: "A draft, off by nobody knows how much. The proof is under way.",
     working: (stage, percent) => `${stage} ${percent} %`,
     waiting: "Working…",
     cancel: "Stop",
@@ -146,6 +147,7 @@ export const TEXTS: Record<Language, Texts> = {
     estimated: "estimated",
     atMost: (value) => `off by at most ${value}`,
     atLeast: (value) => `off by ${value} somewhere`,
+    unknown: "error not known yet",
     inPixels: (value) => `${value} px on this screen`,
     triangles: "Triangles",
     closed: "Closed and manifold",
@@ -234,7 +236,7 @@ export const TEXTS: Record<Language, Texts> = {
     inside: "内部",
     outside: "外部",
     certificate: "证书",
-    draft: "草稿，误差为实测；证明正在进行",
+    draft: "草稿，误差未知；证明正在进行。",
     working: (stage, percent) => `${stage} ${percent} %`,
     waiting: "正在计算…",
     cancel: "停止",
@@ -244,6 +246,7 @@ export const TEXTS: Record<Language, Texts> = {
     estimated: "估计",
     atMost: (value) => `偏差至多 ${value}`,
     atLeast: (value) => `某处偏差 ${value}`,
+    unknown: "误差尚不可知",
     inPixels: (value) => `在这块屏幕上为 ${value} 像素`,
     triangles: "三角形",
     closed: "封闭且为流形",

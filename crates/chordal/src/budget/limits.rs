@@ -12,6 +12,8 @@ pub enum RequiredEvidence {
     Proved,
     /// A measurement is enough.
     Measured,
+    /// A draft will do, whose error is neither proved nor measured.
+    Estimated,
 }
 
 impl RequiredEvidence {
@@ -21,6 +23,7 @@ impl RequiredEvidence {
         match self {
             Self::Proved => "proved",
             Self::Measured => "measured",
+            Self::Estimated => "estimated",
         }
     }
 }
@@ -31,7 +34,7 @@ pub struct UnknownRequirement(String);
 
 impl fmt::Display for UnknownRequirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "'{}' is neither proved nor measured", self.0)
+        write!(f, "'{}' is none of proved, measured and estimated", self.0)
     }
 }
 
@@ -41,7 +44,7 @@ impl FromStr for RequiredEvidence {
     type Err = UnknownRequirement;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let all = [Self::Proved, Self::Measured];
+        let all = [Self::Proved, Self::Measured, Self::Estimated];
         let named = all.into_iter().find(|require| require.as_str() == text);
         named.ok_or_else(|| UnknownRequirement(text.chars().take(40).collect())) // 40: fits in a message
     }

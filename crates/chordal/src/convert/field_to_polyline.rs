@@ -82,7 +82,7 @@ pub fn field_to_polyline(
     let wanted = ContourGoal {
         length,
         segments: budget.segments,
-        measured: budget.require == RequiredEvidence::Measured,
+        measured: budget.require != RequiredEvidence::Proved,
     };
     let mut made = job.run(|| search(&field.clone().known_bounds(bounds), &wanted, job))?;
     if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {

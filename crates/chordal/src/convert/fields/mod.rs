@@ -5,6 +5,7 @@ mod border_functions;
 mod cells;
 mod cells_at_vertices;
 mod corner_gradients;
+mod draft;
 mod extract;
 mod face_materials;
 mod field_sampler;
@@ -22,6 +23,7 @@ mod vertex_values;
 #[cfg(test)]
 mod tests;
 
+pub(super) use draft::draft;
 pub(super) use face_materials::FaceMaterials;
 pub(super) use field_sampler::FieldSampler;
 pub(super) use mesher::FieldMeshGoal;

@@ -53,7 +53,7 @@ const SPOTS: [[f64; 3]; 3] = [[0.43, 0.61, 0.37], [0.71, 0.29, 0.67], [0.19, 0.8
 /// the cube of the grid.
 const AROUND: f64 = 1.0 / 64.0;
 
-type FieldMeshResult = Result<Bounded<Mesh>, Failure<Mesh>>;
+pub(super) type FieldMeshResult = Result<Bounded<Mesh>, Failure<Mesh>>;
 
 /// Finds a mesh within the limits, or the best.
 pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> FieldMeshResult {
@@ -291,7 +291,7 @@ fn mesh_of(improved: &SurfaceImprover) -> (Mesh, Vec<u32>) {
 }
 
 /// The solid of a field within a box somewhat larger than its bounds, which cuts off what exceeds them.
-fn clip_to_bounds(field: &Field) -> Expr {
+pub(super) fn clip_to_bounds(field: &Field) -> Expr {
     let Box3 { min, max } = field.bounds();
     let mut sign = field.sign().clone();
     for (k, axis) in Expr::axes().iter().enumerate() {
