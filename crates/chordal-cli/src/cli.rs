@@ -66,7 +66,7 @@ pub enum Verb {
     /// Do one of these with many files, and go on where it was stopped
     #[cfg(not(target_family = "wasm"))]
     Batch(BatchArgs),
-    /// Show in a browser how many segments a curve needs until it looks smooth
+    /// Open the studio in a browser: the lesson as exhibits, and a workbench for shapes
     #[cfg(not(target_family = "wasm"))]
     Studio(StudioArgs),
     /// Print the functions of shape scripts

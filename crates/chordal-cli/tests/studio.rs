@@ -11,24 +11,36 @@ struct Studio {
     child: Child,
     port: u16,
     token: String,
+    /// Where the link leads.
+    home: &'static str,
     _folder: Folder,
 }
 
 impl Studio {
     fn start(name: &str) -> Self {
+        Self::start_with(name, &[], "/")
+    }
+
+    /// With files on the workbench, written into the folder of the page; none of them is a part of the page.
+    fn start_with(name: &str, files: &[(&str, &[u8])], home: &'static str) -> Self {
         let folder = Folder::new(name);
+        folder.file("workbench.html", "<!doctype html><p>bench");
+        let opened: Vec<String> = files.iter().map(|(name, bytes)| folder.file(name, bytes)).collect();
         std::fs::create_dir(folder.path("assets")).unwrap();
         folder.file("index.html", "<!doctype html><p>page");
         folder.file("assets/app.js", "1;");
         folder.file("key.pem", "private");
-        let mut child =
-            chordal(&["studio", "--dir", &folder.text("")]).stdout(Stdio::piped()).spawn().unwrap();
+        let mut child = chordal(&["studio", "--dir", &folder.text("")])
+            .args(opened)
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let url =
             line.trim().strip_prefix("Chordal studio: http://127.0.0.1:").unwrap_or_else(|| panic!("{line}"));
         let (port, token) = url.split_once("/?token=").unwrap();
-        Self { child, port: port.parse().unwrap(), token: token.to_owned(), _folder: folder }
+        Self { child, port: port.parse().unwrap(), token: token.to_owned(), home, _folder: folder }
     }
 
     /// Sends bytes as they are and returns all that comes back.
@@ -53,7 +65,7 @@ impl Studio {
         assert_eq!(status(&answer), 303, "{answer}");
         let cookie = header(&answer, "set-cookie").unwrap_or_else(|| panic!("{answer}"));
         assert!(cookie.ends_with("; HttpOnly; SameSite=Strict; Path=/"), "{cookie}");
-        assert_eq!(header(&answer, "location"), Some("/"));
+        assert_eq!(header(&answer, "location"), Some(self.home));
         format!("Cookie: {}", cookie.split(';').next().unwrap())
     }
 }
@@ -201,4 +213,23 @@ fn a_missing_page_is_one_sentence() {
     let folder = Folder::new("studio-none");
     run(&["studio", "--dir", &folder.text("")]).fails_with(3, &["index.html", "make studio"]);
     run(&["studio", "--dir", &folder.text("nowhere")]).fails_with(3, &["no such file"]);
+}
+
+#[test]
+fn files_are_opened_on_the_workbench_by_number() {
+    let files: [(&str, &[u8]); 2] = [("a b&c.star", b"sphere(1)"), ("x.bin", &[0, 255, 10])];
+    let home = "/workbench.html?open=a%20b%26c.star&open=x.bin";
+    let studio = Studio::start_with("studio-opened", &files, home);
+    let cookie = studio.enter();
+    let got = |path: &str| studio.ask(&format!("GET {path} HTTP/1.1"), &[&cookie]);
+    assert!(got("/opened/0").ends_with("\r\n\r\nsphere(1)"));
+    assert_eq!(header(&got("/opened/1"), "content-type"), Some("application/octet-stream"));
+    for path in ["/opened/2", "/opened/a%20b%26c.star", "/x.bin", "/opened/../x.bin"] {
+        assert_eq!(status(&got(path)), 404, "{path}");
+    }
+    // Without the cookie there is nothing.
+    assert_eq!(status(&studio.ask("GET /opened/0 HTTP/1.1", &[])), 403);
+    let missing = run(&["studio", "no-such-file.star"]);
+    assert_eq!(missing.code, 3);
+    assert!(missing.stderr.contains("no-such-file.star: no such file"), "{}", missing.stderr);
 }

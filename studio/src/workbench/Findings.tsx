@@ -30,11 +30,12 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
               </p>
             )}
             <div class="row tight">
-              {finding.places && finding.places.length > 0 && (
+              {state.witnesses.some(({ of }) => of === finding.of) && (
                 <button
                   type="button"
                   onClick={() => {
-                    const places = finding.places!.map((at) => control?.place(at) ?? at);
+                    const here = state.witnesses.filter(({ of }) => of === finding.of);
+                    const places = here.map(({ at }) => control?.place(at) ?? at);
                     mark(places);
                     control?.look({ ...state.view, target: places[0]! });
                   }}

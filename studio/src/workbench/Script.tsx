@@ -1,14 +1,61 @@
 // The script in an editor that is loaded when it is needed; until then, and without it, in a plain field.
+import { useEffect, useRef, useState } from "preact/hooks";
 import { textOf } from "./document";
+import type { ScriptEditor } from "./editor";
 import type { Page } from "./words";
 
 export function Script({ page }: { page: Page }) {
-  const { words, state, control } = page;
+  const { words, state, control, language } = page;
+  const place = useRef<HTMLDivElement>(null);
+  const editor = useRef<ScriptEditor | null>(null);
+  const now = useRef(page);
+  now.current = page;
+  const [isLoaded, setLoaded] = useState(false);
   const text = textOf(state.bench);
+
+  useEffect(() => {
+    if (!control) return;
+    let isGone = false;
+    void import("./editor").then(({ EDITOR_PHRASES, createEditor }) => {
+      if (isGone) return;
+      setLoaded(true);
+      editor.current = createEditor(place.current!, {
+        text: textOf(control.state.bench),
+        label: words.script,
+        phrases: EDITOR_PHRASES[language],
+        change: (text, isDragging) => now.current.control?.write(text, isDragging),
+      });
+      void control.language().then((table) => table && editor.current?.setTable(table.functions, table.words));
+    });
+    return () => {
+      isGone = true;
+      editor.current?.dispose();
+      editor.current = null;
+    };
+  }, [control, language]);
+
+  useEffect(() => {
+    // The newest text, not the one that was drawn: a key may have come since.
+    const newest = control ? textOf(control.state.bench) : text;
+    if (editor.current && editor.current.text !== newest) editor.current.setText(newest);
+  }, [text]);
+
+  useEffect(() => {
+    const { fault } = state;
+    editor.current?.setError(
+      fault?.line ? { line: fault.line, message: fault.text, ...(fault.column ? { column: fault.column } : {}) } : null,
+    );
+  }, [state.fault, isLoaded]);
+
   return (
-    <label class="field script">
-      {words.script}
-      <textarea spellcheck={false} value={text} onInput={(event) => control?.write(event.currentTarget.value)} />
-    </label>
+    <div class="field script">
+      {!isLoaded && (
+        <label class="field">
+          {words.script}
+          <textarea spellcheck={false} value={text} readOnly={!control} onInput={(event) => control?.write(event.currentTarget.value)} />
+        </label>
+      )}
+      <div ref={place} class="editor-place" />
+    </div>
   );
 }

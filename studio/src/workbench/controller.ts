@@ -13,12 +13,13 @@ import {
   stem,
   withText,
 } from "./document";
+import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood } from "./glb";
 import { type Jobs, Stopped } from "./jobs";
 import type { Certificate, Inspection, LevelFacts, Report } from "./report";
 import { pack } from "./share";
 
-export type LaneName = "draft" | "proof" | "inspect" | "field" | "slice" | "levels" | "step" | "export";
+export type LaneName = "draft" | "proof" | "inspect" | "field" | "slice" | "levels" | "step" | "export" | "language";
 
 /** A mesh that is shown. */
 export interface Shown {
@@ -30,6 +31,13 @@ export interface Shown {
   isDraft: boolean;
   /** The budget was not met: this is the best that was reached. */
   isShort: boolean;
+}
+
+/** A part of docs/schema/language.schema.json. */
+interface LanguageTable {
+  functions: readonly FunctionRow[];
+  constants?: readonly (string | { name: string })[];
+  keywords?: readonly string[];
 }
 
 export interface Fault {
@@ -61,6 +69,8 @@ export interface State {
   shown: Shown | null;
   fault: Fault | null;
   inspection: Inspection | null;
+  /** Where defects are, by the name of the finding. */
+  witnesses: readonly { of: string; at: Vec3 }[];
   progress: Partial<Record<LaneName, Progress>>;
   running: readonly LaneName[];
   field: { png: Uint8Array; view: View; size: Size } | null;
@@ -106,6 +116,7 @@ export class Controller {
       shown: null,
       fault: null,
       inspection: null,
+      witnesses: [],
       progress: {},
       running: [],
       field: null,
@@ -220,6 +231,14 @@ export class Controller {
     const bytes = outcome.made["slice.npy"];
     if (!bytes) return this.update({ fault: faultOf(outcome) });
     this.update({ slice: sliceOf(bytes, reportOf(outcome)) });
+  }
+
+  /** What scripts are written with, for the editor. */
+  async language(): Promise<{ functions: readonly FunctionRow[]; words: readonly string[] } | null> {
+    const outcome = await this.run("language", ["language"], {}, true);
+    if (!outcome || outcome.exit !== 0) return null;
+    const { functions, constants, keywords } = JSON.parse(outcome.stdout) as LanguageTable;
+    return { functions, words: [...(constants ?? []), ...(keywords ?? [])].map((one) => (typeof one === "string" ? one : one.name)) };
   }
 
   /** Files for the disk: those that a line makes. */
@@ -340,8 +359,8 @@ export class Controller {
     const { bench: now } = this.state;
     const outcome = await this.run("inspect", ["inspect", ...reading(now)], now.files, true);
     if (!outcome || now !== this.state.bench) return;
-    const { inspection } = reportOf(outcome);
-    this.update({ inspection: inspection ?? null });
+    const { inspection, certificate } = reportOf(outcome);
+    this.update({ inspection: inspection ?? null, witnesses: certificate?.valid?.witnesses ?? [] });
     if (!inspection) this.update({ fault: faultOf(outcome) });
   }
 

@@ -43,14 +43,26 @@ function draw(): void {
   html.dataset["settled"] = running.length === 0 && shown && !shown.isDraft ? "1" : "";
 }
 
+/** What `chordal studio FILE` has put on the bench. */
+async function filesOfCommand(): Promise<File[]> {
+  const names = new URLSearchParams(location.search).getAll("open");
+  const fetched = names.map(async (name, number) => {
+    const response = await fetch(`opened/${number}`);
+    return response.ok ? [new File([await response.blob()], name)] : [];
+  });
+  return (await Promise.all(fetched)).flat();
+}
+
 async function begin(): Promise<void> {
   const coded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
   const shared = coded ? await unpack(coded) : null;
+  const opened = await filesOfCommand();
   control = new Controller(new Jobs(module, worker), shared ?? example("bracket"), () => {
     frame ||= requestAnimationFrame(draw);
   });
   root.replaceChildren();
-  control.start();
+  if (opened.length) await control.open(opened);
+  else control.start();
   if (location.hash && !shared) control.say("damaged");
   draw();
 }

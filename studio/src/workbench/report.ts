@@ -25,7 +25,7 @@ export interface Certificate {
   budget: { length: number | null; pixels: number | null; triangles: number | null } | null;
   bound: BoundFacts | null;
   output: { triangles?: number; vertices?: number; segments?: number } | null;
-  valid: { closed: boolean; manifold: boolean; oriented: boolean; components: number; genus: number | null } | null;
+  valid: { closed: boolean; manifold: boolean; oriented: boolean; components: number; genus: number | null; witnesses?: readonly { of: string; at: Vec3 }[] } | null;
   levels?: { levels: readonly LevelFacts[] };
   baked?: { size: readonly [number, number, number]; origin: Vec3; spacing: number };
   notes: readonly string[];
@@ -39,7 +39,6 @@ export interface FindingFacts {
   means: string;
   cures: readonly string[];
   advice: string | null;
-  places?: readonly Vec3[];
 }
 
 export interface Inspection {

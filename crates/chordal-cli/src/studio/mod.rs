@@ -1,4 +1,4 @@
-//! `chordal studio`: serves the page about curves and segments to a browser on this machine.
+//! `chordal studio`: serves the studio to a browser on this machine.
 mod gate;
 mod page;
 mod secret;
@@ -6,6 +6,7 @@ mod serve;
 
 use crate::console::print;
 use crate::fault::{Exit, Fault, plainly};
+use crate::input::InputSource;
 use crate::signal;
 use clap::Args;
 use gate::RequestGate;
@@ -20,9 +21,15 @@ use std::sync::Arc;
 #[command(after_help = "\
 Examples:
   chordal studio
+  chordal studio part.star
+  chordal studio scene.gltf scene.bin --open
   chordal studio --port 8000 --open
   chordal studio --host 0.0.0.0 --allow-host lab.example --token $(openssl rand -hex 24)")]
 pub struct StudioArgs {
+    /// Files to put on the workbench: a shape, and the files that it names
+    #[arg(value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+
     /// The port to listen at; 0 takes a free one
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub port: u16,
@@ -56,7 +63,7 @@ const SHORTEST_TOKEN: usize = 32;
 pub fn run(args: &StudioArgs) -> Result<(), Fault> {
     let address = address(args)?;
     let token = token(args)?;
-    let page = StudioPage::find(args.dir.as_deref())?;
+    let page = StudioPage::find(args.dir.as_deref())?.opened(read_all(&args.files)?)?;
     let session = Secret::random().map_err(no_random)?;
     // One thread does: the page is a handful of files, read once.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(|error| {
@@ -78,6 +85,21 @@ pub fn run(args: &StudioArgs) -> Result<(), Fault> {
         serve::serve(listener, Arc::new(gate), Arc::new(page)).await;
         Ok(())
     })
+}
+
+/// The most bytes of all files: what a browser can hold several times over.
+const MOST_BYTES: u64 = 600 << 20;
+
+/// The files with their names, without folders.
+fn read_all(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Fault> {
+    let mut left = MOST_BYTES;
+    let read = |path: &PathBuf| {
+        let bytes = InputSource::File(path.clone()).read(left)?;
+        left -= bytes.len() as u64;
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok((name, bytes))
+    };
+    paths.iter().map(read).collect()
 }
 
 /// Loopback, unless a host and a token are given.

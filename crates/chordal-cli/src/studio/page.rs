@@ -11,10 +11,13 @@ mod built {
     include!(concat!(env!("OUT_DIR"), "/page.rs"));
 }
 
-/// The most bytes of one file: ten times what the whole page weighs.
-const MOST_BYTES: u64 = 16 << 20;
+/// The most bytes of one file: twice the command as a module, the largest.
+const MOST_BYTES: u64 = 32 << 20;
 /// The most files of a folder that is served: every exhibit has two pages and a script or two.
 const MOST_FILES: usize = 256;
+
+/// The page that files are opened with.
+const WORKBENCH: &str = "/workbench.html";
 
 /// One file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,8 +30,12 @@ pub struct PageFile {
 
 /// The files by the path of their URL. What is not listed here does not exist: no request ever becomes a path
 /// of the file system.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct StudioPage(BTreeMap<String, PageFile>);
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StudioPage {
+    files: BTreeMap<String, PageFile>,
+    /// Where a browser begins.
+    home: String,
+}
 
 impl StudioPage {
     /// The page in `dir`; else the one built into this command; else one that lies beside it.
@@ -53,7 +60,37 @@ impl StudioPage {
 
     /// The file for the path of a URL.
     pub fn get(&self, path: &str) -> Option<&PageFile> {
-        self.0.get(if path == "/" { "/index.html" } else { path })
+        self.files.get(if path == "/" { "/index.html" } else { path })
+    }
+
+    /// Where a browser begins: the first page, or the workbench with what was opened.
+    pub fn home(&self) -> &str {
+        &self.home
+    }
+
+    /// Puts files on the workbench, which asks for them by number: their names never become paths of a URL.
+    ///
+    /// # Errors
+    /// When the page has no workbench.
+    pub fn opened(mut self, files: Vec<(String, Vec<u8>)>) -> Result<Self, Fault> {
+        if files.is_empty() {
+            return Ok(self);
+        }
+        if !self.files.contains_key(WORKBENCH) {
+            return Err(Fault::input("no-workbench", "this studio has no workbench to open files with"));
+        }
+        let names: Vec<String> =
+            files.iter().map(|(name, _)| format!("open={}", percent_encoded(name))).collect();
+        self.home = format!("{WORKBENCH}?{}", names.join("&"));
+        for (number, (_, bytes)) in files.into_iter().enumerate() {
+            let file = PageFile { bytes: bytes.into(), kind: "application/octet-stream" };
+            self.files.insert(format!("/opened/{number}"), file);
+        }
+        Ok(self)
+    }
+
+    fn new(files: BTreeMap<String, PageFile>) -> Self {
+        Self { files, home: "/".into() }
     }
 
     fn built() -> Self {
@@ -61,7 +98,7 @@ impl StudioPage {
             let name = path.rsplit('/').next().unwrap_or(path);
             Some((format!("/{path}"), PageFile { bytes: Cow::Borrowed(*bytes), kind: kind(name)? }))
         };
-        Self(built::FILES.iter().filter_map(file).collect())
+        Self::new(built::FILES.iter().filter_map(file).collect())
     }
 
     /// Lists and reads a folder and its `assets`, links left out.
@@ -85,14 +122,14 @@ impl StudioPage {
                     continue;
                 }
                 if data.len() > MOST_BYTES || files.len() == MOST_FILES {
-                    return Err(fault(&path, "a page has at most 256 files of 16 MiB each"));
+                    return Err(fault(&path, "a page has at most 256 files of 32 MiB each"));
                 }
                 let bytes = fs::read(&path).map_err(|error| fault(&path, &plainly(&error)))?;
                 files.insert(format!("{prefix}{name}"), PageFile { bytes: bytes.into(), kind });
             }
         }
         if files.contains_key("/index.html") {
-            Ok(Self(files))
+            Ok(Self::new(files))
         } else {
             Err(fault(dir, "there is no index.html in it; 'make studio' writes the page to studio/dist/page"))
         }
@@ -108,6 +145,15 @@ fn page_folder() -> Option<PathBuf> {
     // target/release/chordal and target/wasm32-unknown-unknown/release/… lie two or three folders down.
     places.extend(folder.ancestors().skip(1).take(3).map(|root| root.join("studio/dist/page")));
     places.into_iter().find(|place| place.join("index.html").is_file())
+}
+
+/// All but letters and digits as their bytes.
+fn percent_encoded(name: &str) -> String {
+    let encode = |byte: u8| match byte {
+        byte if byte.is_ascii_alphanumeric() || b"._-".contains(&byte) => char::from(byte).to_string(),
+        byte => format!("%{byte:02X}"),
+    };
+    name.bytes().map(encode).collect()
 }
 
 /// The media type by the end of a name; a file of another kind is not served.

@@ -64,7 +64,7 @@ pub async fn serve(listener: TcpListener, gate: Arc<RequestGate>, page: Arc<Stud
 fn answer<B>(gate: &RequestGate, page: &StudioPage, request: &Request<B>) -> Response<Full<Bytes>> {
     let mut response = match gate.judge(request) {
         GateDecision::Enter => file(page, request),
-        GateDecision::Welcome { cookie } => welcome(&cookie),
+        GateDecision::Welcome { cookie } => welcome(&cookie, page.home()),
         GateDecision::ForeignHost => text(StatusCode::MISDIRECTED_REQUEST, "This server has another name.\n"),
         GateDecision::ForeignOrigin => text(StatusCode::FORBIDDEN, "Another site's page asks for this.\n"),
         GateDecision::Stranger => text(
@@ -99,15 +99,15 @@ fn file<B>(page: &StudioPage, request: &Request<B>) -> Response<Full<Bytes>> {
 }
 
 /// On to the page without the token, which so leaves the address bar and the history.
-fn welcome(cookie: &str) -> Response<Full<Bytes>> {
+fn welcome(cookie: &str, home: &str) -> Response<Full<Bytes>> {
     let mut response = text(StatusCode::SEE_OTHER, "Come in.\n");
-    response.headers_mut().insert(LOCATION, HeaderValue::from_static("/"));
-    match HeaderValue::from_str(cookie) {
-        Ok(cookie) => {
+    match (HeaderValue::from_str(cookie), HeaderValue::from_str(home)) {
+        (Ok(cookie), Ok(home)) => {
             response.headers_mut().insert(SET_COOKIE, cookie);
+            response.headers_mut().insert(LOCATION, home);
             response
         }
-        Err(_) => text(StatusCode::INTERNAL_SERVER_ERROR, "The cookie cannot be written.\n"),
+        _ => text(StatusCode::INTERNAL_SERVER_ERROR, "The way in cannot be written.\n"),
     }
 }
 

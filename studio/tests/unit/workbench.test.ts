@@ -1,0 +1,205 @@
+// The parts of the workbench that need no browser: lines, links, lanes, files, and the command itself.
+import { execFileSync } from "node:child_process";
+import { randomBytes } from "node:crypto";
+import { existsSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { beforeAll, describe, expect, test } from "vitest";
+import { Trapped, run } from "../../src/workbench/command";
+import { bench, meshLine, python, quoted, rust, shell, split, viewText, withText } from "../../src/workbench/document";
+import { levels, parts, standing } from "../../src/workbench/glb";
+import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
+import { pack, unpack } from "../../src/workbench/share";
+
+const SCREEN = { width: 1366, height: 768, fovDeg: 28, distance: 12.3456789 };
+const text = (of: string) => new TextEncoder().encode(of);
+const block = bench("block.star", { "block.star": text("box(1, 2, 3)") });
+
+describe("the line", () => {
+  test("is what one would type", () => {
+    expect(shell([meshLine(block, SCREEN, "block.glb")])).toBe("chordal mesh block.star --tol 0.5% -o block.glb");
+    const set = { ...block, set: { "wall width": "2.5" }, options: `--iso 60 --text "A b"` };
+    expect(shell([meshLine(set, SCREEN, "a.stl")])).toBe(
+      "chordal mesh block.star --set 'wall width=2.5' --iso 60 --text 'A b' --tol 0.5% -o a.stl",
+    );
+    const px = { ...block, budget: { ...block.budget, by: "px" as const } };
+    expect(shell([meshLine(px, SCREEN, "a.glb")])).toContain("--px 1 --view '1366x768 fov=28 dist=12.35'");
+    expect(quoted("it's")).toBe("'it'\\''s'");
+    expect(split(`a 'b c' d"e f"g`)).toEqual(["a", "b c", "de fg"]);
+  });
+  test("in Python and Rust says the same budget", () => {
+    expect(python(block, SCREEN, "block.glb")).toContain('shape.mesh(rel="0.5%")');
+    expect(python({ ...block, budget: { ...block.budget, tol: "0.1" } }, SCREEN, "b.glb")).toContain("shape.mesh(tol=0.1)");
+    expect(python({ ...block, budget: { ...block.budget, by: "triangles" } }, SCREEN, "b.glb")).toContain("triangles=5000");
+    expect(rust(block, SCREEN, "block.glb")).toContain('length: Some("0.5%".parse()?)');
+    expect(viewText(SCREEN)).toBe("1366x768 fov=28 dist=12.35");
+  });
+});
+
+describe("the link", () => {
+  test("brings back the script, the budget and the options", async () => {
+    const of = { ...withText(block, "sphere(2)  # 球\n"), set: { r: "3" }, options: "--iso 1" };
+    const back = await unpack((await pack(of))!);
+    expect(back).toEqual(of);
+  });
+  test("is none for what is no text or too large", async () => {
+    expect(await pack(bench("a.stl", { "a.stl": new Uint8Array([0, 255, 254]) }))).toBeNull();
+    const noise = randomBytes(60_000).toString("base64");
+    expect(await pack(bench("a.obj", { "a.obj": text(noise) }))).toBeNull();
+  });
+  test("is refused where it is damaged, and where it would unpack to more than it may", async () => {
+    for (const coded of ["", "AAAA", "!!!", (await pack(block))!.slice(0, 20)]) expect(await unpack(coded)).toBeNull();
+    const packed = async (value: unknown) => {
+      const stream = new Blob([JSON.stringify(value)]).stream().pipeThrough(new CompressionStream("deflate-raw"));
+      const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+      return btoa(String.fromCharCode(...bytes)).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
+    };
+    expect(await unpack(await packed({ v: 1, name: "a.star", text: " ".repeat(2_000_000) }))).toBeNull();
+    for (const name of ["../a", "a/b.star", ".hidden", ""]) {
+      expect(await unpack(await packed({ v: 1, name, text: "x" }))).toBeNull();
+    }
+    expect((await unpack(await packed({ v: 1, name: "a.star", text: "x", budget: { by: "none", tol: 5 } })))?.budget).toEqual(block.budget);
+  });
+});
+
+describe("lanes", () => {
+  class Worker implements WorkerLike {
+    static all: Worker[] = [];
+    onmessage: WorkerLike["onmessage"] = null;
+    onerror: WorkerLike["onerror"] = null;
+    orders: { id: number }[] = [];
+    isEnded = false;
+    constructor() {
+      Worker.all.push(this);
+    }
+    postMessage(order: { id: number }) {
+      this.orders.push(order);
+    }
+    terminate() {
+      this.isEnded = true;
+    }
+    reply(data: unknown) {
+      this.onmessage?.({ data } as MessageEvent);
+    }
+  }
+  const jobs = () => {
+    Worker.all = [];
+    return new Jobs<"a" | "b">(
+      () => Promise.resolve({} as WebAssembly.Module),
+      () => new Worker() as WorkerLike,
+    );
+  };
+  const outcome = { exit: 0, stdout: "", stderr: "", made: {} };
+  const rest = () => new Promise((done) => setTimeout(done, 0));
+
+  test("run beside each other, and the newest order ends an older one", async () => {
+    const all = jobs();
+    const old = all.run("a", ["x"], {});
+    const other = all.run("b", ["y"], {});
+    await rest();
+    const young = all.run("a", ["z"], {});
+    await expect(old).rejects.toMatchObject({ why: "newer" });
+    expect(Worker.all.map(({ isEnded }) => isEnded)).toEqual([true, false, false]);
+    await rest();
+    Worker.all[1]!.reply({ id: Worker.all[1]!.orders[0]!.id, outcome });
+    Worker.all[2]!.reply({ id: Worker.all[2]!.orders[0]!.id, outcome });
+    expect(await other).toBe(outcome);
+    expect(await young).toBe(outcome);
+    // A worker that is done is used again.
+    void all.run("a", ["again"], {});
+    await rest();
+    expect(Worker.all.length).toBe(3);
+  });
+
+  test("are stopped, and survive a trap", async () => {
+    const all = jobs();
+    const one = all.run("a", [], {});
+    await rest();
+    all.cancel("a");
+    await expect(one).rejects.toBeInstanceOf(Stopped);
+    expect(all.isRunning("a")).toBe(false);
+    const two = all.run("a", [], {});
+    await rest();
+    const last = Worker.all.at(-1)!;
+    last.reply({ id: last.orders[0]!.id, trapped: "unreachable" });
+    await expect(two).rejects.toMatchObject({ why: "trapped", message: "unreachable" });
+    expect(last.isEnded).toBe(true);
+  });
+});
+
+const MODULE = new URL("../../wasm/command.wasm", import.meta.url).pathname;
+const CHORDAL = process.env["CHORDAL"];
+const EXAMPLES = new URL("../../../examples/", import.meta.url).pathname;
+
+describe.skipIf(!existsSync(MODULE))("the command as a module", () => {
+  let module: WebAssembly.Module;
+  beforeAll(async () => {
+    module = await WebAssembly.compile(readFileSync(MODULE));
+  });
+  const files = (name: string) => ({ [name]: readFileSync(EXAMPLES + name) });
+  const work = async (words: string[], of: Record<string, Uint8Array>) => run(module, words, of);
+
+  test("makes a mesh, says its bound, and leaves the input alone", async () => {
+    const made = await work(["mesh", "block.star", "--tol", "1%", "-o", "block.glb", "--json"], files("block.star"));
+    expect(made.exit).toBe(0);
+    expect(Object.keys(made.made)).toEqual(["block.glb"]);
+    expect(JSON.parse(made.stdout).certificate.bound.evidence).toBe("proved");
+    const [part] = parts(made.made["block.glb"]!);
+    expect(part!.indices.length).toBe(3 * JSON.parse(made.stdout).certificate.output.triangles);
+    expect(part!.normals?.length).toBe(part!.positions.length);
+  });
+
+  test("tells mistakes in a sentence, with their place", async () => {
+    const said = await work(["mesh", "a.star", "--tol", "1%", "-o", "a.glb", "--json"], { "a.star": text("box(1, 2") });
+    expect(said.exit).toBe(3);
+    expect(JSON.parse(said.stdout).error.messages[0]).toMatch(/^a\.star: line 1/);
+    const bomb = await work(["inspect", "a.star", "--json"], { "a.star": text("def f(n):\n    return [f(n)]\nf(1)\nsphere(1)") });
+    expect(bomb.exit).toBe(3);
+    const usage = await work(["mesh"], {});
+    expect(usage.exit).toBe(2);
+    expect(usage.stderr).toContain("required");
+  });
+
+  test("refuses what memory cannot hold, and does not trap", async () => {
+    const refused = await work(["mesh", "block.star", "--tol", "1e-9", "-o", "b.glb", "--json"], files("block.star")).catch((error: unknown) => {
+      if (error instanceof Trapped) throw new Error(`trapped: ${error.message}`);
+      throw error;
+    });
+    expect(JSON.parse(refused.stdout)).toHaveProperty(refused.exit ? "error" : "certificate");
+  });
+
+  test("writes levels that are told apart", async () => {
+    const made = await work(["lod", "cube.obj", "--px", "1", "-o", "l.glb", "--json"], files("cube.obj"));
+    const found = levels(made.made["l.glb"]!);
+    const facts = JSON.parse(made.stdout).certificate.levels.levels as { triangles: number }[];
+    expect(found.map((level) => level.reduce((sum, { indices }) => sum + indices.length / 3, 0))).toEqual(facts.map(({ triangles }) => triangles));
+  });
+
+  test.skipIf(!CHORDAL)("gives the bytes that the command gives", async () => {
+    const folder = mkdtempSync(join(tmpdir(), "chordal-bench-"));
+    for (const [name, words, output] of [
+      ["bracket.star", ["mesh", "bracket.star", "--tol", "2%", "-o"], "x.glb"],
+      ["bracket.star", ["mesh", "bracket.star", "--tol", "2%", "-o"], "x.3mf"],
+      ["badge.star", ["mesh", "badge.star", "--tol", "2%", "-o"], "x.obj"],
+      ["block.star", ["mesh", "block.star", "--tol", "2%", "--require", "estimated", "-o"], "x.ply"],
+      ["block.star", ["bake", "block.star", "--cells", "16", "-o"], "x.nrrd"],
+      ["cube.obj", ["lod", "cube.obj", "--px", "1", "-o"], "x-levels.glb"],
+      ["teapot.bpt", ["render", "teapot.bpt", "--size", "160x120", "-o"], "x.png"],
+      ["drawing.svg", ["mesh", "drawing.svg", "--tol", "0.25", "--extrude", "2", "-o"], "x.stl"],
+    ] as const) {
+      writeFileSync(join(folder, name), readFileSync(EXAMPLES + name));
+      execFileSync(CHORDAL!, [...words, output, "--force", "-q"], { cwd: folder });
+      const made = await work([...words, output], files(name));
+      expect(made.exit, made.stderr).toBe(0);
+      for (const [file, bytes] of Object.entries(made.made)) {
+        expect(Buffer.compare(readFileSync(join(folder, file)), bytes), `${words.join(" ")} ${file}`).toBe(0);
+      }
+    }
+  }, 120_000);
+});
+
+test("a file with y up stands", () => {
+  const part = { name: "", positions: Float32Array.from([1, 2, 3]), indices: new Uint32Array(), groups: new Uint32Array(), paints: [] };
+  expect([...standing(part, "y").positions]).toEqual([1, -3, 2]);
+  expect(standing(part, "z")).toBe(part);
+});
