@@ -2,10 +2,10 @@
 // addresses are relative, so that the files work under any path of any host.
 import { defineConfig } from "vitest/config";
 
-/** Tests of a folder that drive a browser: one file at a time. */
-const inBrowser = (name: string) => ({
+/** Tests of a folder that drive a browser, so many files at a time. */
+const inBrowser = (name: string, maxWorkers: number) => ({
   extends: true as const,
-  test: { name, include: [`tests/${name}/*.test.ts`], fileParallelism: false, testTimeout: 60_000, hookTimeout: 60_000 },
+  test: { name, include: [`tests/${name}/*.test.ts`], maxWorkers, testTimeout: 60_000, hookTimeout: 60_000 },
 });
 
 export default defineConfig({
@@ -27,8 +27,9 @@ export default defineConfig({
     projects: [
       // Some ask the core for a second of work, which a busy machine makes ten of.
       { extends: true, test: { name: "unit", include: ["tests/unit/*.test.ts"], testTimeout: 30_000 } },
-      inBrowser("page"),
-      inBrowser("bench"),
+      // Half of what they do is to wait for frames and for hands at rest: two keep two cores busy.
+      inBrowser("page", 2),
+      inBrowser("bench", 1),
     ],
   },
 });

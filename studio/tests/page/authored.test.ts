@@ -1,6 +1,6 @@
 // The exhibits of the lesson's third part: each number changes as the exhibit claims, by mouse and keys.
-import { afterAll, beforeAll, expect, test } from "vitest";
-import { ExhibitPages, drag, grip } from "./exhibit_page";
+import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
+import { ExhibitPages, drag, grip, live } from "./exhibit_page";
 import { STOPS, WIDGET, fileOfStop } from "../../src/exhibits/index";
 import { digits, seriousFindings, settled } from "./site";
 
@@ -8,6 +8,7 @@ let pages: ExhibitPages;
 beforeAll(async () => {
   pages = await ExhibitPages.open();
 });
+afterEach(() => expect(pages.errors).toEqual([]));
 afterAll(() => pages.close());
 
 test("bernstein: between the ends no weight is negative, beyond them one is; they always sum to one", async () => {
@@ -29,7 +30,6 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
   await page.keyboard.press("Home");
   expect(await pages.number("bernstein")).toBeLessThan(-1);
   expect(await digits(page, "weight-1")).toBeLessThan(0);
-  expect(pages.errors).toEqual([]);
 });
 
 test("joins: what is kept stays, and the handle breaks the rest; the mirror's picture is one", async () => {
@@ -54,7 +54,6 @@ test("joins: what is kept stays, and the handle breaks the rest; the mirror's pi
     return [image.naturalWidth, image.naturalHeight];
   });
   expect(size).toEqual([320, 104]);
-  expect(pages.errors).toEqual([]);
 });
 
 test("runge: the rest of the polynomial moves by several times what the point does, that of the spline hardly", async () => {
@@ -74,12 +73,11 @@ test("runge: the rest of the polynomial moves by several times what the point do
   await page.locator("#count").fill("11");
   await settled(page);
   expect(await digits(page, "polynomial-misses")).toBeCloseTo(1.916, 2);
-  expect(pages.errors).toEqual([]);
 });
 
 test("cracks: different numbers gape, equal ones do not, and a side that is cut once never does", async () => {
   const page = await pages.at("cracks.html");
-  await page.waitForSelector('.scene[data-viewer="webgl"]');
+  await live(page);
   const before = await pages.number("cracks");
   expect(before).toBeGreaterThan(5);
   expect(await digits(page, "components")).toBe(2);
@@ -99,12 +97,11 @@ test("cracks: different numbers gape, equal ones do not, and a side that is cut 
     expect(await pages.number("cracks"), right).toBe(0);
     expect([await digits(page, "components"), await digits(page, "lonely")]).toEqual([1, 0]);
   }
-  expect(pages.errors).toEqual([]);
 });
 
 test("cage: each round has four times the faces and leaves about a quarter of the error, a crease delays it", async () => {
   const page = await pages.at("cage.html");
-  await page.waitForSelector('.scene[data-viewer="webgl"]');
+  await live(page);
   await page.locator("#level").fill("5");
   const last = await pages.number("cage");
   expect(await digits(page, "faces")).toBe(14 * 4 ** 5);
@@ -122,7 +119,6 @@ test("cage: each round has four times the faces and leaves about a quarter of th
   await page.locator("input[name=show][value=limit]").check();
   await settled(page);
   expect(await page.locator(".ramp-scale rect").count()).toBe(8);
-  expect(pages.errors).toEqual([]);
 });
 
 test("the way leads through the widget, in the language that it speaks, and not in a frame", async () => {

@@ -11,10 +11,11 @@ import { EXHIBITS_WASM, Site, digits, settled, type Visit } from "./site";
 
 export class ExhibitPages {
   private visit: Visit | undefined;
+  private isPlain = false;
   private constructor(
     readonly site: Site,
-    private readonly core: Core,
-    private readonly exhibits: ReadonlyMap<string, AnyExhibit>,
+    readonly core: Core,
+    readonly exhibits: ReadonlyMap<string, AnyExhibit>,
   ) {}
 
   static async open(): Promise<ExhibitPages> {
@@ -23,10 +24,22 @@ export class ExhibitPages {
     return new ExhibitPages(await Site.open(), await Core.load(readFileSync(EXHIBITS_WASM)), exhibits);
   }
 
-  /** Opens a page; the one before is closed. */
-  async at(...where: Parameters<Site["ready"]>): Promise<Page> {
-    await this.leave();
-    this.visit = await this.site.ready(...where);
+  /** Opens an address in a page of its own if it is opened in a way of its own, else in the page of the address before. */
+  async at(address: string, options?: Parameters<Site["ready"]>[1]): Promise<Page> {
+    if (!this.visit || options || !this.isPlain) {
+      await this.leave();
+      this.visit = await this.site.visit(address, options);
+      this.isPlain = options === undefined;
+    } else {
+      const { page, errors } = this.visit;
+      await page.setViewportSize(this.site.viewport);
+      await page.emulateMedia({ colorScheme: "light", reducedMotion: "no-preference" });
+      // From another address, for only the fragment may be another one.
+      await page.goto("about:blank");
+      errors.length = 0;
+      await page.goto(this.site.base + address);
+    }
+    await this.visit.page.waitForSelector("html[data-ready]");
     await settled(this.visit.page);
     return this.visit.page;
   }
@@ -68,6 +81,9 @@ export class ExhibitPages {
     return value!;
   }
 }
+
+/** Until the figure in space is drawn by the viewer. */
+export const live = (page: Page) => page.waitForSelector('.scene[data-viewer="webgl"]');
 
 /** The handle in the figure. */
 export const grip = (page: Page) => page.locator(".grip[role=slider]").first();

@@ -1,57 +1,21 @@
 // The exhibits of fields and of cost as readers meet them: their numbers are the core's and change as their claims say.
-import { readFileSync } from "node:fs";
-import type { Page } from "playwright-core";
-import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
-import { Core } from "../../src/core/module";
-import type { AnyExhibit } from "../../src/exhibits/exhibit";
-import { read } from "../../src/exhibits/fragment";
-import { EXHIBITS } from "../../src/exhibits/index";
-import { Say } from "../../src/exhibits/say";
-import { EXHIBITS_WASM, Site, digits, settled, type Visit } from "./site";
+import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
+import { ExhibitPages, grip } from "./exhibit_page";
+import { digits, settled } from "./site";
 
-let site: Site;
-let core: Core;
-let visit: Visit | undefined;
-const exhibits = new Map<string, AnyExhibit>();
+let pages: ExhibitPages;
 beforeAll(async () => {
-  site = await Site.open();
-  core = await Core.load(readFileSync(EXHIBITS_WASM));
-  for (const entry of EXHIBITS) exhibits.set(entry.id, (await entry.load()).default);
+  pages = await ExhibitPages.open();
 });
-afterAll(() => site.close());
-beforeEach(async () => {
-  await visit?.page.context().close();
-  visit = undefined;
-});
-
-async function open(where: string): Promise<Page> {
-  visit = await site.ready(where);
-  await settled(visit.page);
-  return visit.page;
-}
-
-/** The live number, which is what the core says about the state in the address. */
-async function live(page: Page, id: string): Promise<number> {
-  await settled(page);
-  const { defaults, parts, question, number, texts } = exhibits.get(id)!;
-  const { state } = read(new URL(page.url()).hash, defaults as object, parts);
-  const answer = core.ask("exhibit", { exhibit: id, ...question(state) });
-  const rest = { set: () => undefined, isStill: false, isSmall: false };
-  const { value, shown } = number({ state, answer, say: new Say("en"), texts: texts.en, ...rest });
-  expect(await digits(page, "live")).toBe(value);
-  expect(await page.locator(".live data").textContent()).toBe(shown);
-  expect(visit!.errors).toEqual([]);
-  return value!;
-}
-
-const grip = (page: Page) => page.locator(".grip[role=slider]").first();
+afterEach(() => expect(pages.errors).toEqual([]));
+afterAll(() => pages.close());
 
 test("field: the sign is the side, field and mesh agree on it, and differ by no more than is proved", async () => {
-  const page = await open("field.html");
+  const page = await pages.at("field.html");
   for (const [place, is] of [["6,4", "outside"], ["9.3,4.8", "inside"], ["1,1", "outside"], ["10.2,6.2", "outside"]]) {
     for (const [asked, stop] of [["field", "0"], ["mesh", "0"], ["mesh", "4"]]) {
       await page.evaluate((hash) => (location.hash = hash), `#v=1&p=${place}&a=${asked}&n=${stop}`);
-      const value = await live(page, "field");
+      const value = await pages.number("field");
       expect(value < 0, `${place} ${asked}`).toBe(is === "inside");
       expect(await page.locator(".live .meaning").textContent()).toContain(is);
       expect(await digits(page, "apart")).toBeLessThanOrEqual(await digits(page, "bound"));
@@ -64,17 +28,17 @@ test("field: the sign is the side, field and mesh agree on it, and differ by no 
 });
 
 test("field: keys carry the point into the hole, where the sign turns", async () => {
-  const page = await open("field.html#v=1&p=6,1.9");
-  expect(await live(page, "field")).toBeLessThan(0);
+  const page = await pages.at("field.html#v=1&p=6,1.9");
+  expect(await pages.number("field")).toBeLessThan(0);
   await grip(page).focus();
   for (let i = 0; i < 14; i++) await page.keyboard.press("ArrowUp");
-  expect(await live(page, "field")).toBeGreaterThan(0);
+  expect(await pages.number("field")).toBeGreaterThan(0);
   expect(await grip(page).getAttribute("aria-valuetext")).toContain("outside");
 });
 
 test("csg: the value is the distance outside a union and less of it where the parts overlap; it never says more", async () => {
-  const page = await open("csg.html");
-  expect(await live(page, "csg")).toBeLessThan(0.9);
+  const page = await pages.at("csg.html");
+  expect(await pages.number("csg")).toBeLessThan(0.9);
   for (const [operation, place, isLess] of [
     ["union", "1,7", false],
     ["union", "6.1,4.3", true],
@@ -84,17 +48,17 @@ test("csg: the value is the distance outside a union and less of it where the pa
     ["difference", "9.5,2", true],
   ] as const) {
     await page.evaluate((hash) => (location.hash = hash), `#v=1&p=${place}&b=${operation}`);
-    const share = await live(page, "csg");
+    const share = await pages.number("csg");
     expect(share, `${operation} ${place}`).toBeLessThan(1.001);
     expect(share < 0.98, `${operation} ${place}`).toBe(isLess);
   }
 });
 
 test("tracing: head on a few steps are enough, grazing takes many; each step leaves less or goes on", async () => {
-  const page = await open("tracing.html#v=1&p=6.1,6");
-  const direct = await live(page, "tracing");
+  const page = await pages.at("tracing.html#v=1&p=6.1,6");
+  const direct = await pages.number("tracing");
   await page.evaluate(() => (location.hash = "#v=1&p=7.4,2.97"));
-  expect(await live(page, "tracing")).toBeGreaterThan(3 * direct);
+  expect(await pages.number("tracing")).toBeGreaterThan(3 * direct);
   const gone: number[] = [];
   for (const n of ["1", "3", "10", "30"]) {
     await page.locator("#steps").fill(n);
@@ -107,24 +71,24 @@ test("tracing: head on a few steps are enough, grazing takes many; each step lea
 });
 
 test("squares: twice as fine a lattice still cuts corners off, and the mesher that knows the parts does not", async () => {
-  const page = await open("squares.html#v=1&n=12");
-  const coarse = await live(page, "squares");
+  const page = await pages.at("squares.html#v=1&n=12");
+  const coarse = await pages.number("squares");
   expect(await digits(page, "ambiguous")).toBeGreaterThan(0);
   await page.locator("#cells").fill("48");
-  const fine = await live(page, "squares");
+  const fine = await pages.number("squares");
   // Four times as many cells: a smooth outline would be a sixteenth off.
   expect(fine).toBeGreaterThan(coarse / 8);
   await page.locator("input[name=method][value=corners]").check();
-  expect(await live(page, "squares")).toBeLessThan(fine / 4);
+  expect(await pages.number("squares")).toBeLessThan(fine / 4);
   expect(await digits(page, "segments")).toBeLessThan(60);
 });
 
 test("baking: the two bounds add up, what is measured is within, and smaller cells lose less", async () => {
-  const page = await open("baking.html#v=1&n=8");
+  const page = await pages.at("baking.html#v=1&n=8");
   let before = Infinity;
   for (const cells of ["8", "16", "28"]) {
     await page.locator("#cells").fill(cells);
-    const bound = await live(page, "baking");
+    const bound = await pages.number("baking");
     expect(bound).toBeLessThan(before);
     expect(bound).toBeCloseTo((await digits(page, "there")) + (await digits(page, "home")), 9);
     expect(await digits(page, "measured")).toBeLessThan(bound);
@@ -133,11 +97,11 @@ test("baking: the two bounds add up, what is measured is within, and smaller cel
 });
 
 test("levels: farther away fewer triangles are within a pixel, and the mountain keeps its own until it is far", async () => {
-  const page = await open("levels.html");
+  const page = await pages.at("levels.html");
   const counts: number[] = [];
   for (const stop of ["0", "4", "8", "18"]) {
     await page.locator("#distance").fill(stop);
-    counts.push(await live(page, "levels"));
+    counts.push(await pages.number("levels"));
     for (const name of ["teapot", "mountain"]) expect(await digits(page, `${name}-pixels`)).toBeLessThanOrEqual(1);
   }
   // Ten times as far, the teapot has lost nearly all of its triangles, and the mountain none; at 19 km it has, too.
@@ -148,23 +112,23 @@ test("levels: farther away fewer triangles are within a pixel, and the mountain 
 });
 
 test("overshade: large triangles shade a pixel little more than once, those below a pixel four times", async () => {
-  const page = await open("overshade.html#v=1&n=0");
-  expect(await live(page, "overshade")).toBeLessThan(1.5);
+  const page = await pages.at("overshade.html#v=1&n=0");
+  expect(await pages.number("overshade")).toBeLessThan(1.5);
   await page.locator("#side").focus();
   await page.keyboard.press("End");
-  expect(await live(page, "overshade")).toBe(4);
+  expect(await pages.number("overshade")).toBe(4);
   expect(await digits(page, "lanes")).toBe(4 * (await digits(page, "covered")));
   expect(await digits(page, "missed")).toBeGreaterThan(0.9 * (await digits(page, "triangles")));
 });
 
 test("budget: half the error takes √2 times the segments and about twice the triangles", async () => {
-  const page = await open("budget.html#v=1&s=curve&n=4");
-  const curve = await live(page, "budget");
+  const page = await pages.at("budget.html#v=1&s=curve&n=4");
+  const curve = await pages.number("budget");
   expect(curve).toBeGreaterThan(-0.6);
   expect(curve).toBeLessThan(-0.4);
   for (const shape of ["patch", "cage", "field"]) {
     await page.locator(`input[name=shape][value=${shape}]`).check();
-    const slope = await live(page, "budget");
+    const slope = await pages.number("budget");
     expect(slope).toBeGreaterThan(-1.15);
     expect(slope).toBeLessThan(-0.8);
     expect(await digits(page, "times")).toBeGreaterThan(1.6);
@@ -172,11 +136,11 @@ test("budget: half the error takes √2 times the segments and about twice the t
 });
 
 test("questions: each has a number of the core and leads to exhibits that exist", async () => {
-  const page = await open("questions.html");
+  const page = await pages.at("questions.html");
   const seen = new Set<string>();
   for (const question of ["triangles", "normals", "winding", "joins", "fields", "cost"]) {
     await page.locator(`input[name=question][value=${question}]`).check();
-    expect(Number.isFinite(await live(page, "questions"))).toBe(true);
+    expect(Number.isFinite(await pages.number("questions"))).toBe(true);
     seen.add((await page.locator(".live .meaning").textContent())!);
     const links = page.locator(".seen a");
     expect(await links.count()).toBeGreaterThan(0);

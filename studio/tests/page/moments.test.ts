@@ -296,9 +296,10 @@ describe("Back", () => {
     await page.mouse.move(box.x + 5, box.y + 5);
     await page.mouse.down();
     for (let i = 1; i <= 12; i++) {
+      const before = page.url();
       await page.mouse.move(box.x + 5 + 5 * i, box.y + 5 + 3 * i);
-      // Longer than the rest after which the address is written.
-      if (i % 6 === 0) await page.waitForTimeout(400);
+      // The hand rests until the address is written.
+      if (i % 6 === 0) await page.waitForFunction((before) => location.href !== before, before);
     }
     await page.mouse.up();
     await settled(page);

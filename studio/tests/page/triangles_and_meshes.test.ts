@@ -1,0 +1,192 @@
+// The exhibits of the lesson's first two parts: each number changes as the exhibit claims, by mouse, touch and keys.
+import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
+import { ExhibitPages, drag, grip, live } from "./exhibit_page";
+import { digits, settled } from "./site";
+
+let pages: ExhibitPages;
+beforeAll(async () => {
+  pages = await ExhibitPages.open();
+});
+afterEach(() => expect(pages.errors).toEqual([]));
+afterAll(() => pages.close());
+
+test("quad: lifting D by mouse and keys moves the number and the middle; three corners stay at zero", async () => {
+  const page = await pages.at("quad.html");
+  await live(page);
+  const before = await pages.number("quad");
+  await drag(page, grip(page), 0, 60);
+  const after = await pages.number("quad");
+  expect(after).toBeLessThan(before - 0.1);
+  expect(await digits(page, "rise")).toBeCloseTo(after / 2, 12);
+  await grip(page).focus();
+  await page.keyboard.press("ArrowUp");
+  await page.keyboard.press("Shift+ArrowUp");
+  expect(await pages.number("quad")).toBeCloseTo(after + 0.11, 2);
+  expect(await grip(page).getAttribute("aria-valuetext")).toContain("units");
+  await page.locator("input[name=corners][value='3']").check();
+  await grip(page).focus();
+  for (const key of ["PageUp", "ArrowDown", "End", "Home"]) {
+    await page.keyboard.press(key);
+    expect(await pages.number("quad")).toBe(0);
+  }
+});
+
+test("quad: a finger turns the figure sideways, two keys turn it back", async () => {
+  const page = await pages.at("quad.html", { hasTouch: true, viewport: { width: 400, height: 800 } });
+  await live(page);
+  const box = (await page.locator(".scene").boundingBox())!;
+  const touch = await page.context().newCDPSession(page);
+  const at = (dx: number) => [{ x: box.x + 60 + dx, y: box.y + 40 }];
+  await touch.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: at(0) });
+  for (let dx = 10; dx <= 100; dx += 10) await touch.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: at(dx) });
+  await touch.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  const turned = (await pages.state("quad"))["view"] as { azimuth: number; elevation: number };
+  expect(turned.azimuth).toBeLessThan(-80);
+  await page.locator(".scene").focus();
+  await page.keyboard.press("Home");
+  expect((await pages.state("quad"))["view"]).toEqual((pages.exhibits.get("quad")!.defaults as { view: unknown }).view);
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("+");
+  const near = (await pages.state("quad"))["view"] as { distance: number; azimuth: number };
+  expect(near.distance).toBeLessThan(6);
+  expect(near.azimuth).not.toBe(turned.azimuth);
+});
+
+test("inside: the point is inside exactly where all three signs agree, and clockwise they are all negative", async () => {
+  const page = await pages.at("inside.html");
+  expect(await pages.number("inside")).toBe(3);
+  await drag(page, grip(page), -250, 0);
+  expect(await pages.number("inside")).toBeLessThan(3);
+  expect(await page.locator(".live .meaning").textContent()).toContain("outside");
+  await pages.at("inside.html#v=1&w=cw");
+  expect(await pages.number("inside")).toBe(0);
+  expect(await page.locator(".live .meaning").textContent()).toContain("is inside");
+  for (const i of [0, 1, 2]) expect(await digits(page, `edge-${i}`)).toBeLessThan(0);
+  // At a corner two edge functions are exactly zero.
+  await pages.at("inside.html#v=1&p=2,1.4");
+  expect([await digits(page, "edge-1"), await digits(page, "edge-2")]).toEqual([0, 0]);
+  expect(await page.locator(".live .meaning").textContent()).toContain("On an edge");
+});
+
+test("weights: they sum to one everywhere; four corners have two colours in the middle", async () => {
+  const page = await pages.at("weights.html");
+  await grip(page).focus();
+  for (const key of ["ArrowLeft", "PageDown", "Shift+ArrowUp", "PageUp", "Home"]) {
+    await page.keyboard.press(key);
+    expect(await pages.number("weights")).toBeCloseTo(1, 14);
+  }
+  await page.locator("input[name=corners][value='4']").check();
+  await pages.at("weights.html#v=1&c=4&p=6,4");
+  const gap = await pages.number("weights");
+  expect(gap).toBeGreaterThan(0.3);
+  const differences = await Promise.all(
+    [0, 1, 2].map(async (k) => Math.abs((await digits(page, `color-0-${k}`)) - (await digits(page, `color-1-${k}`)))),
+  );
+  expect(Math.max(...differences)).toBeCloseTo(gap, 12);
+});
+
+test("weights: what the browser blends at a place is the colour that the core says", async () => {
+  const page = await pages.at("weights.html#v=1&p=8,3");
+  const shown = await page.locator("svg.flat").screenshot();
+  const box = (await page.locator("svg.flat").boundingBox())!;
+  // Beside the probe and its spokes; the core is asked about the same place.
+  const place = [4.4, 2.2] as const;
+  const { question } = pages.exhibits.get("weights")!;
+  const answer = pages.core.ask("exhibit", { exhibit: "weights", ...question({ probe: place, corners: "3", cut: "first" }) }) as {
+    blends: { color: number[] }[];
+  };
+  const seen = await page.evaluate(
+    async ({ data, x, y }) => {
+      const image = await createImageBitmap(
+        new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], { type: "image/png" }),
+      );
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const context = canvas.getContext("2d")!;
+      context.drawImage(image, 0, 0);
+      return [...context.getImageData(Math.round(x * image.width), Math.round(y * image.height), 1, 1).data];
+    },
+    {
+      data: shown.toString("base64"),
+      x: (place[0] * 60 + 1) / (box.width * (722 / box.width)),
+      y: ((8 - place[1]) * 60 + 1) / (box.height * (482 / box.height)),
+    },
+  );
+  answer.blends[0]!.color.forEach((channel, k) => expect(Math.abs(seen[k]! - 255 * channel)).toBeLessThan(4));
+});
+
+test("index: bytes are 12 a vertex and 6 a triangle, and 36 a triangle without", async () => {
+  const page = await pages.at("indexed.html");
+  await live(page);
+  for (const storage of ["indexed", "unindexed"]) {
+    await page.locator(`input[name=storage][value=${storage}]`).check();
+    for (const stop of ["0", "6", "12"]) {
+      await page.locator("#triangles").fill(stop);
+      const bytes = await pages.number("indexed");
+      const n = await digits(page, "triangles");
+      const vertices = await digits(page, "vertices");
+      const each = await digits(page, "per-vertex");
+      // Three corners a triangle, so many at a vertex.
+      expect(vertices * each).toBeCloseTo(3 * n, 6);
+      expect(bytes).toBe(storage === "indexed" ? 12 * vertices + 6 * n : 36 * n);
+    }
+  }
+  expect(await digits(page, "ring")).toBeGreaterThan(3);
+});
+
+test("normals: a cube has 24 vertices below 90°, 8 above; a ball's normals cost nothing where it is smooth", async () => {
+  const page = await pages.at("normals.html");
+  await live(page);
+  const slider = page.locator("#crease");
+  expect(await pages.number("normals")).toBe(24);
+  await slider.fill("89");
+  expect(await pages.number("normals")).toBe(24);
+  await slider.focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("ArrowRight");
+  expect(await pages.number("normals")).toBe(8);
+  await page.locator("input[name=shape][value=ball]").check();
+  expect(await pages.number("normals")).toBe(162);
+  await slider.fill("0");
+  expect(await pages.number("normals")).toBe(960);
+  expect(await digits(page, "positions")).toBe(162);
+});
+
+test("culling: a pressed triangle is turned, breaks three edges and leaves a hole; from behind there is none", async () => {
+  const page = await pages.at("culling.html#v=1&f=");
+  await live(page);
+  expect(await pages.number("culling")).toBe(0);
+  const box = (await page.locator(".scene").boundingBox())!;
+  await page.mouse.click(box.x + box.width / 2 + 4, box.y + box.height / 2 + 3);
+  await settled(page);
+  expect(await pages.number("culling")).toBe(1);
+  expect(await digits(page, "inconsistent")).toBe(3);
+  const { flipped } = (await pages.state("culling")) as { flipped: number[] };
+  expect(flipped.length).toBe(1);
+  await drag(page, page.locator(".scene"), 440, 0, 20);
+  expect(await pages.number("culling")).toBe(0);
+  expect(await digits(page, "back-share")).toBeGreaterThan(0.35);
+  await page.getByRole("button", { name: "Turn all of them over" }).click();
+  await page.getByRole("button", { name: "Turn it over" }).click();
+  await settled(page);
+  expect(await digits(page, "inconsistent")).toBe(0);
+});
+
+test("doctor: every patient is healed by the buttons that are offered", async () => {
+  const page = await pages.at("doctor.html");
+  for (const patient of ["hole", "seam", "crack", "flipped", "branch", "double"]) {
+    await page.locator(`input[name=patient][value=${patient}]`).check();
+    await settled(page);
+    expect(await pages.number("doctor"), patient).toBeGreaterThan(0);
+    const cure = page.locator(".findings button").first();
+    for (let i = 0; (await cure.count()) > 0; i++) {
+      expect(i, patient).toBeLessThan(4);
+      await cure.click();
+      await settled(page);
+    }
+    expect(await pages.number("doctor"), patient).toBe(0);
+    expect(await digits(page, "closed")).toBe(1);
+    expect(await digits(page, "volume")).toBeGreaterThan(3);
+    await page.getByRole("button", { name: "Take the last one back" }).click();
+    await settled(page);
+  }
+});
