@@ -182,6 +182,9 @@ export function Onward({ stop, language }: { stop: Stop; language: Language }) {
           {words.all}
         </a>
       )}
+      <a class="to-bench" href={language === "en" ? "workbench.html" : `workbench.${language}.html`}>
+        {words.bench}
+      </a>
     </nav>
   );
 }

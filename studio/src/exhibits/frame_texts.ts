@@ -3,6 +3,7 @@ import type { Language } from "./say";
 
 interface FrameTexts {
   all: string;
+  bench: string;
   lead: string;
   path: string;
   language: string;
@@ -26,6 +27,7 @@ interface FrameTexts {
 
 export const FRAME: Record<Language, FrameTexts> = {
   en: {
+    bench: "Your own shapes: the workbench",
     all: "Chordal exhibits",
     lead: "Each page has one claim, one handle and one number. Move the handle, watch the number, and see whether you believe the claim. Take them in order, or begin anywhere.",
     path: "All exhibits",
@@ -49,6 +51,7 @@ export const FRAME: Record<Language, FrameTexts> = {
     refused: (why) => `The core refused this: ${why}`,
   },
   zh: {
+    bench: "做自己的形状：工作台",
     all: "Chordal 展品",
     lead: "每一页只有一个论断、一个可拖动的控制点和一个数字。拖一拖，看数字怎样变，再判断论断是否可信。可以按顺序看，也可以从任何一页开始。",
     path: "全部展品",

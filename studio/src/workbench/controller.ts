@@ -82,6 +82,8 @@ export interface State {
   notice: Notice | null;
   /** The link of this bench; `null` where it is too large for one. */
   link: string | null;
+  /** Something begins once the hand has rested. */
+  isWaiting: boolean;
 }
 
 export type Notice = "damaged" | "too-large" | "stopped" | "trapped";
@@ -96,6 +98,8 @@ const MOST_STEPS = 100;
 const MOST_BYTES = 600e6;
 /** From the middle of a box to the eye, in diagonals. */
 const AWAY = 2.4;
+/** Dots of the field's picture: as many as are traced in about a second. */
+const MOST_DOTS = 120_000;
 /** Cells along the longest side of a slice: a pixel or two each. */
 const SLICE_CELLS = "96";
 
@@ -127,6 +131,7 @@ export class Controller {
       size: { width: 720, height: 480 },
       notice: null,
       link: null,
+      isWaiting: false,
     };
   }
 
@@ -285,6 +290,7 @@ export class Controller {
       this.jobs.cancel("proof");
       this.jobs.cancel("field");
       clearTimeout(this.timers.get("proof"));
+      this.timers.delete("proof");
     } else {
       this.later("proof", () => void this.prove());
       void this.inspect();
@@ -368,11 +374,11 @@ export class Controller {
   private async draw(): Promise<void> {
     const { bench: now, view, size, shown } = this.state;
     if (!isScript(now) || !shown) return;
-    const ratio = Math.min(globalThis.devicePixelRatio || 1, 1);
+    const ratio = Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));
     const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
     const numbers = (of: Vec3) => of.map((value) => Number(value.toPrecision(7))).join(",");
     const camera = `${width}x${height} fov=${fovOf(size).toFixed(3)} eye=${numbers(eyeOf(view))} target=${numbers(view.target)}`;
-    const words = ["render", ...reading(now), "--view", camera, "--size", `${width}x${height}`, "-o", "field.png"];
+    const words = ["render", ...reading(now), "--view", camera, "-o", "field.png"];
     const outcome = await this.run("field", words, now.files, false);
     const png = outcome?.made["field.png"];
     if (!png || now !== this.state.bench) return;
@@ -402,7 +408,13 @@ export class Controller {
 
   private later(name: string, act: () => void): void {
     clearTimeout(this.timers.get(name));
-    this.timers.set(name, setTimeout(act, REST_MS));
+    const timer = setTimeout(() => {
+      this.timers.delete(name);
+      this.update({ isWaiting: this.timers.size > 0 });
+      act();
+    }, REST_MS);
+    this.timers.set(name, timer);
+    this.update({ isWaiting: true });
   }
 
   private update(change: Partial<State>): void {

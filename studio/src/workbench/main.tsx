@@ -32,7 +32,7 @@ let written = "";
 function draw(): void {
   frame = 0;
   render(<App language={language} state={control.state} control={control} />, root);
-  const { link, running, shown } = control.state;
+  const { link, running, shown, isWaiting } = control.state;
   if (link && link !== written) {
     written = link;
     history.replaceState(null, "", `${location.pathname}${location.search}#s=${link}`);
@@ -40,7 +40,8 @@ function draw(): void {
   const html = document.documentElement;
   html.dataset["ready"] = "1";
   // For whoever drives the page by program.
-  html.dataset["settled"] = running.length === 0 && shown && !shown.isDraft ? "1" : "";
+  if (running.length === 0 && !isWaiting && shown && !shown.isDraft) html.dataset["settled"] = "1";
+  else delete html.dataset["settled"];
 }
 
 /** What `chordal studio FILE` has put on the bench. */

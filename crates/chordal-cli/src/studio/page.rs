@@ -198,7 +198,7 @@ mod tests {
         #[cfg(unix)]
         std::os::unix::fs::symlink("/etc/hostname", folder.path("link.txt")).unwrap();
         let page = StudioPage::find(Some(folder.as_ref())).unwrap();
-        let names: Vec<&str> = page.0.keys().map(String::as_str).collect();
+        let names: Vec<&str> = page.files.keys().map(String::as_str).collect();
         assert_eq!(names, ["/assets/a-1.js", "/index.html"]);
         assert_eq!(page.get("/").unwrap().bytes.as_ref(), b"<p>");
         assert_eq!(page.get("/assets/a-1.js").unwrap().kind, "text/javascript; charset=utf-8");

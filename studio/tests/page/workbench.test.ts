@@ -1,0 +1,173 @@
+// The workbench as one who makes something uses it: write, look, prove, mend, combine, export.
+import { existsSync, mkdtempSync, readFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import type { Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, test } from "vitest";
+import { run } from "../../src/workbench/command";
+import { ROOT, Site, digits, seriousFindings, settled } from "./site";
+
+const MODULE = join(ROOT, "wasm/command.wasm");
+const folder = mkdtempSync(join(tmpdir(), "chordal-page-"));
+let site: Site;
+let module: WebAssembly.Module;
+beforeAll(async () => {
+  expect(existsSync(MODULE), "make studio-page builds the module").toBe(true);
+  site = await Site.open();
+  module = await WebAssembly.compile(readFileSync(MODULE));
+});
+afterAll(() => site.close());
+
+const open = async (address = "workbench.html", options?: Parameters<Site["ready"]>[1]) => {
+  const visit = await site.ready(address, options);
+  await settled(visit.page);
+  return visit;
+};
+const line = (page: Page) => page.locator(".line code").textContent();
+
+/** The script that is in the editor. */
+async function write(page: Page, text: string): Promise<void> {
+  await page.locator(".cm-content").click();
+  await page.keyboard.press("Control+a");
+  await page.keyboard.insertText(text);
+}
+
+async function saved(page: Page, what: string): Promise<Buffer> {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.locator(`[data-export="${what}"]`).click()]);
+  const path = join(folder, download.suggestedFilename());
+  await download.saveAs(path);
+  return readFileSync(path);
+}
+
+const text = (of: string) => new TextEncoder().encode(of);
+
+describe("a script", () => {
+  test("is proved, its number is the core's, and its file is the command's, byte for byte", async () => {
+    const { page, errors } = await open();
+    await write(page, "r = param('r', 0.6)\nbox(2, 2, 1) - sphere(r)\n");
+    await settled(page);
+    const words = ["mesh", "bracket.star", "--tol", "0.5%", "-o", "bracket.glb"];
+    expect(await line(page)).toBe(`chordal ${words.join(" ")}`);
+    const script = { "bracket.star": text("r = param('r', 0.6)\nbox(2, 2, 1) - sphere(r)\n") };
+    const made = await run(module, [...words, "--json"], script);
+    const { certificate } = JSON.parse(made.stdout);
+    expect(await digits(page, "bound")).toBe(certificate.bound.at_most);
+    expect(await digits(page, "triangles")).toBe(certificate.output.triangles);
+    expect(Buffer.compare(await saved(page, "glb"), made.made["bracket.glb"]!)).toBe(0);
+    const zip = await saved(page, "tiles");
+    expect(zip.subarray(0, 2).toString()).toBe("PK");
+    // A slider of its parameter: a draft while it moves, then the proof, and one step back.
+    await page.locator("#param-r").focus();
+    await page.keyboard.press("ArrowRight");
+    await settled(page);
+    expect(await line(page)).toContain("--set r=0.6");
+    await page.getByRole("button", { name: "Undo" }).click();
+    await settled(page);
+    expect(await line(page)).not.toContain("--set");
+    expect(errors).toEqual([]);
+  });
+
+  test("with a mistake says where, and what was made stays", async () => {
+    const { page } = await open();
+    const before = await digits(page, "bound");
+    await write(page, "sphere(1)\nbox(1, 2");
+    await page.locator(".fault").waitFor();
+    expect(await page.locator(".fault").textContent()).toContain("Line 2");
+    expect(await digits(page, "bound")).toBe(before);
+    // A bomb ends in a sentence, too.
+    await write(page, "a = [1]\nfor i in range(60):\n    a = a + a\nsphere(1)");
+    await expect.poll(() => page.locator(".fault").textContent(), { timeout: 30_000 }).toMatch(/Line [23]/);
+    await write(page, "sphere(1)");
+    await settled(page);
+    expect(await page.locator(".fault").count()).toBe(0);
+  });
+
+  test("comes with the address, and a damaged address with a word", async () => {
+    const { page } = await open();
+    await write(page, "sphere(2)  # 球");
+    await settled(page);
+    await page.waitForFunction(() => location.hash.startsWith("#s="));
+    const address = page.url();
+    const other = await open(address.slice(address.indexOf("workbench.html")));
+    await expect.poll(() => other.page.locator(".cm-content").textContent()).toContain("球");
+    const damaged = await open("workbench.html#s=AAAA");
+    expect(await damaged.page.locator(".note").textContent()).toContain("damaged");
+  });
+
+  test("that takes long is stopped, and the page goes on", async () => {
+    const { page } = await open();
+    await page.locator(".budget input[type=text]").fill("0.0001%");
+    await page.keyboard.press("Enter");
+    await page.locator(".certificate").getByRole("button", { name: "Stop" }).click({ timeout: 20_000 });
+    await expect.poll(() => page.locator(".note").textContent()).toContain("Stopped");
+    await page.locator(".budget input[type=text]").fill("2%");
+    await page.keyboard.press("Enter");
+    await settled(page);
+    expect(await line(page)).toContain("--tol 2%");
+  });
+});
+
+describe("a file", () => {
+  const SICK = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+
+  test("is opened, its findings are shown and cured, and it is combined with another", async () => {
+    const { page, errors } = await open();
+    const picker = page.locator(".inputs input[type=file]");
+    await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
+    await page.locator(".findings").waitFor();
+    expect(await page.locator(".findings").textContent()).toContain("3 boundary edges");
+    await page.locator(".findings").getByRole("button", { name: "Show" }).click();
+    await page.getByRole("button", { name: /--fill-holes/ }).click();
+    await expect.poll(() => page.locator(".findings").textContent()).toContain("sound");
+    await settled(page);
+    expect(await line(page)).toBe(
+      "chordal mend sick.obj --fill-holes -o sick-mended.obj\nchordal mesh sick-mended.obj --tol 0.5% -o sick-mended.glb",
+    );
+    const block = await run(module, ["mesh", "b.star", "--tol", "1%", "-o", "b.stl"], { "b.star": text("move(box(1, 1, 1), 0.5, 0.5, 0.5)") });
+    const other = { name: "b.stl", mimeType: "model/stl", buffer: Buffer.from(block.made["b.stl"]!) };
+    await page.locator(".steps-panel input[type=file]").setInputFiles(other);
+    await page.locator('input[value="intersect"]').check({ force: true });
+    await settled(page);
+    expect(await line(page)).toContain("--intersect b.stl");
+    expect(errors).toEqual([]);
+  });
+
+  test("that nobody can read is one sentence, and 200 MB are read or refused in one", async () => {
+    const { page } = await open();
+    const picker = page.locator(".inputs input[type=file]");
+    await picker.setInputFiles({ name: "a.stl", mimeType: "model/stl", buffer: Buffer.from("solid nothing") });
+    await expect.poll(() => page.locator(".fault").textContent()).toMatch(/^Error: .{10,}/);
+  });
+
+  test("becomes a field and comes back, and has levels by distance", async () => {
+    const { page } = await open();
+    await write(page, "sphere(1)");
+    await settled(page);
+    await page.getByRole("button", { name: "Make levels for one pixel" }).click();
+    const slider = page.locator("#distance");
+    await slider.waitFor({ timeout: 30_000 });
+    const shown = () => page.locator(".known .panel", { has: slider }).textContent();
+    await slider.focus();
+    await page.keyboard.press("Home");
+    const near = await shown();
+    await page.keyboard.press("End");
+    expect(await shown()).not.toBe(near);
+    await page.getByLabel("Cells along the longest side").fill("24");
+    await page.getByRole("button", { name: "Bake into a field" }).click();
+    await expect.poll(() => line(page), { timeout: 30_000 }).toContain("chordal bake bracket.star --cells 24 -o bracket.nrrd\nchordal mesh bracket.nrrd");
+    await settled(page);
+    expect(await page.locator(".certificate .proved").count()).toBe(1);
+  });
+});
+
+test("fits a phone, and has no serious findings in both languages and themes", async () => {
+  for (const [address, colorScheme, width] of [
+    ["workbench.html", "light", 1366],
+    ["workbench.zh.html", "dark", 360],
+  ] as const) {
+    const { page, errors } = await open(address, { colorScheme, viewport: { width, height: 768 } });
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
+    expect(await seriousFindings(page)).toEqual([]);
+    expect(errors).toEqual([]);
+  }
+});
