@@ -29,7 +29,7 @@ const page = await browser.newPage({
   locale: "en-GB",
 });
 await page.goto(`http://127.0.0.1:${server.address().port}/${address}`);
-await page.waitForSelector("html[data-ready]");
+await page.waitForSelector("html[data-settled]");
 await page.waitForTimeout(400);
 await page.screenshot({ path: file, fullPage: full });
 await browser.close();

@@ -4,13 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// How an output would be removed.
-pub type RemoveOutput = Box<dyn Fn(&Path) + Send>;
-
 /// Creates an output.
 pub fn create_unfinished<T>(
     _: &Path,
-    _: RemoveOutput,
+    _: Box<dyn Fn(&Path) + Send>,
     create: impl FnOnce() -> io::Result<T>,
 ) -> io::Result<T> {
     create()

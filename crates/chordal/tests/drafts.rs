@@ -42,13 +42,13 @@ fn a_draft_is_closed_lies_on_the_surface_and_says_nothing_of_its_bound() {
         assert!(found.closed && found.manifold() && found.oriented);
         assert_eq!((made.bound.at_least(), made.bound.at_most()), (0.0, None));
         assert_eq!(*made.bound.evidence(), Evidence::Estimated);
-        // A vertex beside an edge may be on the plane of the other side, half a cell away.
+        // A vertex beside an edge may be on the plane of the other side, a cell away.
         let mut off = vec![0.0; made.shape.positions().len()];
         field.tape().at(made.shape.positions(), &mut off).unwrap();
         off.iter_mut().for_each(|value| *value = value.abs() / scale);
         assert!(off.iter().fold(0.0, |most, one| greater(most, *one)) < 0.05);
         let near = off.iter().filter(|one| **one < 1e-6).count();
-        assert!(10 * near >= 9 * off.len(), "{near} of {}", off.len());
+        assert!(10 * near >= 9 * off.len(), "{near} of {}, {field:?}", off.len());
         let own = signed_volume(&made.shape);
         assert!((own / volume - 1.0).abs() < 0.05, "{own} {volume}");
     }

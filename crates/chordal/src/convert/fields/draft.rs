@@ -14,13 +14,13 @@ use crate::math::{dot, greater, lesser};
 
 /// Cells along the longest side, at least and at most. Chosen: fewer show no shape, and more take longer than one waits for
 /// a draft.
-const CELLS: [f64; 2] = [12.0, 96.0];
+const CELLS: [f64; 2] = [8.0, 96.0];
 /// Where only a number of triangles is asked for: a surface that fills its box passes twice the square of so many.
 const FIRST: f64 = 48.0;
 /// Steps of Newton's method. Chosen: a third is not seen.
 const STEPS: usize = 2;
 /// How far a step may lead, in cells: beyond it lies another part of the surface.
-const REACH: f64 = 0.5;
+const REACH: f64 = 1.0;
 /// Cells about the surface whose values count. A vertex needs the two samples of its edge.
 const BAND: f64 = 2.0;
 
