@@ -1,0 +1,92 @@
+// Completion by the language's own table, and what is shown where a pointer rests on a name or on an error.
+import { type Completion, type CompletionContext, type CompletionResult, autocompletion } from "@codemirror/autocomplete";
+import type { Extension } from "@codemirror/state";
+import { type EditorView, hoverTooltip } from "@codemirror/view";
+import { card } from "./card";
+import type { EditorPhrases } from "./phrases";
+import { problemField } from "./problem";
+import { type Scan, scan } from "./scan";
+import { type FunctionRow, callAt, functionAt, parameterName, parametersOf, table } from "./table";
+import { tokenBefore } from "./tokens";
+
+const WORD = /[\p{L}_][\p{L}\p{N}_]*/u;
+const ONLY_WORD = /^[\p{L}\p{N}_]*$/u;
+
+/** How far up a completion stands, of 99: parameters of the call first, in their order, then what the script names itself. */
+const BOOST = { parameter: 99, own: 1 };
+
+/** Puts a function in with its parentheses, and the cursor between them where there is something to give. */
+function called(row: FunctionRow): Completion["apply"] {
+  return (view: EditorView, _: Completion, from: number, to: number) => {
+    const isCalled = view.state.sliceDoc(to, to + 1) === "(";
+    const insert = isCalled ? row.name : `${row.name}()`;
+    const inside = isCalled || parametersOf(row).length === 0 ? 0 : 1;
+    view.dispatch({ changes: { from, to, insert }, selection: { anchor: from + insert.length - inside }, userEvent: "input.complete" });
+  };
+}
+
+/** The names that a script gives, but not those of arguments in calls. */
+function ownNames({ text, tokens }: Scan, place: number, isKnown: (name: string) => boolean): string[] {
+  const names = new Set<string>();
+  tokens.forEach(({ kind, from, to, depth }, k) => {
+    const next = tokens[k + 1];
+    const isArgument = depth > 0 && next !== undefined && text.slice(next.from, next.to) === "=";
+    // What is being typed is no name yet.
+    const isTyped = from < place && place <= to;
+    if (kind === "name" && !isArgument && !isTyped) names.add(text.slice(from, to));
+  });
+  return [...names].filter((name) => !isKnown(name));
+}
+
+function complete(phrases: EditorPhrases) {
+  return (context: CompletionContext): CompletionResult | null => {
+    const word = context.matchBefore(WORD);
+    if (!word && !context.explicit) return null;
+    const from = word?.from ?? context.pos;
+    const found = scan(context.state);
+    const at = tokenBefore(found.tokens, context.pos);
+    const isText = at && ["string", "comment", "number", "odd"].includes(at.kind) && (at.to > context.pos || at.kind !== "string");
+    if (isText || found.text[from - 1] === ".") return null;
+    const { rows, words } = context.state.facet(table);
+    const call = callAt(found.text, found.tokens, from, rows);
+    const ownCall = call && /[(,]\s*$/.test(found.text.slice(0, from)) ? parametersOf(call.row) : [];
+    const parameters = ownCall.filter((parameter) => !parameter.startsWith("*"));
+    const isKnown = (name: string) => rows.has(name) || words.includes(name);
+    const options: Completion[] = [
+      ...parameters.map((parameter, k) => ({ label: `${parameterName(parameter)}=`, type: "property", detail: phrases.parameter, boost: BOOST.parameter - k })),
+      ...ownNames(found, context.pos, isKnown).map((label) => ({ label, type: "variable", detail: phrases.ownName, boost: BOOST.own })),
+      ...[...rows.values()].map((row) => ({
+        label: row.name,
+        type: "function",
+        detail: row.usage.slice(row.name.length),
+        apply: called(row),
+        info: () => card(row, -1, phrases),
+      })),
+      ...words.map((label) => ({ label, type: "keyword", detail: phrases.word })),
+    ];
+    return { from, options, validFor: ONLY_WORD };
+  };
+}
+
+function hover(phrases: EditorPhrases): Extension {
+  return hoverTooltip(({ state }, place) => {
+    const problem = state.field(problemField);
+    if (problem && problem.from <= place && place < problem.to) {
+      const create = () => {
+        const dom = document.createElement("p");
+        dom.className = "cm-card cm-problemText";
+        dom.textContent = problem.message;
+        return { dom };
+      };
+      return { pos: problem.from, end: problem.to, create };
+    }
+    const { text, tokens } = scan(state);
+    const found = functionAt(text, tokens, place, state.facet(table).rows);
+    if (!found) return null;
+    return { pos: found.token.from, end: found.token.to, create: () => ({ dom: card(found.row, -1, phrases) }) };
+  });
+}
+
+export function completion(phrases: EditorPhrases): Extension {
+  return [autocompletion({ override: [complete(phrases)], icons: false }), hover(phrases)];
+}

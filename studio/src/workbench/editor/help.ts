@@ -1,0 +1,108 @@
+// Below the text: what is wrong and where, what the function at the cursor is, and buttons for the number at the cursor.
+import { selectedCompletion } from "@codemirror/autocomplete";
+import type { Extension } from "@codemirror/state";
+import { EditorView, type Panel, type ViewUpdate, showPanel } from "@codemirror/view";
+import { card } from "./card";
+import { numberAtCursor, stepNumber } from "./dragging";
+import { STEP } from "./numbers";
+import type { EditorPhrases } from "./phrases";
+import { goToProblem, problemField, problemLine } from "./problem";
+import { scan } from "./scan";
+import { callAt, functionAt, table } from "./table";
+
+export const KEYS_ID = "editor-keys";
+export const PROBLEM_ID = "editor-problem";
+
+function button(text: string, label: string, press: () => void): HTMLButtonElement {
+  const made = document.createElement("button");
+  made.type = "button";
+  made.textContent = text;
+  if (label) made.setAttribute("aria-label", label);
+  // The text keeps the keyboard, and a phone its keys on the screen.
+  made.addEventListener("pointerdown", (event) => event.preventDefault());
+  made.addEventListener("mousedown", (event) => event.preventDefault());
+  made.addEventListener("click", press);
+  return made;
+}
+
+class HelpPanel implements Panel {
+  readonly dom = document.createElement("div");
+  private readonly problem = document.createElement("div");
+  private readonly place: HTMLButtonElement;
+  private readonly message = document.createElement("span");
+  private readonly help = document.createElement("div");
+  private readonly stepper = document.createElement("div");
+  private readonly value = document.createElement("code");
+  private shown = "";
+
+  constructor(
+    private readonly view: EditorView,
+    private readonly phrases: EditorPhrases,
+  ) {
+    this.place = button("", "", () => goToProblem(view));
+    this.problem.id = PROBLEM_ID;
+    this.problem.className = "cm-problemPanel";
+    // It is there from the start, or nothing is read out when it fills.
+    this.problem.setAttribute("role", "status");
+    this.problem.setAttribute("aria-live", "polite");
+    this.message.className = "cm-problemText";
+    this.help.className = "cm-help";
+    this.stepper.className = "cm-stepper";
+    const [less, more] = [stepNumber(-STEP.plain), stepNumber(STEP.plain)];
+    this.stepper.append(button("−", phrases.less, () => less(view)), this.value, button("+", phrases.more, () => more(view)));
+    const below = document.createElement("div");
+    below.className = "cm-below";
+    below.append(this.help, this.stepper);
+    this.dom.append(this.problem, below);
+    this.show();
+  }
+
+  update(update: ViewUpdate): void {
+    const { startState, state } = update;
+    const isOther = startState.facet(table) !== state.facet(table) || startState.field(problemField) !== state.field(problemField);
+    const isChosen = selectedCompletion(startState) !== selectedCompletion(state);
+    if (update.docChanged || update.selectionSet || isOther || isChosen) this.show();
+  }
+
+  private show(): void {
+    const { state } = this.view;
+    const problem = state.field(problemField);
+    const line = problemLine(state);
+    const said = problem && line !== null ? `${line} ${problem.message}` : "";
+    // A live region is read out again when it is written again.
+    if (said !== this.shown) {
+      this.shown = said;
+      this.place.textContent = line === null ? "" : this.phrases.line(line);
+      this.message.textContent = problem?.message ?? "";
+      this.problem.replaceChildren(...(problem ? [this.place, this.message] : []));
+    }
+    this.help.replaceChildren(this.helped());
+    const number = numberAtCursor(state);
+    this.stepper.hidden = !number;
+    this.value.textContent = number ? state.sliceDoc(number.from, number.to) : "";
+  }
+
+  /** What is chosen of the completions, the name at the cursor, else the call around it, else what can be done here. */
+  private helped(): Node {
+    const { state } = this.view;
+    const { head } = state.selection.main;
+    const { text, tokens } = scan(state);
+    const { rows } = state.facet(table);
+    const chosen = rows.get(selectedCompletion(state)?.label ?? "");
+    if (chosen) return card(chosen, -1, this.phrases);
+    const named = functionAt(text, tokens, head, rows);
+    if (named) return card(named.row, -1, this.phrases);
+    const call = callAt(text, tokens, head, rows);
+    if (call) return card(call.row, call.parameter, this.phrases);
+    const hint = document.createElement("p");
+    hint.textContent = matchMedia("(pointer: coarse)").matches ? this.phrases.hintForTouch : this.phrases.hint;
+    return hint;
+  }
+}
+
+export function help(phrases: EditorPhrases): Extension {
+  return [
+    showPanel.of((view) => new HelpPanel(view, phrases)),
+    EditorView.contentAttributes.of({ "aria-describedby": KEYS_ID, "aria-errormessage": PROBLEM_ID }),
+  ];
+}

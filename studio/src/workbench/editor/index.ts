@@ -1,0 +1,136 @@
+// The editor of shape scripts: CodeMirror with the language's own table, errors at their place, and numbers as handles.
+//
+// It lives in a shadow tree. There CodeMirror's styles are constructable sheets, which `style-src 'self'` lets pass; in the
+// document itself they would be a <style> element, which it does not.
+import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
+import { defaultKeymap, historyKeymap } from "@codemirror/commands";
+import { LanguageSupport, bracketMatching, indentOnInput, indentUnit } from "@codemirror/language";
+import { pythonLanguage } from "@codemirror/lang-python";
+import { Compartment, EditorState, type Extension } from "@codemirror/state";
+import { EditorView, highlightActiveLine, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
+import type { Language } from "../texts";
+import { completion } from "./complete";
+import { dragging } from "./dragging";
+import { KEYS_ID, help } from "./help";
+import { LiveEdit, difference, steps } from "./live";
+import type { EditorPhrases } from "./phrases";
+import { type EditorError, problemAt, problems, setProblem } from "./problem";
+import { type FunctionRow, table } from "./table";
+import { look } from "./theme";
+
+export { difference } from "./live";
+export { type ParamCall, paramsOf, withParam } from "./params";
+export { EDITOR_PHRASES, type EditorPhrases } from "./phrases";
+export type { EditorError } from "./problem";
+export type { FunctionRow } from "./table";
+
+/** The table in a language: the command's own sentences are English. */
+export async function tableIn(language: Language, functions: readonly FunctionRow[]): Promise<readonly FunctionRow[]> {
+  return language === "zh" ? (await import("./functions_zh")).inChinese(functions) : functions;
+}
+
+export interface EditorOptions {
+  text: string;
+  /** What a screen reader calls it. */
+  label: string;
+  phrases: EditorPhrases;
+  /** After every change that is not the page's own; during a drag each time, and once at its end. */
+  change(text: string, isDragging: boolean): void;
+}
+
+export interface ScriptEditor {
+  readonly text: string;
+  /** While a slider of the page is dragged, all of its texts are one step of undo: up to the first with `isDragging` false. */
+  setText(text: string, isDragging?: boolean): void;
+  setError(error: EditorError | null): void;
+  /** Functions to complete and explain, and other words to complete. */
+  setTable(table: readonly FunctionRow[], words: readonly string[]): void;
+  focus(): void;
+  dispose(): void;
+}
+
+/** The host has this class: outside of a shadow tree an event's target is the host. */
+export const HOST_CLASS = "script-editor";
+
+export function createEditor(parent: HTMLElement, options: EditorOptions): ScriptEditor {
+  const { phrases, change } = options;
+  const known = new Compartment();
+  // What the page changes itself it is not told.
+  let isOfPage = false;
+  let ofSlider: LiveEdit | null = null;
+
+  const handles = dragging({ ended: () => change(view.state.doc.toString(), false) });
+  const told = EditorView.updateListener.of((update) => {
+    if (update.docChanged && !isOfPage) change(update.state.doc.toString(), handles.isDragging(view));
+  });
+
+  const host = document.createElement("div");
+  host.className = HOST_CLASS;
+  host.style.display = "block";
+  host.style.height = "100%";
+  const root = host.attachShadow({ mode: "open" });
+  const keys = document.createElement("p");
+  keys.id = KEYS_ID;
+  keys.hidden = true;
+  keys.textContent = phrases.keys;
+  root.append(keys);
+  parent.append(host);
+
+  const extensions: Extension = [
+    handles.extension,
+    problems,
+    lineNumbers(),
+    highlightActiveLine(),
+    highlightActiveLineGutter(),
+    steps,
+    new LanguageSupport(pythonLanguage),
+    indentUnit.of("    "),
+    indentOnInput(),
+    bracketMatching(),
+    closeBrackets(),
+    completion(phrases),
+    help(phrases),
+    look,
+    EditorView.lineWrapping,
+    // Tab is not among them, and so leaves the editor.
+    keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...historyKeymap]),
+    EditorState.phrases.of(phrases.editor),
+    EditorView.contentAttributes.of({ "aria-label": options.label, spellcheck: "false", autocorrect: "off", autocapitalize: "off", translate: "no" }),
+    known.of([]),
+    told,
+  ];
+  const view = new EditorView({ root, parent: root, state: EditorState.create({ doc: options.text, extensions }) });
+
+  return {
+    get text() {
+      return view.state.doc.toString();
+    },
+    setText(text, isDragging = false) {
+      // The document has one kind of line end.
+      const changes = difference(view.state.doc.toString(), text.replace(/\r\n?/g, "\n"));
+      isOfPage = true;
+      if (changes) {
+        handles.drop(view);
+        ofSlider ??= new LiveEdit(view);
+        ofSlider.change(changes);
+      }
+      if (!isDragging) {
+        ofSlider?.end(true);
+        ofSlider = null;
+      }
+      isOfPage = false;
+    },
+    setError(error) {
+      view.dispatch({ effects: setProblem.of(error && problemAt(view.state.doc, error)) });
+    },
+    setTable(functions, words) {
+      const rows = new Map(functions.map((row) => [row.name, row]));
+      view.dispatch({ effects: known.reconfigure(table.of({ rows, words })) });
+    },
+    focus: () => view.focus(),
+    dispose() {
+      view.destroy();
+      host.remove();
+    },
+  };
+}

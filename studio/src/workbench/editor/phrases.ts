@@ -1,0 +1,61 @@
+// What the editor says besides the script and its functions.
+import type { Language } from "../texts";
+
+export interface EditorPhrases {
+  /** How to use it, for who cannot see it. */
+  keys: string;
+  /** In place of a function's help, while the cursor stands in none. */
+  hint: string;
+  /** The same for a finger. */
+  hintForTouch: string;
+  /** Between two sentences. */
+  gap: string;
+  asDistance(worth: string): string;
+  line(n: number): string;
+  less: string;
+  more: string;
+  parameter: string;
+  word: string;
+  ownName: string;
+  /** CodeMirror's own words, by the English ones. */
+  editor: Record<string, string>;
+}
+
+export const EDITOR_PHRASES: Record<Language, EditorPhrases> = {
+  en: {
+    keys: "Tab leaves the editor. Alt with arrow up or down changes the number at the cursor, with Shift ten times as much. Control and space completes a name. F8 goes to the error.",
+    hint: "Drag a number to the left or right, or change it with Alt + ↑ ↓. Ctrl + Space completes names.",
+    hintForTouch: "Drag a number to the left or right, or tap it and change it with − and +.",
+    gap: " ",
+    asDistance: (worth) => `Its value as a distance: ${worth}.`,
+    line: (n) => `Line ${n}`,
+    less: "One step less",
+    more: "One step more",
+    parameter: "parameter",
+    word: "word",
+    ownName: "in this script",
+    editor: {},
+  },
+  zh: {
+    keys: "按 Tab 键离开编辑器。按住 Alt 再按上、下方向键，可改变光标处的数字；同时按住 Shift，步长变为十倍。Ctrl 加空格补全名称。F8 跳到出错处。",
+    hint: "左右拖动数字，或按 Alt + ↑ ↓ 改变它。Ctrl + 空格补全名称。",
+    hintForTouch: "左右拖动数字，或点一下数字，再用 − 和 + 改变它。",
+    gap: "",
+    asDistance: (worth) => `函数值作为距离：${worth}。`,
+    line: (n) => `第 ${n} 行`,
+    less: "减一步",
+    more: "加一步",
+    parameter: "参数",
+    word: "关键字",
+    ownName: "本脚本中的名称",
+    editor: {
+      Completions: "补全",
+      "Control character": "控制字符",
+      "Selection deleted": "已删除所选内容",
+      close: "关闭",
+      to: "至",
+      Undo: "撤销",
+      Redo: "重做",
+    },
+  },
+};

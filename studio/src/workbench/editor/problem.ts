@@ -1,0 +1,90 @@
+// The error of a script at its place: a line under the words, a mark beside the line, and a sentence below the text.
+import { type EditorState, type Extension, type Range, RangeSet, StateEffect, StateField, type Text } from "@codemirror/state";
+import { type Command, Decoration, type DecorationSet, EditorView, GutterMarker, gutterLineClass, keymap } from "@codemirror/view";
+
+export interface EditorError {
+  /** From 1 on. */
+  line: number;
+  /** From 1 on, in characters as the command counts them: one for each code point. */
+  column?: number;
+  message: string;
+}
+
+export interface Problem {
+  from: number;
+  to: number;
+  message: string;
+}
+
+export const setProblem = StateEffect.define<Problem | null>();
+
+/** Moves with the text until the page says what is wrong with the new one. */
+export const problemField = StateField.define<Problem | null>({
+  create: () => null,
+  update(problem, tr) {
+    for (const effect of tr.effects) if (effect.is(setProblem)) return effect.value;
+    if (!problem || !tr.docChanged) return problem;
+    const [from, to] = [tr.changes.mapPos(problem.from, 1), tr.changes.mapPos(problem.to, -1)];
+    return { ...problem, from: Math.min(from, to), to: Math.max(from, to) };
+  },
+  provide: (field) => [
+    EditorView.decorations.from(field, marks),
+    gutterLineClass.compute([field, "doc"], (state) => {
+      const problem = state.field(field);
+      return problem ? RangeSet.of(lineMark.range(state.doc.lineAt(problem.from).from)) : RangeSet.empty;
+    }),
+    EditorView.contentAttributes.from(field, (problem) => ({ "aria-invalid": String(problem !== null) })),
+  ],
+});
+
+class LineMark extends GutterMarker {
+  override elementClass = "cm-problemLine";
+}
+const lineMark = new LineMark();
+
+const underline = Decoration.mark({ class: "cm-problem" });
+/** Where nothing is left to underline, as at the end of a line. */
+const spot = Decoration.line({ class: "cm-problemSpot" });
+
+function marks(problem: Problem | null): DecorationSet {
+  if (!problem) return Decoration.none;
+  const mark: Range<Decoration> =
+    problem.to > problem.from ? underline.range(problem.from, problem.to) : spot.range(problem.from);
+  return Decoration.set([mark]);
+}
+
+const WORD = /^[\p{L}\p{N}_]+/u;
+
+/** Where an error is in a text: the word at its column, or all of its line. */
+export function problemAt(doc: Text, { line, column, message }: EditorError): Problem {
+  const { from, text } = doc.line(Math.min(Math.max(1, Math.trunc(line) || 1), doc.lines));
+  const start = text.length - text.trimStart().length;
+  if (column === undefined) return lineStart(doc, { from: from + start, to: from + text.trimEnd().length, message });
+  const before = [...text].slice(0, Math.max(0, column - 1)).join("").length;
+  const rest = text.slice(before);
+  const word = WORD.exec(rest)?.[0] ?? rest.slice(0, String.fromCodePoint(rest.codePointAt(0) ?? 0).length);
+  return lineStart(doc, { from: from + before, to: from + before + (rest.trim() === "" ? 0 : word.length), message });
+}
+
+/** A mark of a whole line stands at its start. */
+function lineStart(doc: Text, problem: Problem): Problem {
+  if (problem.to > problem.from) return problem;
+  const { from } = doc.lineAt(problem.from);
+  return { ...problem, from, to: from };
+}
+
+export const problemLine = (state: EditorState): number | null => {
+  const problem = state.field(problemField);
+  return problem && state.doc.lineAt(problem.from).number;
+};
+
+/** The cursor to the error. */
+export const goToProblem: Command = (view) => {
+  const problem = view.state.field(problemField);
+  if (!problem) return false;
+  view.focus();
+  view.dispatch({ selection: { anchor: problem.from }, scrollIntoView: true, userEvent: "select" });
+  return true;
+};
+
+export const problems: Extension = [problemField, keymap.of([{ key: "F8", run: goToProblem }])];
