@@ -82,7 +82,7 @@ fn what_it_lists_is_known_to_scripts() {
     let constants = document["constants"].as_array().unwrap().iter().map(|name| name.as_str().unwrap());
     let all: Vec<&str> = names.chain(constants).collect();
     let folder = Folder::new("language-known");
-    let file = folder.file("all.star", &format!("all = [{}]\nsphere(len(all))\n", all.join(", ")));
+    let file = folder.file("all.star", format!("all = [{}]\nsphere(len(all))\n", all.join(", ")));
     let script = run(&["inspect", &file]);
     script.succeeds();
     let corner = all.len();
