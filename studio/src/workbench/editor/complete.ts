@@ -21,7 +21,8 @@ function called(row: FunctionRow): Completion["apply"] {
     const isCalled = view.state.sliceDoc(to, to + 1) === "(";
     const insert = isCalled ? row.name : `${row.name}()`;
     const inside = isCalled || parametersOf(row).length === 0 ? 0 : 1;
-    view.dispatch({ changes: { from, to, insert }, selection: { anchor: from + insert.length - inside }, userEvent: "input.complete" });
+    const anchor = from + insert.length - inside;
+    view.dispatch({ changes: { from, to, insert }, selection: { anchor }, userEvent: "input.complete" });
   };
 }
 
@@ -45,7 +46,8 @@ function complete(phrases: EditorPhrases) {
     const from = word?.from ?? context.pos;
     const found = scan(context.state);
     const at = tokenBefore(found.tokens, context.pos);
-    const isText = at && ["string", "comment", "number", "odd"].includes(at.kind) && (at.to > context.pos || at.kind !== "string");
+    // Right behind a string is outside of it; a comment and a number go on there.
+    const isText = at && (at.kind === "string" ? at.to > context.pos : ["comment", "number", "odd"].includes(at.kind));
     if (isText || found.text[from - 1] === ".") return null;
     const { rows, words } = context.state.facet(table);
     const call = callAt(found.text, found.tokens, from, rows);
@@ -53,8 +55,18 @@ function complete(phrases: EditorPhrases) {
     const parameters = ownCall.filter((parameter) => !parameter.startsWith("*"));
     const isKnown = (name: string) => rows.has(name) || words.includes(name);
     const options: Completion[] = [
-      ...parameters.map((parameter, k) => ({ label: `${parameterName(parameter)}=`, type: "property", detail: phrases.parameter, boost: BOOST.parameter - k })),
-      ...ownNames(found, context.pos, isKnown).map((label) => ({ label, type: "variable", detail: phrases.ownName, boost: BOOST.own })),
+      ...parameters.map((parameter, k) => ({
+        label: `${parameterName(parameter)}=`,
+        type: "property",
+        detail: phrases.parameter,
+        boost: BOOST.parameter - k,
+      })),
+      ...ownNames(found, context.pos, isKnown).map((label) => ({
+        label,
+        type: "variable",
+        detail: phrases.ownName,
+        boost: BOOST.own,
+      })),
       ...[...rows.values()].map((row) => ({
         label: row.name,
         type: "function",

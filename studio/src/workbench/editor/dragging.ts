@@ -201,7 +201,8 @@ function handles(view: EditorView): DecorationSet {
 }
 
 /** The number that the cursor stands at. */
-export const numberAtCursor = (state: EditorState): NumberPlace | undefined => numberAt(scan(state).numbers, state.selection.main.head);
+export const numberAtCursor = (state: EditorState): NumberPlace | undefined =>
+  numberAt(scan(state).numbers, state.selection.main.head);
 
 /** Changes the number at the cursor, and says what it is now to who cannot see it. */
 export function stepNumber(tenths: number): Command {

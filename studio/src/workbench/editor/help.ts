@@ -1,6 +1,6 @@
 // Below the text: what is wrong and where, what the function at the cursor is, and buttons for the number at the cursor.
 import { selectedCompletion } from "@codemirror/autocomplete";
-import type { Extension } from "@codemirror/state";
+import type { EditorState, Extension } from "@codemirror/state";
 import { EditorView, type Panel, type ViewUpdate, showPanel } from "@codemirror/view";
 import { card } from "./card";
 import { numberAtCursor, stepNumber } from "./dragging";
@@ -59,9 +59,9 @@ class HelpPanel implements Panel {
 
   update(update: ViewUpdate): void {
     const { startState, state } = update;
-    const isOther = startState.facet(table) !== state.facet(table) || startState.field(problemField) !== state.field(problemField);
-    const isChosen = selectedCompletion(startState) !== selectedCompletion(state);
-    if (update.docChanged || update.selectionSet || isOther || isChosen) this.show();
+    const shown = (of: EditorState) => [of.facet(table), of.field(problemField), selectedCompletion(of)];
+    const [before, after] = [shown(startState), shown(state)];
+    if (update.docChanged || update.selectionSet || after.some((part, k) => part !== before[k])) this.show();
   }
 
   private show(): void {

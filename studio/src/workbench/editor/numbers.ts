@@ -31,8 +31,8 @@ export function numbersOf(text: string, all: readonly Token[] = tokens(text)): N
   return spoken.flatMap((token, k): NumberPlace[] => {
     if (token.kind !== "number") return [];
     const minus = spoken[k - 1];
-    const isNegative = minus?.kind === "sign" && text[minus.from] === "-" && minus.to === token.from && isSign(text, spoken[k - 2]);
-    return [{ from: isNegative ? minus.from : token.from, to: token.to }];
+    const isMinus = minus?.kind === "sign" && text[minus.from] === "-" && minus.to === token.from;
+    return [{ from: isMinus && isSign(text, spoken[k - 2]) ? minus.from : token.from, to: token.to }];
   });
 }
 

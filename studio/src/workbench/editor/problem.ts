@@ -1,6 +1,7 @@
 // The error of a script at its place: a line under the words, a mark beside the line, and a sentence below the text.
 import { type EditorState, type Extension, type Range, RangeSet, StateEffect, StateField, type Text } from "@codemirror/state";
-import { type Command, Decoration, type DecorationSet, EditorView, GutterMarker, gutterLineClass, keymap } from "@codemirror/view";
+import { type Command, Decoration, type DecorationSet, EditorView } from "@codemirror/view";
+import { GutterMarker, gutterLineClass, keymap } from "@codemirror/view";
 
 export interface EditorError {
   /** From 1 on. */

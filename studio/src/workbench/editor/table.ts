@@ -43,8 +43,9 @@ export function callAt(text: string, all: readonly Token[], place: number, rows:
     const said = token.kind === "sign" ? word(token) : "";
     const top = open.at(-1);
     if ("([{".includes(said) && said) {
-      const called = said === "(" && before[k - 1]?.kind === "name" && before[k - 1]!.to === token.from ? word(before[k - 1]) : "";
-      open.push({ name: called, commas: 0, last: null });
+      const called = before[k - 1];
+      const isCall = said === "(" && called?.kind === "name" && called.to === token.from;
+      open.push({ name: isCall ? word(called) : "", commas: 0, last: null });
     } else if (")]}".includes(said) && said) {
       open.pop();
     } else if (said === "," && top) {
@@ -69,8 +70,13 @@ function parameterIndex(parameters: readonly string[], commas: number, name: str
   return commas < parameters.length ? commas : -1;
 }
 
+export interface NamedFunction {
+  row: FunctionRow;
+  token: Token;
+}
+
 /** The function whose name stands at a place, or ends there. */
-export function functionAt(text: string, all: readonly Token[], place: number, rows: Table["rows"]): { row: FunctionRow; token: Token } | null {
+export function functionAt(text: string, all: readonly Token[], place: number, rows: Table["rows"]): NamedFunction | null {
   // Of `a(b` at the bracket the name is before, and of `(b` it begins there.
   for (const token of [tokenBefore(all, place), tokenBefore(all, place + 1)]) {
     const row = token?.kind === "name" && token.from <= place ? rows.get(text.slice(token.from, token.to)) : undefined;

@@ -6,8 +6,14 @@ import { tags } from "@lezer/highlight";
 
 /** A finger: WCAG 2.5.5 asks for 44 by 44 CSS pixels. */
 const FINGER = "@media (pointer: coarse)";
+const row = { display: "flex", gap: "var(--space-3)" };
 const focusRing = { outline: "3px solid var(--focus)", outlineOffset: "0" };
-const floating = { backgroundColor: "var(--raised)", color: "var(--ink)", border: "1px solid var(--line)", borderRadius: "var(--radius)" };
+const floating = {
+  backgroundColor: "var(--raised)",
+  color: "var(--ink)",
+  border: "1px solid var(--line)",
+  borderRadius: "var(--radius)",
+};
 
 const theme = EditorView.theme({
   "&": { height: "100%", backgroundColor: "var(--raised)", color: "var(--ink)" },
@@ -35,9 +41,9 @@ const theme = EditorView.theme({
   ".cm-panels": { backgroundColor: "var(--paper)", color: "var(--ink)", font: "var(--text-small)/1.5 var(--sans)", zIndex: "1" },
   ".cm-panels.cm-panels-bottom": { borderTop: "1px solid var(--line)" },
   // Empty it has no height, but is there: what is hidden is no live region.
-  ".cm-problemPanel:not(:empty)": { display: "flex", gap: "var(--space-3)", alignItems: "baseline", padding: "var(--space-1) var(--space-3)" },
+  ".cm-problemPanel:not(:empty)": { ...row, alignItems: "baseline", padding: "var(--space-1) var(--space-3)" },
   // As high as a line of usage and two of a sentence, so that the text does not jump as the cursor goes.
-  ".cm-below": { display: "flex", gap: "var(--space-3)", alignItems: "start", minHeight: "4.9rem", padding: "var(--space-2) var(--space-3)" },
+  ".cm-below": { ...row, alignItems: "start", minHeight: "4.9rem", padding: "var(--space-2) var(--space-3)" },
   ".cm-help": { flex: "1", minWidth: "0", color: "var(--soft)" },
   ".cm-help p, .cm-card p": { margin: "0", font: "var(--text-small)/1.5 var(--sans)" },
   ".cm-usage": { font: "var(--text-small)/1.5 var(--mono)", color: "var(--ink)", overflowWrap: "anywhere" },
