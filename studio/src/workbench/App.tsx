@@ -29,7 +29,7 @@ export function App({ language, state, control }: Props) {
   useEffect(() => {
     if (!control) return;
     const key = (event: KeyboardEvent) => {
-      const isText = event.target instanceof Element && event.target.closest("input, textarea, .cm-editor");
+      const isText = event.target instanceof Element && event.target.closest("input, textarea, .script-editor");
       if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || isText) return;
       event.preventDefault();
       if (event.shiftKey) control.redo();

@@ -16,7 +16,7 @@ export function Script({ page }: { page: Page }) {
   useEffect(() => {
     if (!control) return;
     let isGone = false;
-    void import("./editor").then(({ EDITOR_PHRASES, createEditor }) => {
+    void import("./editor").then(({ EDITOR_PHRASES, createEditor, tableIn }) => {
       if (isGone) return;
       setLoaded(true);
       editor.current = createEditor(place.current!, {
@@ -25,7 +25,9 @@ export function Script({ page }: { page: Page }) {
         phrases: EDITOR_PHRASES[language],
         change: (text, isDragging) => now.current.control?.write(text, isDragging),
       });
-      void control.language().then((table) => table && editor.current?.setTable(table.functions, table.words));
+      void control.language().then(async (table) => {
+        if (table) editor.current?.setTable(await tableIn(language, table.functions), table.words);
+      });
     });
     return () => {
       isGone = true;

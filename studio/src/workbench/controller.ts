@@ -35,7 +35,7 @@ export interface Shown {
 
 /** A part of docs/schema/language.schema.json. */
 interface LanguageTable {
-  functions: readonly FunctionRow[];
+  functions: readonly (Omit<FunctionRow, "worth"> & { worth: string | null })[];
   constants?: readonly (string | { name: string })[];
   keywords?: readonly string[];
 }
@@ -243,7 +243,8 @@ export class Controller {
     const outcome = await this.run("language", ["language"], {}, true);
     if (!outcome || outcome.exit !== 0) return null;
     const { functions, constants, keywords } = JSON.parse(outcome.stdout) as LanguageTable;
-    return { functions, words: [...(constants ?? []), ...(keywords ?? [])].map((one) => (typeof one === "string" ? one : one.name)) };
+    const rows = functions.map(({ worth, ...row }) => (worth === null ? row : { ...row, worth }));
+    return { functions: rows, words: [...(constants ?? []), ...(keywords ?? [])].map((one) => (typeof one === "string" ? one : one.name)) };
   }
 
   /** Files for the disk: those that a line makes. */

@@ -26,15 +26,16 @@ const BAND: f64 = 2.0;
 
 /// Cells as large as the length, so that what they cut off of edges and corners is smaller.
 pub(in crate::convert) fn draft(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> FieldMeshResult {
-    let sign = clip_to_bounds(field);
-    let solid = Field::new(sign.clone()).with_bounds(field.bounds());
+    let solid = Field::new(clip_to_bounds(field)).with_bounds(field.bounds());
     let longest = longest(&field.bounds());
     let mut cells = match wanted.length {
         Some(length) => (longest / length.get()).clamp(CELLS[0], CELLS[1]),
         None => FIRST,
     };
     let most = wanted.triangles.unwrap_or(u64::MAX);
-    let tape = Tape::new(&sign);
+    // Without the planes that cut it off: inside of a shape whose value is steep they have the larger value, and would draw
+    // vertices away.
+    let tape = Tape::new(field.sign());
     loop {
         let mesh = on_lattice(&solid, &tape, cells.ceil() as usize, job)?;
         let count = mesh.faces().len() as u64;
