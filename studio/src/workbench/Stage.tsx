@@ -3,10 +3,10 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { PAINT } from "../exhibits/paint";
 import { Scene } from "../exhibits/Scene";
 import { Choice, Slider } from "../view/parts";
-import type { Layer, Picture, Vec3 } from "../viewer";
+import type { Layer, Picture, Section, Vec3 } from "../viewer";
 import { Working } from "./Certificate";
 import { hasField, isScript } from "./document";
-import type { Part } from "./glb";
+import { type Part, boxOf } from "./glb";
 import { levelAt } from "./Levels";
 import { drawSlice } from "./slice";
 import type { Page } from "./words";
@@ -21,10 +21,16 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
   const { shown, levels, view, home, bench } = state;
   const [look, setLook] = useState<Look>("shaded");
   const [pane, setPane] = useState<"mesh" | "field" | "both">("both");
+  /** Where it is cut, from 0 at the front to 1 at the back; `null` for the whole. */
+  const [cut, setCut] = useState<number | null>(null);
   const [fieldLook, setFieldLook] = useState<"traced" | "sliced">("traced");
   const level = levelAt(page);
   const parts = level === null ? (shown?.parts ?? []) : (levels!.parts[level] ?? []);
-  const picture = useMemo<Picture>(() => ({ layers: layersOf(parts, look, marked, home.distance) }), [parts, look, marked, home]);
+  const section = useMemo(() => sectionOf(parts, cut), [parts, cut]);
+  const picture = useMemo<Picture>(
+    () => ({ layers: layersOf(parts, look, marked, home.distance), ...(section ? { section } : {}) }),
+    [parts, look, marked, home, section],
+  );
   const isTwo = pane === "both";
   return (
     <section class="stage-column" id="figure" tabindex={-1}>
@@ -57,6 +63,23 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
               isStill={!control}
             />
             <Measure page={page} />
+            <label class="cut">
+              <input type="checkbox" checked={cut !== null} onChange={(event) => setCut(event.currentTarget.checked ? 0.5 : null)} />
+              {words.section}
+            </label>
+            {cut !== null && (
+              <Slider
+                id="cut"
+                label={words.cutAt}
+                shown={page.say.percent(cut)}
+                spoken={page.say.percent(cut)}
+                low={0}
+                high={1}
+                step={0.01}
+                value={cut}
+                choose={setCut}
+              />
+            )}
           </figure>
         )}
         {pane !== "mesh" && (
@@ -138,6 +161,14 @@ function FieldPane({ page, look }: { page: Page; look: "traced" | "sliced" }) {
       <Working page={page} lanes={isTraced ? ["field"] : ["slice"]} />
     </>
   );
+}
+
+/** Cut away is what stands before a plane that faces the first view, across y. */
+function sectionOf(parts: readonly Part[], cut: number | null): Section | undefined {
+  const box = cut === null ? undefined : boxOf(parts);
+  if (!box) return undefined;
+  const [low, high] = [box[0][1], box[1][1]];
+  return { normal: [0, -1, 0], offset: -(low + cut! * (high - low)), paint: PAINT.mark };
 }
 
 function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], distance: number): Layer[] {

@@ -32,6 +32,7 @@ export interface Texts {
   show: string;
   shows: { shaded: string; wire: string; normals: string; culled: string };
   section: string;
+  cutAt: string;
   sliceAt: string;
   fieldShow: string;
   traced: string;
@@ -127,7 +128,8 @@ export const TEXTS: Record<Language, Texts> = {
     panes: "Show",
     show: "Mesh as",
     shows: { shaded: "Surface", wire: "Edges", normals: "Normals", culled: "Backs culled" },
-    section: "Cut",
+    section: "Cut open",
+    cutAt: "Where, from front to back",
     sliceAt: "Height of the cut",
     fieldShow: "Field as",
     traced: "Sphere-traced",
@@ -226,7 +228,8 @@ export const TEXTS: Record<Language, Texts> = {
     panes: "显示",
     show: "网格显示为",
     shows: { shaded: "表面", wire: "边", normals: "法线", culled: "剔除背面" },
-    section: "剖切",
+    section: "剖开",
+    cutAt: "剖切位置（由前到后）",
     sliceAt: "剖切高度",
     fieldShow: "场显示为",
     traced: "球面追踪",

@@ -70,6 +70,8 @@ describe("a script", () => {
   test("with a mistake says where, and what was made stays", async () => {
     const { page } = await open();
     const before = await digits(page, "bound");
+    await page.getByLabel("Cut open").check();
+    await page.locator("#cut").waitFor();
     await write(page, "sphere(1)\nbox(1, 2");
     await page.locator(".fault").waitFor();
     expect(await page.locator(".fault").textContent()).toContain("Line 2");
