@@ -10,6 +10,8 @@ const KINDS: readonly BudgetKind[] = ["tol", "px", "triangles"];
 /** How far a slider goes beyond the value that is written, and in how many steps. */
 const REACH = 2;
 const STEPS = 100;
+/** A whole number from here on may be a count. */
+const WHOLE = 5;
 
 export function Inputs({ page }: { page: Page }) {
   const { words, state, control, say } = page;
@@ -90,12 +92,12 @@ function Parameters({ page }: { page: Page }) {
   const set = (name: string, value: number, isDragging: boolean) =>
     control?.put({ ...bench, set: { ...bench.set, [name]: String(value) } }, isDragging);
   return (
-    <fieldset class="parameters" onPointerUp={() => control?.put(bench)}>
+    <fieldset class="parameters" onChange={() => control?.rest()}>
       <legend>{words.parameters}</legend>
       {parameters.map(({ name, default: usual }) => {
         const value = Number(bench.set[name] ?? usual);
         const [low, high] = usual === 0 ? [-1, 1] : usual > 0 ? [0, REACH * usual] : [REACH * usual, 0];
-        const step = Number.isInteger(usual) && usual > REACH ? 1 : Number(((high - low) / STEPS).toPrecision(1));
+        const step = Number.isInteger(usual) && Math.abs(usual) >= WHOLE ? 1 : Number(((high - low) / STEPS).toPrecision(1));
         return (
           <Slider
             key={name}

@@ -168,6 +168,11 @@ export class Controller {
   }
   private dragged = false;
 
+  /** The hand is off what it dragged. */
+  rest(): void {
+    if (this.dragged) this.put(this.state.bench);
+  }
+
   undo(): void {
     const { past, bench: now, future } = this.state;
     const before = past.at(-1);

@@ -3,9 +3,12 @@ import { existsSync, mkdtempSync, readFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
-import { afterAll, beforeAll, describe, expect, test } from "vitest";
+import { afterAll, beforeAll, describe, expect, test, vi } from "vitest";
 import { run } from "../../src/workbench/command";
 import { ROOT, Site, digits, seriousFindings, settled } from "./site";
+
+// The module that tests build is half as fast as the one that pages have.
+vi.setConfig({ testTimeout: 180_000, hookTimeout: 60_000, expect: { poll: { timeout: 60_000 } } });
 
 const MODULE = join(ROOT, "wasm/command.wasm");
 const folder = mkdtempSync(join(tmpdir(), "chordal-page-"));
@@ -78,7 +81,7 @@ describe("a script", () => {
     expect(await digits(page, "bound")).toBe(before);
     // A bomb ends in a sentence, too.
     await write(page, "a = [1]\nfor i in range(60):\n    a = a + a\nsphere(1)");
-    await expect.poll(() => page.locator(".fault").textContent(), { timeout: 30_000 }).toMatch(/Line [23]/);
+    await expect.poll(() => page.locator(".fault").textContent()).toMatch(/Line [23]/);
     await write(page, "sphere(1)");
     await settled(page);
     expect(await page.locator(".fault").count()).toBe(0);
@@ -156,7 +159,7 @@ describe("a file", () => {
     expect(await shown()).not.toBe(near);
     await page.getByLabel("Cells along the longest side").fill("24");
     await page.getByRole("button", { name: "Bake into a field" }).click();
-    await expect.poll(() => line(page), { timeout: 30_000 }).toContain("chordal bake bracket.star --cells 24 -o bracket.nrrd\nchordal mesh bracket.nrrd");
+    await expect.poll(() => line(page)).toContain("chordal bake bracket.star --cells 24 -o bracket.nrrd\nchordal mesh bracket.nrrd");
     await settled(page);
     expect(await page.locator(".certificate .proved").count()).toBe(1);
   });

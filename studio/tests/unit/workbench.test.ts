@@ -4,12 +4,15 @@ import { randomBytes } from "node:crypto";
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { beforeAll, describe, expect, test } from "vitest";
+import { beforeAll, describe, expect, test, vi } from "vitest";
 import { Trapped, run } from "../../src/workbench/command";
 import { bench, meshLine, python, quoted, rust, shell, split, viewText, withText } from "../../src/workbench/document";
 import { levels, parts, standing } from "../../src/workbench/glb";
 import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
 import { pack, unpack } from "../../src/workbench/share";
+
+// The module that tests build is small in nothing and quick in nothing.
+vi.setConfig({ testTimeout: 180_000, hookTimeout: 60_000 });
 
 const SCREEN = { width: 1366, height: 768, fovDeg: 28, distance: 12.3456789 };
 const text = (of: string) => new TextEncoder().encode(of);
@@ -195,7 +198,7 @@ describe.skipIf(!existsSync(MODULE))("the command as a module", () => {
         expect(Buffer.compare(readFileSync(join(folder, file)), bytes), `${words.join(" ")} ${file}`).toBe(0);
       }
     }
-  }, 120_000);
+  });
 });
 
 test("a file with y up stands", () => {
