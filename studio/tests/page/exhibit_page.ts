@@ -11,7 +11,6 @@ import { EXHIBITS_WASM, Site, digits, settled, type Visit } from "./site";
 
 export class ExhibitPages {
   private visit: Visit | undefined;
-  private isPlain = false;
   private constructor(
     readonly site: Site,
     readonly core: Core,
@@ -24,23 +23,8 @@ export class ExhibitPages {
     return new ExhibitPages(await Site.open(), await Core.load(readFileSync(EXHIBITS_WASM)), exhibits);
   }
 
-  /** Opens an address in a page of its own if it is opened in a way of its own, else in the page of the address before. */
-  async at(address: string, options?: Parameters<Site["ready"]>[1]): Promise<Page> {
-    if (!this.visit || options || !this.isPlain) {
-      await this.leave();
-      this.visit = await this.site.visit(address, options);
-      this.isPlain = options === undefined;
-    } else {
-      const { page, errors } = this.visit;
-      await page.setViewportSize(this.site.viewport);
-      await page.emulateMedia({ colorScheme: "light", reducedMotion: "no-preference" });
-      // From another address, for only the fragment may be another one.
-      await page.goto("about:blank");
-      errors.length = 0;
-      await page.goto(this.site.base + address);
-    }
-    await this.visit.page.waitForSelector("html[data-ready]");
-    await settled(this.visit.page);
+  async at(...where: Parameters<Site["at"]>): Promise<Page> {
+    this.visit = await this.site.at(...where);
     return this.visit.page;
   }
 
@@ -48,14 +32,8 @@ export class ExhibitPages {
     return this.visit?.errors ?? [];
   }
 
-  async leave(): Promise<void> {
-    await this.visit?.page.context().close();
-    this.visit = undefined;
-  }
-
-  async close(): Promise<void> {
-    await this.leave();
-    await this.site.close();
+  close(): Promise<void> {
+    return this.site.close();
   }
 
   /** The state that the address holds once the hand rests. */

@@ -1,7 +1,7 @@
 // The widget's two moments, judging by eye and halving the gap, and what surrounds them: what is in sight at first, the
 // film, formula and code, Back, print, narrow frames, the reader's language before any script has run.
 import { readFileSync } from "node:fs";
-import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest";
+import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import type { Page } from "playwright-core";
 import { Core } from "../../src/core/module";
 import { read } from "../../src/state/fragment";
@@ -11,20 +11,14 @@ import { Site, WASM, digits, settled, type Visit } from "./site";
 
 let site: Site;
 let core: Core;
-let visit: Visit | undefined;
+let visit: Visit;
 beforeAll(async () => {
   site = await Site.open();
   core = await Core.load(readFileSync(WASM));
 });
 afterAll(() => site.close());
-beforeEach(async () => {
-  await visit?.page.context().close();
-  visit = undefined;
-});
-
-async function open(...where: Parameters<Site["ready"]>): Promise<Page> {
-  visit = await site.ready(...where);
-  await settled(visit.page);
+async function open(...where: Parameters<Site["at"]>): Promise<Page> {
+  visit = await site.at(...where);
   return visit.page;
 }
 
@@ -63,7 +57,7 @@ describe("judging by eye", () => {
     await button(page, "Flip between what the screen draws and the true curve").click();
     await settled(page);
     expect(await stroke.getAttribute("d")).toBe(chain);
-    expect(visit!.errors).toEqual([]);
+    expect(visit.errors).toEqual([]);
   });
 
   test("points still move by keys while one judges, and show then", async () => {
@@ -166,8 +160,6 @@ describe("at first sight", () => {
           expect(box.y + box.height, `${what} ${address}`).toBeLessThanOrEqual(height);
         }
       }
-      await page.context().close();
-      visit = undefined;
     }
   });
 
@@ -204,8 +196,6 @@ describe("at first sight", () => {
         await settled(page);
         expect(await page.locator(".headline").innerText()).toContain("That shows");
       }
-      await page.context().close();
-      visit = undefined;
     }
     expect(failing).toBeGreaterThan(0);
   });
@@ -216,15 +206,13 @@ describe("at first sight", () => {
       const colour = (what: string) => page.locator(what).evaluate((one) => getComputedStyle(one).color);
       expect(await page.locator(".headline").getAttribute("class")).toContain(found);
       expect(await colour(".readout .big")).toBe(await colour(".headline"));
-      await page.context().close();
-      visit = undefined;
     }
   });
 });
 
 describe("the film", () => {
   test("it plays every stop to the last, by one press, and is one step of the history", async () => {
-    const page = await open("#v=1&n=80");
+    const page = await open("#v=1&n=80", { isFirst: true });
     const shown = page.evaluate(
       () =>
         new Promise<number[]>((done) => {
@@ -265,7 +253,7 @@ test("a straight curve that turns back beyond its chain is measured so", async (
 
 describe("Back", () => {
   test("it undoes step by step and does not leave the page before that", async () => {
-    const page = await open();
+    const page = await open("", { isFirst: true });
     await button(page, "One segment more").click();
     await settled(page);
     await page.locator("input[name=spacing][value=fewest]").check();
@@ -290,7 +278,7 @@ describe("Back", () => {
   });
 
   test("a drag is one step", async () => {
-    const page = await open();
+    const page = await open("", { isFirst: true });
     const length = await page.evaluate(() => history.length);
     const box = (await page.locator("svg[data-figure] [role=slider]").nth(1).locator(".dot").boundingBox())!;
     await page.mouse.move(box.x + 5, box.y + 5);
@@ -337,8 +325,6 @@ describe("languages", () => {
       expect(await page.title()).toBe(heading);
       said.add(heading);
       said.add(await page.locator(".closing").innerText());
-      await page.context().close();
-      visit = undefined;
     }
     expect(said.size).toBe(8);
   });
@@ -395,8 +381,6 @@ describe("on paper", () => {
       expect(pressed, address).toBe(0);
       // On paper it is ink on white, whatever the screen was.
       expect(await page.evaluate(() => getComputedStyle(document.body).backgroundColor)).toBe("rgb(255, 255, 255)");
-      await page.context().close();
-      visit = undefined;
     }
   });
 });

@@ -1,6 +1,6 @@
 // The page as readers meet it: by hand, by keys, by address, embedded, broken, and without script.
 import { readFileSync } from "node:fs";
-import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest";
+import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import type { Page } from "playwright-core";
 import { Core } from "../../src/core/module";
 import { read } from "../../src/state/fragment";
@@ -11,19 +11,14 @@ import { Site, WASM, digits, seriousFindings, settled, type Visit } from "./site
 
 let site: Site;
 let core: Core;
-let visit: Visit | undefined;
+let visit: Visit;
 beforeAll(async () => {
   site = await Site.open();
   core = await Core.load(readFileSync(WASM));
 });
 afterAll(() => site.close());
-beforeEach(async () => {
-  await visit?.page.context().close();
-  visit = undefined;
-});
-
-async function open(...where: Parameters<Site["ready"]>): Promise<Page> {
-  visit = await site.ready(...where);
+async function open(...where: Parameters<Site["at"]>): Promise<Page> {
+  visit = await site.at(...where);
   return visit.page;
 }
 
@@ -79,14 +74,12 @@ async function drag(page: Page, i: number, dx: number, dy: number, steps = 8) {
 describe("one curve", () => {
   test("the numbers on the page are the core's, digit for digit", async () => {
     const page = await open();
-    await settled(page);
     await expectNumbers(page, DEFAULTS);
-    expect(visit!.errors).toEqual([]);
+    expect(visit.errors).toEqual([]);
   });
 
   test("a dragged point moves the curve, the numbers and the address", async () => {
     const page = await open();
-    await settled(page);
     await drag(page, 1, 60, 40);
     const state = await stateOf(page);
     expect(state.control[1]).not.toEqual(DEFAULTS.control[1]);
@@ -95,7 +88,7 @@ describe("one curve", () => {
     expect(state.control[1]![0] - DEFAULTS.control[1]![0]).toBeCloseTo(60 / scale, 1);
     expect(DEFAULTS.control[1]![1] - state.control[1]![1]).toBeCloseTo(40 / scale, 1);
     await expectNumbers(page, state);
-    expect(visit!.errors).toEqual([]);
+    expect(visit.errors).toEqual([]);
   });
 
   test("a point dragged out of the figure stays inside the drawing", async () => {
@@ -169,7 +162,6 @@ describe("one curve", () => {
 
   test("a denser screen makes the same gap more pixels", async () => {
     const page = await open();
-    await settled(page);
     const once = await digits(page, "gap-pixels");
     for (const density of [1, 2, 3]) {
       await page.locator(`input[name=density][value="${density}"]`).check();
@@ -177,8 +169,7 @@ describe("one curve", () => {
       expect(await digits(page, "gap-pixels")).toBeCloseTo(once * density, 9);
     }
     await open("", { deviceScaleFactor: 2 });
-    await settled(visit!.page);
-    expect(await digits(visit!.page, "gap-pixels")).toBeCloseTo(once * 2, 9);
+    expect(await digits(visit.page, "gap-pixels")).toBeCloseTo(once * 2, 9);
   });
 
   test("de Casteljau's point is dragged along the curve and by its slider", async () => {
@@ -209,7 +200,7 @@ describe("one curve", () => {
   test("all four points in one place are said to be so", async () => {
     const page = await open("#v=1&c=300,300,300,300,300,300,300,300");
     expect(await page.locator(".headline").textContent()).toContain("nothing to draw");
-    expect(visit!.errors).toEqual([]);
+    expect(visit.errors).toEqual([]);
   });
 });
 
@@ -226,7 +217,7 @@ describe("two curves", () => {
       if (wish !== "C0") expect(join.parametric).toBe(level);
       expect(await digits(page, "curvature-gap")).toBeCloseTo(join.curvature_gap!, 9);
     }
-    expect(visit!.errors).toEqual([]);
+    expect(visit.errors).toEqual([]);
   });
 
   test("the second curve leads when its handle is dragged", async () => {
@@ -266,7 +257,6 @@ describe("two curves", () => {
 describe("address, language, surroundings", () => {
   test("a link brings back what it was made from", async () => {
     const page = await open("#v=1&n=33&s=f&g=4&d=2&c=100,100,200,500,800,500,900,100&t=700");
-    await settled(page);
     const state = read(new URL(page.url()).hash).state;
     expect([state.segments, state.spacing, state.goal, state.density, state.t]).toEqual([33, "fewest", 0.25, 2, 0.7]);
     await expectNumbers(page, state);
@@ -287,9 +277,7 @@ describe("address, language, surroundings", () => {
       await page.getByRole("button", { name: "Close this note" }).click();
       await settled(page);
       expect(await page.locator(".note").count()).toBe(0);
-      expect(visit!.errors, hash).toEqual([]);
-      await page.context().close();
-      visit = undefined;
+      expect(visit.errors, hash).toEqual([]);
     }
   });
 
@@ -310,7 +298,7 @@ describe("address, language, surroundings", () => {
     expect(english).toEqual([]);
     expect((await stateOf(page)).language).toBe("zh");
     await open(new URL(page.url()).hash);
-    expect(await visit!.page.locator("html").getAttribute("lang")).toBe("zh-CN");
+    expect(await visit.page.locator("html").getAttribute("lang")).toBe("zh-CN");
   });
 
   test("a reader whose browser speaks Chinese is met in Chinese, and zh.html always is", async () => {
@@ -329,16 +317,14 @@ describe("address, language, surroundings", () => {
     const frame = other.frameLocator("iframe");
     await frame.locator("html[data-ready]").waitFor();
     expect(await frame.locator(".slider output").first().textContent()).toBe("9");
+    await other.close();
   });
 
   test("at 360 pixels nothing sticks out, in both views and languages", async () => {
     for (const address of ["", "#v=1&w=s", "#v=1&l=zh", "#v=1&l=zh&w=s", "?embed=1"]) {
       const page = await open(address, { viewport: { width: 360, height: 740 } });
-      await settled(page);
       await page.locator("details").evaluateAll((all) => all.forEach((one) => ((one as HTMLDetailsElement).open = true)));
       expect(await page.evaluate(() => document.documentElement.scrollWidth), address).toBeLessThanOrEqual(360);
-      await page.context().close();
-      visit = undefined;
     }
   });
 
@@ -383,7 +369,6 @@ describe("without script, and when things break", () => {
         await (loads === 1 ? route.fulfill({ body: Buffer.from(TRAPPING) }) : route.continue());
       });
     const page = await open("", { prepare });
-    await settled(page);
     expect(loads).toBe(2);
     expect(await page.locator("[data-note='note.rebuilt']").count()).toBe(1);
     await expectNumbers(page, DEFAULTS);
@@ -407,11 +392,8 @@ describe("for everybody", () => {
         for (const language of ["en", "zh"]) {
           const address = `#v=1&w=${view}&h=${theme}&l=${language}`;
           const page = await open(address);
-          await settled(page);
           await page.locator("details").evaluateAll((all) => all.forEach((one) => ((one as HTMLDetailsElement).open = true)));
           expect(await seriousFindings(page), address).toEqual([]);
-          await page.context().close();
-          visit = undefined;
         }
       }
     }
@@ -425,7 +407,6 @@ describe("for everybody", () => {
     ["with the plot in sight as well", 1700],
   ])("a move of a drag asks two questions and changes a hundred nodes at the most, %s", async (_, height) => {
     const page = await open("", { viewport: { width: 1200, height }, prepare: countWork });
-    await settled(page);
     let before = await workOf(page);
     await wave(page, 1, async () => (before = await workOf(page)));
     const after = await workOf(page);

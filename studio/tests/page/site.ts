@@ -28,9 +28,18 @@ const FLAGS = [
   "--enable-unsafe-swiftshader",
 ];
 
+/** How a page is opened. */
+export type Opening = BrowserContextOptions & {
+  /** Before its first address. */
+  prepare?: (page: Page) => Promise<unknown>;
+  /** In a page without a history. */
+  isFirst?: true;
+};
+
 export class Site {
-  /** Of a page that is opened without further wishes. */
-  readonly viewport = { width: 1200, height: 900 };
+  /** The visit of `at`, and whether any address can be visited in the same page. */
+  private visited: Visit | undefined;
+  private isShared = false;
   private constructor(
     readonly browser: Browser,
     private readonly server: Server,
@@ -53,9 +62,9 @@ export class Site {
   }
 
   /** A page of its own. Whatever the page logs as an error, or throws, ends up in `errors`. */
-  async visit(address = "", options: BrowserContextOptions & { prepare?: (page: Page) => Promise<unknown> } = {}): Promise<Visit> {
-    const { prepare, ...context } = options;
-    const opened = await this.browser.newContext({ viewport: this.viewport, locale: "en-GB", bypassCSP: false, ...context });
+  async visit(address = "", options: Opening = {}): Promise<Visit> {
+    const { prepare, isFirst: _, ...context } = options;
+    const opened = await this.browser.newContext({ viewport: VIEWPORT, locale: "en-GB", bypassCSP: false, ...context });
     const page = await opened.newPage();
     const errors: string[] = [];
     page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
@@ -65,12 +74,42 @@ export class Site {
     return { page, errors };
   }
 
-  async ready(address = "", options: Parameters<Site["visit"]>[1] = {}): Promise<Visit> {
+  async ready(address = "", options: Opening = {}): Promise<Visit> {
     const visit = await this.visit(address, options);
     await visit.page.waitForSelector("html[data-ready]");
     return visit;
   }
+
+  /**
+   * The visit of one test after the other, once it is settled: in the page of the one before unless the browser has to be
+   * another one, which takes as long as everything else. What pages store is forgotten.
+   */
+  async at(address = "", options: Opening = {}): Promise<Visit> {
+    const { viewport, colorScheme, reducedMotion, ...others } = options;
+    const isShared = Object.keys(others).length === 0;
+    if (this.visited && this.isShared && isShared) {
+      const { page, errors } = this.visited;
+      await page.evaluate(() => localStorage.clear());
+      // Away from the address, for it may be the same but for its fragment.
+      await page.goto("about:blank");
+      await page.setViewportSize(viewport ?? VIEWPORT);
+      await page.emulateMedia({ media: null, colorScheme: colorScheme ?? "light", reducedMotion: reducedMotion ?? "no-preference" });
+      errors.length = 0;
+      await page.goto(this.base + address);
+    } else {
+      await this.visited?.page.context().close();
+      this.visited = undefined;
+      this.visited = await this.visit(address, options);
+      this.isShared = isShared;
+    }
+    await this.visited.page.waitForSelector("html[data-ready]");
+    await settled(this.visited.page);
+    return this.visited;
+  }
 }
+
+/** Of a page that is opened without further wishes. */
+const VIEWPORT = { width: 1200, height: 900 };
 
 export interface Visit {
   page: Page;
@@ -112,9 +151,12 @@ export async function digits(page: Page, name: string): Promise<number> {
 
 /** Until the page has drawn the answer to its newest question, and has looked once more at its own size. */
 export async function settled(page: Page): Promise<void> {
-  const twoFrames = () => new Promise<void>((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())));
-  await page.evaluate(twoFrames);
-  await page.waitForSelector("html[data-settled]");
-  await page.evaluate(twoFrames);
-  await page.waitForSelector("html[data-settled]");
+  await page.evaluate(async () => {
+    const frame = () => new Promise(requestAnimationFrame);
+    for (let i = 0; i < 2; i++) {
+      await frame();
+      do await frame();
+      while (!document.documentElement.dataset["settled"]);
+    }
+  });
 }
