@@ -17,9 +17,11 @@ CHORDAL := $(TARGET)/release/chordal
 # library for release takes minutes, and the wheel carries the same command.
 TESTED := $(TARGET)/debug/chordal
 VENV := $(TARGET)/python/venv
-WASM := $(TARGET)/wasm32-unknown-unknown/release/chordal_wasm.wasm
-# The command as the workbench runs it. What is small takes long to build, so tests build what is not.
+# The library as a module, and the command as the workbench runs it. What is small and fast takes long to build, so tests
+# build what is not.
+MODULE_PROFILE ?= release
 WEB_PROFILE ?= web
+WASM = $(TARGET)/wasm32-unknown-unknown/$(MODULE_PROFILE)/chordal_wasm.wasm
 WASI = $(TARGET)/wasm32-wasip1/$(WEB_PROFILE)/chordal.wasm
 # Scripts and expressions nest deeper than the 1 MiB that a module has unless it says otherwise.
 export CARGO_TARGET_WASM32_WASIP1_RUSTFLAGS ?= -C link-arg=-zstack-size=16777216
@@ -56,11 +58,12 @@ studio: studio-page ## build the page of 'chordal studio', and the command with 
 # The widget asks about curves alone, so its module leaves readers and writers out; what exhibits ask is in a second one that
 # their pages load; the workbench runs the command. The first two, and the module of test-web, are built to the same place
 # from the same library, so each is copied at once.
+MODULE = --profile $(MODULE_PROFILE) --locked -p chordal-wasm --target wasm32-unknown-unknown
 studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
-	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --target wasm32-unknown-unknown
+	$(CARGO) build $(MODULE) $(MODULE_TOO) --no-default-features
 	mkdir -p studio/wasm
 	cmp -s $(WASM) studio/wasm/chordal.wasm || cp $(WASM) studio/wasm/chordal.wasm
-	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --features exhibits --target wasm32-unknown-unknown
+	$(CARGO) build $(MODULE) $(MODULE_TOO) --no-default-features --features chordal-wasm/exhibits
 	cmp -s $(WASM) studio/wasm/exhibits.wasm || cp $(WASM) studio/wasm/exhibits.wasm
 	$(CARGO) build --profile $(WEB_PROFILE) --locked -p chordal-cli --no-default-features --target wasm32-wasip1
 	cmp -s $(WASI) studio/wasm/command.wasm || cp $(WASI) studio/wasm/command.wasm
@@ -69,6 +72,9 @@ studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 # The studio's page is built before the command is, and so is in it wherever the tests use it. The module for the page is
 # the library without threads.
 test: export WEB_PROFILE := web-test
+test: export MODULE_PROFILE := web-test
+# Crates that test-web's module asks for: beside them the others are built with the features that they have there, so once.
+test: export MODULE_TOO := -p chordal-verbs
 test: fmt-check lint studio-page test-rust test-studio test-web test-looks test-tiles test-python ## everything that CI runs
 	@echo "All tests passed."
 
@@ -90,7 +96,7 @@ tested: need-rust
 
 # The same bytes in WASM as natively, and no complaint of Khronos' validator about any GLB that we write.
 test-web: tested need-wasm need-node tests/web/node_modules
-	$(CARGO) build --release --locked -p chordal-wasm --target wasm32-unknown-unknown
+	$(CARGO) build $(MODULE)
 	mkdir -p $(TARGET)/web
 	$(TESTED) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/tol.glb --force -q
 	$(TESTED) mesh examples/teapot.bpt --px 1 --view "$(VIEW)" -o $(TARGET)/web/px.glb --force -q
@@ -201,10 +207,11 @@ test-python: tested need-python
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
 # What `make test` leaves to this, so that it takes 25 minutes from cold and not hours: nine of ten random cases of every sweep that asks
-# chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields.
+# chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields. The modules of the
+# page and of test-web are those that are shipped, too.
 # PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: WHEEL := --profile release
-test-long: need-rust need-fuzz test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
+test-long: need-rust need-fuzz test-viewers test-web test-studio test-python ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
 	$(MAKE) fuzz
