@@ -95,7 +95,7 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
     // Tab is not among them, and so leaves the editor.
     keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...historyKeymap]),
     EditorState.phrases.of(phrases.editor),
-    EditorView.contentAttributes.of({ "aria-label": options.label, translate: "no" }),
+    EditorView.contentAttributes.of({ tabindex: "0", "aria-label": options.label, translate: "no" }),
     EditorView.contentAttributes.of({ spellcheck: "false", autocorrect: "off", autocapitalize: "off" }),
     known.of([]),
     told,
