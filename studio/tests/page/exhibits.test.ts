@@ -35,8 +35,9 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
     expect(await pages.number(id)).toBe(before);
     const n = STOPS.indexOf(entry);
     const [last, next] = [STOPS[n - 1], STOPS[n + 1]];
-    const onward = page.locator(".onward a");
+    const onward = page.locator(".onward a:not(.to-bench)");
     expect(await onward.last().getAttribute("href")).toBe(next ? fileOfStop(next, language) : fileOf("exhibits", language));
+    expect(await page.locator(".onward .to-bench").getAttribute("href")).toBe(language === "en" ? "workbench.html" : "workbench.zh.html");
     expect(await onward.first().getAttribute("href")).toBe(last ? fileOfStop(last, language) : fileOf("exhibits", language));
     expect(await page.locator(".path [aria-current=page]").textContent()).toBe(String(n + 1));
 

@@ -85,15 +85,15 @@ test("the page's module and the command give the same points, bit for bit", asyn
   rmSync(folder, { recursive: true });
 });
 
-test("all pages together weigh less than three megabytes, compressed, without the command, and the first one loads less than 400 kB", async () => {
+test("all pages together weigh less than five megabytes, compressed, without the command, and the first one loads less than 400 kB", async () => {
   const entries = readdirSync(DIST, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
-  // The command is what only the workbench loads; and tests build one that is not small.
+  // The command is what only the workbench loads; and tests build one that is not small, as they do with the module of the exhibits: 3.2 MB with the ones that are shipped.
   const files = entries.filter(({ name }) => !/^command-.*\.wasm$/.test(name));
   expect(entries.length - files.length).toBe(1);
   const weight = (path: string) => gzipSync(readFileSync(path), { level: 9 }).length;
   const all = files.reduce((sum, entry) => sum + weight(join(entry.parentPath, entry.name)), 0);
   console.log(`all pages: ${files.length} files, ${Math.round(all / 1000)} kB compressed`);
-  expect(all).toBeLessThan(3_000_000);
+  expect(all).toBeLessThan(5_000_000);
   const loaded = new Set<string>();
   const { page } = await site.ready("", {
     prepare: async (page) => page.on("request", (request) => loaded.add(new URL(request.url()).pathname)),
