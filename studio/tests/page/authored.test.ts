@@ -37,6 +37,7 @@ test("joins: what is kept stays, and the handle breaks the rest; the mirror's pi
   expect(await pages.number("joins")).toBe(1);
   for (const [keep, left] of [["C0", 0], ["C1", 1], ["C2", 2]] as const) {
     await page.locator(`input[name=keep][value=${keep}]`).check();
+    await settled(page);
     await page.locator(".panel .buttons button").click();
     expect(await pages.number("joins"), `${keep} at home`).toBe(2);
     expect(await digits(page, "curvature-gap")).toBeLessThan(1e-12);
