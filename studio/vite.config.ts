@@ -5,7 +5,15 @@ import { defineConfig } from "vitest/config";
 /** Tests of a folder that drive a browser, so many files at a time. */
 const inBrowser = (name: string, maxWorkers: number) => ({
   extends: true as const,
-  test: { name, include: [`tests/${name}/*.test.ts`], maxWorkers, testTimeout: 60_000, hookTimeout: 60_000 },
+  test: {
+    name,
+    include: [`tests/${name}/*.test.ts`],
+    maxWorkers,
+    testTimeout: 60_000,
+    hookTimeout: 60_000,
+    // What a page shows at once on a machine of its own.
+    expect: { poll: { timeout: 20_000 } },
+  },
 });
 
 export default defineConfig({
@@ -27,8 +35,8 @@ export default defineConfig({
     projects: [
       // Some ask the core for a second of work, which a busy machine makes ten of.
       { extends: true, test: { name: "unit", include: ["tests/unit/*.test.ts"], testTimeout: 30_000 } },
-      // Half of what they do is to wait for frames and for hands at rest: two keep two cores busy.
-      inBrowser("page", 2),
+      // Two wait for frames and for hands at rest: three keep two cores busy.
+      inBrowser("page", 3),
       inBrowser("bench", 1),
     ],
   },
