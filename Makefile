@@ -202,7 +202,7 @@ test-python: tested need-python
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation \
 		--config-settings=build-args="$(WHEEL)" -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
-	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q
+	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q -n auto
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
