@@ -1,5 +1,6 @@
 // How the page is built and tested. Nothing is inlined, so that a strict content security policy holds everywhere; all
 // addresses are relative, so that the files work under any path of any host.
+import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
 /** Tests of a folder that drive a browser, so many files at a time. */
@@ -16,8 +17,18 @@ const inBrowser = (name: string, maxWorkers: number) => ({
   },
 });
 
+/** What every page asks for, right after its policy. */
+const first: Plugin = {
+  name: "first",
+  transformIndexHtml: {
+    order: "pre",
+    handler: (html) => html.replace(/( *)<meta\s+http-equiv="Content-Security-Policy"[^>]*>/, '$&\n$1<script src="/offline.js" defer></script>'),
+  },
+};
+
 export default defineConfig({
   base: "./",
+  plugins: [first],
   build: {
     outDir: "dist/page",
     emptyOutDir: true,

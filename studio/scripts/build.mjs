@@ -2,8 +2,9 @@
 // which the core itself draws. The widget is index.html; every exhibit has a page for each language, of one mould.
 //
 //   node scripts/build.mjs
-import { readFile, rm, writeFile } from "node:fs/promises";
-import { dirname, join } from "node:path";
+import { createHash } from "node:crypto";
+import { readFile, readdir, rm, writeFile } from "node:fs/promises";
+import { dirname, join, relative } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { build } from "vite";
 
@@ -61,4 +62,14 @@ for (const { file, lang, title, description, body } of workbenches()) {
 }
 await rm(join(out, "exhibit.html"));
 await rm(cache, { recursive: true });
+
+// The worker that keeps pages is another one whenever a file is.
+const worker = join(out, "service-worker.js");
+const files = (await readdir(out, { recursive: true, withFileTypes: true })).filter((entry) => entry.isFile());
+const paths = files.map((entry) => join(entry.parentPath, entry.name)).sort();
+const hash = createHash("sha256");
+for (const path of paths) hash.update(relative(out, path)).update(await readFile(path));
+const assets = paths.map((path) => relative(join(out, "assets"), path)).filter((name) => !name.startsWith(".."));
+const source = put(await readFile(worker, "utf8"), '"none"', JSON.stringify(hash.digest("hex").slice(0, 16)), "the version");
+await writeFile(worker, put(source, "const ASSETS = [];", `const ASSETS = ${JSON.stringify(assets)};`, "the names of assets"));
 console.log(`studio: the page is in studio/dist/page, with ${exhibits.length} of exhibits`);

@@ -47,6 +47,9 @@ test("the link opens the page, which runs under the server's strict policy; it w
   expect(await page.locator(".headline").textContent()).toContain("6 segments");
   expect(errors).toEqual([]);
   expect(await page.evaluate(() => document.cookie), "scripts do not see the cookie").toBe("");
+  // What is served with no-store is not kept: it is there for who holds the cookie, while the command runs.
+  expect(await page.evaluate(async () => (await fetch("service-worker.js")).headers.get("cache-control"))).toBe("no-store");
+  expect(await page.evaluate(async () => (await navigator.serviceWorker.getRegistrations()).length)).toBe(0);
   await page.reload();
   await page.waitForSelector("html[data-ready]");
   await page.goto(new URL("/quad.html", link).href);

@@ -44,16 +44,19 @@ export class Site {
     readonly browser: Browser,
     private readonly server: Server,
     readonly base: string,
+    /** What the host is changed to. */
+    readonly instead: Instead,
   ) {}
 
   static async open(): Promise<Site> {
-    const server = createServer((request, response) => void serve(request.url ?? "/", response));
+    const instead: Instead = { files: new Map(), headers: {} };
+    const server = createServer((request, response) => void serve(request.url ?? "/", response, instead));
     await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
     const { port } = server.address() as AddressInfo;
     const executablePath = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
     if (!existsSync(executablePath)) throw new Error(`there is no chromium at ${executablePath}`);
     const browser = await chromium.launch({ executablePath, args: FLAGS });
-    return new Site(browser, server, `http://127.0.0.1:${port}/some/where/`);
+    return new Site(browser, server, `http://127.0.0.1:${port}/some/where/`, instead);
   }
 
   async close(): Promise<void> {
@@ -61,10 +64,21 @@ export class Site {
     this.server.close();
   }
 
+  /** As if the host were not to be reached, until `up`. */
+  async down(): Promise<void> {
+    const closed = new Promise((done) => this.server.close(done));
+    this.server.closeAllConnections();
+    await closed;
+  }
+
+  async up(): Promise<void> {
+    await new Promise<void>((done) => this.server.listen(Number(new URL(this.base).port), "127.0.0.1", done));
+  }
+
   /** A page of its own. Whatever the page logs as an error, or throws, ends up in `errors`. */
   async visit(address = "", options: Opening = {}): Promise<Visit> {
     const { prepare, isFirst: _, ...context } = options;
-    const opened = await this.browser.newContext({ viewport: VIEWPORT, locale: "en-GB", bypassCSP: false, ...context });
+    const opened = await this.browser.newContext({ viewport: VIEWPORT, locale: "en-GB", bypassCSP: false, serviceWorkers: "block", ...context });
     const page = await opened.newPage();
     const errors: string[] = [];
     page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
@@ -116,10 +130,17 @@ export interface Visit {
   errors: string[];
 }
 
-async function serve(url: string, response: import("node:http").ServerResponse): Promise<void> {
+/** Files and headers of the host that are others than those that were built. */
+export interface Instead {
+  files: Map<string, string>;
+  headers: Record<string, string>;
+}
+
+async function serve(url: string, response: import("node:http").ServerResponse, instead: Instead): Promise<void> {
   const path = new URL(url, "http://x").pathname.replace(/^\/some\/where\//, "");
   try {
-    const body = await readFile(join(DIST, path === "" ? "index.html" : path));
+    const body = instead.files.get(path) ?? (await readFile(join(DIST, path === "" ? "index.html" : path)));
+    for (const [name, value] of Object.entries(instead.headers)) response.setHeader(name, value);
     // A host that has never heard of WebAssembly.
     response.setHeader("content-type", TYPES[extname(path || "index.html")] ?? "application/octet-stream");
     response.end(body);
