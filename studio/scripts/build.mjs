@@ -60,6 +60,10 @@ for (const { file, lang, title, description, body } of workbenches()) {
   html = put(html, 'name="description" content=""', `name="description" content="${quoted(description)}"`, "the description");
   await writeFile(join(out, file), put(html, PLACE, body, "the text"));
 }
+// The one address of all of them knows their names.
+const ids = [...new Set(exhibits.map(({ id }) => id).filter(Boolean))];
+const language = join(out, "language.js");
+await writeFile(language, put(await readFile(language, "utf8"), "exhibits = []", `exhibits = ${JSON.stringify(ids)}`, "the exhibits"));
 await rm(join(out, "exhibit.html"));
 await rm(cache, { recursive: true });
 

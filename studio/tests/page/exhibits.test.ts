@@ -60,6 +60,34 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
   });
 });
 
+test("every exhibit is in a frame by the one address, in the reader's language, with its fragment", async () => {
+  const page = await pages.site.browser.newPage({ locale: "en-GB", serviceWorkers: "block" });
+  const met = async (address: string, wanted: string) => {
+    await page.setContent(`<iframe src="${pages.site.base}${address}" width="700" height="700" title="figure"></iframe>`);
+    const frame = page.frameLocator("iframe");
+    await frame.locator("html[data-ready]").waitFor({ state: "attached" });
+    const { href, embedded } = await frame.locator("html").evaluate((html) => ({ href: location.href, embedded: html.dataset["embedded"] }));
+    expect(href, address).toBe(pages.site.base + wanted);
+    return { frame, embedded };
+  };
+  const { frame, embedded } = await met("index.html?embed=1&exhibit=quad#v=1&h=0.3", "quad.html?embed=1#v=1&h=0.3");
+  expect(embedded).toBe("1");
+  expect(Number(await frame.locator('[data-name="live"]').getAttribute("value"))).toBeCloseTo(0.3, 12);
+  expect(await frame.locator("header, footer, .onward, .note").count()).toBe(0);
+  const names = await (await page.request.get(`${pages.site.base}language.js`)).text();
+  expect(names).toContain(`exhibits = ${JSON.stringify(EXHIBITS.map(({ id }) => id))}`);
+  await met("zh.html?embed=1&exhibit=csg#v=1&b=difference", "csg.zh.html?embed=1#v=1&b=difference");
+  await met("?exhibit=quad&embed=1#l=zh&v=1&h=0.3", "quad.zh.html?embed=1#v=1&h=0.3");
+  await met("zh.html?exhibit=quad#v=1&h=0.3&l=en", "quad.html#v=1&h=0.3");
+  // What is no exhibit is the widget's frame, whatever it is called.
+  for (const name of ["nothing", "../quad", "javascript:alert(1)", "__proto__", ""]) {
+    const address = `index.html?embed=1&exhibit=${encodeURIComponent(name)}#v=1&n=9`;
+    const { frame } = await met(address, address);
+    expect(await frame.locator("svg[data-figure=curve]").count()).toBe(1);
+  }
+  await page.close();
+});
+
 test("axe refuses what it should: a button without a name, words too pale to be read", async () => {
   const page = await pages.site.browser.newPage();
   await page.setContent('<html lang="en"><title>x</title><button></button><p style="color: #aaa; background: #fff">pale</p>');
