@@ -17,18 +17,18 @@ const inBrowser = (name: string, maxWorkers: number) => ({
   },
 });
 
-/** What every page asks for, right after its policy. */
-const first: Plugin = {
-  name: "first",
+/** What every page asks for: its colours before anything is drawn, and to be kept after everything else. */
+const everywhere: Plugin = {
+  name: "everywhere",
   transformIndexHtml: {
     order: "pre",
-    handler: (html) => html.replace(/( *)<meta\s+http-equiv="Content-Security-Policy"[^>]*>/, '$&\n$1<script src="/offline.js" defer></script>'),
+    handler: (html) => html.replace("<title>", '<script src="/theme.js"></script>\n    <script src="/offline.js" defer></script>\n    <title>'),
   },
 };
 
 export default defineConfig({
   base: "./",
-  plugins: [first],
+  plugins: [everywhere],
   build: {
     outDir: "dist/page",
     emptyOutDir: true,

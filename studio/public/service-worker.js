@@ -11,7 +11,7 @@ const CACHE = PREFIX + VERSION;
 const HOME = new URL("./", self.location.href);
 const NAMES = new Set(ASSETS);
 /** Scripts beside the pages, without a hash in their name. */
-const BESIDE = ["language.js", "offline.js"];
+const BESIDE = ["language.js", "offline.js", "theme.js"];
 
 /** A page that was not visited and cannot be had. */
 const AWAY = `<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Chordal</title>

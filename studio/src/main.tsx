@@ -219,13 +219,12 @@ function draw(): void {
   speaking = setTimeout(speak, SPEAK_MS);
 }
 
-/** Language and colours of the whole document, which is costly to change, be it for the same. */
+/** Language and title of the whole document, which is costly to change, be it for the same. */
 function dress(page: Page): void {
   const html = document.documentElement;
   if (html.lang !== TAGS[say.language]) html.lang = TAGS[say.language];
   const title = say.text(titleOf(page));
   if (document.title !== title) document.title = title;
-  if (html.dataset["theme"] !== state.theme) html.dataset["theme"] = state.theme;
 }
 
 /** Before the first answer the still page stands; what went wrong is said above it. */
@@ -272,5 +271,4 @@ addEventListener("popstate", arrive);
 addEventListener("hashchange", arrive);
 addEventListener("resize", lookAround);
 
-document.documentElement.dataset["theme"] = state.theme;
 ask();

@@ -1,5 +1,6 @@
 // What all exhibits share: title and claim, figure and handle, the live number, the text, the way through them.
 import { Figure as Data } from "../view/parts";
+import { Themes } from "../view/Themes";
 import type { AnyExhibit, LiveNumber, Page } from "./exhibit";
 import { type Entry, PARTS, STOPS, type Stop, fileOf, fileOfStop } from "./index";
 import { FRAME } from "./frame_texts";
@@ -126,7 +127,10 @@ function Head({ entry, language, fragment }: FrameProps) {
           ))}
         </ol>
       </nav>
-      <Languages language={language} file={(other) => fileOf(entry.id, other) + (fragment && `#${fragment}`)} />
+      <div class="wishes-of-page">
+        <Languages language={language} file={(other) => fileOf(entry.id, other) + (fragment && `#${fragment}`)} />
+        <Themes language={language} />
+      </div>
     </header>
   );
 }

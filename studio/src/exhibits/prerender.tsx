@@ -1,6 +1,7 @@
 // Writes the pages as text and still figures, at build time: what a reader has before any script runs, or without it.
 import { renderToString } from "preact-render-to-string";
 import type { Core } from "../core/module";
+import { Themes } from "../view/Themes";
 import type { AnyExhibit } from "./exhibit";
 import { Frame, Languages, Mark, Onward, titleOf } from "./Frame";
 import { FRAME } from "./frame_texts";
@@ -102,7 +103,10 @@ function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], 
           <Mark />
           Chordal
         </span>
-        <Languages language={language} file={(other) => fileOf("exhibits", other)} />
+        <div class="wishes-of-page">
+          <Languages language={language} file={(other) => fileOf("exhibits", other)} />
+          <Themes language={language} />
+        </div>
       </header>
       <main>
         <h1>{words.all}</h1>

@@ -10,10 +10,6 @@ export const en = {
   "view.seam": "Two curves joined",
 
   "language": "Language",
-  "theme": "Colours",
-  "theme.auto": "As the system",
-  "theme.light": "Light",
-  "theme.dark": "Dark",
 
   "static": "This is a still picture. With JavaScript and WebAssembly the points can be moved.",
   "note.damaged": "Part of this address could not be read. What was missing is as it usually is.",

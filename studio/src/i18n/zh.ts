@@ -11,10 +11,6 @@ export const zh: Catalogue = {
   "view.seam": "两段曲线的拼接",
 
   "language": "语言",
-  "theme": "配色",
-  "theme.auto": "跟随系统",
-  "theme.light": "浅色",
-  "theme.dark": "深色",
 
   "static": "这是一幅静止的图。启用 JavaScript 和 WebAssembly 后，图中的点就可以拖动。",
   "note.damaged": "网址中有一部分无法识别，缺的内容已换成默认值。",

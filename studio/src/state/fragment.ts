@@ -36,7 +36,7 @@ const PARTS: { [K in keyof State]: [key: string, part: Part<State[K]>] } = {
   smoothness: ["k", oneOf<Smoothness>({ n: "none", "0": "C0", "1": "C1", "2": "C2" })],
   comb: ["m", share(100, 6)],
   language: ["l", oneOf<Language | null>({ en: "en", zh: "zh" })],
-  theme: ["h", oneOf<Theme>({ a: "auto", l: "light", d: "dark" })],
+  theme: ["h", oneOf<Theme | null>({ a: "auto", l: "light", d: "dark" })],
 };
 
 /** The fragment of a state, without `#`; empty for the defaults. */

@@ -30,7 +30,8 @@ export interface State {
   comb: number;
   /** As the address says; else the page decides. */
   language: Language | null;
-  theme: Theme;
+  /** As the address says; else as the reader chose on any page, or as the system does: see public/theme.js. */
+  theme: Theme | null;
 }
 
 export const GOALS = [1, 0.5, 0.25] as const;
@@ -70,7 +71,7 @@ export const DEFAULTS: State = {
   smoothness: "C0",
   comb: 2,
   language: null,
-  theme: "auto",
+  theme: null,
 };
 
 /** The numbers of segments at the stops of the slider: every one while they are few, then in growing steps. */

@@ -1,6 +1,6 @@
 // The whole page from the reader's choices and the core's answers.
 import type { Point } from "../core/types";
-import type { Language, Theme, View } from "../state/state";
+import type { Language, View } from "../state/state";
 import { DEFAULTS, withPoint } from "../state/state";
 import { Compare } from "./Compare";
 import { Construction } from "./Construction";
@@ -12,6 +12,7 @@ import { Numbers } from "./Numbers";
 import { Plot } from "./Plot";
 import { Recipe } from "./Recipe";
 import { SeamView } from "./Seam";
+import { Themes } from "./Themes";
 import { Needed, Readout, Screen, Verdicts } from "./Verdicts";
 import type { Change, Page } from "./page";
 
@@ -22,7 +23,6 @@ export interface AppProps {
 }
 
 const VIEWS: readonly View[] = ["curve", "seam"];
-const THEMES: readonly Theme[] = ["auto", "light", "dark"];
 
 export function App({ page, move }: AppProps) {
   const { say, state, around } = page;
@@ -59,7 +59,7 @@ export function titleOf({ state, around }: Page): "title" | "seam.title" {
 }
 
 function Top({ page }: { page: Page }) {
-  const { say, state, set } = page;
+  const { say, set } = page;
   return (
     <header>
       <span class="brand">
@@ -84,16 +84,7 @@ function Top({ page }: { page: Page }) {
               中文
             </button>
           </div>
-          <label class="theme">
-            <span>{say.text("theme")}</span>
-            <select value={state.theme} onChange={(event) => set({ theme: event.currentTarget.value as Theme })}>
-              {THEMES.map((theme) => (
-                <option key={theme} value={theme} selected={theme === state.theme}>
-                  {say.text(`theme.${theme}`)}
-                </option>
-              ))}
-            </select>
-          </label>
+          <Themes language={say.language} change={() => set({ theme: null })} />
         </div>
       )}
     </header>

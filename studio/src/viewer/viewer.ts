@@ -55,6 +55,8 @@ export class Viewer {
   private readonly plane = new Plane();
   private readonly sizes = new ResizeObserver(() => this.resize());
   private readonly dark = matchMedia("(prefers-color-scheme: dark)");
+  /** A page whose reader chose its colours says so at its root. */
+  private readonly themes = new MutationObserver(() => this.restyle());
   private section: Section | undefined;
   private picture: Picture = { layers: [] };
   private view: View | undefined;
@@ -77,6 +79,7 @@ export class Viewer {
     this.canvas.addEventListener("webglcontextlost", this.onLost);
     this.canvas.addEventListener("webglcontextrestored", this.onRestored);
     this.dark.addEventListener("change", this.restyle);
+    this.themes.observe(document.documentElement, { attributeFilter: ["data-theme"] });
     this.sizes.observe(root);
     this.resize();
   }
@@ -116,6 +119,7 @@ export class Viewer {
     cancelAnimationFrame(this.frame);
     this.sizes.disconnect();
     this.dark.removeEventListener("change", this.restyle);
+    this.themes.disconnect();
     this.canvas.removeEventListener("webglcontextlost", this.onLost);
     this.canvas.removeEventListener("webglcontextrestored", this.onRestored);
     for (const [id, shown] of this.shown) this.remove(id, shown);

@@ -104,6 +104,7 @@ export class Site {
     if (this.visited && this.isShared && isShared) {
       const { page, errors } = this.visited;
       await page.evaluate(() => localStorage.clear());
+      await page.evaluate(() => localStorage.clear());
       // Away from the address, for it may be the same but for its fragment.
       await page.goto("about:blank");
       await page.setViewportSize(viewport ?? VIEWPORT);
