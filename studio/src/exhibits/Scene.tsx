@@ -1,5 +1,6 @@
-// A figure in space: the viewer where there is WebGL, the same layers as flat shapes before that and without it, and handles
-// over both.
+// A figure in space: the viewer where there is WebGL, the same layers as flat shapes before that, without it and on paper, and
+// handles over both.
+import { options } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Children } from "./exhibit";
 import { Grip } from "./Grip";
@@ -59,6 +60,7 @@ export function Scene(props: SceneProps) {
   now.current = props;
   const [size, setSize] = useState(STILL);
   const [isLive, setLive] = useState(false);
+  const [isPrinted, setPrinted] = useState(false);
   const sized = useRef(size);
   sized.current = size;
 
@@ -113,8 +115,24 @@ export function Scene(props: SceneProps) {
     viewer.current?.draw(picture);
   });
 
+  // What WebGL has drawn is not printed. The browser prints what is there when it has told so.
+  useEffect(() => {
+    const paper = matchMedia("print");
+    const print = (value: boolean) => () => atOnce(() => setPrinted(value));
+    const [before, after] = [print(true), print(false)];
+    const change = () => atOnce(() => setPrinted(paper.matches));
+    addEventListener("beforeprint", before);
+    addEventListener("afterprint", after);
+    paper.addEventListener("change", change);
+    return () => {
+      removeEventListener("beforeprint", before);
+      removeEventListener("afterprint", after);
+      paper.removeEventListener("change", change);
+    };
+  }, []);
+
   const at = projector(view, size);
-  const shapes = isLive ? [] : still(picture, view, size);
+  const shapes = isLive && !isPrinted ? [] : still(picture, view, size);
   return (
     <div class="scene" ref={root} {...(isStill ? {} : { tabindex: 0, "aria-describedby": help })} role="group" aria-label={name}>
       <div class="gl" ref={stage} />
@@ -138,6 +156,15 @@ export function Scene(props: SceneProps) {
       </svg>
     </div>
   );
+}
+
+/** Draws what changes before it returns. */
+function atOnce(change: () => void): void {
+  const later = options.debounceRendering;
+  options.debounceRendering = (draw) => draw();
+  change();
+  if (later) options.debounceRendering = later;
+  else delete options.debounceRendering;
 }
 
 function Puller({ pull, at, isStill }: { pull: Pull; at: Projector; isStill: boolean }) {

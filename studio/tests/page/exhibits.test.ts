@@ -48,6 +48,10 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
       expect(await seriousFindings(page), `axe, ${colorScheme}, ${width} wide`).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth), "nothing sticks out").toBeLessThanOrEqual(width);
     }
+    // What was dark and narrow is on paper as anything else is.
+    await page.emulateMedia({ media: "print" });
+    await settled(page);
+    expect(await onPaper(page)).toEqual({ paper: "rgb(255, 255, 255)", ink: "rgb(0, 0, 0)", pressed: [], canvases: 0, isDrawn: true, isWhole: true });
     expect(pages.errors).toEqual([]);
   });
 
@@ -58,6 +62,40 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
     expect(await page.locator(".note").textContent()).toContain("could not be read");
     await pages.number(id);
   });
+});
+
+/** What would be printed. */
+function onPaper(page: Page) {
+  return page.evaluate(() => {
+    const seen = (what: string) => [...document.querySelectorAll(what)].filter((one) => one.checkVisibility());
+    const { backgroundColor, color } = getComputedStyle(document.body);
+    return {
+      paper: backgroundColor,
+      ink: color,
+      pressed: seen("button, input, select, nav").map((one) => one.outerHTML.slice(0, 60)),
+      canvases: seen("canvas").length,
+      isDrawn: seen(".stage svg path, .stage svg circle").length > 5,
+      isWhole: seen(".stage, .live, .prose p, .attempts li").length === document.querySelectorAll(".stage, .live, .prose p, .attempts li").length,
+    };
+  });
+}
+
+/** A4 without a centimetre on each side, at 96 pixels an inch. */
+const SHEET = { width: Math.floor((190 / 25.4) * 96), height: (277 / 25.4) * 96 };
+
+test.each(["quad", "doctor", "levels"])("%s takes as many sheets as it fills, with its figure", async (id) => {
+  const page = await pages.at(fileOf(id, "en"), { colorScheme: "dark" });
+  await live(page);
+  const margin = "10mm";
+  const sheets = (await page.pdf({ format: "A4", margin: { top: margin, right: margin, bottom: margin, left: margin } })).toString("latin1");
+  const count = sheets.match(/\/Type\s*\/Page\b/g)!.length;
+  // Afterwards the screen is as it was.
+  expect(await page.locator(".scene canvas").isVisible()).toBe(true);
+  await page.setViewportSize({ width: SHEET.width, height: 800 });
+  await page.emulateMedia({ media: "print" });
+  await settled(page);
+  const end = await page.evaluate(() => Math.max(...[...document.querySelectorAll("p, li, svg")].map((one) => one.getBoundingClientRect().bottom + scrollY)));
+  expect(count).toBe(Math.ceil(end / SHEET.height));
 });
 
 test("every exhibit is in a frame by the one address, in the reader's language, with its fragment", async () => {
