@@ -10,8 +10,19 @@ export interface Grey {
 
 const HEAD = 14 + 40 + 4 * 256;
 
+/** Of answers that are drawn again while one drags. */
+const made = new WeakMap<Grey, string>();
+
 /** The width is a multiple of four. */
-export function bitmap({ width, height, grey }: Grey): string {
+export function bitmap(picture: Grey): string {
+  const old = made.get(picture);
+  if (old) return old;
+  const text = encoded(picture);
+  made.set(picture, text);
+  return text;
+}
+
+function encoded({ width, height, grey }: Grey): string {
   const pixels = new Uint8Array(grey.buffer, grey.byteOffset, width * height);
   const file = new Uint8Array(HEAD + pixels.length);
   const view = new DataView(file.buffer);

@@ -1,20 +1,23 @@
 // A drag of sixty moves along a wave, as a hand makes it, for whoever counts or times what the page does meanwhile.
-import type { Page } from "playwright-core";
+import type { Locator, Page } from "playwright-core";
 
 const MOVES = 60;
 
-/** Drags a handle of the first figure. Each move waits for the answer and the frame that belong to it. */
-export async function wave(page: Page, handle: number, begin: () => Promise<unknown>): Promise<void> {
-  const dot = page.locator("svg[data-figure] [role=slider]").nth(handle).locator(".dot");
-  const box = (await dot.boundingBox())!;
-  await page.mouse.move(box.x + 6, box.y + 6);
+/** Drags by the middle of something. Each move waits for the answer and the frame that belong to it. */
+export async function wave(page: Page, what: Locator, begin: () => Promise<unknown>): Promise<void> {
+  const box = (await what.boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
   await page.mouse.down();
   await begin();
   for (let i = 1; i <= MOVES; i++) {
-    await page.mouse.move(box.x + 6 + i * 2, box.y + 6 + 30 * Math.sin(i / 6));
+    await page.mouse.move(x + i * 2, y + 30 * Math.sin(i / 6));
     await new Promise((next) => setTimeout(next, 40));
   }
 }
+
+/** A handle of the first figure. */
+export const handleOf = (page: Page, n: number) => page.locator("svg[data-figure] [role=slider]").nth(n).locator(".dot");
 
 /** What the main thread did: pointer moves that arrived, questions to the worker, frames, nodes that were changed. */
 export interface Work {

@@ -6,7 +6,7 @@ import { Core } from "../../src/core/module";
 import { read } from "../../src/state/fragment";
 import { DEFAULTS, type State } from "../../src/state/state";
 import { Frame } from "../../src/view/frame";
-import { countWork, type Work, wave, workOf } from "./drag";
+import { countWork, handleOf, type Work, wave, workOf } from "./drag";
 import { Site, WASM, digits, seriousFindings, settled, type Visit } from "./site";
 
 let site: Site;
@@ -408,7 +408,7 @@ describe("for everybody", () => {
   ])("a move of a drag asks two questions and changes a hundred nodes at the most, %s", async (_, height) => {
     const page = await open("", { viewport: { width: 1200, height }, prepare: countWork });
     let before = await workOf(page);
-    await wave(page, 1, async () => (before = await workOf(page)));
+    await wave(page, handleOf(page, 1), async () => (before = await workOf(page)));
     const after = await workOf(page);
     const done = (what: keyof Work) => after[what] - before[what];
     const moves = done("moves");
