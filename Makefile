@@ -188,7 +188,7 @@ test-viewers: tilesets tests/viewers/node_modules
 # Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.
 test-studio: studio-page tested need-chromium
 	cd studio && npm run --silent check && npm run --silent test
-	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
+	cd studio && $(LONG) CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
 
 # The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the examples in its
 # documentation, and by mypy, which also compares the stubs with what is there. It shares what test-rust has compiled;
@@ -206,11 +206,12 @@ test-python: tested need-python
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
-# What `make test` leaves to this, so that it takes 25 minutes from cold and not hours: nine of ten random cases of every sweep that asks
+# What `make test` leaves to this, so that it takes 20 minutes from cold and not hours: nine of ten random cases of every sweep that asks
 # chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields. The modules of the
-# page and of test-web are those that are shipped, too.
+# page and of test-web are those that are shipped, too, and axe looks at every page in each theme of each language.
 # PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: WHEEL := --profile release
+test-long: LONG := CHORDAL_LONG=1
 test-long: need-rust need-fuzz test-viewers test-web test-studio test-python ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py

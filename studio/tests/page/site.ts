@@ -15,6 +15,9 @@ export const DIST = join(ROOT, "dist/page");
 export const WASM = join(ROOT, "wasm/chordal.wasm");
 export const EXHIBITS_WASM = join(ROOT, "wasm/exhibits.wasm");
 
+/** Whether what `make test` leaves out is asked for. */
+export const isLong = process.env["CHORDAL_LONG"] !== undefined;
+
 const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
 const FLAGS = [
   "--headless",
