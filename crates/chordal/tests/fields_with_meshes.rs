@@ -8,7 +8,7 @@ use chordal::implicit::shapes::{cuboid, sphere};
 use chordal::implicit::{Affine3, Field};
 use chordal::math::Box3;
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, some};
 
 type Point = [f64; 3];
 
@@ -159,7 +159,7 @@ fn a_mesh_minus_a_ball_is_within_its_bound_both_ways() {
     let cut = cube.difference(&sphere(radius).unwrap().moved([1.0; 3]).unwrap());
     assert!(has_meshes(&cut) && !has_meshes(&sphere(1.0).unwrap()));
     let mut random = Random::new(7);
-    for length in [0.3, 0.1, 0.05] {
+    for length in some([0.3, 0.05, 0.1], 2) {
         let made = field_to_mesh(&cut, &within(length), &job).expect("within the length");
         let most = made.bound.at_most().unwrap();
         assert!(most <= length && *made.bound.evidence() == Evidence::Proved, "{:?}", made.bound);
@@ -223,7 +223,7 @@ fn an_open_scan_minus_a_ball_is_closed() {
     let scan = mesh_to_field(&mesh, &job).unwrap();
     assert!(!scan.solid.closed);
     let cut = scan.field.difference(&sphere(0.5).unwrap().moved([1.0, 0.0, 0.0]).unwrap());
-    let made = field_to_mesh(&cut, &within(0.05), &job).expect("within the length");
+    let made = field_to_mesh(&cut, &within(0.08), &job).expect("within the length");
     let found = validity(&made.shape, Topology::Indices);
     assert!(found.closed && found.edge_manifold && found.vertex_manifold, "{found:?}");
     let Evidence::ProvedIf(sentences) = made.bound.evidence() else { panic!("{:?}", made.bound) };

@@ -6,7 +6,7 @@ use chordal::implicit::shapes::{
 };
 use chordal::implicit::{Expr, Field, Seam};
 use chordal::math::{Box3, Interval};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, cases};
 
 fn at(field: &Field, p: [f64; 3]) -> f64 {
     field.expr().at(p).unwrap()
@@ -95,7 +95,7 @@ fn intervals_contain_values_and_slopes_those_of_differences() {
     for (k, field) in seamed().iter().chain(&others()).chain(&threads).enumerate() {
         for expr in [field.expr(), field.sign()] {
             let tape = Tape::new(expr);
-            for _ in 0..120 {
+            for _ in 0..cases(60) {
                 let low: [f64; 3] = random.point_within(2.5);
                 let size = random.power(1e-3, 1.0);
                 let bounds = Box3 { min: low, max: low.map(|x| x + size) };

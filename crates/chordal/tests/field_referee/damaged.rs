@@ -102,7 +102,7 @@ fn damaged_meshes_have_two_ends_without_a_limit() {
         name.starts_with("tree 1") || trees() > 3 || name.starts_with("turned")
     }));
     let (mut reached, mut n) = (0, 0);
-    for shape in some(all, 2) {
+    for shape in some(all, 1) {
         let Ok(mesh) = field_to_mesh(&shape.field, &budget(0.06), &Job::default()) else { continue };
         let mesh = mesh.shape;
         let mut cases = damages(&mesh, &mut random);

@@ -71,7 +71,7 @@ fn steps_and_kinks_are_no_trap() {
         ("an infinite constant", ball(0.5).min(&Expr::constant(f64::INFINITY))),
     ];
     for (what, expr) in cases {
-        match meshed(expr, &Budget { triangles: Some(200_000), ..budget(0.05) }) {
+        match meshed(expr, &Budget { triangles: Some(50_000), ..budget(0.05) }) {
             Ok(made) => assert!(made.bound.at_most().is_some_and(|most| most <= 0.05), "{what}"),
             Err(Failure::Unmet(best)) => println!("{what}: unmet, {:?}", best.bound.at_most()),
             Err(other) => println!("{what}: {other:?}"),
@@ -165,7 +165,7 @@ fn leaf(word: Word, budget: &Budget) -> Result<Bounded<Mesh>, Failure<Mesh>> {
 #[test]
 fn an_occupancy_is_measured_and_never_proved() {
     let made =
-        leaf(Word::Nothing, &Budget { require: RequiredEvidence::Measured, ..budget(0.02) }).expect("a mesh");
+        leaf(Word::Nothing, &Budget { require: RequiredEvidence::Measured, ..budget(0.05) }).expect("a mesh");
     assert!(matches!(made.bound.evidence(), Evidence::Measured { .. }), "{:?}", made.bound);
     assert_eq!(made.bound.at_most(), None);
     super::measure::is_good(&made.shape).expect("closed");

@@ -33,7 +33,7 @@ fn random_volumes_are_closed_and_manifold() {
     let mut random = Random::new(seed);
     let job = Job::default().with_threads(1);
     let mut with_surface = 0;
-    let n_cases = cases(100_000) as u64;
+    let n_cases = cases(30_000) as u64;
     for case in 0..n_cases {
         let size = [0; 3].map(|_: i32| 2 + random.below(3));
         let samples = samples(&mut random, size.iter().product());

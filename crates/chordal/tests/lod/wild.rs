@@ -116,7 +116,7 @@ fn held(seed: u64, mesh: &Mesh, random: &mut Random) {
 
 #[test]
 fn faces_by_chance_are_within_their_bound() {
-    for seed in 0..cases(30) as u64 {
+    for seed in 0..cases(15) as u64 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random);
         let mesh = if random.below(2) == 0 { dressed(mesh, &mut random) } else { mesh };
@@ -126,7 +126,7 @@ fn faces_by_chance_are_within_their_bound() {
 
 #[test]
 fn torn_surfaces_are_within_their_bound() {
-    for seed in 0..cases(30) as u64 {
+    for seed in 0..cases(15) as u64 {
         let mut random = Random::new(seed + 1_000_000);
         let mesh = torn(&mut random);
         let mesh = if random.below(2) == 0 { dressed(mesh, &mut random) } else { mesh };

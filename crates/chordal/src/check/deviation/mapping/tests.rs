@@ -8,7 +8,7 @@ use super::{MappedPair, NearFaces};
 use crate::budget::{ErrorLimit, Job};
 use crate::check::{Deviation, Goal, OneSidedDistance, deviation};
 use crate::explicit::{Mesh, Topology, distance_sq_to_triangle};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, some};
 
 /// A bumpy torus of `n` × `n` quads: closed, without symmetry.
 fn torus(n: u32, bump: f64) -> Mesh {
@@ -290,7 +290,7 @@ fn who_is_too_far_is_the_same_by_a_map_and_by_a_search() {
         for by_row in [near(n, k), lies] {
             let near = NearFaces { by_row: &by_row, topology: Topology::Indices };
             let pair = MappedPair::new(&a, &b, (near, 0.0), &job).unwrap();
-            for share in [0.02, 0.3, 0.7, 0.9, 0.97, 1.01] {
+            for share in some([0.02, 0.3, 0.7, 0.9, 0.97, 1.01], 3) {
                 let length = share * whole;
                 let faces = |found: &ViolationReport| {
                     found.violations.each_ref().map(|far| far.iter().map(|far| far.face).collect::<Vec<_>>())
