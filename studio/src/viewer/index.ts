@@ -3,7 +3,7 @@
 export { type Camera, control } from "./controls";
 export { rampStops } from "./color";
 export { edgesOf, exploded, middles, segments } from "./geometry";
-export type { Layer, MeshLayer, Paint, Picture, RampName, Section, Vec3 } from "./layers";
+export type { LaidPicture, Layer, MeshLayer, Paint, Picture, RampName, Section, Vec3 } from "./layers";
 export { type Shape, painted, still } from "./still";
 export { type Projector, type Size, type View, eyeOf, pick, projector, row } from "./view";
 

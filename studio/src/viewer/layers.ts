@@ -30,6 +30,8 @@ export interface MeshLayer extends Common {
   values?: { of: Float32Array; range: readonly [number, number]; ramp: RampName };
   /** A group for each triangle, and the paint of each group; the layer's own where it has none. */
   groups?: { of: Uint32Array; paints: readonly Paint[] };
+  /** The picture of each group, and where each vertex is in it, from its upper left corner. Groups stand in runs. */
+  pictures?: { uv: Float32Array; of: readonly (LaidPicture | undefined)[] };
   paint: Paint;
   /** What the backs are painted with, where they differ: so winding shows. */
   back?: Paint;
@@ -38,6 +40,12 @@ export interface MeshLayer extends Common {
   /** Which sides are drawn: `front` is what culling leaves. */
   sides: "both" | "front";
   opacity?: number;
+}
+
+/** A picture, and what is beyond its ends, as glTF numbers it. */
+export interface LaidPicture {
+  image: ImageBitmap;
+  wrap: readonly [number, number];
 }
 
 /** Segments: two points each. */

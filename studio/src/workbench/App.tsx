@@ -2,6 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { Mark } from "../exhibits/Frame";
 import { TAGS } from "../exhibits/say";
+import { Themes } from "../view/Themes";
 import { Certificate } from "./Certificate";
 import type { Controller, State } from "./controller";
 import { Exports } from "./Exports";
@@ -64,6 +65,7 @@ export function App({ language, state, control }: Props) {
         <nav class="onward-links">
           <a href={language === "zh" ? "exhibits.zh.html" : "exhibits.html"}>{words.exhibits}</a>
         </nav>
+        <Themes language={language} />
         <nav class="language">
           {(["en", "zh"] as const).map((other) => (
             <a

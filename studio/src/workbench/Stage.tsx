@@ -1,4 +1,4 @@
-// How it looks: the triangles in space, and beside them the field that they stand for, traced or sliced.
+// How it looks: the triangles in space, and beside them the field that they stand for, how far they are from it, or their cost.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { PAINT } from "../exhibits/paint";
 import { Scene } from "../exhibits/Scene";
@@ -6,6 +6,7 @@ import { Choice, Slider } from "../view/parts";
 import type { Layer, Picture, Section, Vec3 } from "../viewer";
 import { Working } from "./Certificate";
 import { hasField, isScript } from "./document";
+import { besideOf, besides } from "./pictures";
 import { type Part, boxOf } from "./glb";
 import { levelAt } from "./Levels";
 import { drawSlice } from "./slice";
@@ -23,7 +24,6 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
   const [pane, setPane] = useState<"mesh" | "field" | "both">("both");
   /** Where it is cut, from 0 at the front to 1 at the back; `null` for the whole. */
   const [cut, setCut] = useState<number | null>(null);
-  const [fieldLook, setFieldLook] = useState<"traced" | "sliced">("traced");
   const level = levelAt(page);
   const parts = level === null ? (shown?.parts ?? []) : (levels!.parts[level] ?? []);
   const section = useMemo(() => sectionOf(parts, cut), [parts, cut]);
@@ -84,13 +84,13 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
         )}
         {pane !== "mesh" && (
           <figure class="pane field-pane">
-            <FieldPane page={page} look={fieldLook} />
+            <Beside page={page} />
             <Choice
-              name="field-look"
-              legend={words.fieldShow}
-              value={fieldLook}
-              options={(["traced", "sliced"] as const).map((value) => ({ value, label: words[value] }))}
-              choose={(next) => setFieldLook(next)}
+              name="beside"
+              legend={words.beside}
+              value={besideOf(bench, state.beside)}
+              options={besides(bench).map((value) => ({ value, label: words.besides[value] }))}
+              choose={(next) => control?.besides(next)}
             />
           </figure>
         )}
@@ -98,7 +98,7 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
       <p class="aside hint" id="turn-hint">
         {words.turnHint}
       </p>
-      {!isScript(bench) && !hasField(bench) && pane !== "mesh" && <p class="aside">{words.noField}</p>}
+      {!isScript(bench) && !hasField(bench) && pane !== "mesh" && besideOf(bench, state.beside) === "sliced" && <p class="aside">{words.noField}</p>}
     </section>
   );
 }
@@ -120,27 +120,37 @@ function Measure({ page }: { page: Page }) {
   return <span ref={mark} hidden />;
 }
 
-function FieldPane({ page, look }: { page: Page; look: "traced" | "sliced" }) {
+function Beside({ page }: { page: Page }) {
   const { words, state, control } = page;
   const canvas = useRef<HTMLCanvasElement>(null);
   const [height, setHeight] = useState(0.5);
-  const { field, slice } = state;
-  const isTraced = look === "traced" && isScript(state.bench);
+  const { picture, slice } = state;
+  const what = besideOf(state.bench, state.beside);
+  const isSliced = what === "sliced";
+  const taken = picture?.of === what ? picture : null;
   useEffect(() => {
     const place = canvas.current;
     if (!place) return;
-    if (isTraced && field) {
-      void createImageBitmap(new Blob([field.png as BlobPart])).then((picture) => {
-        Object.assign(place, { width: picture.width, height: picture.height });
-        place.getContext("2d")?.drawImage(picture, 0, 0);
+    if (taken) {
+      void createImageBitmap(new Blob([taken.png as BlobPart])).then((bitmap) => {
+        Object.assign(place, { width: bitmap.width, height: bitmap.height });
+        place.getContext("2d")?.drawImage(bitmap, 0, 0);
       });
-    } else if (!isTraced && slice) drawSlice(place, slice, height);
-  }, [field, slice, isTraced, height]);
-  const hasPicture = isTraced ? field : slice;
+    } else if (isSliced && slice) drawSlice(place, slice, height);
+  }, [taken, slice, isSliced, height]);
+  const { bound, overshade } = taken?.report.certificate ?? {};
   return (
     <>
-      <canvas ref={canvas} class="field-picture" role="img" aria-label={words.field} hidden={!hasPicture} width={720} height={480} />
-      {!isTraced && slice && (
+      <canvas
+        ref={canvas}
+        class="field-picture"
+        role="img"
+        aria-label={`${words.beside}: ${words.besides[what]}`}
+        hidden={isSliced ? !slice : !taken}
+        width={720}
+        height={480}
+      />
+      {isSliced && slice && (
         <Slider
           id="slice"
           label={words.sliceAt}
@@ -153,12 +163,22 @@ function FieldPane({ page, look }: { page: Page; look: "traced" | "sliced" }) {
           choose={setHeight}
         />
       )}
-      {!isTraced && !slice && (
+      {isSliced && !slice && (
         <button type="button" onClick={() => void control?.bake()}>
           {words.bakeForSlice}
         </button>
       )}
-      <Working page={page} lanes={isTraced ? ["field"] : ["slice"]} />
+      {what === "distance" && bound && (
+        <p class="aside" data-says="distance">
+          {words.distanceSays(page.say.number(state.shown?.certificate.bound?.at_most ?? bound.at_most ?? 0), page.say.number(bound.at_least))}
+        </p>
+      )}
+      {what === "overshade" && overshade && (
+        <p class="aside" data-says="overshade">
+          {words.overshadeSays(page.say.fixed(overshade.every.lanes / Math.max(overshade.covered_px, 1)), overshade.missed + overshade.micro, overshade.in_view)}
+        </p>
+      )}
+      <Working page={page} lanes={isSliced ? ["slice"] : ["picture"]} />
     </>
   );
 }
@@ -173,15 +193,20 @@ function sectionOf(parts: readonly Part[], cut: number | null): Section | undefi
 
 function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], distance: number): Layer[] {
   const layers = parts.flatMap((part, k): Layer[] => {
-    const { positions, indices, normals, groups, paints } = part;
+    const { positions, indices, normals, colors, groups, paints, uv, laid } = part;
+    const pictures = uv && laid?.some(Boolean) && look !== "wire" ? { uv, of: laid } : undefined;
+    const paint = (own: string | undefined, k: number) => own ?? (pictures?.of[k] ? "#ffffff" : PAINT.front);
     const mesh: Layer = {
       kind: "mesh",
       id: `mesh-${k}`,
       positions,
       indices,
       ...(normals && look !== "wire" ? { normals } : {}),
-      groups: { of: groups, paints: paints.map((paint) => paint ?? PAINT.front) },
-      paint: PAINT.front,
+      ...(colors && !pictures ? { colors } : {}),
+      // One paint for all needs no corners of its own.
+      ...(paints.length > 1 || pictures ? { groups: { of: groups, paints: paints.map(paint) } } : {}),
+      ...(pictures ? { pictures } : {}),
+      paint: paint(paints[0], 0),
       back: PAINT.back,
       shading: normals && look !== "wire" ? "smooth" : "flat",
       sides: look === "culled" ? "front" : "both",

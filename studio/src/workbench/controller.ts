@@ -1,6 +1,6 @@
 // What the bench does: it keeps the state, orders runs of the command, and tells whoever draws. It computes nothing itself.
 import type { Size, Vec3, View } from "../viewer";
-import { eyeOf, fovOf } from "../viewer/view";
+import { fovOf } from "../viewer/view";
 import type { Files, Outcome, Progress } from "./command";
 import {
   type Bench,
@@ -14,12 +14,13 @@ import {
   withText,
 } from "./document";
 import type { FunctionRow } from "./editor";
-import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood } from "./glb";
+import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood, withPictures } from "./glb";
 import { type Jobs, Stopped } from "./jobs";
+import { type Beside, type PictureOf, besideOf, pictureLine } from "./pictures";
 import type { Certificate, Inspection, LevelFacts, Report } from "./report";
 import { pack } from "./share";
 
-export type LaneName = "draft" | "proof" | "inspect" | "field" | "slice" | "levels" | "step" | "export" | "language";
+export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language";
 
 /** A mesh that is shown. */
 export interface Shown {
@@ -73,7 +74,9 @@ export interface State {
   witnesses: readonly { of: string; at: Vec3 }[];
   progress: Partial<Record<LaneName, Progress>>;
   running: readonly LaneName[];
-  field: { png: Uint8Array; view: View; size: Size } | null;
+  /** What was chosen to stand beside the mesh, and the picture of it. */
+  beside: Beside;
+  picture: PictureOf | null;
   slice: Slice | null;
   levels: Levels | null;
   view: View;
@@ -89,7 +92,7 @@ export interface State {
 export type Notice = "damaged" | "too-large" | "stopped" | "trapped";
 
 const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
-/** How long the hand rests before the proof begins, and before the field is drawn for a new view. */
+/** How long the hand rests before the proof begins, and before a picture is taken from a new place. */
 const REST_MS = 250;
 /** The cells of a draft, as a share of the diagonal: seen at once, and coarse enough to be there at once. */
 const DRAFT = "1.5%";
@@ -98,7 +101,7 @@ const MOST_STEPS = 100;
 const MOST_BYTES = 600e6;
 /** From the middle of a box to the eye, in diagonals. */
 const AWAY = 2.4;
-/** Dots of the field's picture: as many as are traced in about a second. */
+/** Dots of a picture that is traced: as many as take about a second. */
 const MOST_DOTS = 120_000;
 /** Cells along the longest side of a slice: a pixel or two each. */
 const SLICE_CELLS = "96";
@@ -123,7 +126,8 @@ export class Controller {
       witnesses: [],
       progress: {},
       running: [],
-      field: null,
+      beside: "traced",
+      picture: null,
       slice: null,
       levels: null,
       view: HOME,
@@ -227,8 +231,12 @@ export class Controller {
     const bytes = outcome.made[name];
     const report = reportOf(outcome);
     if (!bytes || !report.certificate?.levels) return this.update({ fault: faultOf(outcome) });
-    const { up } = report.certificate.frame;
-    const parts = levelsOf(bytes).map((level) => level.map((part) => standing(part, this.upOf(now, up))));
+    const { frame } = report.certificate;
+    const up = this.upOf(now, frame.up);
+    const parts = await Promise.all(
+      levelsOf(bytes, frame).map(async (level) => (await withPictures(level)).map((part) => standing(part, up))),
+    );
+    if (now !== this.state.bench) return;
     this.update({ levels: { parts, facts: report.certificate.levels.levels, bytes, line } });
   }
 
@@ -263,7 +271,7 @@ export class Controller {
 
   look(view: View): void {
     this.update({ view });
-    this.later("field", () => void this.draw());
+    this.later("picture", () => void this.draw());
     // Pixels are counted at this distance.
     if (this.state.bench.budget.by === "px") this.later("proof", () => void this.prove());
   }
@@ -271,7 +279,7 @@ export class Controller {
   resize(size: Size): void {
     if (size.width === this.state.size.width && size.height === this.state.size.height) return;
     this.update({ size });
-    this.later("field", () => void this.draw());
+    this.later("picture", () => void this.draw());
   }
 
   cancel(lane: LaneName): void {
@@ -292,15 +300,16 @@ export class Controller {
     this.update({ levels: null, slice: null, notice: null });
     for (const lane of ["levels", "slice", "step"] as const) this.jobs.cancel(lane);
     if (isScript(now)) void this.draft();
+    else this.jobs.cancel("draft");
     if (isDragging) {
       this.jobs.cancel("proof");
-      this.jobs.cancel("field");
+      this.jobs.cancel("picture");
       clearTimeout(this.timers.get("proof"));
       this.timers.delete("proof");
     } else {
       this.later("proof", () => void this.prove());
       void this.inspect();
-      this.later("field", () => void this.draw());
+      this.later("picture", () => void this.draw());
       this.later("link", () => void pack(this.state.bench).then((link) => this.update({ link })));
     }
   }
@@ -324,25 +333,27 @@ export class Controller {
     const report = reportOf(outcome);
     const bytes = outcome.made[output];
     const { certificate } = report;
-    // An older draft is better than none while one drags; a proof is of this shape or of no use.
-    if (now !== this.state.bench && lane === "proof") return;
+    if (!this.isWanted(lane, now)) return;
     if (!bytes || !certificate) return this.update({ fault: faultOf(outcome) });
-    if (lane === "draft" && this.state.shown && !this.state.shown.isDraft && !this.jobs.isRunning("proof") && now === this.state.bench) {
-      // The proof was sooner.
-      if (this.provedOf === now) return;
-    }
     const up = this.upOf(now, certificate.frame.up);
-    const parts = partsOf(bytes).map((part) => standing(part, up));
+    const parts = (await withPictures(partsOf(bytes, certificate.frame))).map((part) => standing(part, up));
+    if (!this.isWanted(lane, now)) return;
     if (lane === "proof") this.provedOf = now;
     const seconds = (performance.now() - begun) / 1000;
     const isShort = outcome.exit !== 0;
     this.frame(now, parts, up);
-    const shown = { parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
+    const shown: Shown = { parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
     this.update({ shown, fault: isShort && lane === "proof" ? faultOf(outcome) : null });
-    if (this.drawnOf !== now) this.later("field", () => void this.draw());
+    if (this.drawnOf !== now && this.drawnOf !== shown) this.later("picture", () => void this.draw());
+  }
+  /** A proof is of this shape or of no use. An older draft of it is better than none while one drags, until the proof is there. */
+  private isWanted(lane: "draft" | "proof", of: Bench): boolean {
+    const { bench: now } = this.state;
+    return lane === "proof" ? of === now : of.name === now.name && this.provedOf !== now;
   }
   private provedOf: Bench | null = null;
-  private drawnOf: Bench | null = null;
+  /** What the last picture shows: the field of a bench, or triangles. */
+  private drawnOf: Bench | Shown | null = null;
 
   /** The axis that is up: glTF's is y, if the report does not say. */
   private upOf(now: Bench, up: string | null): string | null {
@@ -376,20 +387,29 @@ export class Controller {
     if (!inspection) this.update({ fault: faultOf(outcome) });
   }
 
-  /** The field as the command's sphere tracer sees it, from where the mesh is seen. */
+  /** Puts something else beside the mesh. */
+  besides(beside: Beside): void {
+    this.update({ beside, picture: null });
+    void this.draw();
+  }
+
+  /** What stands beside the mesh, as the command sees it from where the mesh is seen. */
   private async draw(): Promise<void> {
-    const { bench: now, view, size, shown } = this.state;
-    if (!isScript(now) || !shown) return;
-    const ratio = Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));
-    const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
-    const numbers = (of: Vec3) => of.map((value) => Number(value.toPrecision(7))).join(",");
-    const camera = `${width}x${height} fov=${fovOf(size).toFixed(3)} eye=${numbers(eyeOf(view))} target=${numbers(view.target)}`;
-    const words = ["render", ...reading(now), "--view", camera, "-o", "field.png"];
-    const outcome = await this.run("field", words, now.files, false);
-    const png = outcome?.made["field.png"];
-    if (!png || now !== this.state.bench) return;
-    this.drawnOf = now;
-    this.update({ field: { png, view, size } });
+    const { bench: now, beside, view, size, shown } = this.state;
+    const what = besideOf(now, beside);
+    if (what === "sliced" || !shown || (what !== "traced" && shown.isDraft)) return;
+    // What is shaded is counted on the pixels of this screen.
+    const ratio = what === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));
+    const dots = { width: Math.round(size.width * ratio), height: Math.round(size.height * ratio) };
+    const { parts, certificate } = shown;
+    const subject = { bench: now, parts, up: this.seen?.up ?? null, atMost: certificate.bound?.at_most ?? null };
+    const { line, files } = pictureLine(what, subject, view, dots);
+    const outcome = await this.run("picture", line, files, true);
+    if (!outcome || now !== this.state.bench || beside !== this.state.beside) return;
+    const png = outcome.made["picture.png"];
+    this.drawnOf = what === "traced" ? now : shown;
+    if (!png) return this.update({ fault: faultOf(outcome) });
+    this.update({ picture: { of: what, png, report: reportOf(outcome) } });
   }
 
   private async run(lane: LaneName, words: Line, files: Files, isReport: boolean): Promise<Outcome | null> {

@@ -1,5 +1,6 @@
-// Reads the triangles of a GLB that the command has written: no compression, one buffer. Materials become plain colours.
-import type { Vec3 } from "../viewer";
+// Reads the triangles of a GLB that the command has written: no compression, one buffer. Of materials it takes colour and picture.
+import type { LaidPicture, Vec3 } from "../viewer";
+import { fromLinear } from "../viewer/color";
 
 /** What one node of the file shows. */
 export interface Part {
@@ -7,54 +8,120 @@ export interface Part {
   positions: Float32Array;
   indices: Uint32Array;
   normals?: Float32Array;
+  /** Red, green, blue of each vertex, 0 to 1 as a screen has them. */
+  colors?: Float32Array;
   /** For each triangle the index of its paint, and the paints. */
   groups: Uint32Array;
   paints: (string | undefined)[];
+  /** Where each vertex is in the pictures, and the picture of each paint. */
+  uv?: Float32Array;
+  pictures?: (Pictured | undefined)[];
+  /** The pictures again, once a browser has read them. */
+  laid?: readonly (LaidPicture | undefined)[];
+}
+
+/** A picture in the file, and how it is laid on. */
+export interface Pictured {
+  bytes: Uint8Array;
+  type: string;
+  wrap: readonly [number, number];
+}
+
+interface Node {
+  name?: string;
+  mesh?: number;
+  children?: number[];
+  matrix?: number[];
+  translation?: number[];
+  rotation?: number[];
+  scale?: number[];
+  extensions?: { MSFT_lod?: { ids: number[] } };
 }
 
 interface Json {
-  nodes?: { name?: string; mesh?: number; children?: number[]; matrix?: number[]; translation?: number[]; rotation?: number[]; scale?: number[] }[];
+  nodes?: Node[];
   scenes?: { nodes?: number[] }[];
   scene?: number;
   meshes?: { primitives: { attributes: Record<string, number>; indices?: number; material?: number; mode?: number }[] }[];
-  materials?: { pbrMetallicRoughness?: { baseColorFactor?: number[]; baseColorTexture?: unknown } }[];
+  materials?: { pbrMetallicRoughness?: { baseColorFactor?: number[]; baseColorTexture?: { index: number; texCoord?: number } } }[];
+  textures?: { source?: number; sampler?: number; extensions?: { EXT_texture_webp?: { source: number } } }[];
+  samplers?: { wrapS?: number; wrapT?: number }[];
+  images?: { bufferView?: number; mimeType?: string }[];
   accessors?: { bufferView?: number; byteOffset?: number; componentType: number; count: number; type: string; normalized?: boolean }[];
   bufferViews?: { byteOffset?: number; byteLength: number; byteStride?: number }[];
 }
 
 const WIDTHS: Record<string, number> = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
 const TRIANGLES = 4;
+const REPEAT = 10497;
 /** Column by column, as the file has them. */
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
-/** The parts of the scene, one for each node with triangles. */
-export function parts(bytes: Uint8Array): Part[] {
-  const { json, buffer } = open(bytes);
-  const found: Part[] = [];
-  const visit = (node: number, above: readonly number[]) => {
-    const at = json.nodes?.[node];
-    if (!at) return;
-    const placed = times(above, matrixOf(at));
-    if (at.mesh !== undefined) found.push(...partOf(json, buffer, at.mesh, at.name ?? "", placed));
-    at.children?.forEach((child) => visit(child, placed));
+/** What a certificate says of the space that a shape is in. */
+export interface Frame {
+  up: string | null;
+  metres_per_unit: number | null;
+}
+
+/** The parts of the scene in the coordinates of the shape that they were made of, one for each node with triangles. */
+export function parts(bytes: Uint8Array, frame: Frame): Part[] {
+  const file = open(bytes);
+  return placedNodes(file.json, frame).flatMap(({ node, above }) => partsOf(file, node, above));
+}
+
+/** The same parts with their pictures read. One that the browser cannot read is left out. */
+export function withPictures(all: readonly Part[]): Promise<Part[]> {
+  const seen = new Map<number, Promise<ImageBitmap | undefined>>();
+  const read = ({ bytes, type }: Pictured) => {
+    const known = seen.get(bytes.byteOffset) ?? createImageBitmap(new Blob([bytes as BlobPart], { type })).catch(() => undefined);
+    seen.set(bytes.byteOffset, known);
+    return known;
+  };
+  const laid = async (one: Pictured | undefined): Promise<LaidPicture | undefined> => {
+    const image = one && (await read(one));
+    return image && { image, wrap: one.wrap };
+  };
+  return Promise.all(all.map(async (part) => (part.pictures ? { ...part, laid: await Promise.all(part.pictures.map(laid)) } : part)));
+}
+
+/** The levels of detail of a file that `chordal lod` has written, finest first: the parts of each. */
+export function levels(bytes: Uint8Array, frame: Frame): Part[][] {
+  const file = open(bytes);
+  const hosts = placedNodes(file.json, frame).map(({ node, above }) => ({
+    above,
+    nodes: [node, ...(node.extensions?.MSFT_lod?.ids ?? []).map((id) => file.json.nodes![id]!)],
+  }));
+  const count = Math.max(...hosts.map(({ nodes }) => nodes.length), 0);
+  // A part that has no more levels stays as coarse as it is.
+  return Array.from({ length: count }, (_, level) =>
+    hosts.flatMap(({ above, nodes }) => partsOf(file, nodes[Math.min(level, nodes.length - 1)]!, above)),
+  );
+}
+
+/** The nodes of the scene with a mesh, and where the nodes above them stand. */
+function placedNodes(json: Json, frame: Frame): { node: Node; above: readonly number[] }[] {
+  const found: { node: Node; above: readonly number[] }[] = [];
+  // At the root the command turns the shape into glTF's space, y up and in metres, by one node each.
+  let turns = Number(frame.up === "z") + Number(frame.metres_per_unit !== null && frame.metres_per_unit !== 1);
+  const visit = (number: number, above: readonly number[]) => {
+    const node = json.nodes?.[number];
+    if (!node) return;
+    const isTurn = turns > 0;
+    if (isTurn) turns -= 1;
+    if (node.mesh !== undefined) found.push({ node, above });
+    const placed = isTurn ? above : times(above, matrixOf(node));
+    node.children?.forEach((child) => visit(child, placed));
   };
   json.scenes?.[json.scene ?? 0]?.nodes?.forEach((node) => visit(node, IDENTITY));
   return found;
 }
 
-/** The levels of detail of a file that `chordal lod` has written, finest first: the parts of each. */
-export function levels(bytes: Uint8Array): Part[][] {
-  const { json, buffer } = open(bytes);
-  const all: Part[][] = [];
-  json.nodes?.forEach((node) => {
-    if (node.mesh === undefined) return;
-    const level = Number(/ level (\d+)$/.exec(node.name ?? "")?.[1] ?? 0);
-    (all[level] ??= []).push(...partOf(json, buffer, node.mesh, node.name ?? "", matrixOf(node)));
-  });
-  return all.filter(Boolean);
+interface Glb {
+  json: Json;
+  buffer: DataView;
 }
 
-function open(bytes: Uint8Array): { json: Json; buffer: DataView } {
+function open(bytes: Uint8Array): Glb {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const length = view.getUint32(12, true);
   const json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))) as Json;
@@ -62,78 +129,116 @@ function open(bytes: Uint8Array): { json: Json; buffer: DataView } {
   return { json, buffer: new DataView(bytes.buffer, bytes.byteOffset + Math.min(from, bytes.length), Math.max(bytes.length - from, 0)) };
 }
 
-function partOf(json: Json, buffer: DataView, mesh: number, name: string, placed: readonly number[]): Part[] {
+function partsOf(file: Glb, node: Node, above: readonly number[]): Part[] {
+  const { json } = file;
+  const { mesh, name = "" } = node;
+  if (mesh === undefined) return [];
+  const placed = times(above, matrixOf(node));
   const primitives = (json.meshes?.[mesh]?.primitives ?? []).filter((one) => (one.mode ?? TRIANGLES) === TRIANGLES);
+  // Primitives may share their vertices.
   const starts = new Map<number, number>();
-  const [positions, normals, indices, groups]: [number[], number[], number[], number[]] = [[], [], [], []];
-  const paints: (string | undefined)[] = [];
-  for (const one of primitives) {
-    const position = one.attributes["POSITION"];
-    if (position === undefined) continue;
-    // Primitives may share their vertices.
-    let start = starts.get(position);
-    if (start === undefined) {
-      start = positions.length / 3;
-      starts.set(position, start);
-      push(positions, read(json, buffer, position));
-      const normal = one.attributes["NORMAL"];
-      if (normal !== undefined) push(normals, read(json, buffer, normal));
+  const shared: Attributes[] = [];
+  let count = 0;
+  const runs = primitives.flatMap(({ attributes, indices, material }) => {
+    const position = attributes["POSITION"];
+    if (position === undefined) return [];
+    if (!starts.has(position)) {
+      starts.set(position, count);
+      shared.push(attributes);
+      count += json.accessors![position]!.count;
     }
-    const rows = one.indices === undefined ? undefined : read(json, buffer, one.indices);
-    const count = rows?.length ?? positions.length / 3 - start;
-    for (let i = 0; i < count; i++) indices.push(start + (rows?.[i] ?? i));
-    for (let i = 0; i < Math.floor(count / 3); i++) groups.push(paints.length);
-    paints.push(paintOf(json, one.material));
-  }
-  if (!indices.length) return [];
+    const own = json.accessors![position]!.count;
+    const rows = indices === undefined ? Uint32Array.from({ length: own }, (_, i) => i) : read(file, indices);
+    return [{ rows, start: starts.get(position)!, material, attributes }];
+  });
+  const corners = runs.reduce((sum, { rows }) => sum + rows.length, 0);
+  if (!corners) return [];
+  const [indices, groups] = [new Uint32Array(corners), new Uint32Array(corners / 3)];
+  let at = 0;
+  runs.forEach(({ rows, start }, run) => {
+    groups.fill(run, at / 3, (at + rows.length) / 3);
+    for (const row of rows) indices[at++] = start + row;
+  });
+  const gathered = (of: (attributes: Attributes) => number | undefined, width: number) => joined(file, shared.map(of), width);
   const part: Part = {
     name,
-    positions: moved(Float32Array.from(positions), placed, 1),
-    indices: Uint32Array.from(indices),
-    groups: Uint32Array.from(groups),
-    paints,
+    positions: moved(gathered((from) => from["POSITION"], 3)!, placed, 1),
+    indices,
+    groups,
+    paints: runs.map(({ material }) => paintOf(json, material)),
   };
-  if (normals.length === positions.length) part.normals = moved(Float32Array.from(normals), placed, 0);
+  const normals = gathered((from) => from["NORMAL"], 3);
+  if (normals) part.normals = moved(normals, placed, 0);
+  const colors = gathered((from) => from["COLOR_0"], 3);
+  if (colors) part.colors = colors.map(fromLinear);
+  const pictures = runs.map(({ material }) => pictureOf(file, material));
+  const laid = pictures.find(Boolean);
+  const uv = laid && gathered((from) => from[`TEXCOORD_${laid.texCoord}`], 2);
+  if (uv) Object.assign(part, { uv, pictures: pictures.map((one) => one && { bytes: one.bytes, type: one.type, wrap: one.wrap }) });
   return [part];
 }
 
-function push(to: number[], from: ArrayLike<number>): void {
-  for (let i = 0; i < from.length; i++) to.push(from[i]!);
-}
+type Attributes = Record<string, number>;
 
-function read(json: Json, buffer: DataView, accessor: number): ArrayLike<number> {
-  const { bufferView, byteOffset = 0, componentType, count, type } = json.accessors![accessor]!;
-  const width = WIDTHS[type] ?? 1;
-  if (bufferView === undefined) return new Float32Array(count * width);
-  const view = json.bufferViews![bufferView]!;
-  const size = { 5121: 1, 5123: 2, 5125: 4, 5126: 4 }[componentType] ?? 4;
-  const stride = view.byteStride ?? size * width;
-  const out = new Float64Array(count * width);
-  for (let i = 0; i < count; i++) {
-    for (let k = 0; k < width; k++) {
-      const at = (view.byteOffset ?? 0) + byteOffset + i * stride + k * size;
-      out[i * width + k] =
-        componentType === 5126
-          ? buffer.getFloat32(at, true)
-          : size === 4
-            ? buffer.getUint32(at, true)
-            : size === 2
-              ? buffer.getUint16(at, true)
-              : buffer.getUint8(at);
-    }
+/** An attribute of all vertices, or nothing where some lack it. */
+function joined(file: Glb, accessors: readonly (number | undefined)[], width: number): Float32Array | undefined {
+  const all = accessors.map((accessor) => (accessor === undefined ? undefined : read(file, accessor, width)));
+  if (all.some((one) => !one)) return undefined;
+  const out = new Float32Array(all.reduce((sum, one) => sum + one!.length, 0));
+  let at = 0;
+  for (const one of all) {
+    out.set(one!, at);
+    at += one!.length;
   }
   return out;
+}
+
+/** The numbers of an accessor; of wider rows the first so many. Whole numbers that stand for shares become them. */
+function read({ json, buffer }: Glb, accessor: number, width?: number): Float32Array | Uint32Array {
+  const { bufferView, byteOffset = 0, componentType, count, type, normalized } = json.accessors![accessor]!;
+  const all = WIDTHS[type] ?? 1;
+  const kept = width ?? all;
+  const out = width === undefined ? new Uint32Array(count * kept) : new Float32Array(count * kept);
+  if (bufferView === undefined) return out;
+  const view = json.bufferViews![bufferView]!;
+  const size = { 5121: 1, 5123: 2, 5125: 4, 5126: 4 }[componentType] ?? 4;
+  const stride = view.byteStride ?? size * all;
+  const first = (view.byteOffset ?? 0) + byteOffset;
+  const whole = normalized ? 2 ** (8 * size) - 1 : 1;
+  const number =
+    componentType === 5126
+      ? (at: number) => buffer.getFloat32(at, true)
+      : size === 4
+        ? (at: number) => buffer.getUint32(at, true) / whole
+        : size === 2
+          ? (at: number) => buffer.getUint16(at, true) / whole
+          : (at: number) => buffer.getUint8(at) / whole;
+  for (let i = 0; i < count; i++) for (let k = 0; k < kept; k++) out[i * kept + k] = number(first + i * stride + k * size);
+  return out;
+}
+
+/** The picture of the material's colour, where it is one that browsers know. */
+function pictureOf({ json, buffer }: Glb, material: number | undefined): (Pictured & { texCoord: number }) | undefined {
+  const laid = material === undefined ? undefined : json.materials?.[material]?.pbrMetallicRoughness?.baseColorTexture;
+  const texture = laid && json.textures?.[laid.index];
+  const source = texture?.extensions?.EXT_texture_webp?.source ?? texture?.source;
+  const { bufferView, mimeType } = (source === undefined ? undefined : json.images?.[source]) ?? {};
+  if (!laid || !texture || bufferView === undefined || !mimeType) return undefined;
+  const { byteOffset = 0, byteLength } = json.bufferViews![bufferView]!;
+  const bytes = new Uint8Array(buffer.buffer, buffer.byteOffset + byteOffset, byteLength);
+  const { wrapS = REPEAT, wrapT = REPEAT } = json.samplers?.[texture.sampler ?? -1] ?? {};
+  return { bytes, type: mimeType, wrap: [wrapS, wrapT], texCoord: laid.texCoord ?? 0 };
 }
 
 /** The material's colour, from linear light to what a screen has. */
 function paintOf(json: Json, material: number | undefined): string | undefined {
   const pbr = material === undefined ? undefined : json.materials?.[material]?.pbrMetallicRoughness;
-  if (!pbr?.baseColorFactor || pbr.baseColorTexture) return undefined;
-  const shown = pbr.baseColorFactor.slice(0, 3).map((c) => Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055)));
+  if (!pbr?.baseColorFactor) return undefined;
+  const shown = pbr.baseColorFactor.slice(0, 3).map((share) => Math.round(255 * fromLinear(share)));
   return `rgb(${shown.join(", ")})`;
 }
 
-function matrixOf(node: NonNullable<Json["nodes"]>[number]): readonly number[] {
+function matrixOf(node: Node): readonly number[] {
   if (node.matrix) return node.matrix;
   const [x, y, z, w] = (node.rotation ?? [0, 0, 0, 1]) as [number, number, number, number];
   const [a, b, c] = (node.scale ?? [1, 1, 1]) as [number, number, number];
@@ -160,19 +265,22 @@ function moved(rows: Float32Array, m: readonly number[], w: 0 | 1): Float32Array
   return rows;
 }
 
-/** With z up, where the file has y up. */
-export function standing(part: Part, up: string | null): Part {
-  if (up !== "y" && up !== "+y") return part;
-  const turn = (rows: Float32Array) => {
-    const out = new Float32Array(rows.length);
-    for (let i = 0; i < rows.length; i += 3) out.set([rows[i]!, -rows[i + 2]!, rows[i + 1]!], i);
+/** A point with z up, where the file has y up; and back. */
+export const stood = ([x, y, z]: Vec3, up: string | null): Vec3 => (up === "y" ? [x, -z, y] : [x, y, z]);
+export const lain = ([x, y, z]: Vec3, up: string | null): Vec3 => (up === "y" ? [x, z, -y] : [x, y, z]);
+
+/** The same for a part. */
+export const standing = (part: Part, up: string | null): Part => (up === "y" ? turned(part, (at) => stood(at, up)) : part);
+export const lying = (part: Part, up: string | null): Part => (up === "y" ? turned(part, (at) => lain(at, up)) : part);
+
+function turned(part: Part, turn: (at: Vec3) => Vec3): Part {
+  const rows = (of: Float32Array) => {
+    const out = new Float32Array(of.length);
+    for (let i = 0; i < of.length; i += 3) out.set(turn([of[i]!, of[i + 1]!, of[i + 2]!]), i);
     return out;
   };
-  return { ...part, positions: turn(part.positions), ...(part.normals && { normals: turn(part.normals) }) };
+  return { ...part, positions: rows(part.positions), ...(part.normals && { normals: rows(part.normals) }) };
 }
-
-/** The same for a point. */
-export const stood = ([x, y, z]: Vec3, up: string | null): Vec3 => (up === "y" || up === "+y" ? [x, -z, y] : [x, y, z]);
 
 /** The box of all. */
 export function boxOf(all: readonly Part[]): readonly [Vec3, Vec3] | undefined {

@@ -28,6 +28,7 @@ export interface Certificate {
   valid: { closed: boolean; manifold: boolean; oriented: boolean; components: number; genus: number | null; witnesses?: readonly { of: string; at: Vec3 }[] } | null;
   levels?: { levels: readonly LevelFacts[] };
   baked?: { size: readonly [number, number, number]; origin: Vec3; spacing: number };
+  overshade?: { in_view: number; missed: number; micro: number; covered_px: number; every: { lanes: number } };
   notes: readonly string[];
 }
 

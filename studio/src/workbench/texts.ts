@@ -1,5 +1,6 @@
 // The words of the workbench, in both languages. Sentences of the command stay as it says them.
 import type { Notice } from "./controller";
+import type { Beside } from "./pictures";
 
 export type Language = "en" | "zh";
 
@@ -34,9 +35,10 @@ export interface Texts {
   section: string;
   cutAt: string;
   sliceAt: string;
-  fieldShow: string;
-  traced: string;
-  sliced: string;
+  beside: string;
+  besides: Record<Beside, string>;
+  distanceSays(darkest: string, found: string): string;
+  overshadeSays(lanes: string, small: number, triangles: number): string;
   noField: string;
   bakeForSlice: string;
   inside: string;
@@ -131,9 +133,11 @@ export const TEXTS: Record<Language, Texts> = {
     section: "Cut open",
     cutAt: "Where, from front to back",
     sliceAt: "Height of the cut",
-    fieldShow: "Field as",
-    traced: "Sphere-traced",
-    sliced: "Slice",
+    beside: "Beside it",
+    besides: { traced: "Field, sphere-traced", sliced: "Field, a slice", distance: "Distance", overshade: "Overshading" },
+    distanceSays: (darkest, found) => `From light to dark: 0 to ${darkest}. At one place the distance is at least ${found}.`,
+    overshadeSays: (lanes, small, triangles) =>
+      `${lanes} lanes of the graphics processor for each pixel; ${small} of ${triangles} triangles are too small to be seen from here.`,
     noField: "This shape is no field. Bake it to see its distance.",
     bakeForSlice: "Sample the distance",
     inside: "inside",
@@ -231,9 +235,10 @@ export const TEXTS: Record<Language, Texts> = {
     section: "剖开",
     cutAt: "剖切位置（由前到后）",
     sliceAt: "剖切高度",
-    fieldShow: "场显示为",
-    traced: "球面追踪",
-    sliced: "切片",
+    beside: "旁边显示",
+    besides: { traced: "场：球面追踪", sliced: "场：切片", distance: "距离", overshade: "过度着色" },
+    distanceSays: (darkest, found) => `由浅到深：0 到 ${darkest}。有一处的距离至少为 ${found}。`,
+    overshadeSays: (lanes, small, triangles) => `每个像素占用图形处理器 ${lanes} 个通道；${triangles} 个三角形中有 ${small} 个从这里看小到看不见。`,
     noField: "这个形状不是场。烘焙后即可看到距离。",
     bakeForSlice: "采样距离",
     inside: "内部",

@@ -151,6 +151,49 @@ describe("a file", () => {
     expect(faults(errors)).toEqual([]);
   });
 
+  test("is shown with its colours and pictures, and beside it how far it is off and what it costs", async () => {
+    const { page, errors } = await open();
+    const picker = page.locator(".inputs input[type=file]");
+    await picker.setInputFiles(join(ROOT, "../tests/web/painted.gltf"));
+    await expect.poll(() => line(page)).toContain("painted.gltf");
+    await settled(page);
+    // Of what is strongly coloured, the shares that are red and green: the file's picture and paint have both, ours has neither.
+    const shot = await page.locator(".pane .scene").first().screenshot();
+    const [red, green] = await page.evaluate(async (data) => {
+      const image = await createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], { type: "image/png" }));
+      const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
+      canvas.drawImage(image, 0, 0);
+      const { data: dots } = canvas.getImageData(0, 0, image.width, image.height);
+      const [counts, all] = [[0, 0], dots.length / 4];
+      for (let i = 0; i < dots.length; i += 4) {
+        for (const k of [0, 1]) if (dots[i + k]! > 2 * dots[i + 1 - k]! && dots[i + k]! > 2 * dots[i + 2]!) counts[k]! += 1 / all;
+      }
+      return counts;
+    }, shot.toString("base64"));
+    expect(red).toBeGreaterThan(0.005);
+    expect(green).toBeGreaterThan(0.005);
+    const beside = async (what: string) => {
+      await page.locator(`input[name=beside][value=${what}]`).check({ force: true });
+      await page.locator(`[data-says=${what}]`).waitFor();
+      return page.locator(`[data-says=${what}]`).textContent();
+    };
+    expect(await beside("distance")).toMatch(/0 to [\d.]+\. .* at least [\d.]+/);
+    // Two nodes show the part of 189.
+    expect(await beside("overshade")).toMatch(/^[\d.]+ lanes .* of 378 triangles/);
+    expect(faults(errors)).toEqual([]);
+  });
+
+  test("that was opened while another was drafted is not replaced by that draft", async () => {
+    const { page } = await open("workbench.html");
+    await page.locator("#param-width").focus();
+    await page.keyboard.press("ArrowRight");
+    const picker = page.locator(".inputs input[type=file]");
+    await picker.setInputFiles({ name: "tetra.obj", mimeType: "text/plain", buffer: Buffer.from(`${SICK}f 1 4 3\n`) });
+    await settled(page);
+    await page.waitForTimeout(3000);
+    expect(await digits(page, "triangles")).toBe(4);
+  });
+
   test("that nobody can read is one sentence", async () => {
     const { page } = await open();
     const picker = page.locator(".inputs input[type=file]");

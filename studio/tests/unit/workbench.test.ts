@@ -6,8 +6,9 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { beforeAll, describe, expect, test, vi } from "vitest";
 import { Trapped, run } from "../../src/workbench/command";
-import { bench, meshLine, python, quoted, rust, shell, split, viewText, withText } from "../../src/workbench/document";
-import { levels, parts, standing } from "../../src/workbench/glb";
+import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText } from "../../src/workbench/document";
+import { boxOf, levels, parts, standing } from "../../src/workbench/glb";
+import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
 import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
 import { pack, unpack } from "../../src/workbench/share";
 
@@ -147,9 +148,46 @@ describe.skipIf(!existsSync(MODULE))("the command as a module", () => {
     expect(made.exit).toBe(0);
     expect(Object.keys(made.made)).toEqual(["block.glb"]);
     expect(JSON.parse(made.stdout).certificate.bound.evidence).toBe("proved");
-    const [part] = parts(made.made["block.glb"]!);
+    const [part] = parts(made.made["block.glb"]!, JSON.parse(made.stdout).certificate.frame);
     expect(part!.indices.length).toBe(3 * JSON.parse(made.stdout).certificate.output.triangles);
     expect(part!.normals?.length).toBe(part!.positions.length);
+  });
+
+  test("triangles have the coordinates of the shape, whatever its file's axis and unit are", async () => {
+    const words = ["teapot.bpt", "--unit", "mm"];
+    for (const line of [["mesh", ...words, "--tol", "2%"], ["lod", ...words, "--px", "1"]]) {
+      const made = await work([...line, "-o", "t.glb", "--json"], files("teapot.bpt"));
+      const { frame } = JSON.parse(made.stdout).certificate;
+      expect(frame).toEqual({ up: "z", metres_per_unit: 0.001 });
+      const [low, high] = boxOf(line[0] === "lod" ? levels(made.made["t.glb"]!, frame)[0]! : parts(made.made["t.glb"]!, frame))!;
+      // Newell's teapot stands on z = 0 and is 3.15 high.
+      expect([low[2], high[2]]).toEqual([expect.closeTo(0, 2), expect.closeTo(3.15, 1)]);
+      expect(high[0]).toBeCloseTo(3.43, 1);
+    }
+  });
+
+  test("takes the pictures that stand beside a mesh", async () => {
+    const teapot = { ...bench("teapot.bpt", files("teapot.bpt")), options: "--unit mm" };
+    const made = await work(["mesh", ...reading(teapot), "--tol", "2%", "-o", "t.glb", "--json"], teapot.files);
+    const { certificate } = JSON.parse(made.stdout);
+    const shown = parts(made.made["t.glb"]!, certificate.frame);
+    const view = { azimuth: 30, elevation: 20, distance: 14, target: [0, 0, 1.5] as const };
+    for (const up of ["y", "z"]) {
+      const subject = { bench: teapot, parts: shown.map((part) => standing(part, up)), up, atMost: certificate.bound.at_most };
+      const report = async (what: PictureKind) => {
+        const { line, files } = pictureLine(what, subject, view, { width: 120, height: 80 });
+        const taken = await work([...line, "--json"], files);
+        expect(taken.exit, taken.stderr).toBe(0);
+        expect([...taken.made["picture.png"]!.subarray(1, 4)]).toEqual([..."PNG"].map((c) => c.charCodeAt(0)));
+        return JSON.parse(taken.stdout).certificate;
+      };
+      // The distance is that of the bound: nothing was turned on the way.
+      const { bound } = await report("distance");
+      expect(bound.at_least).toBeLessThanOrEqual(certificate.bound.at_most);
+      expect(bound.at_most).toBeGreaterThanOrEqual(certificate.bound.at_least);
+      const { overshade } = await report("overshade");
+      expect(overshade.in_view).toBe(certificate.output.triangles);
+    }
   });
 
   test("tells mistakes in a sentence, with their place", async () => {
@@ -173,7 +211,7 @@ describe.skipIf(!existsSync(MODULE))("the command as a module", () => {
 
   test("writes levels that are told apart", async () => {
     const made = await work(["lod", "cube.obj", "--px", "1", "-o", "l.glb", "--json"], files("cube.obj"));
-    const found = levels(made.made["l.glb"]!);
+    const found = levels(made.made["l.glb"]!, JSON.parse(made.stdout).certificate.frame);
     const facts = JSON.parse(made.stdout).certificate.levels.levels as { triangles: number }[];
     expect(found.map((level) => level.reduce((sum, { indices }) => sum + indices.length / 3, 0))).toEqual(facts.map(({ triangles }) => triangles));
   });
@@ -199,6 +237,16 @@ describe.skipIf(!existsSync(MODULE))("the command as a module", () => {
       }
     }
   });
+});
+
+test("what stands beside a shape is what it has", () => {
+  const one = (name: string) => bench(name, {});
+  expect(besides(one("a.star"))).not.toContain("distance");
+  expect(besideOf(one("a.star"), "traced")).toBe("traced");
+  expect(besideOf(one("a.ply"), "traced")).toBe("sliced");
+  expect(besideOf(one("a.ply"), "distance")).toBe("distance");
+  // A mesh less another solid is not to be near the whole mesh.
+  expect(besides({ ...one("a.ply"), combine: { how: "minus", name: "b.star" } })).not.toContain("distance");
 });
 
 test("a file with y up stands", () => {
