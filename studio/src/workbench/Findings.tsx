@@ -22,7 +22,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
               <b>
                 {say.whole(finding.count)} {finding.words}
               </b>
-              : <span lang="en">{finding.means}</span>
+              <span lang="en">{finding.means}</span>
             </p>
             {finding.advice && (
               <p class="aside" lang="en">

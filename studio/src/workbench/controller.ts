@@ -167,10 +167,16 @@ export class Controller {
     // While something is dragged the state before it is one step.
     if (!this.dragged) this.update({ past: [...past, now].slice(-MOST_STEPS), future: [] });
     this.dragged = isDragging;
+    if (next.name !== now.name) this.forget();
     this.update({ bench: next });
     this.work(isDragging);
   }
   private dragged = false;
+
+  /** What is known of one file is not shown beside the name of another. */
+  private forget(): void {
+    this.update({ shown: null, fault: null, inspection: null, witnesses: [], picture: null });
+  }
 
   /** The hand is off what it dragged. */
   rest(): void {
@@ -181,6 +187,7 @@ export class Controller {
     const { past, bench: now, future } = this.state;
     const before = past.at(-1);
     if (!before) return;
+    if (before.name !== now.name) this.forget();
     this.update({ bench: before, past: past.slice(0, -1), future: [now, ...future] });
     this.work(false);
   }
@@ -189,6 +196,7 @@ export class Controller {
     const { past, bench: now, future } = this.state;
     const after = future[0];
     if (!after) return;
+    if (after.name !== now.name) this.forget();
     this.update({ bench: after, past: [...past, now], future: future.slice(1) });
     this.work(false);
   }
@@ -362,10 +370,11 @@ export class Controller {
 
   /** Stands before a new shape; a changed one is looked at as before. */
   private frame(now: Bench, parts: readonly Part[], up: string | null): void {
-    if (this.seen?.name === now.name) return;
-    const box = boxOf(parts);
-    if (!box) return;
+    const isNew = this.seen?.name !== now.name;
+    const box = isNew ? boxOf(parts) : undefined;
+    if (isNew && !box) return;
     this.seen = { name: now.name, up };
+    if (!box) return;
     const [low, high] = box;
     const diagonal = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
     const target: Vec3 = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
@@ -424,7 +433,9 @@ export class Controller {
       return await this.jobs.run(lane, all, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: progress } }));
     } catch (error) {
       if (error instanceof Stopped && error.why === "trapped") {
-        this.update({ notice: "trapped", fault: { text: error.message.split("\n")[0] ?? "" } });
+        // What stands before the last line are warnings, and the last one is the browser's own.
+        const last = error.message.split("\n").slice(0, -1).findLast((line) => line && !line.includes("warning:"));
+        this.update({ notice: "trapped", fault: last ? { text: last } : null });
       } else if (!(error instanceof Stopped)) throw error;
       return null;
     } finally {
