@@ -2,7 +2,7 @@
 import { Figure as Data } from "../view/parts";
 import { Themes } from "../view/Themes";
 import type { AnyExhibit, LiveNumber, Page } from "./exhibit";
-import { type Entry, PARTS, STOPS, type Stop, fileOf, fileOfStop } from "./index";
+import { type Entry, PARTS, STOPS, type Stop, WIDGET, fileOf, fileOfStop } from "./index";
 import { FRAME } from "./frame_texts";
 import { LANGUAGES, type Language, Say, TAGS } from "./say";
 
@@ -19,6 +19,11 @@ export interface FrameProps {
   notes: readonly string[];
   set: Page<object, unknown, unknown>["set"];
 }
+
+/** So many paragraphs are read at first sight: with them the whole way takes half an hour. */
+const FIRST_READ = 2;
+
+const paragraphs = (story: readonly string[]) => story.map((text) => <p key={text}>{emphasized(text)}</p>);
 
 export function Frame(props: FrameProps) {
   const { entry, exhibit, language, isStill, isEmbedded, notes } = props;
@@ -59,9 +64,13 @@ export function Frame(props: FrameProps) {
             </div>
             {!isEmbedded && (
               <div class="prose">
-                {texts.story.map((text: string) => (
-                  <p key={text}>{emphasized(text)}</p>
-                ))}
+                {paragraphs(texts.story.slice(0, FIRST_READ))}
+                {texts.story.length > FIRST_READ && (
+                  <details>
+                    <summary>{words.more}</summary>
+                    {paragraphs(texts.story.slice(FIRST_READ))}
+                  </details>
+                )}
               </div>
             )}
           </div>
@@ -184,6 +193,11 @@ export function Onward({ stop, language }: { stop: Stop; language: Language }) {
         <a rel="next" href={fileOf("exhibits", language)}>
           <small>{words.next} →</small>
           {words.all}
+        </a>
+      )}
+      {stop === WIDGET && (
+        <a class="to-all" href={fileOf("exhibits", language)}>
+          {words.tour}
         </a>
       )}
       <a class="to-bench" href={language === "en" ? "workbench.html" : `workbench.${language}.html`}>

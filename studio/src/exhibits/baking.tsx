@@ -75,11 +75,11 @@ const texts: Record<Language, Texts> = {
       "Meshes are for drawing, fields for carving, blending and questions. Real engines carry both and *convert*. To bake a mesh, ask its signed distance at every point of a lattice. To come back, march through the cells and join the places where the value passes zero.",
       "Each way loses something. Between samples the grid only knows a blend of eight values, which rounds off whatever is sharp; and the triangles that come back cut straight through the cells. For either step the core *proves a bound*: how far the zero of the blend is from the mesh, and how far the new mesh is from that zero.",
       "By the triangle inequality *the two bounds add up*. The sum holds for the whole way, whatever lies between, and further steps would add theirs. What is measured is less: the worst places of the two steps seldom meet.",
-      "Half the cell, half the error, eight times the samples. For smooth shapes the error falls faster; it is the sharp edges that keep it up.",
+      "Half the cell, about half the error, and several times the samples: eight times as many once there are many. For smooth shapes the error falls faster; it is the sharp edges that keep it up.",
     ],
     attempts: [
       "Double the cells: by how much do the bounds fall, and the samples grow?",
-      "Look where it is dark. What do these places have in common?",
+      "Look where it is orange to red. What do these places have in common?",
       "Find a size where measured and bound are closest.",
     ],
   },

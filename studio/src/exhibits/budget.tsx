@@ -51,12 +51,12 @@ const texts: Record<Language, Texts> = {
     lines: { curve: "curve", patch: "teapot, patches", cage: "cube, cage", field: "torus, field" },
     step: "May be lost, in units",
     within: (length) => `at most ${length} units`,
-    label: "Slope of its line",
+    label: "Slope: how the count grows as the length shrinks",
     meaning: {
       curve: (times) =>
-        `Close to −½: from here, half the error takes ${times} times the segments. The error falls with their square.`,
+        `Its law is −½: from here, half the error takes ${times} times the segments. The error falls with their square.`,
       surface: (times) =>
-        `Close to −1: from here, half the error takes ${times} times the triangles. They have two directions to get finer in.`,
+        `Its law is −1, reached once the triangles are small: from here, half the error takes ${times} times the triangles. They have two directions to get finer in.`,
     },
     count: { curve: "Segments", surface: "Triangles" },
     bound: "Lost, proved",

@@ -66,8 +66,8 @@ const texts: Record<Language, Texts> = {
     truth: "True distance",
     of: ["Value of A", "Value of B"],
     says: (side, what) => `${side} it is ${what}`,
-    outside: "Outside, as the core knows,",
-    inside: "Inside, as the core knows,",
+    outside: "Outside, the core knows,",
+    inside: "Inside, the core knows,",
     known: { "exact distance": "exact", "lower bound": "a bound" },
     wrong: "red: the value is no distance",
     story: [

@@ -54,6 +54,9 @@ export interface Texts extends CommonTexts {
   noVolume: string;
 }
 
+/** So many; the first word of one is in the singular. */
+const counted = (n: string, words: string): string => `${n} ${n === "1" ? words.replace("vertices", "vertex").replace(/^(\S+?)s\b/, "$1") : words}`;
+
 /** What a cure reports, in words. */
 const CHANGES: Record<Language, Record<string, string>> = {
   en: {
@@ -158,7 +161,7 @@ export const DOCTOR: Record<Language, Texts> = {
       "drop-unused": "Drop unused vertices",
     },
     done: "What was done",
-    changed: (what, n) => `${n} ${CHANGES.en[what] ?? what}`,
+    changed: (what, n) => counted(n, CHANGES.en[what] ?? what),
     comma: ", ",
     still: "nothing moved",
     moved: (n) => `moved by at most ${n}`,
@@ -175,7 +178,7 @@ export const DOCTOR: Record<Language, Texts> = {
       "The order matters. Soup has a boundary everywhere, but filling its holes would give every triangle a back; it wants to be welded first. The button shows the first cure that helps.",
     ],
     attempts: [
-      "Heal all six. Which needs two cures, and why?",
+      "Heal all six. Which need more than one cure, and why?",
       "Take the soup: how many boundary edges has it, and how many after welding?",
       "Heal the branch. It has one piece before; how can it be two solids without a point having moved?",
     ],
@@ -183,7 +186,7 @@ export const DOCTOR: Record<Language, Texts> = {
   zh: {
     hint: FRAME.zh.turn,
     figure: "有病的网格，病灶为红色，背面为橙色",
-    patient: "病人",
+    patient: "示例",
     patients: {
       hole: "有孔",
       seam: "三角形汤",
@@ -240,7 +243,7 @@ export const DOCTOR: Record<Language, Texts> = {
       "次序很重要。三角形汤处处是边界，若先补孔，每个三角形都会多出一个背面；应当先焊接。按钮上显示的是第一个有效的修复。",
     ],
     attempts: [
-      "把六个都治好。哪个需要两步修复？为什么？",
+      "修复全部六个。哪些需要不止一步？为什么？",
       "看三角形汤：焊接前有多少条边界边，焊接后呢？",
       "治好“有分叉”的那个：原来是一块，没有移动任何点，怎么就成了两个实体？",
     ],

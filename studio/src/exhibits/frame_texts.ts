@@ -16,6 +16,9 @@ interface FrameTexts {
   widget: string;
   widgetClaim: string;
   still: string;
+  more: string;
+  /** From the first page, which stands in the middle of the way, to its beginning. */
+  tour: string;
   turn: string;
   footer: string;
   damaged: string;
@@ -40,8 +43,10 @@ export const FRAME: Record<Language, FrameTexts> = {
     onward: "Before and after",
     widget: "How many segments until it looks smooth?",
     widgetClaim: "Twice the segments, a quarter of the error.",
-    still: "This is a still picture. With JavaScript and WebAssembly it can be moved.",
-    turn: "Drag to turn, two fingers or Ctrl and the wheel to zoom. Keys: arrows turn, Shift with arrows shifts, + and − zoom, Home goes back.",
+    tour: "All 21 exhibits, from the first",
+    more: "More of it",
+    still: "Still picture; it can be moved once the page has loaded (JavaScript and WebAssembly).",
+    turn: "Drag to turn, two fingers or Ctrl and the wheel to zoom. Keys: arrows turn, Shift with arrows pans, + and − zoom, Home goes back.",
     footer:
       "Every number here is computed by Chordal’s core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address holds what you have changed.",
     damaged: "Part of this address could not be read. What was missing is as it usually is.",
@@ -64,7 +69,9 @@ export const FRAME: Record<Language, FrameTexts> = {
     onward: "前后展品",
     widget: "多少条线段才显得光滑？",
     widgetClaim: "线段数加倍，误差降到四分之一。",
-    still: "这是静态图。启用 JavaScript 和 WebAssembly 后即可操作。",
+    tour: "全部 21 个展品，从第一个开始",
+    more: "展开阅读",
+    still: "静态图；页面加载完成后即可操作（需要 JavaScript 和 WebAssembly）。",
     turn: "拖动旋转；双指或 Ctrl 加滚轮缩放。键盘：方向键旋转，Shift 加方向键平移，+ 和 − 缩放，Home 复位。",
     footer:
       "这里的每个数字都由 Chordal 的内核算出，与命令行和库是同一份代码，编译成 WebAssembly。不向任何地方发送数据。地址里记录了你所做的改动。",

@@ -198,7 +198,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
     claim: {
-      en: "The error that counts is on the screen: ten times as far away, a tenth of the triangles.",
+      en: "The error that counts is on the screen: ten times as far away, about a tenth of the triangles.",
       zh: "要紧的是屏幕上的误差：距离十倍，三角形约为十分之一。",
     },
     load: () => import("./levels"),

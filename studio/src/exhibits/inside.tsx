@@ -64,10 +64,10 @@ const texts: Record<Language, Texts> = {
       "Walk from one corner to the next. A point lies on your left or on your right, and one product tells which: (b − a) × (p − a), the *edge function*. Positive is left, negative is right, zero is on the line.",
       "A triangle is convex, so inside means *the same side of all three edges*. Three multiplications of that kind decide every pixel. Each is a linear function of the pixel’s place, so the next pixel costs three additions. This is how rasterizing hardware works.",
       "Run the corners the other way round, and all three signs turn. Inside is still where they agree; that they are negative now says that one sees the back.",
-      "The signs here are exact. A rounded sign near an edge would give a pixel to both neighbours, or to none: a crack. The core asks Shewchuk’s predicate, which computes as many digits as the sign takes.",
+      "The signs here are exact. A rounded sign near an edge would give a pixel to both neighbours, or to none: a crack. The core uses an exact sign test (Shewchuk), which computes as many digits as the sign takes.",
     ],
     attempts: [
-      "Move the point across one edge: one number passes through zero, the others do not care.",
+      "Move the point across one edge: one number passes through zero, the others keep their sign.",
       "Find the region where only one sign is positive. It lies beyond a corner.",
       "Let the corners run clockwise. What is it now that tells inside?",
     ],

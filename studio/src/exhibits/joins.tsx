@@ -63,9 +63,9 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the leg’s end, or move it with the arrow keys: Shift for small steps.",
+    hint: "Drag the end of the control arm, or move it with the arrow keys: Shift for small steps.",
     figure: "Two curves that meet, with combs of their curvature; above them the stripes that a surface swept from them reflects",
-    handle: "End of the first curve’s leg",
+    handle: "End of the first curve’s control arm",
     at: (x, y) => `x ${x}, y ${y}`,
     keep: "The second curve keeps",
     keeps: { C0: "C0: its start", C1: "C1: direction and speed, too", C2: "C2: bending, too" },
@@ -77,11 +77,11 @@ const texts: Record<Language, Texts> = {
     kink: (angle) => `Only the place agrees. The direction turns by ${angle}: a kink, and the stripes break off.`,
     jump: (before, after) => `Direction and speed agree, so no kink shows. But the curvature jumps from ${before} to ${after}: the comb has a step, and the stripes a kink.`,
     smooth: "Place, direction, speed and bending agree: comb and stripes run on.",
-    back: "Put the leg back to where all agrees",
+    back: "Put the control arm back to where all agrees",
     story: [
       "Long curves are made of short ones, and the joins decide how they look. *C0*: the end of one is the start of the next. *C1*: the first derivatives agree as well, direction and speed, so the legs on both sides are one straight line, cut in the middle. *C2*: the second derivatives agree, and with them the bending.",
       "The eye forgives a jump of the curvature in a thin line. The *comb* does not: its teeth stand across the curve, each as long as the curvature is large. And a mirror does not: what it shows depends on the normal, one derivative more than the place, so a surface that is only C1 *reflects stripes with kinks*. Car bodies are judged so; camera paths that are only C1 jerk.",
-      "Bend the first curve, and the second one has to give way: for C0 by nothing, for C1 by its first leg, for C2 by two points. What is kept is paid for with freedom.",
+      "Bend the first curve, and the second one has to give way: for C0 by nothing, for C1 by its first control arm, for C2 by two points. What is kept is paid for with freedom.",
     ],
     attempts: [
       "Choose C0 and move the handle: the class falls to C0, with an angle. Look at the stripes above the join.",

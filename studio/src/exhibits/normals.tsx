@@ -58,8 +58,8 @@ const texts: Record<Language, Texts> = {
   en: {
     hint: FRAME.en.turn,
     figure: "A body with its normals as strokes",
-    handle: "An edge is hard from",
-    help: "Where two faces meet at a sharper angle, their vertices are split and each side keeps a normal of its own.",
+    handle: "An edge is hard above",
+    help: "Where the normals of two faces differ by more, their vertices are split and each side keeps a normal of its own.",
     shape: "Body",
     shapes: { cube: "cube", cylinder: "cylinder", ball: "ball" },
     on: "Light it by normals of",
@@ -78,7 +78,7 @@ const texts: Record<Language, Texts> = {
       "A triangle’s normal is normalize((v₁ − v₀) × (v₂ − v₀)): one direction, one tone. That is *flat shading*. It shows every facet, as it should for a gem and should not for a ball.",
       "Average the normals of the faces around each vertex, blend them across each triangle, and the same coarse mesh looks round: *smooth shading*. Not one triangle was added; only the outline still gives it away.",
       "A cube shaded smoothly looks like an inflated cushion, for an average across a hard edge belongs to neither side. So at a hard edge the corner is stored twice, with two normals. A cube’s corner has three hard edges and three sides: 8 corners become *24 vertices*. That is why a cube in a game has 24.",
-      "One number decides which edges are hard: the angle between the faces on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two gives both what they need.",
+      "One number decides which edges are hard: the angle between the normals on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two gives both what they need.",
     ],
     attempts: [
       "Move the angle past 90° on the cube: 24 falls to 8, and the light goes wrong.",
@@ -102,11 +102,11 @@ const texts: Record<Language, Texts> = {
     bytes: "位置与法线，每个 24 字节",
     triangles: "三角形",
     none: "每个顶点只存一次：没有硬边，明暗在所有边上连续过渡。",
-    all: "每个面都有自己的顶点：逐面平直着色。",
+    all: "每个面都有自己的顶点：逐面的平面着色。",
     some: (n) => `比空间中的顶点多 ${n} 个：硬边上的顶点要为每一侧各存一次。`,
     facesOnly: "按面法线着色，每个三角形只有一种明暗：适合切割的宝石，不适合球。",
     story: [
-      "三角形的法线是 normalize((v₁ − v₀) × (v₂ − v₀))：一个方向，一种明暗，这就是*平直着色*。每个小面都看得见：宝石应当如此，球则不该。",
+      "三角形的法线是 normalize((v₁ − v₀) × (v₂ − v₀))：一个方向，一种明暗，这就是*平面着色*（flat shading）。每个小面都看得见：宝石应当如此，球则不该。",
       "把每个顶点周围各面的法线取平均，再在三角形内插值，同样粗糙的网格看起来就圆了：*平滑着色*。三角形一个没多，只有轮廓还露出破绽。",
       "立方体若用平滑着色，就像充了气的枕头，因为跨过硬边的平均值对哪一侧都不对。于是硬边上的顶点要存多份，各带各的法线。立方体的一个角有三条硬边、三个面：8 个角变成 *24 个顶点*。游戏里的立方体有 24 个顶点，就是这个道理。",
       "哪些边是硬边，由一个数决定：两侧面法线的夹角。立方体处处是 90°；24 边的圆柱侧面相邻 15°，端面边缘 90°，取两者之间的角度，就都合适。",
@@ -114,7 +114,7 @@ const texts: Record<Language, Texts> = {
     attempts: [
       "对立方体把角度移过 90°：24 降到 8，明暗也错了。",
       "选圆柱，找出侧面圆滑而边缘锐利的角度范围。",
-      "选球：角度在什么范围内是平直的？代价是多少？",
+      "选球：角度在什么范围内是平面着色？代价是多少？",
     ],
   },
 };

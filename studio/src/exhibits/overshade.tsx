@@ -59,10 +59,10 @@ const texts: Record<Language, Texts> = {
     meaning: (triangles, area) =>
       `${triangles} triangles of ${area} pixels each. Blocks on an edge are shaded once for every triangle that has a pixel in them.`,
     cliff: (missed) =>
-      `Over the cliff: every pixel is shaded four times, and ${missed} of the triangles cover no pixel’s centre and are not seen at all.`,
+      `Below a pixel: every pixel is shaded four times, and ${missed} of the triangles cover no pixel’s centre and are not seen at all.`,
     triangles: "Triangles on the screen",
     area: "Pixels in a triangle",
-    lanes: "Lanes that are shaded",
+    lanes: "Pixels that are shaded, with those thrown away",
     covered: "Pixels that are covered",
     missed: "Triangles that nobody sees",
     chart: "Shading per pixel by the size of triangles",
@@ -73,7 +73,7 @@ const texts: Record<Language, Texts> = {
     story: [
       "A graphics processor does not shade pixels one by one. It takes *blocks of two by two*, because it needs differences between neighbours to read a texture. If a triangle has one pixel of a block, all four are shaded, and three are thrown away.",
       "With large triangles this happens only along edges. The smaller they are, the more of them is edge: at a side of four pixels every pixel is already paid for twice.",
-      "Below one pixel comes *the cliff*. No two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and thrown away, and flicker when they move.",
+      "Towards one pixel the cost climbs to *four times*, and stays there. Then no two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and thrown away, and flicker when they move.",
       "So more triangles are not always better. They are worth their price as long as an error shows. Once every chord is within a pixel of the truth, more of them only cost.",
     ],
     attempts: [
@@ -90,7 +90,7 @@ const texts: Record<Language, Texts> = {
     label: "每个被覆盖的像素的着色次数",
     meaning: (triangles, area) =>
       `共 ${triangles} 个三角形，每个面积 ${area} 像素。压在边上的像素块，每有一个三角形占到其中的像素，就要着色一次。`,
-    cliff: (missed) => `跌下悬崖：每个像素着色四次，而且 ${missed} 的三角形不含任何像素中心，根本看不见。`,
+    cliff: (missed) => `小于一个像素：每个像素着色四次，而且 ${missed} 的三角形不含任何像素中心，根本看不见。`,
     triangles: "屏幕上的三角形",
     area: "每个三角形的像素数",
     lanes: "着色的通道数",

@@ -84,7 +84,7 @@ const texts: Record<Language, Texts> = {
     bulges: (rise, is) =>
       `Now four corners are not one surface. Cut along B–D, the middle lies ${rise} ${is === "up" ? "higher" : "lower"} than along A–C.`,
     story: [
-      "Put three points anywhere: there is *one* plane through them, and the triangle lies in it. It cannot be bent. So it has one normal, one inside, and a straight cut with every ray.",
+      "Put three points anywhere: there is *one* plane through them, and the triangle lies in it. It cannot be bent. So it has one normal, one inside, and any ray meets it in one point at most.",
       "A fourth point is free to leave that plane. The four edges are still there, but what spans them? Folded along one diagonal the middle is a ridge, along the other a valley. Both have the same corners and the same edges; no file that stores only corners says which was meant.",
       "This is why graphics hardware draws triangles. Authors keep their quads, which are good to work with, and somewhere on the way to the screen every quad is cut in two. A tool that cuts along the other diagonal shows another shape.",
       "The distance is signed and its zero is exact: the core decides by exact arithmetic whether four points lie in one plane, and not by a small number that somebody chose.",

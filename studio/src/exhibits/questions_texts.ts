@@ -22,8 +22,8 @@ export const texts: Record<Language, Texts> = {
       triangles: "out of plane",
       normals: "vertices of a cube",
       winding: "culled",
-      joins: "the bend jumps by",
-      fields: "asked for a side",
+      joins: "class, and the jump of curvature",
+      fields: "evaluation, edges of the mesh",
       cost: "shaded per pixel",
     },
     label: {
@@ -66,7 +66,7 @@ export const texts: Record<Language, Texts> = {
     choose: "问题",
     questions: {
       triangles: "为什么用三角形？",
-      normals: "面法线怎样计算？什么决定着色是平直还是平滑？",
+      normals: "面法线怎样计算？什么决定是平面着色还是平滑着色？",
       winding: "环绕方向表示什么？背面剔除为什么依赖它？",
       joins: "C0、C1、C2 是什么？为什么要用许多低次的小段？",
       fields: "网格和场各擅长什么，又不擅长什么？",
@@ -77,7 +77,7 @@ export const texts: Record<Language, Texts> = {
       normals: "立方体的顶点",
       winding: "被剔除",
       joins: "曲率突变",
-      fields: "判断内外要问",
+      fields: "判断内外：求值次数与边数",
       cost: "每像素着色",
     },
     label: {
@@ -91,7 +91,7 @@ export const texts: Record<Language, Texts> = {
     answers: {
       triangles: "三点必共面，必为凸形，顶点上的量只有一种混合方式。第四点可以离开平面，这时曲面取决于对角线怎么取。",
       normals:
-        "两条边的叉积，再单位化。每个面各用自己的，着色就平直；在公共顶点上取平均，着色就平滑。硬边两者都要，所以立方体有 24 个顶点，而不是 8 个。",
+        "两条边的叉积，再单位化。每个面各用自己的，就是平面着色；在公共顶点上取平均，着色就平滑。硬边两者都要，所以立方体有 24 个顶点，而不是 8 个。",
       winding:
         "表示哪面是正面：从正面看，顶点按逆时针排列。剔除会略过背面朝外的三角形，封闭形状有一半以上，它只认次序。翻转一个三角形，就成了洞。",
       joins:

@@ -67,11 +67,11 @@ const texts: Record<Language, Texts> = {
     story: [
       "To draw a field, ask it at the points of a lattice. Where neighbours differ in sign, the outline passes between them, and the two values say where: between −1 and 3, a quarter of the way. Joining the crossings of each cell gives closed lines: *marching squares*. With cubes and triangles it is marching cubes.",
       "Two weaknesses. If the signs *alternate* around a cell, its four crossings can be joined in two ways, and nothing in the samples says which: parts may touch that are apart. It takes a rule, the same for both neighbours, or the mesh gets a hole.",
-      "And a *sharp corner* lies inside a cell, where nothing was asked: it is cut off. Twice as many cells cut off half as much, however many there are. The error of a smooth outline falls with the square of the cell.",
+      "And a *sharp corner* lies inside a cell, where nothing was asked: it is cut off. Twice as many cells cut off half as much on average; how much exactly depends on where in its cell the corner lies. The error of a smooth outline falls with the square of the cell.",
       "The core’s mesher of fields knows the parts of which the field is made. Where two of them vanish together it puts a vertex, so a corner stays a corner. The error here is enclosed between two proved bounds; shown is the upper one.",
     ],
     attempts: [
-      "Look for sizes with orange cells: four crossings, two ways to join them. Which one was taken?",
+      "Look for sizes with coloured cells: four crossings, two ways to join them. Which one was taken?",
       "Double the cells. By how much does the largest error fall?",
       "Take the core’s mesher, allowed a quarter of a cell: where is its largest error now?",
     ],

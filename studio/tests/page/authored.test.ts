@@ -127,8 +127,9 @@ test("the way leads through the widget, in the language that it speaks, and not 
   expect(fileOfStop(STOPS[n - 1]!, "en")).toBe("runge.html");
   expect(fileOfStop(STOPS[n + 1]!, "en")).toBe("cracks.html");
   let page = await pages.at("index.html");
-  const shown = () => page.locator(".onward a:not(.to-bench):visible").evaluateAll((links) => links.map((link) => link.getAttribute("href")));
+  const shown = () => page.locator(".onward a:not(.to-bench, .to-all):visible").evaluateAll((links) => links.map((link) => link.getAttribute("href")));
   expect(await shown()).toEqual(["runge.html", "cracks.html"]);
+  expect(await page.locator(".onward .to-all:visible").getAttribute("href")).toBe("exhibits.html");
   expect(await seriousFindings(page)).toEqual([]);
   await page.getByRole("button", { name: "中文" }).click();
   await settled(page);
