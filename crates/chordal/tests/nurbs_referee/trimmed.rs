@@ -1,6 +1,6 @@
 //! Trimmed surfaces against samplers that share no code with the library, and solids of several faces.
 use super::{OWN, Sheet, largest};
-use chordal::budget::Failure;
+use chordal::budget::{Failure, RefusalCode};
 use chordal::explicit::nurbs::{KnotVector, NurbsCurve, NurbsSurface, TrimmedSurface};
 use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, check, convert};
@@ -348,6 +348,29 @@ fn faces_with_other_parameters_and_parts_of_sides_make_a_closed_box() {
         // A vertex on another's edge is found to some 1e-8.
         assert!(made.bound.at_most().unwrap() < 1e-6);
     }
+}
+
+/// Patches are as many as the length takes, so there may be no mesh of few triangles.
+#[test]
+fn a_limit_below_the_coarsest_mesh_is_one_sentence() {
+    let mut random = Random::new(601);
+    let budget = |share: f64, size: f64| Budget::length(Tolerance::new(share * size).unwrap());
+    let mut refused = 0;
+    for _ in 0..3 {
+        let trimmed = Trimmed::random(&mut random);
+        let size = largest(&trimmed.sheet.control);
+        let mut job = Job::default();
+        job.triangle_limit = 5;
+        match convert::trimmed_surfaces_to_mesh(&[trimmed.face()], &budget(1e-2, size), &job) {
+            Err(Failure::Refused(refusal)) => {
+                assert_eq!(refusal.code, RefusalCode::TooManyTriangles);
+                assert!(refusal.message.contains("the limit is 5"), "{refusal:?}");
+                refused += 1;
+            }
+            other => assert!(other.or_else(Failure::best_effort).is_ok()),
+        }
+    }
+    assert!(refused > 0);
 }
 
 #[test]

@@ -99,6 +99,13 @@ pub(in crate::convert) fn mesh_within(
             if best.is_some() {
                 break 'rounds;
             }
+            if job.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            // Triangles that may lose more than all there is are as few as there can be: a few for each patch.
+            if scale * wanted > bounds.diagonal() {
+                return Err(too_many(&prepared, most, job));
+            }
             scale *= COARSER;
         }
         let (made, bent, kept) = one_round(faces, prepared, wanted, near, job)?;
@@ -191,6 +198,18 @@ fn one_round(
     let mesh = join(&faces, &sewn.first, &same, &moved, bounded)?;
     let kept = faces.into_iter().map(|face| face.prepared).collect();
     Ok((mesh, bent, kept))
+}
+
+/// Why there is no mesh where even the coarsest one has more cells than there may be.
+fn too_many(prepared: &[PreparedFace], most: u64, job: &Job) -> Failure<Mesh> {
+    let least: u64 = prepared.iter().map(|face| face.lattice.cells.count() as u64).sum();
+    let (code, limit) = if most < job.triangle_limit {
+        (RefusalCode::TooMuchMemory, "the memory allows")
+    } else {
+        (RefusalCode::TooManyTriangles, "the limit is")
+    };
+    let message = format!("the surfaces need at least {least} cells for this length, and {limit} {most}");
+    Failure::refused(code, message)
 }
 
 /// What a cell needs until its triangles are joined. Measured: some 150 bytes a triangle.
