@@ -187,7 +187,7 @@ test-viewers: tilesets tests/viewers/node_modules
 
 # Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.
 test-studio: studio-page tested need-chromium
-	cd studio && npm run --silent check && npm run --silent test
+	cd studio && npm run --silent check && CHORDAL=$(abspath $(TESTED)) npm run --silent test
 	cd studio && $(LONG) CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
 
 # The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the examples in its

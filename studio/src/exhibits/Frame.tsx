@@ -222,7 +222,8 @@ function emphasized(text: string) {
 }
 
 /** The fragment holds the state, so the focus is moved without it. */
-function jump(event: Event) {
+/** To the figure, without a word in the address. */
+export function jump(event: Event) {
   event.preventDefault();
   document.getElementById("figure")?.focus();
 }

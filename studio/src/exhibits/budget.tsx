@@ -83,10 +83,10 @@ const texts: Record<Language, Texts> = {
     lines: { curve: "曲线", patch: "茶壶（曲面片）", cage: "立方体（控制网格）", field: "圆环（场）" },
     step: "允许的误差（单位）",
     within: (length) => `至多 ${length} 个单位`,
-    label: "这条线的斜率",
+    label: "斜率：长度缩小时数目怎样增长",
     meaning: {
-      curve: (times) => `接近 −½：从这里起，误差减半要 ${times} 倍的线段。误差随线段数的平方下降。`,
-      surface: (times) => `接近 −1：从这里起，误差减半要 ${times} 倍的三角形，因为要在两个方向上加密。`,
+      curve: (times) => `规律是 −½：从这里起，误差减半要 ${times} 倍的线段。误差随线段数的平方下降。`,
+      surface: (times) => `规律是 −1（三角形足够小时）：从这里起，误差减半要 ${times} 倍的三角形，因为要在两个方向上加密。`,
     },
     count: { curve: "线段数", surface: "三角形数" },
     bound: "已证明的误差上界",

@@ -1,6 +1,6 @@
 // The page of the workbench: what is on the bench at the left, how it looks in the middle, what is known of it at the right.
 import { useEffect, useState } from "preact/hooks";
-import { Mark } from "../exhibits/Frame";
+import { Mark, jump } from "../exhibits/Frame";
 import { TAGS } from "../exhibits/say";
 import { Themes } from "../view/Themes";
 import { Certificate } from "./Certificate";
@@ -54,7 +54,7 @@ export function App({ language, state, control }: Props) {
         void control?.open([...(event.dataTransfer?.files ?? [])]);
       }}
     >
-      <a class="skip" href="#figure">
+      <a class="skip" href="#figure" onClick={jump}>
         {words.skip}
       </a>
       <header>
@@ -70,7 +70,7 @@ export function App({ language, state, control }: Props) {
           {(["en", "zh"] as const).map((other) => (
             <a
               key={other}
-              href={(other === "en" ? "workbench.html" : "workbench.zh.html") + (state.link ? `#s=${state.link}` : "")}
+              href={(other === "en" ? "workbench.html" : "workbench.zh.html") + (control ? location.search : "") + (state.link ? `#s=${state.link}` : "")}
               lang={TAGS[other]}
               hreflang={TAGS[other]}
               {...(other === language ? { "aria-current": "true" as const } : {})}

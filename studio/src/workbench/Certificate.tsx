@@ -12,17 +12,17 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
   const { output, valid } = shown?.certificate ?? {};
   const isWorking = state.running.includes("proof") || state.running.includes("draft");
   return (
-    <section class="panel certificate" aria-live="polite">
+    <section class="panel certificate">
       <h2>{words.certificate}</h2>
       {fault && (
         <p class="fault" role="alert">
-          <b>{fault.line ? words.atLine(fault.line) : words.error}:</b> {fault.text}
+          <b>{fault.line ? words.atLine(fault.line) : words.error}:</b> <span lang="en">{fault.text}</span>
         </p>
       )}
       {shown?.isShort && !shown.isDraft && <p class="aside">{words.short}</p>}
       {bound && shown && (
         <>
-          <p class={`big ${shown.isDraft ? "draft" : bound.evidence}`}>
+          <p class={`big ${shown.isDraft ? "draft" : bound.evidence}`} aria-live="polite">
             <Figure name="bound" value={bound.at_most ?? bound.at_least}>
               {bound.evidence === "estimated" ? words.unknown : bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most))}
             </Figure>
@@ -32,7 +32,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
             {bound.pixels !== null && ` · ${words.inPixels(say.number(bound.pixels))}`}
           </p>
           {bound.assumptions?.map((one) => (
-            <p class="aside" key={one}>
+            <p class="aside" key={one} lang="en">
               {one}
             </p>
           ))}

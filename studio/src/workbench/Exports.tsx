@@ -49,7 +49,7 @@ export function Exports({ page }: { page: Page }) {
           <button
             type="button"
             data-export="png"
-            onClick={() => save(["render", ...reading(bench), "-o", `${stem(bench.name)}.png`])}
+            onClick={() => save(control!.pictureLine())}
           >
             PNG
           </button>

@@ -20,7 +20,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
           <li key={finding.of} class={finding.weight}>
             <p>
               <b>
-                {say.whole(finding.count)} {finding.words}
+                {say.whole(finding.count)} <span lang="en">{finding.words}</span>
               </b>
               <span lang="en">{finding.means}</span>
             </p>

@@ -88,7 +88,9 @@ function Parameters({ page }: { page: Page }) {
   const { words, state, control, say } = page;
   const { bench, inspection } = state;
   const parameters = inspection?.field?.parameters ?? [];
-  if (!isScript(bench) || !parameters.length) return null;
+  // A value of a parameter that was renamed is refused: then there is no list, and it has to be taken back all the same.
+  const isChanged = Object.keys(bench.set).length > 0;
+  if (!isScript(bench) || !(parameters.length || isChanged)) return null;
   const set = (name: string, value: number, isDragging: boolean) =>
     control?.put({ ...bench, set: { ...bench.set, [name]: String(value) } }, isDragging);
   return (
@@ -113,7 +115,7 @@ function Parameters({ page }: { page: Page }) {
           />
         );
       })}
-      {Object.keys(bench.set).length > 0 && (
+      {isChanged && (
         <button type="button" onClick={() => control?.put({ ...bench, set: {} })}>
           {words.reset}
         </button>

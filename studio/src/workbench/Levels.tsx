@@ -10,6 +10,7 @@ export function Levels({ page }: { page: Page }) {
   const { words, say, state, control } = page;
   const { levels, view, home } = state;
   const now = levelAt(page);
+  const away = control?.screen.distance ?? view.distance;
   return (
     <section class="panel">
       <h2>{words.levels}</h2>
@@ -23,8 +24,8 @@ export function Levels({ page }: { page: Page }) {
           <Slider
             id="distance"
             label={words.distance}
-            shown={say.number(view.distance)}
-            spoken={say.number(view.distance)}
+            shown={say.number(away)}
+            spoken={say.number(away)}
             low={STEPS * Math.log2(home.distance / 4)}
             high={STEPS * Math.log2(Math.max(4 * home.distance, 2 * (levels.facts.at(-1)?.distance ?? 0)))}
             step={1}
@@ -35,9 +36,12 @@ export function Levels({ page }: { page: Page }) {
             {words.level(now + 1, levels.facts.length, say.whole(levels.facts[now]!.triangles))}
             <br />
             <span class="aside">
-              {words.levelError(say.number(levels.facts[now]!.at_most ?? levels.facts[now]!.at_least), say.number(pixels(page, now)))}
+              {words.levelError(say.number(levels.facts[now]!.at_most ?? levels.facts[now]!.at_least))}
             </span>
           </p>
+          <button type="button" onClick={() => control?.withoutLevels()}>
+            {words.withoutLevels}
+          </button>
         </>
       )}
       <Working page={page} lanes={["levels"]} />
@@ -46,18 +50,10 @@ export function Levels({ page }: { page: Page }) {
 }
 
 /** The level that may be shown from here: the coarsest whose distance has been reached. */
-export function levelAt({ state }: Page): number | null {
-  const { levels, view } = state;
-  if (!levels) return null;
-  const far = levels.facts.findLastIndex(({ distance }) => distance <= view.distance);
+export function levelAt({ state, control }: Page): number | null {
+  const { levels } = state;
+  if (!levels || !control) return null;
+  const away = control.screen.distance;
+  const far = levels.facts.findLastIndex(({ distance }) => distance <= away);
   return Math.max(far, 0);
-}
-
-/** How large the level's error is on this screen, in the middle of the picture. */
-function pixels({ state, control }: Page, level: number): number {
-  const facts = state.levels!.facts[level]!;
-  const screen = control?.screen;
-  if (!screen) return 0;
-  const perUnit = screen.height / 2 / Math.tan((screen.fovDeg * Math.PI) / 360) / state.view.distance;
-  return (facts.at_most ?? facts.at_least) * perUnit;
 }

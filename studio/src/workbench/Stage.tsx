@@ -130,13 +130,20 @@ function Beside({ page }: { page: Page }) {
   const taken = picture?.of === what ? picture : null;
   useEffect(() => {
     const place = canvas.current;
-    if (!place) return;
+    if (!place) return undefined;
+    let isOld = false;
     if (taken) {
       void createImageBitmap(new Blob([taken.png as BlobPart])).then((bitmap) => {
-        Object.assign(place, { width: bitmap.width, height: bitmap.height });
-        place.getContext("2d")?.drawImage(bitmap, 0, 0);
+        if (!isOld) {
+          Object.assign(place, { width: bitmap.width, height: bitmap.height });
+          place.getContext("2d")?.drawImage(bitmap, 0, 0);
+        }
+        bitmap.close();
       });
     } else if (isSliced && slice) drawSlice(place, slice, height);
+    return () => {
+      isOld = true;
+    };
   }, [taken, slice, isSliced, height]);
   const { bound, overshade } = taken?.report.certificate ?? {};
   return (

@@ -1,6 +1,6 @@
 // What the bench does: it keeps the state, orders runs of the command, and tells whoever draws. It computes nothing itself.
 import type { Size, Vec3, View } from "../viewer";
-import { fovOf } from "../viewer/view";
+import { eyeOf, fovOf } from "../viewer/view";
 import type { Files, Outcome, Progress } from "./command";
 import {
   type Bench,
@@ -16,8 +16,9 @@ import {
 import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood, withPictures } from "./glb";
 import { type Jobs, Stopped } from "./jobs";
-import { type Beside, type PictureOf, besideOf, pictureLine } from "./pictures";
-import type { Certificate, Inspection, LevelFacts, Report } from "./report";
+import { type Fault, type Slice, faultOf, reportOf, sliceOf } from "./outcome";
+import { type Beside, type PictureOf, besideOf, cameraText, pictureLine } from "./pictures";
+import type { Certificate, Inspection, LevelFacts } from "./report";
 import { pack } from "./share";
 
 export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language";
@@ -41,26 +42,11 @@ interface LanguageTable {
   keywords?: readonly string[];
 }
 
-export interface Fault {
-  text: string;
-  /** Where in the script, from 1. */
-  line?: number;
-  column?: number;
-}
-
 export interface Levels {
   parts: readonly (readonly Part[])[];
   facts: readonly LevelFacts[];
   bytes: Uint8Array;
   line: Line;
-}
-
-/** A slice through a baked field. */
-export interface Slice {
-  size: readonly [number, number, number];
-  origin: Vec3;
-  spacing: number;
-  samples: Float64Array;
 }
 
 export interface State {
@@ -89,7 +75,7 @@ export interface State {
   isWaiting: boolean;
 }
 
-export type Notice = "damaged" | "too-large" | "stopped" | "trapped";
+export type Notice = "damaged" | "too-large" | "stopped" | "trapped" | "unloaded" | "unread" | "undrawn";
 
 const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
 /** How long the hand rests before the proof begins, and before a picture is taken from a new place. */
@@ -97,6 +83,12 @@ const REST_MS = 250;
 /** The cells of a draft, as a share of the diagonal: seen at once, and coarse enough to be there at once. */
 const DRAFT = "1.5%";
 const MOST_STEPS = 100;
+/** What is typed without a pause of this length is one step. */
+const PAUSE_MS = 1000;
+/** Nearer than this share of the way to the target counts as this near. */
+const NEAREST = 1e-3;
+/** How the command ends when it does not know an option. */
+const USAGE = 2;
 /** What a browser can hold several times over. */
 const MOST_BYTES = 600e6;
 /** From the middle of a box to the eye, in diagonals. */
@@ -147,12 +139,31 @@ export class Controller {
   get screen(): Screen {
     const { size, view } = this.state;
     const ratio = globalThis.devicePixelRatio || 1;
-    return { width: size.width * ratio, height: size.height * ratio, fovDeg: fovOf(size), distance: view.distance };
+    return { width: size.width * ratio, height: size.height * ratio, fovDeg: fovOf(size), distance: this.away(view) };
   }
 
-  /** The line that makes the mesh that is asked for. */
+  /** From the eye to the nearest point of the shape's box: the distance that pixels are counted by. */
+  private away(view: View): number {
+    const box = boxOf(this.state.shown?.parts ?? []);
+    if (!box) return view.distance;
+    const [[low, high], eye] = [box, eyeOf(view)];
+    const beyond = eye.map((x, k) => Math.max(low[k]! - x, x - high[k]!, 0));
+    // Within the box every distance is near.
+    return Math.max(Math.hypot(...beyond), NEAREST * view.distance);
+  }
+
+  /** The line that makes the mesh that is asked for; of one that was not met, the best there is. */
   line(output = `${stem(this.state.bench.name)}.glb`): Line {
-    return meshLine(this.state.bench, this.screen, this.outputOf(output));
+    const { bench: now, shown } = this.state;
+    const isShort = shown?.isShort && this.provedOf === now;
+    const line = meshLine(now, this.screen, this.outputOf(output));
+    return isShort ? keepingBest(line) : line;
+  }
+
+  /** The line that takes the picture that is seen. */
+  pictureLine(): Line {
+    const { bench: now, view, size } = this.state;
+    return ["render", ...reading(now), "--view", cameraText(view, size, this.seen?.up ?? null), "-o", this.outputOf(`${stem(now.name)}.png`)];
   }
 
   /** An output never has the input's name. */
@@ -164,17 +175,20 @@ export class Controller {
   /** Puts something else on the bench; it can be taken back. */
   put(next: Bench, isDragging = false): void {
     const { bench: now, past } = this.state;
-    // While something is dragged the state before it is one step.
-    if (!this.dragged) this.update({ past: [...past, now].slice(-MOST_STEPS), future: [] });
+    // While something is dragged, or typed without a pause, the state before it is one step.
+    if (!this.dragged && !this.isTyping) this.update({ past: [...past, now].slice(-MOST_STEPS), future: [] });
     this.dragged = isDragging;
     if (next.name !== now.name) this.forget();
     this.update({ bench: next });
     this.work(isDragging);
   }
   private dragged = false;
+  private isTyping = false;
+  private typed = -Infinity;
 
   /** What is known of one file is not shown beside the name of another. */
   private forget(): void {
+    this.jobs.cancel("draft");
     this.update({ shown: null, fault: null, inspection: null, witnesses: [], picture: null });
   }
 
@@ -187,6 +201,7 @@ export class Controller {
     const { past, bench: now, future } = this.state;
     const before = past.at(-1);
     if (!before) return;
+    this.dragged = false;
     if (before.name !== now.name) this.forget();
     this.update({ bench: before, past: past.slice(0, -1), future: [now, ...future] });
     this.work(false);
@@ -196,6 +211,7 @@ export class Controller {
     const { past, bench: now, future } = this.state;
     const after = future[0];
     if (!after) return;
+    this.dragged = false;
     if (after.name !== now.name) this.forget();
     this.update({ bench: after, past: [...past, now], future: future.slice(1) });
     this.work(false);
@@ -203,28 +219,48 @@ export class Controller {
 
   /** A new text of the script. */
   write(text: string, isDragging = false): void {
+    const now = performance.now();
+    this.isTyping = !isDragging && now - this.typed < PAUSE_MS;
     this.put(withText(this.state.bench, text), isDragging);
+    this.isTyping = false;
+    if (!isDragging) this.typed = now;
   }
 
-  /** Files that were dropped or opened. One of them is the shape, and others are what it names. */
-  async open(list: readonly File[]): Promise<void> {
+  /** Files that were dropped or opened. One of them is the shape, and others are what it names. Whether there is one. */
+  async open(list: readonly File[]): Promise<boolean> {
     const total = list.reduce((sum, file) => sum + file.size, 0);
     const main = list.find((file) => !/\.(bin|mtl|png|jpe?g|webp|raw|img)$/i.test(file.name)) ?? list[0];
-    if (!main) return;
-    if (total > MOST_BYTES) return this.update({ notice: "too-large" });
+    if (!main) return false;
+    if (total > MOST_BYTES) {
+      this.update({ notice: "too-large" });
+      return false;
+    }
+    const number = ++this.opened;
     const files: Files = {};
-    for (const file of list) files[file.name] = new Uint8Array(await file.arrayBuffer());
+    try {
+      for (const file of list) files[nameOf(file)] = new Uint8Array(await file.arrayBuffer());
+    } catch {
+      // A folder has no bytes.
+      this.update({ notice: "unread" });
+      return false;
+    }
+    if (number !== this.opened) return true;
+    // Another file of the same name is another shape.
+    this.forget();
+    this.seen = null;
     this.update({ notice: null });
-    this.put(bench(main.name, files));
+    this.put(bench(nameOf(main), files));
+    return true;
   }
+  private opened = 0;
 
   /** Puts the result of a verb in the place of the shape. */
   async step(verb: string, options: Line, output: string): Promise<void> {
     const { bench: now } = this.state;
     const name = this.outputOf(output);
-    const line = [verb, ...reading(now), ...options, "-o", name];
-    const outcome = await this.run("step", line, now.files, false);
-    if (!outcome) return;
+    const done = await this.reads("step", [verb, ...reading(now), ...options, "-o", name], now.files, false);
+    if (!done || now !== this.state.bench) return;
+    const { outcome, line } = done;
     const made = outcome.made[name];
     if (!made) return this.update({ fault: faultOf(outcome) });
     this.put({ ...bench(name, outcome.made, [...now.before, line]), budget: now.budget });
@@ -233,27 +269,35 @@ export class Controller {
   async levels(): Promise<void> {
     const { bench: now } = this.state;
     const name = this.outputOf(`${stem(now.name)}-levels.glb`);
-    const line: Line = ["lod", ...reading(now), "--px", "1", "-o", name];
-    const outcome = await this.run("levels", line, now.files, true);
-    if (!outcome || now !== this.state.bench) return;
+    const { width, height, fovDeg } = this.screen;
+    const screen = `${Math.round(width)}x${Math.round(height)} fov=${fovDeg.toPrecision(4)}`;
+    const done = await this.reads("levels", ["lod", ...reading(now), "--px", "1", "--view", screen, "-o", name], now.files, true);
+    if (!done || now !== this.state.bench) return;
+    const { outcome, line } = done;
     const bytes = outcome.made[name];
     const report = reportOf(outcome);
     if (!bytes || !report.certificate?.levels) return this.update({ fault: faultOf(outcome) });
     const { frame } = report.certificate;
     const up = this.upOf(now, frame.up);
-    const parts = await Promise.all(
-      levelsOf(bytes, frame).map(async (level) => (await withPictures(level)).map((part) => standing(part, up))),
+    const parts = await drawn(() =>
+      Promise.all(levelsOf(bytes, frame).map(async (level) => (await withPictures(level)).map((part) => standing(part, up)))),
     );
     if (now !== this.state.bench) return;
+    if (!parts) return this.update({ notice: "undrawn" });
     this.update({ levels: { parts, facts: report.certificate.levels.levels, bytes, line } });
+  }
+
+  /** Shows the mesh again. */
+  withoutLevels(): void {
+    this.update({ levels: null });
   }
 
   /** Samples the field for slices. */
   async bake(): Promise<void> {
     const { bench: now } = this.state;
-    const words = ["bake", ...reading(now), "--cells", SLICE_CELLS, "-o", "slice.npy"];
-    const outcome = await this.run("slice", words, now.files, true);
-    if (!outcome || now !== this.state.bench) return;
+    const done = await this.reads("slice", ["bake", ...reading(now), "--cells", SLICE_CELLS, "-o", "slice.npy"], now.files, true);
+    if (!done || now !== this.state.bench) return;
+    const { outcome } = done;
     const bytes = outcome.made["slice.npy"];
     if (!bytes) return this.update({ fault: faultOf(outcome) });
     this.update({ slice: sliceOf(bytes, reportOf(outcome)) });
@@ -270,8 +314,9 @@ export class Controller {
 
   /** Files for the disk: those that a line makes. */
   async export(line: Line): Promise<Files | null> {
-    const outcome = await this.run("export", line, this.state.bench.files, false);
-    if (!outcome) return null;
+    const done = await this.reads("export", line, this.state.bench.files, false);
+    if (!done) return null;
+    const { outcome } = done;
     const isUseful = Object.keys(outcome.made).length > 0;
     if (!isUseful) this.update({ fault: faultOf(outcome) });
     return isUseful ? outcome.made : null;
@@ -288,6 +333,7 @@ export class Controller {
     if (size.width === this.state.size.width && size.height === this.state.size.height) return;
     this.update({ size });
     this.later("picture", () => void this.draw());
+    if (this.state.bench.budget.by === "px") this.later("proof", () => void this.prove());
   }
 
   cancel(lane: LaneName): void {
@@ -318,20 +364,30 @@ export class Controller {
       this.later("proof", () => void this.prove());
       void this.inspect();
       this.later("picture", () => void this.draw());
-      this.later("link", () => void pack(this.state.bench).then((link) => this.update({ link })));
+      this.later("link", () => void pack(now).then((link) => now === this.state.bench && this.update({ link })));
     }
   }
 
+  /** One draft is finished before the next is begun, so that there are some while the hand moves. */
   private async draft(): Promise<void> {
-    const { bench: now } = this.state;
-    const words = ["mesh", ...reading(now), "--tol", DRAFT, "--require", "estimated", "--keep-best", "-o", "draft.glb"];
-    await this.mesh("draft", words, "draft.glb", now);
+    this.isNewer = true;
+    if (this.isDrafting) return;
+    this.isDrafting = true;
+    while (this.isNewer && isScript(this.state.bench)) {
+      this.isNewer = false;
+      const { bench: now } = this.state;
+      const words = keepingBest(["mesh", ...reading(now), "--tol", DRAFT, "--require", "estimated", "-o", "draft.glb"]);
+      await this.mesh("draft", words, "draft.glb", now);
+    }
+    this.isDrafting = false;
   }
+  private isDrafting = false;
+  private isNewer = false;
 
   private async prove(): Promise<void> {
     const { bench: now } = this.state;
     const output = this.outputOf(`${stem(now.name)}.glb`);
-    await this.mesh("proof", [...meshLine(now, this.screen, output), "--keep-best"], output, now);
+    await this.mesh("proof", keepingBest(meshLine(now, this.screen, output)), output, now);
   }
 
   private async mesh(lane: "draft" | "proof", words: Line, output: string, now: Bench): Promise<void> {
@@ -344,14 +400,15 @@ export class Controller {
     if (!this.isWanted(lane, now)) return;
     if (!bytes || !certificate) return this.update({ fault: faultOf(outcome) });
     const up = this.upOf(now, certificate.frame.up);
-    const parts = (await withPictures(partsOf(bytes, certificate.frame))).map((part) => standing(part, up));
+    const read = await drawn(() => withPictures(partsOf(bytes, certificate.frame)));
+    const parts = (read ?? []).map((part) => standing(part, up));
     if (!this.isWanted(lane, now)) return;
     if (lane === "proof") this.provedOf = now;
     const seconds = (performance.now() - begun) / 1000;
     const isShort = outcome.exit !== 0;
     this.frame(now, parts, up);
     const shown: Shown = { parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
-    this.update({ shown, fault: isShort && lane === "proof" ? faultOf(outcome) : null });
+    this.update({ shown, fault: isShort && lane === "proof" ? faultOf(outcome) : null, ...(read ? {} : { notice: "undrawn" }) });
     if (this.drawnOf !== now && this.drawnOf !== shown) this.later("picture", () => void this.draw());
   }
   /** A proof is of this shape or of no use. An older draft of it is better than none while one drags, until the proof is there. */
@@ -389,8 +446,9 @@ export class Controller {
 
   private async inspect(): Promise<void> {
     const { bench: now } = this.state;
-    const outcome = await this.run("inspect", ["inspect", ...reading(now)], now.files, true);
-    if (!outcome || now !== this.state.bench) return;
+    const done = await this.reads("inspect", ["inspect", ...reading(now)], now.files, true);
+    if (!done || now !== this.state.bench) return;
+    const { outcome } = done;
     const { inspection, certificate } = reportOf(outcome);
     this.update({ inspection: inspection ?? null, witnesses: certificate?.valid?.witnesses ?? [] });
     if (!inspection) this.update({ fault: faultOf(outcome) });
@@ -413,12 +471,22 @@ export class Controller {
     const { parts, certificate } = shown;
     const subject = { bench: now, parts, up: this.seen?.up ?? null, atMost: certificate.bound?.at_most ?? null };
     const { line, files } = pictureLine(what, subject, view, dots);
-    const outcome = await this.run("picture", line, files, true);
-    if (!outcome || now !== this.state.bench || beside !== this.state.beside) return;
+    const done = await this.reads("picture", line, files, true);
+    if (!done || now !== this.state.bench || beside !== this.state.beside) return;
+    const { outcome } = done;
     const png = outcome.made["picture.png"];
     this.drawnOf = what === "traced" ? now : shown;
     if (!png) return this.update({ fault: faultOf(outcome) });
     this.update({ picture: { of: what, png, report: reportOf(outcome) } });
+  }
+
+  /** Runs a line, without options of the bench that are for other verbs. The line that comes back is the one that was run. */
+  private async reads(lane: LaneName, line: Line, files: Files, isReport: boolean): Promise<{ outcome: Outcome; line: Line } | null> {
+    const outcome = await this.run(lane, line, files, isReport);
+    if (!outcome) return null;
+    const other = outcome.exit === USAGE && /unexpected argument '(-[\w-]+)/.exec(`${outcome.stderr}${outcome.stdout}`)?.[1];
+    const less = other ? without(line, other) : line;
+    return less.length < line.length ? this.reads(lane, less, files, isReport) : { outcome, line };
   }
 
   private async run(lane: LaneName, words: Line, files: Files, isReport: boolean): Promise<Outcome | null> {
@@ -432,7 +500,8 @@ export class Controller {
       const all = isReport ? [...words, "--json"] : words;
       return await this.jobs.run(lane, all, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: progress } }));
     } catch (error) {
-      if (error instanceof Stopped && error.why === "trapped") {
+      if (error instanceof Stopped && error.why === "unloaded") this.update({ notice: "unloaded" });
+      else if (error instanceof Stopped && error.why === "trapped") {
         // What stands before the last line are warnings, and the last one is the browser's own.
         const last = error.message.split("\n").slice(0, -1).findLast((line) => line && !line.includes("warning:"));
         this.update({ notice: "trapped", fault: last ? { text: last } : null });
@@ -460,33 +529,19 @@ export class Controller {
   }
 }
 
-function reportOf({ stdout }: Outcome): Report {
-  try {
-    return JSON.parse(stdout) as Report;
-  } catch {
-    return {};
-  }
+/** A name that the command does not take for an option. */
+const nameOf = ({ name }: File): string => name.replace(/^-+/, "_");
+
+const keepingBest = (line: Line): Line => (line.includes("--keep-best") ? line : [...line, "--keep-best"]);
+
+/** Words without an option and its value. */
+function without(words: Line, option: string): Line {
+  const at = words.findIndex((word) => word === option || word.startsWith(`${option}=`));
+  if (at < 1) return words;
+  const next = words[at + 1];
+  const isPair = words[at] === option && next !== undefined && !next.startsWith("--");
+  return [...words.slice(0, at), ...words.slice(at + (isPair ? 2 : 1))];
 }
 
-const PLACE = /^[^:]*: line (\d+)(?:, column (\d+))?: ([^]*)$/;
-
-/** What went wrong, as the command says it; the first sentence, with its place in the script. */
-export function faultOf(outcome: Outcome): Fault {
-  const { error } = reportOf(outcome);
-  const said = error?.messages[0] ?? outcome.stderr.split("\nchordal: ")[0]!.replace(/^chordal: /, "").trim();
-  const found = PLACE.exec(said);
-  if (!found) return { text: said };
-  const [, line, column, text] = found;
-  return { text: text!.split("\n")[0]!, line: Number(line), ...(column ? { column: Number(column) } : {}) };
-}
-
-/** numpy's format, of doubles, the first index running fastest. */
-function sliceOf(bytes: Uint8Array, report: Report): Slice | null {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  const start = 10 + view.getUint16(8, true);
-  const header = new TextDecoder().decode(bytes.subarray(10, start));
-  const baked = report.certificate?.baked;
-  if (!baked || !header.includes("<f8") || !header.includes("'fortran_order': True")) return null;
-  const samples = new Float64Array(bytes.slice(start).buffer);
-  return { size: baked.size, origin: baked.origin, spacing: baked.spacing, samples };
-}
+/** What can be read of a file that was written; nothing where this page cannot. */
+const drawn = <T>(read: () => Promise<T>): Promise<T | undefined> => Promise.resolve().then(read).catch(() => undefined);

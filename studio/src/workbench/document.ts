@@ -117,14 +117,18 @@ export const shell = (lines: readonly Line[]): string =>
   lines.map((line) => ["chordal", ...line].map(quoted).join(" ")).join("\n");
 
 /** A text as Python and Rust both write it. */
-const literal = (text: string): string => JSON.stringify(text).replace(/[\u007f-\uffff]/g, (c) => `\\u${c.charCodeAt(0).toString(16).padStart(4, "0")}`);
+const literal = (text: string): string => JSON.stringify(text);
+
+/** A number as the command takes it, and nothing else that Python might run. */
+export const isNumber = (text: string): boolean => /^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$/.test(text.trim());
 
 /** The mesh in Python. Steps before it, and options that the page does not know, are run as lines of the command. */
 export function python(of: Bench, screen: Screen, output: string): string {
   const { budget } = of;
   const steps = of.before.map((line) => `subprocess.run(${literalList(["chordal", ...line])}, check=True)`);
-  const values = Object.entries(of.set).map(([label, value]) => `, ${literal(label)}: ${value}`);
-  const isPlain = split(of.options).length === 0;
+  const values = Object.entries(of.set).map(([label, value]) => `, ${literal(label)}: ${isNumber(value) ? value.trim() : literal(value)}`);
+  // A boolean takes a length alone.
+  const isPlain = split(of.options).length === 0 && (!of.combine || budget.by === "tol");
   const read = isScript(of)
     ? `chordal.script(open(${literal(of.name)}).read()${values.length ? `, **{${values.join("").slice(2)}}` : ""})`
     : `chordal.load(${literal(of.name)})`;
@@ -152,6 +156,11 @@ const literalList = (words: readonly string[]): string => `[${words.map(literal)
 /** The mesh in Rust, by the library of verbs. */
 export function rust(of: Bench, screen: Screen, output: string): string {
   const { budget } = of;
+  if (of.before.length || of.combine || of.options.trim() || Object.keys(of.set).length) {
+    // What more than a budget takes is run as lines of the command.
+    const lines = [...of.before, meshLine(of, screen, output)];
+    return lines.map((line) => `std::process::Command::new("chordal").args([${line.map(literal).join(", ")}]).status()?;`).join("\n");
+  }
   const limit =
     budget.by === "tol"
       ? `length: Some(${literal(budget.tol.trim())}.parse()?)`

@@ -201,18 +201,19 @@ function read({ json, buffer }: Glb, accessor: number, width?: number): Float32A
   const out = width === undefined ? new Uint32Array(count * kept) : new Float32Array(count * kept);
   if (bufferView === undefined) return out;
   const view = json.bufferViews![bufferView]!;
-  const size = { 5121: 1, 5123: 2, 5125: 4, 5126: 4 }[componentType] ?? 4;
+  const size = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 }[componentType] ?? 4;
+  const isSigned = componentType === 5120 || componentType === 5122;
   const stride = view.byteStride ?? size * all;
   const first = (view.byteOffset ?? 0) + byteOffset;
-  const whole = normalized ? 2 ** (8 * size) - 1 : 1;
+  const whole = normalized ? 2 ** (8 * size - Number(isSigned)) - 1 : 1;
   const number =
     componentType === 5126
       ? (at: number) => buffer.getFloat32(at, true)
       : size === 4
         ? (at: number) => buffer.getUint32(at, true) / whole
         : size === 2
-          ? (at: number) => buffer.getUint16(at, true) / whole
-          : (at: number) => buffer.getUint8(at) / whole;
+          ? (at: number) => (isSigned ? buffer.getInt16(at, true) : buffer.getUint16(at, true)) / whole
+          : (at: number) => (isSigned ? buffer.getInt8(at) : buffer.getUint8(at)) / whole;
   for (let i = 0; i < count; i++) for (let k = 0; k < kept; k++) out[i * kept + k] = number(first + i * stride + k * size);
   return out;
 }

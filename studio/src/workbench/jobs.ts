@@ -14,7 +14,7 @@ export interface WorkerLike {
 /** How a run ended that gave no outcome. */
 export class Stopped extends Error {
   constructor(
-    readonly why: "newer" | "cancelled" | "trapped",
+    readonly why: "newer" | "cancelled" | "trapped" | "unloaded",
     message = why as string,
   ) {
     super(message);
@@ -54,7 +54,7 @@ export class Jobs<Name extends string> {
     done.catch(() => undefined);
     const module = await this.module().catch((error: unknown) => {
       lane.running = null;
-      throw new Stopped("trapped", String(error));
+      throw new Stopped("unloaded", String(error));
     });
     // While the module was loaded, a newer order may have come.
     if (lane.running?.id === id) lane.worker.postMessage({ id, module, words, files });

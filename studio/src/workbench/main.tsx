@@ -27,15 +27,16 @@ const worker = (): WorkerLike => new Worker(new URL("./worker.ts", import.meta.u
 
 let control: Controller;
 let frame = 0;
-let written = "";
+let written: string | null = null;
 
 function draw(): void {
   frame = 0;
   render(<App language={language} state={control.state} control={control} />, root);
   const { link, running, shown, isWaiting } = control.state;
-  if (link && link !== written) {
+  // While a link is made the old one stays; what has none leaves none.
+  if (link !== written && !isWaiting) {
     written = link;
-    history.replaceState(null, "", `${location.pathname}${location.search}#s=${link}`);
+    history.replaceState(null, "", location.pathname + location.search + (link ? `#s=${link}` : ""));
   }
   const html = document.documentElement;
   html.dataset["ready"] = "1";
@@ -62,8 +63,13 @@ async function begin(): Promise<void> {
     frame ||= requestAnimationFrame(draw);
   });
   root.replaceChildren();
-  if (opened.length) await control.open(opened);
-  else control.start();
+  // What was changed since the command opened a file is in the address.
+  const isOpen = opened.length > 0 && !shared && (await control.open(opened));
+  if (!isOpen) {
+    const { notice } = control.state;
+    control.start();
+    if (notice) control.say(notice);
+  }
   if (location.hash && !shared) control.say("damaged");
   draw();
 }

@@ -54,7 +54,8 @@ export function pictureLine(what: PictureKind, { bench, parts, up, atMost }: Sub
   }
 }
 
-function cameraText(view: View, { width, height }: Size, up: string | null): string {
+/** The eye of a view, as the command takes it, in a file's own coordinates. */
+export function cameraText(view: View, { width, height }: Size, up: string | null): string {
   const numbers = (of: Vec3) => lain(of, up).map((value) => Number(value.toPrecision(7))).join(",");
   const eye = `eye=${numbers(eyeOf(view))} target=${numbers(view.target)} up=${numbers([0, 0, 1])}`;
   return `${width}x${height} fov=${fovOf({ width, height }).toFixed(3)} ${eye}`;

@@ -1,6 +1,6 @@
-// The bench in the address: what is small enough to be a link, compressed. A dropped file of megabytes is not; then the link
-// holds everything else, and says the file's name.
-import { BUDGET, type Bench, type BudgetKind } from "./document";
+// The bench in the address, compressed: a script or another small text, its values, options and budget. What is larger, is no
+// text, or is made of several files, has no link.
+import { BUDGET, type Bench, type BudgetKind, isNumber } from "./document";
 
 interface Packed {
   /** Of what may change between versions. */
@@ -19,10 +19,12 @@ const MOST = 24_000;
 const MOST_TEXT = 400_000;
 
 export async function pack(of: Bench): Promise<string | null> {
-  const { name, files, budget, set, options } = of;
+  const { name, files, budget, set, options, combine, before } = of;
   const bytes = files[name];
   const text = bytes && isText(bytes) ? new TextDecoder().decode(bytes) : undefined;
-  if (text === undefined) return null;
+  // What a link would not bring back is not in one.
+  const isWhole = Object.keys(files).length === 1 && !combine && before.length === 0;
+  if (text === undefined || !isWhole || !NAME.test(name) || options.length > MOST_OPTIONS) return null;
   const packed: Packed = { v: 1, name, text, budget, set, options };
   const squeezed = await through(new TextEncoder().encode(JSON.stringify(packed)), new CompressionStream("deflate-raw"));
   const coded = btoa(String.fromCharCode(...squeezed.slice(0, MOST))).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
@@ -45,6 +47,7 @@ const KINDS: readonly BudgetKind[] = ["tol", "px", "triangles"];
 /** No folder, and nothing that hides. */
 const NAME = /^[^/\\.][^/\\]{0,80}$/;
 const SHORT = 80;
+const MOST_OPTIONS = 800;
 
 function read(value: unknown): Bench | null {
   if (!isRecord(value) || value["v"] !== 1) return null;
@@ -57,7 +60,7 @@ function read(value: unknown): Bench | null {
   };
   const by = KINDS.find((kind) => kind === wanted["by"]) ?? BUDGET.by;
   const values = Object.entries(isRecord(set) ? set : {}).filter(
-    (pair): pair is [string, string] => typeof pair[1] === "string" && pair[1].length <= SHORT,
+    (pair): pair is [string, string] => typeof pair[1] === "string" && pair[1].length <= SHORT && isNumber(pair[1]),
   );
   return {
     name,
@@ -65,7 +68,7 @@ function read(value: unknown): Bench | null {
     budget: { by, tol: word("tol", BUDGET.tol), px: word("px", BUDGET.px), triangles: word("triangles", BUDGET.triangles) },
     set: Object.fromEntries(values),
     combine: null,
-    options: typeof options === "string" && options.length <= 10 * SHORT ? options : "",
+    options: typeof options === "string" && options.length <= MOST_OPTIONS ? options : "",
     before: [],
   };
 }

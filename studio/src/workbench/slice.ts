@@ -1,5 +1,5 @@
 // A slice through a sampled field as a picture: inside and outside in two colours, lines of equal distance, the surface.
-import type { Slice } from "./controller";
+import type { Slice } from "./outcome";
 
 /** Lines of equal distance across the picture. */
 const LINES = 14;

@@ -77,7 +77,8 @@ export interface Texts {
   makeLevels: string;
   distance: string;
   level(k: number, n: number, triangles: string): string;
-  levelError(error: string, px: string): string;
+  levelError(error: string): string;
+  withoutLevels: string;
   bake: string;
   cells: string;
   bakeHint: string;
@@ -176,7 +177,8 @@ export const TEXTS: Record<Language, Texts> = {
     makeLevels: "Make levels for one pixel",
     distance: "Distance",
     level: (k, n, triangles) => `level ${k} of ${n}: ${triangles} triangles`,
-    levelError: (error, px) => `off by at most ${error}, ${px} px from here`,
+    levelError: (error) => `off by at most ${error}, which is at most one pixel from here`,
+    withoutLevels: "Back to the mesh",
     bake: "Bake into a field",
     cells: "Cells along the longest side",
     bakeHint: "The samples take the place of the shape; mesh them to come back.",
@@ -191,6 +193,9 @@ export const TEXTS: Record<Language, Texts> = {
       damaged: "The address was damaged; this is the first example.",
       "too-large": "These files are more than 600 MB, which a browser cannot hold. The command can.",
       stopped: "Stopped. What is shown is from before.",
+      unread: "That could not be read: a folder, perhaps.",
+      unloaded: "The command could not be loaded: the network or the host did not give it. What is changed next tries again.",
+      undrawn: "The file was made, but this page cannot draw it: it is compressed. Its export is what the command writes.",
       trapped: "The work ran out of memory or stack in this browser. A larger budget, or the command on your machine, may do it.",
     },
     dismiss: "Dismiss",
@@ -277,7 +282,8 @@ export const TEXTS: Record<Language, Texts> = {
     makeLevels: "按一个像素生成各层次",
     distance: "距离",
     level: (k, n, triangles) => `第 ${k} 层（共 ${n} 层）：${triangles} 个三角形`,
-    levelError: (error, px) => `偏差至多 ${error}，从此处看为 ${px} 像素`,
+    levelError: (error) => `偏差至多 ${error}，从此处看不超过一个像素`,
+    withoutLevels: "回到网格",
     bake: "烘焙成场",
     cells: "最长边上的格数",
     bakeHint: "采样取代原来的形状；再网格化就能回来。",
@@ -292,6 +298,9 @@ export const TEXTS: Record<Language, Texts> = {
       damaged: "地址已损坏；这是第一个示例。",
       "too-large": "这些文件超过 600 MB，浏览器装不下；命令可以处理。",
       stopped: "已停止。显示的是之前的结果。",
+      unread: "无法读取：也许是文件夹。",
+      unloaded: "命令未能加载：网络或服务器没有给出文件。下一次改动会重试。",
+      undrawn: "文件已生成，但经过压缩，本页无法显示。导出的内容与命令行写出的相同。",
       trapped: "在浏览器中内存或栈耗尽。放宽预算，或在你的机器上运行命令，也许可行。",
     },
     dismiss: "关闭",

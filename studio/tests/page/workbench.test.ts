@@ -109,8 +109,45 @@ describe("a script", () => {
     const address = page.url();
     const other = await open(address.slice(address.indexOf("workbench.html")));
     await expect.poll(() => other.page.locator(".cm-content").textContent()).toContain("球");
+    // The skip link is no part of the address.
+    await page.locator("a.skip").focus();
+    await page.keyboard.press("Enter");
+    expect(page.url()).toBe(address);
     const damaged = await open("workbench.html#s=AAAA");
     expect(await damaged.page.locator(".note").textContent()).toContain("damaged");
+  });
+
+  test("has drafts while its number is dragged, and options of one verb do not trouble the others", async () => {
+    const { page } = await open(await small("r = param('r', 0.6)\nbox(2, 2, 1) - sphere(r)"));
+    const slider = page.locator("#param-r");
+    await slider.waitFor();
+    const box = (await slider.boundingBox())!;
+    const drafts = page.evaluate(() => {
+      const seen = new Set<string>();
+      const big = document.querySelector(".certificate .big")!;
+      new MutationObserver(() => big.classList.contains("draft") && seen.add(document.querySelector(".certificate dl")!.textContent!)).observe(
+        document.querySelector(".certificate")!, { subtree: true, childList: true, characterData: true, attributes: true },
+      );
+      return new Promise<number>((done) => addEventListener("pointerup", () => done(seen.size), { capture: true, once: true }));
+    });
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    // A hand that does not rest for longer than a tenth of a second.
+    for (let i = 0; i < 60; i++) {
+      await page.mouse.move(box.x + box.width * (0.5 + 0.3 * Math.sin(i / 6)), box.y + box.height / 2);
+      await page.waitForTimeout(100);
+    }
+    await page.mouse.up();
+    expect(await drafts).toBeGreaterThan(1);
+    await settled(page);
+    // `inspect` knows no such option, and is asked without it.
+    await page.locator(".options-more summary").click();
+    await page.locator(".options-more input").fill("--keep-best");
+    await page.keyboard.press("Enter");
+    await expect.poll(() => line(page)).toContain("--keep-best");
+    await settled(page);
+    expect(await page.locator(".fault").allTextContents()).toEqual([]);
+    expect(await slider.count()).toBe(1);
   });
 
   test("that takes long is stopped, and the page goes on", async () => {
@@ -148,6 +185,8 @@ describe("a file", () => {
     await page.locator('input[value="intersect"]').check({ force: true });
     await settled(page);
     expect(await line(page)).toContain("--intersect b.stl");
+    // Two files are no link, and that of the one is not left standing.
+    await expect.poll(() => page.evaluate(() => location.hash)).toBe("");
     expect(faults(errors)).toEqual([]);
   });
 
@@ -214,6 +253,8 @@ describe("a file", () => {
     await expect.poll(shown).toContain("level 1 of");
     await page.keyboard.press("End");
     await expect.poll(shown).not.toContain("level 1 of");
+    await page.getByRole("button", { name: "Back to the mesh" }).click();
+    await expect.poll(() => slider.count()).toBe(0);
     await page.getByLabel("Cells along the longest side").fill("24");
     await page.getByRole("button", { name: "Bake into a field" }).click();
     await expect.poll(() => line(page)).toContain("chordal bake bracket.star --cells 24 -o bracket.nrrd\nchordal mesh bracket.nrrd");
