@@ -34,7 +34,7 @@ interface Answer {
 
 /** Metres, by a quarter of a decade: from 0.6 m to 19 km. */
 const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
-const HOME: View = { azimuth: -86, elevation: 22, distance: 6.6, target: [0, 0, -0.1] };
+const HOME: View = { azimuth: -86, elevation: 22, distance: 7.3, target: [0, 0, -0.1] };
 const defaults: State = { stop: 2, view: HOME };
 
 interface Texts extends CommonTexts {
