@@ -206,7 +206,7 @@ test-python: tested need-python
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
-# What `make test` leaves to this, so that it takes 20 minutes from cold and not hours: nine of ten random cases of every sweep that asks
+# What `make test` leaves to this, so that it takes half an hour from cold and not hours: nine of ten random cases of every sweep that asks
 # chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields. The modules of the
 # page and of test-web are those that are shipped, too, and axe looks at every page in each theme of each language.
 # PROPTEST_CASES is for the sweeps at proptest's own number.

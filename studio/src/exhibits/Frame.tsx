@@ -20,7 +20,7 @@ export interface FrameProps {
   set: Page<object, unknown, unknown>["set"];
 }
 
-/** So many paragraphs are read at first sight: with them the whole way takes half an hour. */
+/** So many paragraphs are read at first sight; the rest is for who wants more. */
 const FIRST_READ = 2;
 
 const paragraphs = (story: readonly string[]) => story.map((text) => <p key={text}>{emphasized(text)}</p>);

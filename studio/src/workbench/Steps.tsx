@@ -51,7 +51,7 @@ export function Steps({ page }: { page: Page }) {
       <h2>{words.bake}</h2>
       <label class="field">
         {words.cells}
-        <input type="text" inputMode="numeric" value={cells} onChange={(event) => setCells(event.currentTarget.value)} />
+        <input type="text" inputMode="numeric" value={cells} onInput={(event) => setCells(event.currentTarget.value)} />
       </label>
       <button type="button" onClick={() => void control?.step("bake", ["--cells", cells], `${stem(bench.name)}.nrrd`)}>
         {words.bake}

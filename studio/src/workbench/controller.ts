@@ -12,6 +12,7 @@ import {
   reading,
   stem,
   withText,
+  without,
 } from "./document";
 import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood, withPictures } from "./glb";
@@ -137,10 +138,15 @@ export class Controller {
   }
 
   get screen(): Screen {
-    const { size, view } = this.state;
+    const { bench: now, size, view } = this.state;
+    const { counted } = this;
+    // Those of the proof that is shown, which was made before its box was known.
+    if (counted && counted.bench === now && counted.view === view && counted.size === size) return counted.screen;
     const ratio = globalThis.devicePixelRatio || 1;
     return { width: size.width * ratio, height: size.height * ratio, fovDeg: fovOf(size), distance: this.away(view) };
   }
+
+  private counted: { bench: Bench; view: View; size: Size; screen: Screen } | null = null;
 
   /** From the eye to the nearest point of the shape's box: the distance that pixels are counted by. */
   private away(view: View): number {
@@ -373,13 +379,16 @@ export class Controller {
     this.isNewer = true;
     if (this.isDrafting) return;
     this.isDrafting = true;
-    while (this.isNewer && isScript(this.state.bench)) {
-      this.isNewer = false;
-      const { bench: now } = this.state;
-      const words = keepingBest(["mesh", ...reading(now), "--tol", DRAFT, "--require", "estimated", "-o", "draft.glb"]);
-      await this.mesh("draft", words, "draft.glb", now);
+    try {
+      while (this.isNewer && isScript(this.state.bench)) {
+        this.isNewer = false;
+        const { bench: now } = this.state;
+        const words = keepingBest(["mesh", ...reading(now), "--tol", DRAFT, "--require", "estimated", "-o", "draft.glb"]);
+        await this.mesh("draft", words, "draft.glb", now);
+      }
+    } finally {
+      this.isDrafting = false;
     }
-    this.isDrafting = false;
   }
   private isDrafting = false;
   private isNewer = false;
@@ -387,7 +396,9 @@ export class Controller {
   private async prove(): Promise<void> {
     const { bench: now } = this.state;
     const output = this.outputOf(`${stem(now.name)}.glb`);
-    await this.mesh("proof", keepingBest(meshLine(now, this.screen, output)), output, now);
+    const { view, size } = this.state;
+    this.counted = { bench: now, view, size, screen: this.screen };
+    await this.mesh("proof", keepingBest(meshLine(now, this.counted.screen, output)), output, now);
   }
 
   private async mesh(lane: "draft" | "proof", words: Line, output: string, now: Bench): Promise<void> {
@@ -437,6 +448,8 @@ export class Controller {
     const target: Vec3 = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
     const home = { ...HOME, target, distance: AWAY * diagonal };
     this.update({ view: home, home });
+    // What was proved for pixels was so from where nobody stands.
+    if (now.budget.by === "px") this.later("proof", () => void this.prove());
   }
 
   /** A place of the report in the picture. */
@@ -533,15 +546,6 @@ export class Controller {
 const nameOf = ({ name }: File): string => name.replace(/^-+/, "_");
 
 const keepingBest = (line: Line): Line => (line.includes("--keep-best") ? line : [...line, "--keep-best"]);
-
-/** Words without an option and its value. */
-function without(words: Line, option: string): Line {
-  const at = words.findIndex((word) => word === option || word.startsWith(`${option}=`));
-  if (at < 1) return words;
-  const next = words[at + 1];
-  const isPair = words[at] === option && next !== undefined && !next.startsWith("--");
-  return [...words.slice(0, at), ...words.slice(at + (isPair ? 2 : 1))];
-}
 
 /** What can be read of a file that was written; nothing where this page cannot. */
 const drawn = <T>(read: () => Promise<T>): Promise<T | undefined> => Promise.resolve().then(read).catch(() => undefined);

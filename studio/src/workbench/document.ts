@@ -110,6 +110,15 @@ export function split(text: string): string[] {
   return words;
 }
 
+/** Words without an option and its value, which may be a negative number. */
+export function without(words: Line, option: string): Line {
+  const at = words.findIndex((word) => word === option || word.startsWith(`${option}=`));
+  if (at < 1) return words;
+  const next = words[at + 1];
+  const isPair = words[at] === option && next !== undefined && (isNumber(next) || !next.startsWith("-"));
+  return [...words.slice(0, at), ...words.slice(at + (isPair ? 2 : 1))];
+}
+
 /** A word as a shell needs it. */
 export const quoted = (word: string): string => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replace(/'/g, "'\\''")}'`);
 

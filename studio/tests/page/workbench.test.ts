@@ -5,7 +5,7 @@ import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, describe, expect, test, vi } from "vitest";
 import { run } from "../../src/workbench/command";
-import { bench } from "../../src/workbench/document";
+import { bench, split } from "../../src/workbench/document";
 import { pack } from "../../src/workbench/share";
 import { ROOT, Site, digits, seriousFindings, settled } from "./site";
 
@@ -115,6 +115,19 @@ describe("a script", () => {
     expect(page.url()).toBe(address);
     const damaged = await open("workbench.html#s=AAAA");
     expect(await damaged.page.locator(".note").textContent()).toContain("damaged");
+  });
+
+  test("in pixels shows the line that was run, from a distance to its box", async () => {
+    const { page } = await open();
+    await page.locator('input[name=budget][value="px"]').check({ force: true });
+    await expect.poll(() => line(page)).toContain("--px 1 --view");
+    await settled(page);
+    const words = split((await line(page))!).slice(1);
+    // The eye is farther than two radii from the middle of the ball, and so many less from its box.
+    expect(Number(/dist=([\d.]+)/.exec(words.join(" "))![1])).toBeGreaterThan(2);
+    const made = await run(module, [...words, "--json"], { "bracket.star": text("sphere(1)") });
+    const { certificate } = JSON.parse(made.stdout);
+    expect([await digits(page, "bound"), await digits(page, "triangles")]).toEqual([certificate.bound.at_most, certificate.output.triangles]);
   });
 
   test("has drafts while its number is dragged, and options of one verb do not trouble the others", async () => {

@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { beforeAll, describe, expect, test, vi } from "vitest";
 import { Trapped, run } from "../../src/workbench/command";
-import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText } from "../../src/workbench/document";
+import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText, without } from "../../src/workbench/document";
 import { boxOf, levels, parts, standing } from "../../src/workbench/glb";
 import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
 import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
@@ -135,9 +135,10 @@ const MODULE = new URL("../../wasm/command.wasm", import.meta.url).pathname;
 const CHORDAL = process.env["CHORDAL"];
 const EXAMPLES = new URL("../../../examples/", import.meta.url).pathname;
 
-describe.skipIf(!existsSync(MODULE))("the command as a module", () => {
+describe("the command as a module", () => {
   let module: WebAssembly.Module;
   beforeAll(async () => {
+    expect(existsSync(MODULE), "make studio-page builds the module").toBe(true);
     module = await WebAssembly.compile(readFileSync(MODULE));
   });
   const files = (name: string) => ({ [name]: readFileSync(EXAMPLES + name) });
@@ -217,7 +218,8 @@ describe.skipIf(!existsSync(MODULE))("the command as a module", () => {
     expect(found.map((level) => level.reduce((sum, { indices }) => sum + indices.length / 3, 0))).toEqual(facts.map(({ triangles }) => triangles));
   });
 
-  test.skipIf(!CHORDAL)("gives the bytes that the command gives", async () => {
+  test("gives the bytes that the command gives", async () => {
+    expect(CHORDAL, "make test-studio names the command").toBeDefined();
     const folder = mkdtempSync(join(tmpdir(), "chordal-bench-"));
     for (const [name, words, output] of [
       ["bracket.star", ["mesh", "bracket.star", "--tol", "2%", "-o"], "x.glb"],
@@ -247,6 +249,14 @@ test("a link holds what it brings back, and nothing that runs", async () => {
   expect(await pack({ ...block, options: "x".repeat(900) })).toBeNull();
   const coded = await pack({ ...block, set: { width: "2.5", hole: "__import__('os')" }, options: "--allow mesh" });
   expect(await unpack(coded!)).toEqual({ ...block, set: { width: "2.5" }, options: "--allow mesh" });
+});
+
+test("an option leaves a line with its value, and with nothing else", () => {
+  const line = ["mend", "a.npy", "--iso", "-5", "--cap", "-o", "b.npy"];
+  expect(without(line, "--iso")).toEqual(["mend", "a.npy", "--cap", "-o", "b.npy"]);
+  expect(without(line, "--cap")).toEqual(["mend", "a.npy", "--iso", "-5", "-o", "b.npy"]);
+  expect(without(["mend", "a.npy", "--iso=-5", "-o", "b"], "--iso")).toEqual(["mend", "a.npy", "-o", "b"]);
+  expect(without(line, "--text")).toEqual(line);
 });
 
 test("lines in Python and Rust run what the page runs", () => {
