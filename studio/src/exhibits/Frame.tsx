@@ -20,8 +20,8 @@ export interface FrameProps {
   set: Page<object, unknown, unknown>["set"];
 }
 
-/** So many paragraphs are read at first sight; the rest is for who wants more. */
-const FIRST_READ = 2;
+/** So many paragraphs are read at first sight: all stops in half an hour; the rest is for who wants more. */
+const FIRST_READ = 1;
 
 const paragraphs = (story: readonly string[]) => story.map((text) => <p key={text}>{emphasized(text)}</p>);
 

@@ -72,15 +72,13 @@ const texts: Record<Language, Texts> = {
     samples: "Samples",
     cell: "Edge of a cell",
     story: [
-      "Meshes are for drawing, fields for carving, blending and questions. Real engines carry both and *convert*. To bake a mesh, ask its signed distance at every point of a lattice. To come back, march through the cells and join the places where the value passes zero.",
-      "Each way loses something. Between samples the grid only knows a blend of eight values, which rounds off whatever is sharp; and the triangles that come back cut straight through the cells. For either step the core *proves a bound*: how far the zero of the blend is from the mesh, and how far the new mesh is from that zero.",
-      "By the triangle inequality *the two bounds add up*. The sum holds for the whole way, whatever lies between, and further steps would add theirs. What is measured is less: the worst places of the two steps seldom meet.",
+      "To *bake* a mesh, ask its signed distance at every point of a lattice; to come back, march through the cells. Either way loses something, and for either the core *proves a bound*: how far the zero of the blended samples is from the mesh, and how far the new mesh is from that zero. By the triangle inequality *the two bounds add up*.",
+      "What is measured is less, for the worst places of the two steps seldom meet. Further steps would add their bounds to the sum.",
       "Half the cell, about half the error, and several times the samples: eight times as many once there are many. For smooth shapes the error falls faster; it is the sharp edges that keep it up.",
     ],
     attempts: [
       "Double the cells: by how much do the bounds fall, and the samples grow?",
       "Look where it is orange to red. What do these places have in common?",
-      "Find a size where measured and bound are closest.",
     ],
   },
   zh: {
@@ -100,15 +98,13 @@ const texts: Record<Language, Texts> = {
     samples: "样本数",
     cell: "单元边长",
     story: [
-      "网格用来画，场用来雕刻、融合和查询。真正的引擎两者兼备，并互相*转换*。烘焙网格，就是在格点上逐点求有向距离；转换回来，则逐个单元前进，把值过零的位置连起来。",
-      "每一程都有损失。样本之间只有八个值的插值，尖锐的地方都被磨圆；转换回来的三角形又在单元内取直。对每一步，内核都*证明一个上界*：插值的零面离网格多远，新网格离零面多远。",
-      "由三角不等式，*两个上界可以相加*。无论中间经过什么，和对全程成立；再多几步，就再加几项。实测值小一些：两步的最坏处很少碰到一起。",
+      "*烘焙*网格，就是在格点上逐点求有向距离；转换回来，则逐个单元前进。每一程都有损失，内核对每一程都*证明一个上界*：插值的零面离网格多远，新网格离零面多远。由三角不等式，*两个上界可以相加*。",
+      "实测值小一些，因为两步的最坏处很少碰到一起。再多几步，就再加几项。",
       "单元减半，误差减半，样本为八倍。光滑形状的误差下降得更快，是锐边让它降不下来。",
     ],
     attempts: [
       "把单元数加倍：上界下降多少，样本增加多少？",
       "看看哪里颜色深，这些地方有什么共同点？",
-      "找出实测值最接近上界的大小。",
     ],
   },
 };

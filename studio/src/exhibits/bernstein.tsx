@@ -84,14 +84,12 @@ const texts: Record<Language, Texts> = {
     outside: "Beyond the ends a weight is negative. The sum is still one, but this is no mixture any more: the point has left the hull.",
     end: "At an end one weight is 1 and the others are 0: the curve starts and ends at its end points.",
     story: [
-      "A cubic Bézier curve is four points and four *weights*, Bernstein’s polynomials (1−t)³, 3t(1−t)², 3t²(1−t) and t³. Between t = 0 and t = 1 none of them is negative, and they always sum to one. The discs are the weights: watch the pull go from one point to the next.",
-      "A mixture with such weights cannot leave the *hull*, the shape that a rubber band around the four points would take. That is worth much: whoever knows four points knows a box that holds the whole curve, without computing any of it.",
+      "A cubic Bézier curve is four points and four *weights*, the polynomials (1−t)³, 3t(1−t)², 3t²(1−t) and t³, drawn as discs. Between t = 0 and t = 1 none is negative, and they sum to one. So the curve cannot leave the *hull*, the shape that a rubber band around the four points would take.",
       "*De Casteljau’s construction* finds the same point by linear interpolation alone: mark the share t on the three legs, on the two lines between those marks, and on the last line. Four points, three, two, one. The last line is the tangent, and the marks on the way are the control points of both parts, left and right of t: three answers for the price of one.",
     ],
     attempts: [
       "Go to both ends: which weight is 1? Along which leg does the curve leave?",
       "Move t below 0 or above 1. When does the point leave the shaded hull?",
-      "Choose the loop. The curve crosses itself, and still stays in the hull.",
     ],
   },
   zh: {
@@ -109,14 +107,12 @@ const texts: Record<Language, Texts> = {
     outside: "越过端点，就有权重为负。总和仍是一，但已经不是混合：点离开了凸包。",
     end: "在端点处一个权重为 1，其余为 0：曲线以两个端点为起点和终点。",
     story: [
-      "三次贝塞尔曲线由四个点和四个*权重*组成，权重是伯恩斯坦多项式 (1−t)³、3t(1−t)²、3t²(1−t) 和 t³。t 在 0 与 1 之间时，它们都不为负，而且总和恒为一。圆盘的大小就是权重：看牵引力怎样从一个点转到下一个点。",
-      "用这样的权重混合，点不会离开*凸包*，也就是橡皮筋绷住四个点的形状。这很有用：知道四个点，不用计算曲线，就知道一个装得下整条曲线的盒子。",
+      "三次贝塞尔曲线由四个点和四个*权重*组成，权重是伯恩斯坦多项式 (1−t)³、3t(1−t)²、3t²(1−t) 和 t³，即圆盘的大小。t 在 0 与 1 之间时，它们都不为负，总和为一，所以曲线不会离开*凸包*，也就是橡皮筋绷住四个点的形状。",
       "*德卡斯特里奥算法*只用线性插值就能找到同一个点：在三条边上取比例 t，在两条连线上再取，最后在一条线上取。点数由四而三、由三而二、由二而一。最后那条线就是切线，途中的点正是 t 左右两段的控制点：算一次，得到三个答案。",
     ],
     attempts: [
       "走到两端：哪个权重是 1？曲线沿哪条边离开？",
       "让 t 小于 0 或大于 1：点什么时候离开阴影中的凸包？",
-      "选“环”：曲线与自己相交，仍然没有离开凸包。",
     ],
   },
 };

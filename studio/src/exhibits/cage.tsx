@@ -79,14 +79,13 @@ const texts: Record<Language, Texts> = {
     first: "The cage itself: a shape for the hand, far from the surface that it controls.",
     falls: (ratio, points) => `${ratio} times nearer than the round before, measured at ${points} points of the limit surface.`,
     story: [
-      "An artist moves the few points of a *cage*. Catmull and Clark’s rule makes the rest: every face becomes four, with a new point in each face and on each edge, and the old ones pulled towards them. The faces are four times as many a round, and what they come to is smooth: a *limit surface*, which exists before anybody computes a round of it.",
-      "That surface can be evaluated *exactly* at any place, so the error of a round is no matter of opinion. Twice as many edges along every side, *a quarter of the error*: the law of the widget, on a surface. And the price is the same, too: after a few rounds four times the faces buy what nobody sees.",
+      "An artist moves the few points of a *cage*; by Catmull and Clark’s rule every face becomes four, round after round. What they come to, a smooth *limit surface*, can be evaluated *exactly* at any place, so the error of a round is no matter of opinion: four times the faces, *a quarter of the error*.",
+      "It is the law of the widget, on a surface. And the price is the same, too: after a few rounds four times the faces buy what nobody sees.",
       "A *crease* is a number on an edge: for so many rounds it follows the rule of a curve and ignores the faces beside it. With 0 the foot is round, with 1 or 2 it has a soft rim, with 6 a sharp one. The cage stays the same 14 faces.",
     ],
     attempts: [
       "Move the rounds from 0 to 5. By what does the number fall each time?",
       "Raise the sharpness to 2. For how many rounds does the error fall by less?",
-      "Show the limit by its distance: where do the triangles fit worst?",
     ],
   },
   zh: {
@@ -108,14 +107,13 @@ const texts: Record<Language, Texts> = {
     first: "控制网格本身：便于用手操作，离它所控制的曲面还很远。",
     falls: (ratio, points) => `距离是上一次的 ${ratio} 分之一，在极限曲面的 ${points} 个点上测得。`,
     story: [
-      "美术师只移动*控制网格*的少数几个点，其余由 Catmull–Clark 规则生成：每个面变成四个，面内和边上各加一个新点，旧点被拉向它们。每次细分面数乘四，最终趋于光滑的*极限曲面*；一次都不细分，它也已经确定。",
-      "这个曲面在任意位置都能*精确*求值，所以每次细分的误差不是看法问题。每边的段数加倍，*误差降到四分之一*：那条曲线的规律，在曲面上同样成立。代价也一样：几次之后，四倍的面换来的是谁也看不见的差别。",
+      "美术师只移动*控制网格*的少数几个点；按 Catmull–Clark 规则，每细分一次，每个面变成四个。它们趋于光滑的*极限曲面*，这个曲面在任意位置都能*精确*求值，所以误差不是看法问题：面数乘四，*误差降到四分之一*。",
+      "那条曲线的规律，在曲面上同样成立。代价也一样：几次之后，四倍的面换来的是谁也看不见的差别。",
       "*折痕*是边上的一个数：在这么多次细分中，这条边按曲线的规则处理，不理会两侧的面。取 0，瓶底是圆的；取 1 或 2，边缘柔和；取 6，边缘锐利。控制网格始终是那 14 个面。",
     ],
     attempts: [
       "把细分次数从 0 拖到 5：数字每次降到几分之一？",
       "把锐度提到 2：有几次误差降得较少？",
-      "按距离给极限曲面着色：三角形在哪里贴合得最差？",
     ],
   },
 };

@@ -68,12 +68,11 @@ const texts: Record<Language, Texts> = {
     same: "Both patches happen to have the same number: the same vertices, and no crack.",
     closed: (length) => `One side, cut once: both patches use the same vertices by index. It is within ${length} of the curve, as the right patch’s own number would be.`,
     story: [
-      "Two patches with a common side are one surface: the formulas agree to the last bit. Their triangles need not. A side in three segments and the same side in five are *two different chains of chords*, and where they part one sees through.",
+      "Two patches with a common side are one surface: the formulas agree to the last bit. Their triangles need not. A side in three segments and the same side in five are *two different chains of chords*, and where they part one sees through. The cure is a rule: *how finely a side is cut may depend on that side alone*.",
       "Even with six on one side and three on the other, where every second vertex has a partner, the vertices between stand alone, beside a long edge or a hair off it: *T-junctions*. On a flat side they hide; rounding makes them flicker. Nothing that needs an inside, printing, booleans, physics, works across them.",
       "The cure is a rule and not a repair: *how finely a side is cut may depend only on what both patches see*, the side itself. Chordal cuts each shared side once, by its own curve and the budget, and both patches take those vertices by index. Whatever goes on inside them, the seam is closed.",
     ],
     attempts: [
-      "Move the number of segments. At which one does the crack close by itself?",
       "Try 6 and 12, multiples of three: are all vertices of the left side on the right one? Is the crack gone?",
       "Cut the side once, then move the slider through all its stops: 0 everywhere.",
       "Zoom out until the crack is below a pixel. It still flickers when something moves.",
@@ -96,12 +95,11 @@ const texts: Record<Language, Texts> = {
     same: "两片的分段数恰好相同：顶点相同，没有裂缝。",
     closed: (length) => `一条边只分一次：两片按索引共用同样的顶点。它与曲线的距离不超过 ${length}，与右片自行分段时相同。`,
     story: [
-      "有公共边的两片是同一个曲面：公式逐位一致，三角形却未必。同一条边分三段和分五段，是*两条不同的折线*，分开的地方就能看穿。",
+      "有公共边的两片是同一个曲面：公式逐位一致，三角形却未必。同一条边分三段和分五段，是*两条不同的折线*，分开的地方就能看穿。解决办法是一条规则：*一条边分得多细，只能由这条边本身决定*。",
       "即使一侧六段、另一侧三段，每隔一个顶点就有对应，中间的顶点仍是孤立的，靠着一条长边，或差之毫厘：这就是 *T 形接点*。边是直的时候看不出来，舍入误差却使它闪烁。凡是要分内外的，打印、布尔运算、物理，都过不了这道缝。",
       "解决办法是一条规则，而不是修补：*一条边分得多细，只能由两片都看得见的东西决定*，也就是这条边本身。Chordal 按边的曲线和误差预算只分一次，两片按索引取用这些顶点。片内怎样剖分都不要紧，接缝总是闭合的。",
     ],
     attempts: [
-      "改变分段数：取几时裂缝自行闭合？",
       "取 6 和 12 这样的三的倍数：左边的顶点都在右边上吗？裂缝消失了吗？",
       "改成只分一次，再把滑块拖过每一档：始终是 0。",
       "缩小画面，直到裂缝不足一个像素：一有运动，它仍会闪烁。",

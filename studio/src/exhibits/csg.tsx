@@ -71,14 +71,13 @@ const texts: Record<Language, Texts> = {
     known: { "exact distance": "exact", "lower bound": "a bound" },
     wrong: "red: the value is no distance",
     story: [
-      "On two fields, a boolean is one line. A point is in the union when it is in either: *min(a, b)*. It is in both when the larger is negative: *max(a, b)*. Negate a field, and inside is outside: so A without B is *max(a, −b)*, a hole through a block. On two meshes the same takes intersections of all triangles, and cracks where rounding goes wrong.",
-      "The sign is right everywhere. The value is not. Inside a union the nearest surface of a part may be covered by the other part, and does not exist any more; outside an intersection the nearest point of one part may not lie in the other. There the value is *less* than the distance.",
+      "On fields a boolean is one line. In the union is what is in either: *min(a, b)*. In the intersection is what is in both: *max(a, b)*. A without B is *max(a, −b)*. The sign is right everywhere; the value is not. Inside a union the nearest surface of a part may be covered by the other, and the value is *less* than the distance.",
+      "Likewise outside an intersection: the nearest point of one part may not lie in the other. On two meshes a boolean takes the intersections of all triangles, and cracks where rounding goes wrong.",
       "Less is harmless for sphere tracing, which only takes shorter steps. It matters for shells, offsets and rounded edges, which take the value at its word. The core keeps account of this on either side: exact, bound, or only a sign.",
       "The true distance is measured to the outline of the result, traced within a thousandth of a unit.",
     ],
     attempts: [
       "Union: move the probe from A to B through the red. Where is the surface that the value still believes in?",
-      "Intersection: why is the red outside, and in front of the corners?",
       "A without B: find the point outside where the value is least true.",
     ],
   },
@@ -103,14 +102,13 @@ const texts: Record<Language, Texts> = {
     known: { "exact distance": "精确距离", "lower bound": "下界" },
     wrong: "红色：值不是距离",
     story: [
-      "对两个场，布尔运算只要一行。点属于其中之一就在并集里：*min(a, b)*；两者中较大的为负，就在交集里：*max(a, b)*。把场取负，内外互换，所以 A 减 B 是 *max(a, −b)*，即在块上打一个孔。换成两个网格，就要求所有三角形的交，舍入一出错便有裂缝。",
-      "符号处处正确，值却不然。在并集内部，某一部分最近的表面可能被另一部分盖住，已不存在；在交集外部，某一部分的最近点可能不在另一部分里。在这些地方，值*小于*距离。",
+      "对场来说，布尔运算只要一行。并集是属于其中之一：*min(a, b)*；交集是两者都属于：*max(a, b)*；A 减 B 是 *max(a, −b)*。符号处处正确，值却不然：在并集内部，某一部分最近的表面可能被另一部分盖住，这时值*小于*距离。",
+      "在交集外部也一样：某一部分的最近点可能不在另一部分里。换成两个网格，就要求所有三角形的交，舍入一出错便有裂缝。",
       "值偏小对球面追踪无害，只是步子变短。但对壳、偏移和倒圆就有影响，它们直接把值当作距离。内核对内外两侧分别记账：精确、下界，或只有符号。",
       "真实距离是到结果轮廓的距离，轮廓的误差在千分之一个单位以内。",
     ],
     attempts: [
       "并：让探针从 A 穿过红色区域到 B。值仍然相信的那段表面在哪里？",
-      "交：红色为什么在外部，而且在角的前方？",
       "A 减 B：在外部找出值偏离最大的点。",
     ],
   },

@@ -172,14 +172,13 @@ export const DOCTOR: Record<Language, Texts> = {
     volume: "Volume",
     noVolume: "has none",
     story: [
-      "A mesh is only a list of triangles. That they make a *surface with an inside* is a promise about their edges: exactly two triangles at each, which run along it in opposite ways. Then one may ask for a volume, print it, cut it, subdivide it.",
+      "A mesh is only a list of triangles. That they make a *surface with an inside* is a promise about their edges: exactly two triangles at each, which run along it in opposite ways. The core *counts* exactly where the promise is broken, and changes nothing; a cure is a step that you ask for by name.",
       "Files break the promise in few ways. A triangle is missing. Every triangle has vertices of its own, so nothing is connected. A neighbour was cut finer, and its new vertex lies in an edge that does not know it. Some triangles are wound the wrong way. Two solids share an edge. Something is there twice.",
-      "The core *counts* each exactly, with its first places, and changes nothing. A cure is a step of its own that you ask for by name; it says what it did and how far the surface moved, proved. Most move nothing at all.",
+      "A cure says what it did and how far the surface moved, proved. Most move nothing at all.",
       "The order matters. Soup has a boundary everywhere, but filling its holes would give every triangle a back; it wants to be welded first. The button shows the first cure that helps.",
     ],
     attempts: [
       "Heal all six. Which need more than one cure, and why?",
-      "Take the soup: how many boundary edges has it, and how many after welding?",
       "Heal the branch. It has one piece before; how can it be two solids without a point having moved?",
     ],
   },
@@ -237,14 +236,13 @@ export const DOCTOR: Record<Language, Texts> = {
     volume: "体积",
     noVolume: "没有",
     story: [
-      "网格只是一串三角形。它们能构成*有内部的曲面*，靠的是关于边的约定：每条边恰有两个三角形，且沿边走向相反。满足了，才谈得上体积、打印、切割和细分。",
+      "网格只是一串三角形。它们能构成*有内部的曲面*，靠的是关于边的约定：每条边恰有两个三角形，且沿边走向相反。内核精确*统计*约定在哪里被破坏，但什么也不改；修复要另外指名执行。",
       "文件违反约定的方式不多：少了一个三角形；每个三角形各有自己的顶点，彼此互不相连；邻面切得更细，新顶点落在一条不知道它的边上；有些三角形环绕方向反了；两个实体共用一条边；有东西重复了。",
-      "内核对每一种都精确*计数*，给出最先几处的位置，但什么也不改。修复要另外指名执行；它会说明做了什么、曲面最多移动了多少，并且有证明。多数修复根本不移动任何点。",
+      "修复会说明做了什么、曲面最多移动了多少，并且有证明。多数修复根本不移动任何点。",
       "次序很重要。三角形汤处处是边界，若先补孔，每个三角形都会多出一个背面；应当先焊接。按钮上显示的是第一个有效的修复。",
     ],
     attempts: [
       "修复全部六个。哪些需要不止一步？为什么？",
-      "看三角形汤：焊接前有多少条边界边，焊接后呢？",
       "治好“有分叉”的那个：原来是一块，没有移动任何点，怎么就成了两个实体？",
     ],
   },

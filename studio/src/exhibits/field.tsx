@@ -85,15 +85,13 @@ const texts: Record<Language, Texts> = {
     normal: "Normal",
     none: "none",
     story: [
-      "There are two rival answers to *how do you write a shape down?* A mesh lists points on it, which can be drawn at once. A field is a rule that takes any point: negative inside, positive outside, zero on the shape.",
-      "For this frame the rule is one line: the distance to a rounded rectangle, its absolute value, minus half of the wall. Inside is *one sign*. The value is the distance, and its gradient, scaled to length one, is the normal.",
-      "The mesh has to be searched. Inside is a matter of *winding*: a ray leaves the point, and the edges that it crosses are counted by their direction. The distance is the least of those to all edges. Trees make both quick, but they have to be built.",
+      "A mesh lists points on a shape, which can be drawn at once. A field is a rule that takes any point: inside is *one sign*, the value is the distance, and its gradient, scaled to length one, is the normal. The mesh has to be searched: a ray leaves the point, and the edges that it crosses are counted by their direction.",
+      "For this frame the rule is one line: the distance to a rounded rectangle, its absolute value, minus half of the wall. For the mesh, the distance is the least of those to all edges. Trees make the search quick, but they have to be built.",
       "A mesh of something round is off by something. The core proves by how much, so both distances may differ by no more than that.",
     ],
     attempts: [
       "Move the point into the hole. Both say outside: which of the two had to count?",
       "Ask the mesh, let it be off by 0.8, and follow the rounded corners: there the two differ.",
-      "Find the places where the normal jumps: two parts of the shape are equally near.",
     ],
   },
   zh: {
@@ -120,15 +118,13 @@ const texts: Record<Language, Texts> = {
     normal: "法线",
     none: "无",
     story: [
-      "*形状该怎样写下来？*有两种对立的回答。网格列出形状上的点，拿来就能画。场是一条规则，任何点都能代入：内部为负，外部为正，零在形状上。",
-      "这个框的规则只有一行：到圆角矩形的距离取绝对值，再减去壁厚的一半。内外*只看一个符号*；函数值就是距离，把梯度单位化就是法线。",
-      "网格则要搜索。内外靠*环绕数*：从点出发作一条射线，按方向给穿过的边计数；距离是到所有边的距离中最小的。用树可以加速，但树要先建好。",
+      "网格列出形状上的点，拿来就能画。场是一条规则，任何点都能代入：内外*只看一个符号*，函数值就是距离，把梯度单位化就是法线。网格则要搜索：从点出发作一条射线，按方向给穿过的边计数。",
+      "这个框的规则只有一行：到圆角矩形的距离取绝对值，再减去壁厚的一半。网格的距离是到所有边的距离中最小的；用树可以加速，但树要先建好。",
       "用网格表示圆的东西，总有误差。内核证明了误差的上界，所以两种距离之差不会超过它。",
     ],
     attempts: [
       "把点移进孔里：两者都说在外部。哪一个需要计数？",
       "询问网格，允许误差取 0.8，沿圆角移动：两者在那里有差别。",
-      "找出法线突变的地方：那里形状的两个部分一样近。",
     ],
   },
 };

@@ -77,8 +77,7 @@ const texts: Record<Language, Texts> = {
     here: "At the marked vertex",
     shared: (n) => `${n}`,
     story: [
-      "In a closed surface of triangles every triangle has three edges and every edge two triangles. Euler’s formula then leaves about half as many vertices as triangles, so *about six triangles share a vertex*.",
-      "Written corner by corner, a triangle takes 36 bytes: three positions of three numbers of four bytes. With a list of vertices, and for each triangle three small numbers that point into it, a vertex takes 12 bytes and a triangle 6. For every vertex there are two triangles: 24 bytes instead of 72.",
+      "Every triangle of a closed surface has three edges, and every edge two triangles; by Euler’s formula *about six triangles share a vertex*. Written corner by corner, a triangle takes 36 bytes. With a list of vertices and three small indices it takes 12: six for the indices, six for its half of a vertex.",
       "What rides along with a position (normal, colour, texture coordinate) is stored once, too, and moved once when the shape moves. And a vertex that was just computed need not be computed again for the next triangle that uses it.",
       "An index also says what belongs together. Corner by corner, two triangles touch only because their numbers happen to agree; that is how an STL file is written, and why it has to be welded before anyone can ask for a neighbour.",
     ],
@@ -108,8 +107,7 @@ const texts: Record<Language, Texts> = {
     here: "标出的顶点处",
     shared: (n) => `${n} 个`,
     story: [
-      "在封闭的三角形曲面上，每个三角形有三条边，每条边属于两个三角形。由欧拉公式可知，顶点数约为三角形数的一半，因此*一个顶点约由六个三角形共用*。",
-      "逐角存储时，一个三角形要 36 字节：三个位置，各三个数，每个数四字节。改为一个顶点表，再为每个三角形存三个指向表中的小整数，则每个顶点 12 字节，每个三角形 6 字节。一个顶点摊到两个三角形：24 字节对 72 字节。",
+      "在封闭曲面上，每个三角形有三条边，每条边属于两个三角形；由欧拉公式，*一个顶点约由六个三角形共用*。逐角存储，一个三角形要 36 字节；改为顶点表加三个小整数的索引，只要 12 字节：索引六字节，分摊到的半个顶点六字节。",
       "随位置存放的属性（法线、颜色、纹理坐标）同样只存一次；形状变化时也只移动一次。刚算过的顶点，下一个用到它的三角形不必再算。",
       "索引还说明谁与谁相连。逐角存储时，两个三角形只是坐标恰好相等才挨在一起；STL 文件就是这样写的，所以要先焊接顶点，才谈得上相邻关系。",
     ],

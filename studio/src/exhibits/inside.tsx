@@ -61,14 +61,13 @@ const texts: Record<Language, Texts> = {
     },
     area: "Signed area of the triangle",
     story: [
-      "Walk from one corner to the next. A point lies on your left or on your right, and one product tells which: (b − a) × (p − a), the *edge function*. Positive is left, negative is right, zero is on the line.",
-      "A triangle is convex, so inside means *the same side of all three edges*. Three multiplications of that kind decide every pixel. Each is a linear function of the pixel’s place, so the next pixel costs three additions. This is how rasterizing hardware works.",
+      "Walk from one corner to the next: a point lies on your left or on your right, and one product tells which, the *edge function* (b − a) × (p − a). A triangle is convex, so inside means *the same side of all three edges*. Graphics hardware decides every pixel like this.",
+      "Each edge function is linear in the pixel’s place, so the next pixel costs three additions.",
       "Run the corners the other way round, and all three signs turn. Inside is still where they agree; that they are negative now says that one sees the back.",
       "The signs here are exact. A rounded sign near an edge would give a pixel to both neighbours, or to none: a crack. The core uses an exact sign test (Shewchuk), which computes as many digits as the sign takes.",
     ],
     attempts: [
       "Move the point across one edge: one number passes through zero, the others keep their sign.",
-      "Find the region where only one sign is positive. It lies beyond a corner.",
       "Let the corners run clockwise. What is it now that tells inside?",
     ],
   },
@@ -91,14 +90,13 @@ const texts: Record<Language, Texts> = {
     },
     area: "三角形的有向面积",
     story: [
-      "从一个顶点走向下一个顶点，一个点不是在左边就是在右边，一个乘积就能分辨：(b − a) × (p − a)，称为*边函数*。正为左，负为右，零在直线上。",
-      "三角形是凸的，所以“在内部”就是*位于三条边的同一侧*。每个像素只需三次这样的计算；而边函数对像素位置是线性的，移到下一个像素只需三次加法。光栅化硬件正是这样工作的。",
+      "从一个顶点走向下一个顶点，一个点不是在左边就是在右边，一个乘积就能分辨：*边函数* (b − a) × (p − a)。三角形是凸的，所以“在内部”就是*位于三条边的同一侧*。光栅化硬件正是这样判断每个像素的。",
+      "边函数对像素位置是线性的，移到下一个像素只需三次加法。",
       "把顶点次序反过来，三个符号全部翻转。符号一致处仍是内部；只是现在都为负，说明看到的是背面。",
       "这里的符号是精确的。若靠近边时因舍入而判错，一个像素会同时属于两个相邻三角形，或者谁也不要，出现裂缝。内核使用 Shewchuk 的谓词：符号需要多少位，就算多少位。",
     ],
     attempts: [
       "让点越过一条边：一个数经过零，另外两个不受影响。",
-      "找出只有一个符号为正的区域，它在某个顶点的外侧。",
       "改成顺时针，现在靠什么判断内部？",
     ],
   },

@@ -79,13 +79,12 @@ const texts: Record<Language, Texts> = {
     smooth: "Place, direction, speed and bending agree: comb and stripes run on.",
     back: "Put the control arm back to where all agrees",
     story: [
-      "Long curves are made of short ones, and the joins decide how they look. *C0*: the end of one is the start of the next. *C1*: the first derivatives agree as well, direction and speed, so the legs on both sides are one straight line, cut in the middle. *C2*: the second derivatives agree, and with them the bending.",
-      "The eye forgives a jump of the curvature in a thin line. The *comb* does not: its teeth stand across the curve, each as long as the curvature is large. And a mirror does not: what it shows depends on the normal, one derivative more than the place, so a surface that is only C1 *reflects stripes with kinks*. Car bodies are judged so; camera paths that are only C1 jerk.",
+      "*C0*: one curve begins where the other ends. *C1*: direction and speed agree as well. *C2*: so do the second derivatives, and with them the bending. The eye forgives a jump of curvature; the *comb*, whose teeth are as long as the curve bends, does not. Nor does a mirror: a surface that is only C1 *reflects stripes with kinks*.",
+      "What a mirror shows depends on the normal, one derivative more than the place. Car bodies are judged so; camera paths that are only C1 jerk.",
       "Bend the first curve, and the second one has to give way: for C0 by nothing, for C1 by its first control arm, for C2 by two points. What is kept is paid for with freedom.",
     ],
     attempts: [
       "Choose C0 and move the handle: the class falls to C0, with an angle. Look at the stripes above the join.",
-      "Choose C1 and do the same. The line looks smooth. What do the stripes say?",
       "Choose C2: you cannot break it. How far does the second curve go to keep up?",
     ],
   },
@@ -106,13 +105,12 @@ const texts: Record<Language, Texts> = {
     smooth: "位置、方向、速度和弯曲都一致：曲率梳和条纹连续通过。",
     back: "把控制臂放回全部一致的位置",
     story: [
-      "长曲线由短曲线拼成，接点决定观感。*C0*：前一段的终点是后一段的起点。*C1*：一阶导数也相同，即方向与速度相同，两侧控制臂成一条直线，接点在中点。*C2*：二阶导数也相同，弯曲随之一致。",
-      "一条细线上的曲率突变，眼睛看不出来，*曲率梳*却看得出：梳齿与曲线垂直，长度正比于曲率。镜面也看得出：映像取决于法线，比位置多一阶导数，因此只有 C1 的曲面*映出的条纹有折点*。车身就是这样检验的；只有 C1 的镜头路径会顿一下。",
+      "*C0*：后一段从前一段的终点开始。*C1*：方向与速度也相同。*C2*：二阶导数也相同，弯曲随之一致。曲率突变，眼睛看不出来；*曲率梳*的梳齿长度正比于曲率，一看便知。镜面也瞒不过：只有 C1 的曲面*映出的条纹有折点*。",
+      "映像取决于法线，比位置多一阶导数。车身就是这样检验的；只有 C1 的镜头路径会顿一下。",
       "第一条曲线弯了，第二条就要让步：C0 不用让，C1 让出第一个控制臂，C2 让出两个点。保持得越多，自由越少。",
     ],
     attempts: [
       "选 C0，移动控制点：连续性降到 C0，出现折角。看接点上方的条纹。",
-      "选 C1，同样移动：线看上去光滑，条纹怎么说？",
       "选 C2：怎么拖都破坏不了。第二条曲线为此移动了多远？",
     ],
   },

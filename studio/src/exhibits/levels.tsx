@@ -71,15 +71,13 @@ const texts: Record<Language, Texts> = {
     chartX: "camera to teapot",
     chartY: "triangles",
     story: [
-      "The error that counts is the one *on the screen*. A teapot on the desk and a mountain three kilometres behind it both get chords that are less than a pixel off. Far away a pixel is large: as long as a metre on the mountain, less than a millimetre on the desk.",
-      "So each shape is kept in several *levels of detail*. Each level is proved to be within some length of the true shape, and each next one is allowed twice as much, which takes half the triangles. Dividing the length by the distance gives pixels, and the coarsest level within one pixel is shown.",
+      "The error that counts is *on the screen*. So each shape is kept in several *levels of detail*, each proved to be within some length of the true shape; each next one is allowed twice as much, for about half the triangles. Length divided by distance gives pixels, and the coarsest level within one pixel is shown.",
       "Ten times the distance, about a tenth of the triangles, level by level, until only the coarsest is left. The mountain, whose distance hardly changes, keeps its own until the camera is kilometres away.",
       "One has to be careful *off the axis*. In the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
     ],
     attempts: [
       "Move the camera back tenfold. What is left of the teapot’s triangles?",
       "From where on does the mountain need more than the teapot?",
-      "Turn the figure at 100 metres: would you have seen this from there?",
     ],
   },
   zh: {
@@ -98,15 +96,13 @@ const texts: Record<Language, Texts> = {
     chartX: "相机到茶壶",
     chartY: "三角形数",
     story: [
-      "要紧的是*屏幕上*的误差。桌上的茶壶和它背后三公里处的山，弦的误差都小于一个像素。远处的像素很大：在山上长达一米，在桌上不到一毫米。",
-      "所以每个形状都存成几个*细节层次*（LOD）。每一层都证明了与真实形状相差不超过某个长度，下一层允许的误差加倍，三角形约减半。长度除以距离得到像素，显示误差在一个像素以内最粗的一层。",
+      "要紧的是*屏幕上*的误差。所以每个形状都存成几个*细节层次*（LOD），每一层都证明了与真实形状相差不超过某个长度；下一层允许的误差加倍，三角形约减半。长度除以距离得到像素，显示误差在一个像素以内最粗的一层。",
       "距离十倍，三角形约为十分之一，逐层递减，直到只剩最粗的一层。而山的距离几乎不变，直到相机退到几公里外才减少。",
       "*偏离光轴*时须注意：同样的距离，同一长度在画面角上占的像素比中心多。这里的切换距离对任何方向都成立，包括四角。屏幕为 1920 × 1080 像素，视角 45 度。",
     ],
     attempts: [
       "相机后退到十倍远，茶壶还剩多少三角形？",
       "从多远起，山需要的三角形比茶壶多？",
-      "在 100 米处转动图形：从那里看得出来吗？",
     ],
   },
 };

@@ -75,15 +75,12 @@ const texts: Record<Language, Texts> = {
     some: (n) => `${n} more than there are corners: along hard edges a corner is stored once for each side.`,
     facesOnly: "Lit by faces, each triangle has one tone: right for a cut gem, wrong for a ball.",
     story: [
-      "A triangle’s normal is normalize((v₁ − v₀) × (v₂ − v₀)): one direction, one tone. That is *flat shading*. It shows every facet, as it should for a gem and should not for a ball.",
-      "Average the normals of the faces around each vertex, blend them across each triangle, and the same coarse mesh looks round: *smooth shading*. Not one triangle was added; only the outline still gives it away.",
-      "A cube shaded smoothly looks like an inflated cushion, for an average across a hard edge belongs to neither side. So at a hard edge the corner is stored twice, with two normals. A cube’s corner has three hard edges and three sides: 8 corners become *24 vertices*. That is why a cube in a game has 24.",
+      "The direction of (v₁ − v₀) × (v₂ − v₀), one for the whole triangle, gives *flat shading*. Averaged around each vertex and blended across each triangle, the normals give *smooth shading*, and the same coarse mesh looks round. An average across a hard edge is wrong on both sides, so there the corner is stored once for each side: a cube has *24 vertices* and not 8.",
       "One number decides which edges are hard: the angle between the normals on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two gives both what they need.",
     ],
     attempts: [
       "Move the angle past 90° on the cube: 24 falls to 8, and the light goes wrong.",
       "Choose the cylinder and find the angles where it is round and its rims are sharp.",
-      "Choose the ball. Between which angles is it flat, and what does that cost?",
     ],
   },
   zh: {
@@ -106,15 +103,12 @@ const texts: Record<Language, Texts> = {
     some: (n) => `比空间中的顶点多 ${n} 个：硬边上的顶点要为每一侧各存一次。`,
     facesOnly: "按面法线着色，每个三角形只有一种明暗：适合切割的宝石，不适合球。",
     story: [
-      "三角形的法线是 normalize((v₁ − v₀) × (v₂ − v₀))：一个方向，一种明暗，这就是*平面着色*（flat shading）。每个小面都看得见：宝石应当如此，球则不该。",
-      "把每个顶点周围各面的法线取平均，再在三角形内插值，同样粗糙的网格看起来就圆了：*平滑着色*。三角形一个没多，只有轮廓还露出破绽。",
-      "立方体若用平滑着色，就像充了气的枕头，因为跨过硬边的平均值对哪一侧都不对。于是硬边上的顶点要存多份，各带各的法线。立方体的一个角有三条硬边、三个面：8 个角变成 *24 个顶点*。游戏里的立方体有 24 个顶点，就是这个道理。",
+      "(v₁ − v₀) × (v₂ − v₀) 的方向，整个三角形共用一个，就是*平面着色*。把每个顶点周围的法线取平均，再在三角形内插值，就是*平滑着色*：同样粗糙的网格看起来就圆了。跨过硬边的平均值对哪一侧都不对，所以那里的顶点每侧各存一份：立方体有 *24 个顶点*，而不是 8 个。",
       "哪些边是硬边，由一个数决定：两侧面法线的夹角。立方体处处是 90°；24 边的圆柱侧面相邻 15°，端面边缘 90°，取两者之间的角度，就都合适。",
     ],
     attempts: [
       "对立方体把角度移过 90°：24 降到 8，明暗也错了。",
       "选圆柱，找出侧面圆滑而边缘锐利的角度范围。",
-      "选球：角度在什么范围内是平面着色？代价是多少？",
     ],
   },
 };

@@ -71,15 +71,13 @@ const texts: Record<Language, Texts> = {
     legend: (n) => (n >= 8 ? "8 or more" : String(n)),
     legendName: "triangles shaded in a block",
     story: [
-      "A graphics processor does not shade pixels one by one. It takes *blocks of two by two*, because it needs differences between neighbours to read a texture. If a triangle has one pixel of a block, all four are shaded, and three are thrown away.",
-      "With large triangles this happens only along edges. The smaller they are, the more of them is edge: at a side of four pixels every pixel is already paid for twice.",
+      "A graphics processor shades *blocks of two by two* pixels, for it needs differences between neighbours to read a texture. If a triangle has one pixel of a block, all four are shaded and three thrown away. The smaller the triangles, the more of them is edge: towards one pixel the cost climbs to *four times*, and nothing more shows.",
       "Towards one pixel the cost climbs to *four times*, and stays there. Then no two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and thrown away, and flicker when they move.",
       "So more triangles are not always better. They are worth their price as long as an error shows. Once every chord is within a pixel of the truth, more of them only cost.",
     ],
     attempts: [
       "Go from 16 pixels down to 4. How much dearer has every pixel become?",
       "Find the size from which the number does not grow any more.",
-      "Below that, watch the share of triangles that nobody sees.",
     ],
   },
   zh: {
@@ -102,15 +100,13 @@ const texts: Record<Language, Texts> = {
     legend: (n) => (n >= 8 ? "8 次以上" : String(n)),
     legendName: "一个像素块中着色的三角形数",
     story: [
-      "图形处理器不是逐个像素着色，而是以 *2 × 2 的像素块*为单位，因为读取纹理需要相邻像素之差。三角形只要占到块中一个像素，四个都要着色，其中三个的结果丢弃。",
-      "三角形大时，这只发生在边上。三角形越小，边所占的比例越大：边长四像素时，每个像素已经付了两份钱。",
+      "图形处理器以 *2 × 2 的像素块*为单位着色，因为读取纹理需要相邻像素之差。三角形只要占到块中一个像素，四个都要着色，其中三个丢弃。三角形越小，边所占的比例越大：接近一个像素时，代价升到*四倍*，画面却毫无变化。",
       "小于一个像素，就到了*悬崖*：同一块里没有两个像素属于同一个三角形，每个像素要着色四次。再增加三角形，画面毫无变化，大多数三角形不含任何像素中心：它们照样要变换、要分拣，然后丢弃；一运动还会闪烁。",
       "所以三角形并非越多越好。误差看得见时，它们物有所值；弦的误差一旦都在一个像素以内，再多就只有代价。",
     ],
     attempts: [
       "从 16 像素降到 4 像素：每个像素贵了多少？",
       "找出从哪个大小起，这个数不再增长。",
-      "再往下，看看看不见的三角形占多大比例。",
     ],
   },
 };

@@ -84,14 +84,12 @@ const texts: Record<Language, Texts> = {
     bulges: (rise, is) =>
       `Now four corners are not one surface. Cut along B–D, the middle lies ${rise} ${is === "up" ? "higher" : "lower"} than along A–C.`,
     story: [
-      "Put three points anywhere: there is *one* plane through them, and the triangle lies in it. It cannot be bent. So it has one normal, one inside, and any ray meets it in one point at most.",
-      "A fourth point is free to leave that plane. The four edges are still there, but what spans them? Folded along one diagonal the middle is a ridge, along the other a valley. Both have the same corners and the same edges; no file that stores only corners says which was meant.",
+      "There is *one* plane through any three points, so a triangle cannot bend: one normal, one inside. A fourth point may leave that plane. Folded along one diagonal the middle is a ridge, along the other a valley, and both have the same corners and edges: no file that stores only corners says which was meant.",
       "This is why graphics hardware draws triangles. Authors keep their quads, which are good to work with, and somewhere on the way to the screen every quad is cut in two. A tool that cuts along the other diagonal shows another shape.",
       "The distance is signed and its zero is exact: the core decides by exact arithmetic whether four points lie in one plane, and not by a small number that somebody chose.",
     ],
     attempts: [
       "Lift D, then change the cut: the red line in the middle is the difference.",
-      "Turn the figure until you look along A–C. Ridge or valley?",
       "Choose three corners and lift C. Can you make the number leave zero?",
     ],
   },
@@ -116,14 +114,12 @@ const texts: Record<Language, Texts> = {
     three0: "C 随便抬多高，平面都跟着它走。",
     bulges: (rise, is) => `四个顶点不再确定唯一的曲面：沿 B–D 剖分时，中点比沿 A–C 时${is === "up" ? "高" : "低"} ${rise}。`,
     story: [
-      "任取不共线的三点，过它们的平面*只有一个*，三角形就在这个平面里，弯不了。所以它只有一个法线，内外分明，与任何光线的交点也只有一个。",
-      "第四点可以离开这个平面。四条边还在，可边与边之间张的是什么面？沿一条对角线折，中间隆起；沿另一条折，中间凹下。两者顶点相同、边也相同；只存顶点的文件说不清原意是哪一种。",
+      "过不共线的三点*只有一个*平面，三角形弯不了：法线只有一个，内外分明。第四点可以离开这个平面：沿一条对角线折，中间隆起；沿另一条折，中间凹下。两者顶点相同、边也相同，只存顶点的文件说不清原意是哪一种。",
       "图形硬件因此只画三角形。建模的人保留好用的四边形，在送往屏幕的途中，每个四边形都被一分为二。换一个工具，换一条对角线，形状就变了。",
       "这里的距离带符号，零是精确的零：四点是否共面由内核用精确算术判定，而不是靠谁随手选的一个小数。",
     ],
     attempts: [
       "抬起 D，再换一种剖分：中间的红线就是两者之差。",
-      "把图转到沿 A–C 方向看：是脊还是谷？",
       "选三个顶点并抬起 C：你能让数字离开零吗？",
     ],
   },

@@ -65,13 +65,11 @@ const texts: Record<Language, Texts> = {
     polynomial: "one polynomial",
     aSpline: "a spline",
     story: [
-      "Through n points there is one polynomial of degree n − 1, and only one. It looks like the natural way to draw a curve through points. Carl Runge showed in 1901 what it does: through points of so tame a function as 1/(1 + 25x²) it *swings*, and more points make it worse.",
-      "And it is one formula for all of them. Move a point, and *everything* moves, most where nobody touched anything. Nobody can draw with that.",
+      "Through n points there is one polynomial of degree n − 1. Through points of so tame a function as 1/(1 + 25x²) it *swings*, and more points make it worse, as Carl Runge showed in 1901. And when one point moves, *everything* moves. A *spline* has a short cubic between each two points instead.",
       "So curves are made of many short pieces of low degree: this *spline* has a cubic between each two points, joined so that direction and bending agree. A moved point is felt next door, a little in the house after, and soon not at all. That is local control, and the reason why no drawing program offers degree 20.",
     ],
     attempts: [
       "Move the middle point a little and watch both ends.",
-      "Put it back to 0. How large is the swing of the polynomial then?",
       "Take 15 points, then 5. Which of the two curves gets better with more points?",
     ],
   },
@@ -92,13 +90,11 @@ const texts: Record<Language, Texts> = {
     polynomial: "一个多项式",
     aSpline: "样条",
     story: [
-      "过 n 个点的 n − 1 次多项式有且只有一个，用它来画过点的曲线似乎理所当然。1901 年龙格指出了它的毛病：取 1/(1 + 25x²) 这样温和的函数上的点，它也会*剧烈振荡*，点越多越糟，这就是龙格现象。",
-      "而且它是一个管全部点的公式。移动一个点，*处处*都动，没碰过的地方动得最多。这样没法画图。",
+      "过 n 个点的 n − 1 次多项式只有一个。取 1/(1 + 25x²) 这样温和的函数上的点，它也会*剧烈振荡*，点越多越糟：这就是 1901 年发现的龙格现象。而且移动一个点，*处处*都动。*样条*则在每两点之间用一段短短的三次曲线。",
       "所以曲线由许多低次的短段拼成：这条*样条*在每两点之间是一段三次曲线，相接处方向和弯曲一致。移动一个点，隔壁有感觉，再隔一段略有感觉，很快就没有了。这就是局部控制，也是没有哪个绘图软件提供 20 次曲线的原因。",
     ],
     attempts: [
       "把中间的点稍稍移动，看两端。",
-      "放回 0：这时多项式的振荡有多大？",
       "取 15 个点，再取 5 个点：点越多，哪条曲线越好？",
     ],
   },

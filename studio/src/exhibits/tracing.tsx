@@ -60,15 +60,13 @@ const texts: Record<Language, Texts> = {
     fanX: "degrees upward",
     fanY: "steps",
     story: [
-      "The value of a distance field is *a step that is safe*. Draw the circle of that radius: it is free of surface. So the ray may leap to its rim without looking, ask again there, and leap again. It arrives when the circle is smaller than a pixel.",
-      "Far from everything the leaps are large. Head on, each step leaves a small part of the way, and a handful are enough. *A ray that grazes* a surface stays close to it for long, and close means short steps: that is where the time goes, along every outline.",
+      "The value of a distance field is *a step that is safe*: the circle of that radius is free of surface. So the ray leaps to its rim without looking, asks again there, and leaps again. *A ray that grazes* a surface stays close to it for long, and close means short steps: along every outline that is where the time goes.",
       "No triangle is asked, and nothing is sorted. The value may also be less than the distance, as it is inside a boolean: the leaps are shorter, and still nothing is jumped over. A value that says too much would miss thin things.",
       "The core’s own tracer also knows how fast the value changes, and brackets each hit between a point outside and one inside. What is shown here is the plain method, step by step, to be looked at.",
     ],
     attempts: [
       "Aim just above the bar, so that the ray slides along it: how many steps now?",
       "Aim into the gap between ball and bar, and let the steps play.",
-      "In the small chart each peak is an outline. Which of them is which?",
     ],
   },
   zh: {
@@ -87,15 +85,13 @@ const texts: Record<Language, Texts> = {
     fanX: "仰角（度）",
     fanY: "步数",
     story: [
-      "距离场的值就是*一步安全的步长*。以它为半径作圆，圆内没有表面。所以射线可以直接跳到圆周，在那里再问一次，再跳。圆比一个像素还小时，就算到达。",
-      "远离一切时步子很大。正对表面时，每一步只剩下一小段路，几步就够了。*掠过*表面的射线长时间贴近它，贴近就意味着步子短：时间都花在这里，在每一条轮廓线上。",
+      "距离场的值就是*一步安全的步长*：以它为半径的圆内没有表面。所以射线可以直接跳到圆周，在那里再问一次，再跳。*掠过*表面的射线长时间贴近它，贴近就意味着步子短：时间都花在每一条轮廓线上。",
       "不必问任何三角形，也不必排序。值也可以小于距离，例如布尔运算的内部：步子变短，但不会跳过任何东西。值若偏大，就会漏掉薄的部分。",
       "内核自己的追踪器还知道值变化的快慢，并把每个交点夹在外部一点与内部一点之间。这里展示的是朴素的方法，一步一步，便于观察。",
     ],
     attempts: [
       "对准横杆上方一点，让射线贴着它滑过：现在要多少步？",
       "对准圆与横杆之间的空隙，逐步播放。",
-      "小图中每个峰都是一条轮廓线，哪个峰对应哪条？",
     ],
   },
 };
