@@ -5,6 +5,7 @@ import { TAGS } from "../exhibits/say";
 import { Themes } from "../view/Themes";
 import { Certificate } from "./Certificate";
 import type { Controller, State } from "./controller";
+import { NO_SCREEN, meshLine, shell, stem } from "./document";
 import { Exports } from "./Exports";
 import { Findings } from "./Findings";
 import { Inputs } from "./Inputs";
@@ -85,6 +86,13 @@ export function App({ language, state, control }: Props) {
           <h1>{words.title}</h1>
           <p class="lead">{words.lead}</p>
         </div>
+        {!control && (
+          <noscript>
+            <p class="note">
+              {words.noScript} <code lang="en">{shell([meshLine(state.bench, NO_SCREEN, `${stem(state.bench.name)}.glb`)])}</code>
+            </p>
+          </noscript>
+        )}
         <div class="notes">
           {state.notice && (
             <p class="note" role="alert">

@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { Choice } from "../view/parts";
 import { Working } from "./Certificate";
 import type { Files } from "./command";
-import { type Line, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
+import { type Line, NO_SCREEN, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
 import type { Page } from "./words";
 
 const MESHES = ["glb", "3mf", "stl", "ply", "obj"] as const;
@@ -18,8 +18,8 @@ export function Exports({ page }: { page: Page }) {
   const [language, setLanguage] = useState<(typeof LANGUAGES)[number]>("shell");
   const [isCopied, setCopied] = useState(false);
   const output = `${stem(bench.name)}.glb`;
-  const line = control?.line(output) ?? meshLine(bench, { width: 0, height: 0, fovDeg: 0, distance: 0 }, output);
-  const screen = control?.screen ?? { width: 1, height: 1, fovDeg: 1, distance: 1 };
+  const line = control?.line(output) ?? meshLine(bench, NO_SCREEN, output);
+  const screen = control?.screen ?? NO_SCREEN;
   const name = line.at(-1)!;
   const text =
     language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, name) : rust(bench, screen, name);

@@ -70,6 +70,9 @@ export interface Screen {
   distance: number;
 }
 
+/** Of a page that nobody looks at yet. */
+export const NO_SCREEN: Screen = { width: 1, height: 1, fovDeg: 1, distance: 1 };
+
 const short = (value: number): string => String(Number(value.toPrecision(4)));
 
 export function viewText({ width, height, fovDeg, distance }: Screen): string {

@@ -18,7 +18,6 @@ export interface Texts {
   redo: string;
   script: string;
   file: string;
-  bytes(kb: string): string;
   parameters: string;
   reset: string;
   options: string;
@@ -41,8 +40,6 @@ export interface Texts {
   overshadeSays(lanes: string, small: number, triangles: number): string;
   noField: string;
   bakeForSlice: string;
-  inside: string;
-  outside: string;
   certificate: string;
   draft: string;
   working(stage: string, percent: number): string;
@@ -113,7 +110,6 @@ export const TEXTS: Record<Language, Texts> = {
     redo: "Redo",
     script: "Script",
     file: "File",
-    bytes: (kb) => `${kb} kB`,
     parameters: "Parameters",
     reset: "As written",
     options: "More options",
@@ -141,8 +137,6 @@ export const TEXTS: Record<Language, Texts> = {
       `${lanes} lanes of the graphics processor for each pixel; ${small} of ${triangles} triangles are too small to be seen from here.`,
     noField: "This shape is no field. Bake it to see its distance.",
     bakeForSlice: "Sample the distance",
-    inside: "inside",
-    outside: "outside",
     certificate: "Certificate",
     draft: "A draft, off by nobody knows how much. The proof is under way.",
     working: (stage, percent) => `${stage} ${percent} %`,
@@ -201,7 +195,7 @@ export const TEXTS: Record<Language, Texts> = {
     dismiss: "Dismiss",
     turnHint: "Drag to turn, Shift-drag to shift; arrows turn, + and − zoom, Home goes back.",
     footer: "The command runs in this page, as WebAssembly. Nothing is sent anywhere.",
-    noScript: "The workbench needs JavaScript and WebAssembly. The command does the same on your machine.",
+    noScript: "The workbench needs JavaScript and WebAssembly. On your machine the command does the same work:",
     error: "Error",
     atLine: (line) => `Line ${line}`,
   },
@@ -219,7 +213,6 @@ export const TEXTS: Record<Language, Texts> = {
     redo: "重做",
     script: "脚本",
     file: "文件",
-    bytes: (kb) => `${kb} kB`,
     parameters: "参数",
     reset: "恢复原值",
     options: "更多选项",
@@ -246,8 +239,6 @@ export const TEXTS: Record<Language, Texts> = {
     overshadeSays: (lanes, small, triangles) => `每个像素占用图形处理器 ${lanes} 个通道；${triangles} 个三角形中有 ${small} 个从这里看小到看不见。`,
     noField: "这个形状不是场。烘焙后即可看到距离。",
     bakeForSlice: "采样距离",
-    inside: "内部",
-    outside: "外部",
     certificate: "证书",
     draft: "草稿，误差未知；证明正在进行。",
     working: (stage, percent) => `${stage} ${percent} %`,
@@ -306,7 +297,7 @@ export const TEXTS: Record<Language, Texts> = {
     dismiss: "关闭",
     turnHint: "拖动旋转，按住 Shift 拖动平移；方向键旋转，+ 和 − 缩放，Home 复位。",
     footer: "命令以 WebAssembly 形式在本页运行，不发送任何内容。",
-    noScript: "工作台需要 JavaScript 和 WebAssembly。命令可以在你的机器上完成同样的工作。",
+    noScript: "工作台需要 JavaScript 和 WebAssembly。在你的机器上，可以用命令完成同样的工作：",
     error: "错误",
     atLine: (line) => `第 ${line} 行`,
   },

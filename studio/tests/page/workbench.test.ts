@@ -1,55 +1,29 @@
 // The workbench as one who makes something uses it: write, look, prove, mend, combine, export.
-import { existsSync, mkdtempSync, readFileSync } from "node:fs";
+import { mkdtempSync, readFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, describe, expect, test, vi } from "vitest";
 import { run } from "../../src/workbench/command";
-import { bench, split } from "../../src/workbench/document";
-import { pack } from "../../src/workbench/share";
-import { ROOT, Site, digits, seriousFindings, settled } from "./site";
+import { split } from "../../src/workbench/document";
+import { ROOT, Site, digits, settled } from "./site";
+import { PATIENCE, Workbenches, commandModule, faults, line, small, text, write } from "./workbench_page";
 
-// The module that tests build is half as fast as the one that pages have.
-vi.setConfig({ testTimeout: 240_000, hookTimeout: 60_000, expect: { poll: { timeout: 120_000 } } });
+vi.setConfig(PATIENCE);
 
-const MODULE = join(ROOT, "wasm/command.wasm");
 const folder = mkdtempSync(join(tmpdir(), "chordal-page-"));
 let site: Site;
+let pages: Workbenches;
 let module: WebAssembly.Module;
 beforeAll(async () => {
-  expect(existsSync(MODULE), "make studio-page builds the module").toBe(true);
   site = await Site.open();
-  module = await WebAssembly.compile(readFileSync(MODULE));
+  pages = new Workbenches(site);
+  module = await commandModule();
 });
+afterEach(() => pages.close());
 afterAll(() => site.close());
 
-const text = (of: string) => new TextEncoder().encode(of);
-
-/** A small script in the address: what the page opens with by itself takes a second of work. */
-async function small(of = "sphere(1)", language = ""): Promise<string> {
-  return `workbench${language}.html#s=${await pack(bench("bracket.star", { "bracket.star": text(of) }))}`;
-}
-
-async function open(address?: string, options?: Parameters<Site["ready"]>[1]) {
-  const prepare = async (page: Page) => page.setDefaultTimeout(120_000);
-  const visit = await site.ready(address ?? (await small()), { ...options, prepare });
-  opened.push(visit.page);
-  await settled(visit.page);
-  return visit;
-}
-const opened: Page[] = [];
-afterEach(() => Promise.all(opened.splice(0).map((page) => page.context().close())));
-
-/** Chromium styles what it inserts into an editable text, and reports that the policy keeps it from it. */
-const faults = (errors: readonly string[]) => errors.filter((error) => !error.startsWith("Applying inline style violates"));
-const line = (page: Page) => page.locator(".line code").textContent();
-
-/** The script that is in the editor. */
-async function write(page: Page, text: string): Promise<void> {
-  await page.locator(".cm-content").click();
-  await page.keyboard.press("Control+a");
-  await page.keyboard.insertText(text);
-}
+const open: Workbenches["open"] = (...how) => pages.open(...how);
 
 async function saved(page: Page, what: string): Promise<Buffer> {
   const [download] = await Promise.all([page.waitForEvent("download"), page.locator(`[data-export="${what}"]`).click()]);
@@ -274,16 +248,4 @@ describe("a file", () => {
     await settled(page);
     expect(await page.locator(".certificate .proved").count()).toBe(1);
   });
-});
-
-test("fits a phone, and has no serious findings in both languages and themes", async () => {
-  for (const [address, colorScheme, width] of [
-    ["workbench.html", "light", 1366],
-    [await small("sphere(1)", ".zh"), "dark", 360],
-  ] as const) {
-    const { page, errors } = await open(address, { colorScheme, viewport: { width, height: 768 } });
-    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
-    expect(await seriousFindings(page)).toEqual([]);
-    expect(faults(errors)).toEqual([]);
-  }
 });

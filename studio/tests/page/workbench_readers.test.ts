@@ -1,0 +1,57 @@
+// The workbench for every reader: without script, on a phone, in either language, in dark and light.
+import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
+import { Site, isLong, seriousFindings, settled } from "./site";
+import { PATIENCE, Workbenches, faults, small } from "./workbench_page";
+
+vi.setConfig(PATIENCE);
+
+let site: Site;
+let pages: Workbenches;
+beforeAll(async () => {
+  site = await Site.open();
+  pages = new Workbenches(site);
+});
+afterEach(() => pages.close());
+afterAll(() => site.close());
+
+test.each([
+  ["workbench.html", "needs JavaScript and WebAssembly"],
+  ["workbench.zh.html", "需要 JavaScript 和 WebAssembly"],
+])("%s without script says what it needs, and the line that does the same", async (file, words) => {
+  const { page } = await site.visit(file, { javaScriptEnabled: false });
+  const note = page.locator("noscript .note");
+  expect(await note.isVisible()).toBe(true);
+  expect(await note.textContent()).toContain(words);
+  expect(await note.locator("code[lang=en]").textContent()).toBe("chordal mesh bracket.star --tol 0.5% -o bracket.glb");
+  // With script nothing is said of it.
+  const live = await pages.open(await small("sphere(1)", file.includes(".zh") ? ".zh" : ""));
+  expect(await live.page.locator("noscript").count()).toBe(0);
+  await page.context().close();
+});
+
+/** A tetrahedron that lacks a face, and a vertex that nobody uses. */
+const SICK = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 5 5\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+
+/** Each language and each theme once, and every pair of them where there is time. */
+const LOOKS = [
+  ["workbench.html", "light", 1366],
+  ["workbench.zh.html", "dark", 360],
+  ["workbench.html", "dark", 360],
+  ["workbench.zh.html", "light", 1366],
+] as const;
+
+const looks = LOOKS.slice(0, isLong ? 4 : 2);
+test.each(looks)("%s fits and has no serious findings, %s and %i wide", async (file, colorScheme, width) => {
+  const { page, errors } = await pages.open(file, { colorScheme, viewport: { width, height: 768 } });
+  const fits = () => page.evaluate(() => document.documentElement.scrollWidth);
+  expect(await fits()).toBeLessThanOrEqual(width);
+  expect(await seriousFindings(page)).toEqual([]);
+  // What only a file has: what was found, cures, and another figure beside the mesh.
+  const picker = page.locator(".inputs input[type=file]");
+  await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
+  await page.locator(".findings li").nth(1).waitFor();
+  await settled(page);
+  expect(await fits()).toBeLessThanOrEqual(width);
+  expect(await seriousFindings(page)).toEqual([]);
+  expect(faults(errors)).toEqual([]);
+});

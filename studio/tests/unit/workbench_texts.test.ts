@@ -1,0 +1,36 @@
+// The words of the workbench: the same in both languages, and all of them used.
+import { readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
+import { expect, test } from "vitest";
+import { TEXTS } from "../../src/workbench/texts";
+
+const FOLDER = new URL("../../src/workbench/", import.meta.url).pathname;
+
+/** The source of the workbench, without its words. */
+const source = readdirSync(FOLDER, { recursive: true, encoding: "utf8" })
+  .filter((name) => /\.tsx?$/.test(name) && name !== "texts.ts")
+  .map((name) => readFileSync(join(FOLDER, name), "utf8"))
+  .join("\n");
+
+/** Every text by its path, such as `shows.wire`, and how many values it takes. */
+function paths(of: object, prefix = ""): [path: string, values: number][] {
+  return Object.entries(of).flatMap(([key, value]): [string, number][] => {
+    if (value !== null && typeof value === "object") return paths(value, `${prefix}${key}.`);
+    return [[prefix + key, typeof value === "function" ? value.length : 0]];
+  });
+}
+
+test("are the same in both languages, in the same order, and take the same values", () => {
+  expect(paths(TEXTS.zh)).toEqual(paths(TEXTS.en));
+});
+
+test("are all used", () => {
+  // `words.shows[value]`, `words[value]` of a list of names, and `TEXTS[language].title`.
+  const isUsed = (key: string) =>
+    new RegExp(`(words|TEXTS\\[\\w+\\])\\.${key}\\b|const \\{[^}]*\\b${key}\\b[^}]*\\} = words`).test(source) ||
+    (source.includes("words[") && source.includes(`"${key}"`));
+  expect(Object.keys(TEXTS.en).filter((key) => !isUsed(key))).toEqual([]);
+  // What is one of several is chosen by its name, which stands somewhere in quotes; an example is named after its file.
+  const names = paths(TEXTS.en).filter(([path]) => path.includes(".")).map(([path]) => path.split(".").at(-1)!);
+  expect(names.filter((name) => !source.includes(`"${name}"`) && !source.includes(`import ${name} from`))).toEqual([]);
+});
