@@ -1,8 +1,10 @@
 // What is known of the mesh: its bound, how that is known, and what holds of the triangles.
 import { Figure } from "../view/parts";
 import type { Vec3 } from "../viewer";
+import { stageIn } from "./command_zh";
 import type { LaneName } from "./controller";
 import type { BoundFacts } from "./report";
+import { Said } from "./Said";
 import type { Page } from "./words";
 
 export function Certificate({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
@@ -16,7 +18,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
       <h2>{words.certificate}</h2>
       {fault && (
         <p class="fault" role="alert">
-          <b>{fault.line ? words.atLine(fault.line) : words.error}:</b> <span lang="en">{fault.text}</span>
+          <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <span lang="en">{fault.text}</span>
         </p>
       )}
       {shown?.isShort && !shown.isDraft && <p class="aside">{words.short}</p>}
@@ -90,14 +92,22 @@ function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
 
 /** How far work is, and a button that ends it. */
 export function Working({ page, lanes }: { page: Page; lanes: readonly LaneName[] }) {
-  const { words, state, control } = page;
+  const { words, say, state, control, language } = page;
   const lane = lanes.find((one) => state.running.includes(one));
   if (!lane) return null;
   const progress = state.progress[lane];
   return (
     <p class="working">
       <progress max={100} {...(progress ? { value: progress.percent } : {})} aria-label={words.waiting} />
-      <span>{progress ? words.working(progress.stage, progress.percent) : words.waiting}</span>
+      <span>
+        {progress ? (
+          <>
+            <Said words={stageIn(language, progress.stage)} /> {say.percent(progress.percent / 100)}
+          </>
+        ) : (
+          words.waiting
+        )}
+      </span>
       <button type="button" onClick={() => control?.cancel(lane)}>
         {words.cancel}
       </button>

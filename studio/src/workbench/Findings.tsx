@@ -1,11 +1,13 @@
 // What is wrong with a mesh that was opened, where, and what cures it.
 import type { Vec3 } from "../viewer";
 import { Working } from "./Certificate";
+import { cureIn, nameIn, sentenceIn } from "./command_zh";
 import { isScript, isVolume, stem } from "./document";
+import { Said } from "./Said";
 import type { Page } from "./words";
 
 export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec3[]): void }) {
-  const { words, say, state, control } = page;
+  const { words, say, state, control, language } = page;
   const { bench, inspection } = state;
   const findings = inspection?.findings;
   if (!findings || isScript(bench) || isVolume(bench)) return null;
@@ -16,41 +18,43 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
       <h2>{words.findings}</h2>
       {findings.length === 0 && <p class="good">{words.sound}</p>}
       <ul>
-        {findings.map((finding) => (
-          <li key={finding.of} class={finding.weight}>
-            <p>
-              <b>
-                {say.whole(finding.count)} <span lang="en">{finding.words}</span>
-              </b>
-              <span lang="en">{finding.means}</span>
-            </p>
-            {finding.advice && (
-              <p class="aside" lang="en">
-                {finding.advice}
+        {findings.map((finding) => {
+          const here = state.witnesses.filter(({ of }) => of === finding.of);
+          return (
+            <li key={finding.of} class={finding.weight}>
+              <p>
+                <b>
+                  {say.whole(finding.count)} <Said words={nameIn(language, finding)} />
+                </b>
+                <Said words={sentenceIn(language, finding.means)} />
               </p>
-            )}
-            <div class="row tight">
-              {state.witnesses.some(({ of }) => of === finding.of) && (
-                <button
-                  type="button"
-                  onClick={() => {
-                    const here = state.witnesses.filter(({ of }) => of === finding.of);
-                    const places = here.map(({ at }) => control?.place(at) ?? at);
-                    mark(places);
-                    control?.look({ ...state.view, target: places[0]! });
-                  }}
-                >
-                  {words.show1}
-                </button>
+              {finding.advice && (
+                <p class="aside">
+                  <Said words={sentenceIn(language, finding.advice)} />
+                </p>
               )}
-              {finding.cures.map((option) => (
-                <button type="button" key={option} onClick={() => cure([option])}>
-                  {words.cure}: <code>{option}</code>
-                </button>
-              ))}
-            </div>
-          </li>
-        ))}
+              <div class="row tight">
+                {here.length > 0 && (
+                  <button
+                    type="button"
+                    onClick={() => {
+                      const places = here.map(({ at }) => control?.place(at) ?? at);
+                      mark(places);
+                      control?.look({ ...state.view, target: places[0]! });
+                    }}
+                  >
+                    {words.showPlaces(say.whole(here.length), here.length < finding.count)}
+                  </button>
+                )}
+                {finding.cures.map((option) => (
+                  <button type="button" key={option} onClick={() => cure([option])}>
+                    {words.cure(cureIn(language, option))} <code lang="en">{option}</code>
+                  </button>
+                ))}
+              </div>
+            </li>
+          );
+        })}
       </ul>
       {curable && findings.length > 1 && (
         <button type="button" onClick={() => cure(["--all"])}>

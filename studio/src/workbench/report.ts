@@ -35,7 +35,7 @@ export interface Certificate {
 export interface FindingFacts {
   of: string;
   count: number;
-  weight: "fault" | "warning" | "note" | string;
+  weight: "fault" | "remark";
   words: string;
   means: string;
   cures: readonly string[];

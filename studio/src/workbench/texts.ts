@@ -42,7 +42,6 @@ export interface Texts {
   bakeForSlice: string;
   certificate: string;
   draft: string;
-  working(stage: string, percent: number): string;
   waiting: string;
   cancel: string;
   proved: string;
@@ -63,8 +62,10 @@ export interface Texts {
   short: string;
   findings: string;
   sound: string;
-  show1: string;
-  cure: string;
+  /** So many places that were found, all of them or the first. */
+  showPlaces(n: string, isPart: boolean): string;
+  /** What it does, where the option behind it does not say it. */
+  cure(what: string): string;
   cureAll: string;
   combine: string;
   how: { union: string; minus: string; intersect: string };
@@ -139,7 +140,6 @@ export const TEXTS: Record<Language, Texts> = {
     bakeForSlice: "Sample the distance",
     certificate: "Certificate",
     draft: "A draft, off by nobody knows how much. The proof is under way.",
-    working: (stage, percent) => `${stage} ${percent} %`,
     waiting: "Working…",
     cancel: "Stop",
     proved: "proved",
@@ -160,8 +160,8 @@ export const TEXTS: Record<Language, Texts> = {
     short: "The budget was not met; this is the best that was reached.",
     findings: "What is wrong with it",
     sound: "Nothing was found: the mesh is sound.",
-    show1: "Show",
-    cure: "Cure",
+    showPlaces: (n, isPart) => (isPart ? `Show the first ${n}` : n === "1" ? "Show it" : `Show all ${n}`),
+    cure: (what) => `Cure: ${what}`,
     cureAll: "Cure all",
     combine: "Combine with",
     how: { union: "Unite", minus: "Subtract", intersect: "Intersect" },
@@ -196,8 +196,8 @@ export const TEXTS: Record<Language, Texts> = {
     turnHint: "Drag to turn, Shift-drag to shift; arrows turn, + and − zoom, Home goes back.",
     footer: "The command runs in this page, as WebAssembly. Nothing is sent anywhere.",
     noScript: "The workbench needs JavaScript and WebAssembly. On your machine the command does the same work:",
-    error: "Error",
-    atLine: (line) => `Line ${line}`,
+    error: "Error:",
+    atLine: (line) => `Line ${line}:`,
   },
   zh: {
     title: "工作台",
@@ -241,7 +241,6 @@ export const TEXTS: Record<Language, Texts> = {
     bakeForSlice: "采样距离",
     certificate: "证书",
     draft: "草稿，误差未知；证明正在进行。",
-    working: (stage, percent) => `${stage} ${percent} %`,
     waiting: "正在计算…",
     cancel: "停止",
     proved: "已证明",
@@ -262,8 +261,8 @@ export const TEXTS: Record<Language, Texts> = {
     short: "预算未能满足；这是达到的最好结果。",
     findings: "问题",
     sound: "没有发现问题：网格是健全的。",
-    show1: "显示",
-    cure: "修复",
+    showPlaces: (n, isPart) => (isPart ? `显示前 ${n} 处` : `显示 ${n} 处`),
+    cure: (what) => `修复：${what}`,
     cureAll: "全部修复",
     combine: "与另一形状组合",
     how: { union: "并", minus: "差", intersect: "交" },
@@ -298,7 +297,7 @@ export const TEXTS: Record<Language, Texts> = {
     turnHint: "拖动旋转，按住 Shift 拖动平移；方向键旋转，+ 和 − 缩放，Home 复位。",
     footer: "命令以 WebAssembly 形式在本页运行，不发送任何内容。",
     noScript: "工作台需要 JavaScript 和 WebAssembly。在你的机器上，可以用命令完成同样的工作：",
-    error: "错误",
-    atLine: (line) => `第 ${line} 行`,
+    error: "错误：",
+    atLine: (line) => `第 ${line} 行：`,
   },
 };

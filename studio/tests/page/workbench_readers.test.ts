@@ -1,7 +1,7 @@
 // The workbench for every reader: without script, on a phone, in either language, in dark and light.
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
 import { Site, isLong, seriousFindings, settled } from "./site";
-import { PATIENCE, Workbenches, faults, small } from "./workbench_page";
+import { PATIENCE, Workbenches, faults, small, write } from "./workbench_page";
 
 vi.setConfig(PATIENCE);
 
@@ -54,4 +54,32 @@ test.each(looks)("%s fits and has no serious findings, %s and %i wide", async (f
   expect(await fits()).toBeLessThanOrEqual(width);
   expect(await seriousFindings(page)).toEqual([]);
   expect(faults(errors)).toEqual([]);
+});
+
+test("findings are in the page's language, and what is not says that it is English", async () => {
+  const { page } = await pages.open(await small("sphere(1)", ".zh"));
+  const picker = page.locator(".inputs input[type=file]");
+  await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
+  await page.locator(".findings li").nth(1).waitFor();
+  const said = await page.locator(".findings").textContent();
+  const sentences = ["3 条边界边", "曲面到此为止", "显示 3 处", "修复：补孔 --fill-holes", "1 个未使用的顶点"];
+  expect(sentences.filter((words) => !said!.includes(words))).toEqual([]);
+  // Letters outside 中文 stand in what is marked as English, or are code in a sentence.
+  const unmarked = await page.locator(".findings").evaluate((panel) => {
+    const copy = panel.cloneNode(true) as Element;
+    for (const marked of copy.querySelectorAll("[lang=en]")) marked.remove();
+    return copy.textContent!.replace(/`[^`]*`/g, "");
+  });
+  expect(unmarked).not.toMatch(/[A-Za-z]{2,}/);
+  await picker.setInputFiles({ name: "a.stl", mimeType: "model/stl", buffer: Buffer.from("solid nothing") });
+  const fault = page.locator("p.fault [lang=en]");
+  await expect.poll(() => fault.textContent()).toMatch(/\w{4,}/);
+  expect(await page.locator("p.fault b").textContent()).toBe("错误：");
+});
+
+test("a mistake in a script is said in English, and marked so, in the editor too", async () => {
+  const { page } = await pages.open(await small("sphere(1)", ".zh"));
+  await write(page, "box(1, 2");
+  await expect.poll(() => page.locator(".cm-problemText[lang=en]").textContent()).toMatch(/\w{4,}/);
+  expect(await page.locator("p.fault").textContent()).toContain("第 1 行：");
 });

@@ -46,6 +46,8 @@ class HelpPanel implements Panel {
     this.problem.setAttribute("role", "status");
     this.problem.setAttribute("aria-live", "polite");
     this.message.className = "cm-problemText";
+    // The command's own words.
+    this.message.lang = "en";
     this.help.className = "cm-help";
     this.stepper.className = "cm-stepper";
     const [less, more] = [stepNumber(-STEP.plain), stepNumber(STEP.plain)];

@@ -1,0 +1,115 @@
+// What the command says of a mesh and of its own progress, in 中文, by its English words. What is not here stays as it is.
+import type { Language } from "./texts";
+
+/** Words, and their language where it is not the page's. */
+export interface Spoken {
+  text: string;
+  lang?: "en";
+}
+
+/** The names of findings, behind their number. */
+export const NAMES: Record<string, string> = {
+  boundary_edges: "条边界边",
+  non_manifold_edges: "条边连着三个以上的三角形",
+  non_manifold_vertices: "个顶点连着多个扇形",
+  t_junctions: "个 T 形接点",
+  inconsistent_edges: "条边两侧方向不一致",
+  inside_out: "个分量里外颠倒",
+  self_intersections: "处自相交",
+  duplicate_faces: "个重复的三角形",
+  duplicate_vertices: "个重复的顶点",
+  collapsed_faces: "个坍缩的三角形",
+  zero_area_faces: "个零面积三角形",
+  slivers: "个狭长三角形",
+  unused_vertices: "个未使用的顶点",
+};
+
+/** What a cure does, by its option. */
+export const CURES: Record<string, string> = {
+  "--weld": "焊接重合的顶点",
+  "--drop-duplicates": "删除重复的三角形",
+  "--drop-degenerate": "删除零面积三角形",
+  "--resolve-t-junctions": "在 T 形接点处拆分边",
+  "--split-nonmanifold": "在分叉处拆开",
+  "--orient": "翻转三角形使方向一致",
+  "--fill-holes": "补孔",
+  "--drop-unused": "删除未使用的顶点",
+};
+
+/** Sentences about findings. */
+const SENTENCES: Record<string, string> = {
+  "the surface ends there, so that it has no inside": "曲面到此为止，因此没有内部。",
+  "sheets branch there, and no side is the next one": "曲面在那里分叉，分不出下一个面是哪个。",
+  "sheets touch in a point, and a walk around it is torn": "几片曲面只在一点相接，绕它一周走不通。",
+  "a vertex lies in a neighbour's edge: a crack may show": "一个顶点落在邻面的边上：可能露出裂缝。",
+  "one of the two triangles there shows its back": "那里的两个三角形有一个背面朝外。",
+  "the front looks into the material": "正面朝向材料内部。",
+  "triangles meet where they should not, and inside is ambiguous": "三角形在不该相遇处相遇，内外不明。",
+  "two triangles lie in one place and fight for the pixels": "两个三角形占同一位置，争抢像素。",
+  "the surface is cut apart between equal points": "曲面在坐标相同的点之间断开。",
+  "two corners are one, so that nothing is covered": "两个角是同一个顶点，什么也没有覆盖。",
+  "all corners lie on one line, so that there is no normal": "三个角在一条直线上，没有法线。",
+  "longer than 100 heights, with a weak normal": "长度超过高的 100 倍，法线不可靠。",
+  "no triangle has a corner there": "没有三角形用到它。",
+  "what fills it may cross the surface, which `inspect --self-intersections` tells afterwards":
+    "填补的三角形可能穿过曲面，补后可用 `inspect --self-intersections` 查出。",
+  "move them apart or unite the solids in the program that made them; winding numbers still tell what is inside":
+    "请在制作它的程序中把它们移开，或合并成一个实体；环绕数仍能判断内外。",
+  "mesh the true shape again, if there is one; smooth normals are safer than flat ones":
+    "若有原来的形状，请重新网格化；光滑法线比平面法线可靠。",
+  "the surface has one side only, as a Möbius strip: cut it open, or draw both sides":
+    "曲面只有一侧，如莫比乌斯带：请把它剪开，或两面都绘制。",
+  "a surface with one side only stays open: cut it so that it has two, then fill":
+    "只有一侧的曲面无法封闭：先剪开，使它有两侧，再补孔。",
+  "leave them: welded, sheets would branch or touch there": "请保留：焊接后曲面会在那里分叉或相接。",
+  "look at it in the program that made it": "请在制作它的程序中查看。",
+  "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it":
+    "这是开放的曲面，或有分叉：可以保留，或在制作它的程序中赋予厚度。",
+  "`chordal mend --split-nonmanifold` into OBJ or PLY: this format ties equal positions together again":
+    "请用 `chordal mend --split-nonmanifold` 写成 OBJ 或 PLY：这种格式会把坐标相同的点重新连在一起。",
+};
+
+const NEARLY_JOINED = /^(\d+) of its boundary vertices are within (\S+) of others, which (`[^`]+`) joins$/;
+
+/** The stages of its work. */
+export const STAGES: Record<string, string> = {
+  cells: "划分单元",
+  combine: "组合",
+  contours: "提取轮廓",
+  fill: "填充轮廓",
+  improve: "改善网格",
+  labels: "分离标签",
+  prove: "证明",
+  rasterize: "光栅化",
+  render: "渲染",
+  surface: "提取表面",
+  tessellate: "细分",
+};
+
+function sentence(english: string): string | undefined {
+  const whole = SENTENCES[english];
+  if (whole !== undefined) return whole;
+  const joined = NEARLY_JOINED.exec(english);
+  if (joined) return `其中 ${joined[1]} 个边界顶点与别的顶点相距不超过 ${joined[2]}，可用 ${joined[3]} 焊接。`;
+  // A meaning and what one should know besides.
+  const [first, ...rest] = english.split("; ");
+  const [meaning, besides] = [SENTENCES[first!], rest.length ? sentence(rest.join("; ")) : undefined];
+  return meaning !== undefined && besides !== undefined ? meaning + besides : undefined;
+}
+
+const spoken = (language: Language, english: string, chinese: string | undefined): Spoken => {
+  if (language === "en") return { text: english };
+  return chinese === undefined ? { text: english, lang: "en" } : { text: chinese };
+};
+
+/** What it says about a finding. */
+export const sentenceIn = (language: Language, english: string): Spoken => spoken(language, english, sentence(english));
+
+/** The name of a finding, behind its number. */
+export const nameIn = (language: Language, { of, words }: { of: string; words: string }): Spoken =>
+  spoken(language, words, NAMES[of]);
+
+/** What a cure does, where the option's own name does not say it. */
+export const cureIn = (language: Language, option: string): string => (language === "en" ? "" : (CURES[option] ?? ""));
+
+export const stageIn = (language: Language, stage: string): Spoken => spoken(language, stage, STAGES[stage]);
