@@ -29,28 +29,29 @@ interface Answer {
   graphs: Float32Array[];
 }
 
+/** So that the construction stays in the figure a tenth beyond both ends, too. */
 const FORMS: Record<Form, Four> = {
   arch: [
-    [1.6, 1.4],
+    [1.6, 2.0],
     [2.4, 6.6],
     [8.2, 7.0],
-    [10.4, 2.2],
+    [10.4, 2.6],
   ],
   wave: [
-    [1.4, 2.0],
-    [5.6, 7.4],
-    [6.2, 0.7],
-    [10.6, 6.0],
+    [1.6, 2.8],
+    [5.4, 6.7],
+    [6.4, 1.3],
+    [10.4, 5.2],
   ],
   loop: [
-    [2.6, 1.6],
-    [10.6, 6.4],
-    [1.6, 6.8],
-    [9.6, 1.6],
+    [3.3, 1.9],
+    [9.4, 6.4],
+    [2.4, 6.7],
+    [8.7, 1.9],
   ],
 };
 const NAMES: readonly Form[] = ["arch", "wave", "loop"];
-const [LOW, HIGH] = [-0.25, 1.25] as const;
+const [LOW, HIGH] = [-0.1, 1.1] as const;
 const defaults: State = { form: "arch", t: 0.35 };
 
 interface Texts extends CommonTexts {
@@ -202,8 +203,8 @@ function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
   };
 }
 
-/** The graphs' frame, in their units: t from −0.25 to 1.25, weights from −0.4 to 1.1. */
-const GRAPH = { width: 300, height: 150, low: -0.4, high: 1.1 } as const;
+/** The graphs' frame, in their units: t from −0.1 to 1.1, weights from −0.45 to 1.4. */
+const GRAPH = { width: 300, height: 150, low: -0.45, high: 1.4 } as const;
 
 function Graph({ page }: { page: Page }) {
   const { state, answer, texts } = page;

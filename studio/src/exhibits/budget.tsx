@@ -1,30 +1,42 @@
-// Budget against triangles, for a curve, patches, a cage and a field on one chart.
+// Budget against triangles, for every way to write a shape down, on one chart.
 import { Choice, Figure as Data, Slider } from "../view/parts";
-import { Chart, chain } from "./Chart";
+import { Chart, type Place, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { number, word } from "./fragment";
 import { px } from "./Grip";
 import type { Language } from "./say";
 
-type Name = "curve" | "patch" | "cage" | "field";
-const NAMES = ["curve", "patch", "cage", "field"] as const satisfies readonly Name[];
+const NAMES = ["curve", "patch", "cage", "nurbs", "field", "volume", "mesh"] as const;
+type Name = (typeof NAMES)[number];
+/** What a law is told by: samples and triangles are copies, which end where their source does. */
+type Kind = "curve" | "surface" | "volume" | "mesh";
 
 interface State {
   shape: Name;
   step: number;
 }
 
+/** Without a count where the source itself is farther off than that length. */
+type Step = [length: number, count: number | null, bound: number | null];
+
 interface Answer {
-  series: { name: Name; steps: [length: number, count: number, bound: number][] }[];
-  count: number;
+  series: { name: Name; steps: Step[]; source_off: number }[];
+  count: number | null;
   length: number;
-  bound: number;
-  times: number;
+  bound: number | null;
+  source_off: number;
+  times: number | null;
   slope: number;
 }
 
 const LAST = 4;
 const defaults: State = { shape: "patch", step: 2 };
+
+interface Told {
+  count: string;
+  off: string;
+  times: string;
+}
 
 interface Texts extends CommonTexts {
   figure: string;
@@ -34,10 +46,13 @@ interface Texts extends CommonTexts {
   step: string;
   within(length: string): string;
   label: string;
-  meaning: Record<"curve" | "surface", (times: string) => string>;
+  meaning: Record<Kind, (told: Told) => string>;
+  missing: Record<"volume" | "mesh", (off: string) => string>;
   count: Record<"curve" | "surface", string>;
   bound: string;
   times: string;
+  none: string;
+  source: string;
   x: string;
   y: string;
 }
@@ -45,121 +60,178 @@ interface Texts extends CommonTexts {
 const texts: Record<Language, Texts> = {
   en: {
     hint: "The slider halves the length that may be lost. It takes the arrow keys, too.",
-    figure: "Triangles over the length that may be lost, by decades, for four kinds of shape",
-    shape: "Shape",
-    shapes: { curve: "a curve", patch: "patches", cage: "a cage", field: "a field" },
-    lines: { curve: "curve", patch: "teapot, patches", cage: "cube, cage", field: "torus, field" },
+    figure: "Triangles over the length that may be lost, by decades, for seven ways to write a shape down",
+    shape: "Written as",
+    shapes: {
+      curve: "a curve",
+      patch: "patches",
+      cage: "a cage",
+      nurbs: "NURBS",
+      field: "a field",
+      volume: "samples",
+      mesh: "a mesh",
+    },
+    lines: { curve: "curve", patch: "patches", cage: "cage", nurbs: "NURBS", field: "field", volume: "samples", mesh: "mesh" },
     step: "May be lost, in units",
     within: (length) => `at most ${length} units`,
     label: "Slope: how the count grows as the length shrinks",
     meaning: {
-      curve: (times) =>
+      curve: ({ times }) =>
         `Its law is −½: from here, half the error takes ${times} times the segments. The error falls with their square.`,
-      surface: (times) =>
+      surface: ({ times }) =>
         `Its law is −1, reached once the triangles are small: from here, half the error takes ${times} times the triangles. They have two directions to get finer in.`,
+      volume: ({ count, off }) =>
+        `No law: samples give the triangles of their cells, ${count}, whatever may be lost. They are up to ${off} off the torus, and nothing closer can be had from them.`,
+      mesh: ({ off }) =>
+        `A mesh can only be thinned out. It grows steeper than −1 towards its own triangles, which are up to ${off} off the torus: there it ends.`,
+    },
+    missing: {
+      volume: (off) => `Not to be had: the samples are up to ${off} off the torus. It takes more of them.`,
+      mesh: (off) => `Not to be had: the mesh is up to ${off} off the torus already. It would have to be made anew, from what it was made of.`,
     },
     count: { curve: "Segments", surface: "Triangles" },
     bound: "Lost, proved",
     times: "Half the error takes",
+    none: "none",
+    source: "Lost by the source already",
     x: "length that may be lost, smaller to the right",
     y: "segments or triangles",
     story: [
-      "A chord that is half as long misses the curve by a quarter. So the error of *a curve* falls with the square of its segments: to halve it takes √2 times as many. Drawn by decades this is a straight line of slope −½.",
-      "*A surface* is cut in two directions. Half the error takes √2 times as many cuts in each, and that is twice the triangles: slope −1. Whether the surface is written as patches, as a cage that is subdivided, or as a field: once the triangles are small, it is the same law.",
-      "What differs is the height of the line. It says how much the shape bends, and how well triangles are placed: where it bends most, they have to be smallest.",
-      "The budget is what one chooses, the bound is what was lost and is proved. The same four ways of writing a shape down go in, and one number comes out of each.",
+      "A surface is cut in two directions. Half the error takes √2 times the cuts in each, so *twice the triangles*: by decades a line of slope −1, for patches, cage, NURBS and field alike. A curve is cut in one direction: −½. Samples and meshes are copies, and end where their own error begins.",
+      "A chord that is half as long misses the curve by a quarter. That is where √2 comes from: the error falls with the square of the segments.",
+      "What differs is the height of the line. It says how much the shape bends, and how well triangles are placed: where it bends most, they have to be smallest. NURBS, field, samples and mesh are one and the same torus here, 3 units wide; patches are the teapot, and the cage is a cube of 4 units.",
+      "*Samples* cannot be meshed more coarsely than their cells, nor more closely than they were taken. *A mesh* is simplified, with the distance proved: a coarse one takes the fewest triangles of all, a fine one approaches its source and then there is no more. What copies have lost already is counted here.",
+      "The budget is what one chooses, the bound is what was lost and is proved. All of them go in, and one number comes out of each.",
     ],
     attempts: [
-      "Take the curve, then the patches. Which of them can afford a tenth of the error?",
-      "Compare the slopes of patches, cage and field. And their heights?",
-      "A pixel at your distance is some length. Find it on the axis: further to the right nothing shows.",
+      "Compare the slopes of patches, NURBS and field. And their heights?",
+      "Choose samples, then the mesh, and go right: where does each end?",
     ],
   },
   zh: {
     hint: "滑块把允许的误差减半，也可以用方向键。",
-    figure: "四种形状的三角形数随允许误差的变化，双对数坐标",
-    shape: "形状",
-    shapes: { curve: "曲线", patch: "曲面片", cage: "控制网格", field: "场" },
-    lines: { curve: "曲线", patch: "茶壶（曲面片）", cage: "立方体（控制网格）", field: "圆环（场）" },
+    figure: "写下形状的七种方法：三角形数随允许误差的变化，双对数坐标",
+    shape: "写成",
+    shapes: {
+      curve: "曲线",
+      patch: "曲面片",
+      cage: "控制网格",
+      nurbs: "NURBS",
+      field: "场",
+      volume: "采样",
+      mesh: "网格",
+    },
+    lines: { curve: "曲线", patch: "曲面片", cage: "控制网格", nurbs: "NURBS", field: "场", volume: "采样", mesh: "网格" },
     step: "允许的误差（单位）",
     within: (length) => `至多 ${length} 个单位`,
     label: "斜率：长度缩小时数目怎样增长",
     meaning: {
-      curve: (times) => `规律是 −½：从这里起，误差减半要 ${times} 倍的线段。误差随线段数的平方下降。`,
-      surface: (times) => `规律是 −1（三角形足够小时）：从这里起，误差减半要 ${times} 倍的三角形，因为要在两个方向上加密。`,
+      curve: ({ times }) => `规律是 −½：从这里起，误差减半要 ${times} 倍的线段。误差随线段数的平方下降。`,
+      surface: ({ times }) => `规律是 −1（三角形足够小时）：从这里起，误差减半要 ${times} 倍的三角形，因为要在两个方向上加密。`,
+      volume: ({ count, off }) =>
+        `没有规律：无论允许多大误差，采样都给出各单元的三角形，共 ${count} 个。它们偏离圆环至多 ${off}，不能再近。`,
+      mesh: ({ off }) => `网格只能抽稀。越接近自己原有的三角形，就越比 −1 陡；原有的三角形偏离圆环至多 ${off}，到此为止。`,
+    },
+    missing: {
+      volume: (off) => `得不到：采样偏离圆环至多 ${off}，要更近就得采更多样本。`,
+      mesh: (off) => `得不到：网格本身已偏离圆环至多 ${off}，要更近就得从它的来源重新生成。`,
     },
     count: { curve: "线段数", surface: "三角形数" },
     bound: "已证明的误差上界",
     times: "误差减半需要",
+    none: "无",
+    source: "来源已有的误差",
     x: "允许的误差，越往右越小",
     y: "线段数或三角形数",
     story: [
-      "弦长减半，弦高误差降到四分之一。所以*曲线*的误差随线段数的平方下降：误差减半，线段数为 √2 倍。在双对数坐标上是一条斜率为 −½ 的直线。",
-      "*曲面*要在两个方向上切分。误差减半，每个方向要 √2 倍，合起来三角形加倍：斜率 −1。无论写成曲面片、细分的控制网格还是场，只要三角形足够小，都是同一条规律。",
-      "不同的是线的高低。它说明形状弯曲得有多厉害，三角形安排得有多好：弯得最厉害的地方，三角形必须最小。",
-      "误差预算由人来定，上界说明实际损失，而且经过证明。四种写下形状的方法放进去，各得出一个数。",
+      "曲面要在两个方向上切分。误差减半，每个方向要 √2 倍，合起来*三角形加倍*：双对数坐标上斜率为 −1，曲面片、控制网格、NURBS 和场都一样。曲线只有一个方向，斜率 −½。采样和网格是副本，到自身的误差为止。",
+      "弦长减半，弦高误差降到四分之一，√2 由此而来：误差随线段数的平方下降。",
+      "不同的是线的高低。它说明形状弯曲得有多厉害，三角形安排得有多好：弯得最厉害的地方，三角形必须最小。这里的 NURBS、场、采样和网格是同一个圆环，宽 3 个单位；曲面片是茶壶，控制网格是边长 4 的立方体。",
+      "*采样*的网格不能比单元更粗，也不能比采样时更准。*网格*经简化，距离有证明：粗的网格用的三角形最少，细的则逼近来源，然后就没有了。副本已有的误差这里也算在内。",
+      "误差预算由人来定，上界说明实际损失，而且经过证明。各种写法放进去，各得出一个数。",
     ],
-    attempts: [
-      "先看曲线，再看曲面片：哪一个负担得起十分之一的误差？",
-      "比较曲面片、控制网格和场的斜率，再比较高低。",
-      "在你的观看距离上，一个像素对应某个长度。在轴上找到它：再往右就看不出来了。",
-    ],
+    attempts: ["比较曲面片、NURBS 和场的斜率，再比较高低。", "选采样，再选网格，往右移：各到哪里为止？"],
   },
 };
 
 type Page = PageOf<State, Answer, Texts>;
-/** Names stand before their lines; those of cage and field begin close together. */
-const ASIDE: Record<Name, number> = { curve: 5, patch: 5, cage: 20, field: -5 };
-const kindOf = (name: Name) => (name === "curve" ? "curve" : "surface");
+const kindOf = (name: Name): Kind => (name === "curve" || name === "volume" || name === "mesh" ? name : "surface");
+const countOf = (name: Name) => (name === "curve" ? "curve" : "surface");
+
+/** Names stand before their lines, in their order and so far apart. */
+const GAP = 28;
+
+/** Places near the wanted ones, in their order and a gap apart: means of those that would touch. */
+function apart(wanted: readonly number[]): number[] {
+  const order = wanted.map((_, i) => i).sort((a, b) => wanted[a]! - wanted[b]!);
+  const groups: { sum: number; rows: number[] }[] = [];
+  const mean = ({ sum, rows }: { sum: number; rows: number[] }) => sum / rows.length;
+  order.forEach((row, i) => {
+    groups.push({ sum: wanted[row]! - i * GAP, rows: [row] });
+    while (groups.length > 1 && mean(groups.at(-2)!) > mean(groups.at(-1)!)) {
+      const last = groups.pop()!;
+      groups.at(-1)!.sum += last.sum;
+      groups.at(-1)!.rows.push(...last.rows);
+    }
+  });
+  const places: number[] = [];
+  groups.forEach((group) => group.rows.forEach((row) => (places[row] = mean(group) + order.indexOf(row) * GAP)));
+  return places;
+}
+
+/** The steps that could be had. */
+const had = (steps: readonly Step[]) =>
+  steps.flatMap(([length, count]) => (count === null ? [] : [[length, count] as const]));
 
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say } = page;
-  const chosen = answer.series.find(({ name }) => name === state.shape)!.steps;
-  const [here, next] = [chosen[state.step]!, chosen[state.step + 1]!];
-  const lengths = chosen.map(([length]) => length);
+  const chosen = answer.series.find(({ name }) => name === state.shape)!;
+  const [here, next] = [chosen.steps[state.step]!, chosen.steps[state.step + 1]!];
+  const lengths = chosen.steps.map(([length]) => length);
+  const [low, high] = [4, 20000];
   return (
     <Chart
       name={texts.figure}
       isFigure
       width={720}
       height={480}
-      x={{ low: 0.8, high: 0.0031, isLog: true, label: texts.x, ticks: lengths.map((x) => [x, say.number(x)] as const) }}
+      x={{ low: 0.75, high: 0.0018, isLog: true, label: texts.x, ticks: lengths.map((x) => [x, say.number(x)] as const) }}
       y={{
-        low: 4,
-        high: 20000,
+        low,
+        high,
         isLog: true,
         label: texts.y,
         ticks: [10, 100, 1000, 10000].map((y) => [y, say.whole(y)] as const),
       }}
     >
       {(at) => {
-        const [[x0, y0], [x1, y1]] = [at(here[0], here[1]), at(next[0], next[1])];
+        const lines = answer.series.map(({ name, steps }) => ({ name, points: had(steps) }));
+        const names = apart(lines.map(({ points }) => at(...points[0]!)[1]));
+        const left = at(lengths[0]!, low)[0];
+        // What is chosen is drawn over the others.
+        const order = lines.map((_, i) => i).sort((i, k) => Number(lines[i]!.name === state.shape) - Number(lines[k]!.name === state.shape));
         return (
           <>
-            {answer.series.map(({ name, steps }) => {
-              const [x, y] = at(steps[0]![0], steps[0]![1]);
+            {chosen.source_off > 0 && <path class="ends" d={chain(at, [[chosen.source_off, low], [chosen.source_off, high]])} />}
+            {order.map((i) => {
+              const { name, points } = lines[i]!;
               const isChosen = name === state.shape;
+              const first = at(...points[0]!)[1];
               return (
                 <g key={name} class={isChosen ? "chosen" : ""}>
-                  <path class={isChosen ? "drawn" : "drawn quiet"} d={chain(at, steps.map(([a, b]) => [a, b] as const))} />
-                  {steps.map(([a, b]) => {
+                  <path class="leader" d={`M${px(left - 34)} ${px(names[i]!)}L${px(left - 9)} ${px(first)}`} />
+                  <path class={isChosen ? "drawn" : "drawn quiet"} d={chain(at, points)} />
+                  {points.map(([a, b]) => {
                     const [cx, cy] = at(a, b).map(px);
                     return <circle key={a} class={isChosen ? "here" : "here quiet"} r={isChosen ? 5 : 3.5} cx={cx} cy={cy} />;
                   })}
-                  <text class="y name" x={px(x - 12)} y={px(y + ASIDE[name])}>
+                  <text class="y name" x={px(left - 40)} y={px(names[i]! + 6)}>
                     {texts.lines[name]}
                   </text>
                 </g>
               );
             })}
-            <path class="goal" d={`M${px(x0)} ${px(y0)}H${px(x1)}V${px(y1)}`} />
-            <text class="x" x={px((x0 + x1) / 2)} y={px(y0 + 20)}>
-              ½
-            </text>
-            <text x={px(x1 + 7)} y={px((y0 + y1) / 2 + 6)}>
-              × {say.fixed(answer.times)}
-            </text>
-            <circle class="here" r="8" cx={px(x0)} cy={px(y0)} />
+            {here[1] !== null && <Here at={at} here={[here[0], here[1]]} next={next[1] === null ? null : [next[0], next[1]]} page={page} />}
           </>
         );
       }}
@@ -167,13 +239,44 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
+interface HereProps {
+  at: Place;
+  here: readonly [number, number];
+  next: readonly [number, number] | null;
+  page: Page;
+}
+
+/** The chosen step, and how many times as much the next one takes. */
+function Here({ at, here, next, page: { answer, say } }: HereProps) {
+  const [x0, y0] = at(...here);
+  if (!next) return <circle class="here" r="8" cx={px(x0)} cy={px(y0)} />;
+  const [x1, y1] = at(...next);
+  return (
+    <>
+      <path class="goal" d={`M${px(x0)} ${px(y0)}H${px(x1)}V${px(y1)}`} />
+      <text class="x step" x={px((x0 + x1) / 2)} y={px(y0 + 22)}>
+        ½
+      </text>
+      <text class="step" x={px(x1 + 8)} y={px((y0 + y1) / 2 + 6)}>
+        × {say.fixed(answer.times ?? 1)}
+      </text>
+      <circle class="here" r="8" cx={px(x0)} cy={px(y0)} />
+    </>
+  );
+}
+
 function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
+  const { shape } = state;
+  const kind = kindOf(shape);
+  const off = say.number(answer.source_off);
+  const isMissing = answer.count === null && (kind === "volume" || kind === "mesh");
+  const told = { count: say.whole(answer.count ?? 0), off, times: say.fixed(answer.times ?? 1) };
   return {
     value: answer.slope,
     shown: say.fixed(answer.slope),
     label: texts.label,
-    meaning: texts.meaning[kindOf(state.shape)](say.fixed(answer.times)),
-    tone: "plain",
+    meaning: isMissing ? texts.missing[kind](off) : texts.meaning[kind](told),
+    tone: isMissing ? "bad" : "plain",
   };
 }
 
@@ -201,10 +304,10 @@ function Panel({ page }: { page: Page }) {
       />
       <dl>
         <div>
-          <dt>{texts.count[kindOf(state.shape)]}</dt>
+          <dt>{texts.count[countOf(state.shape)]}</dt>
           <dd>
             <Data name="count" value={answer.count}>
-              {say.whole(answer.count)}
+              {answer.count === null ? texts.none : say.whole(answer.count)}
             </Data>
           </dd>
         </div>
@@ -212,15 +315,25 @@ function Panel({ page }: { page: Page }) {
           <dt>{texts.bound}</dt>
           <dd>
             <Data name="bound" value={answer.bound}>
-              {say.number(answer.bound)}
+              {answer.bound === null ? texts.none : say.number(answer.bound)}
             </Data>
           </dd>
         </div>
+        {answer.source_off > 0 && (
+          <div>
+            <dt>{texts.source}</dt>
+            <dd>
+              <Data name="source" value={answer.source_off}>
+                {say.number(answer.source_off)}
+              </Data>
+            </dd>
+          </div>
+        )}
         <div>
           <dt>{texts.times}</dt>
           <dd>
             <Data name="times" value={answer.times}>
-              {say.fixed(answer.times)}×
+              {answer.times === null ? texts.none : `${say.fixed(answer.times)}×`}
             </Data>
           </dd>
         </div>

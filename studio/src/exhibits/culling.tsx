@@ -41,16 +41,19 @@ interface Texts extends CommonTexts {
   backs: string;
   culled: string;
   painted: string;
-  label: string;
-  whole: string;
-  away: string;
-  open(n: number): string;
-  culledShare: string;
+  label: Record<State["backs"], string>;
+  whole: Record<State["backs"], string>;
+  away: Record<State["backs"], string>;
+  open: Record<State["backs"], (n: number) => string>;
+  insideOut: Record<State["backs"], string>;
+  culledShare: Record<State["backs"], string>;
   of(n: string, all: string): string;
   edges: string;
   oriented: string;
   yes: string;
   no: string;
+  volume: string;
+  noVolume: string;
 }
 
 const texts: Record<Language, Texts> = {
@@ -65,17 +68,33 @@ const texts: Record<Language, Texts> = {
     backs: "Backs are",
     culled: "culled",
     painted: "painted orange",
-    label: "Holes that face you",
-    whole: "Every triangle agrees: culling leaves out the far half, and nobody can tell.",
-    away: "The turned triangles are on the far side: their fronts now face inward, so you would see them only through a hole.",
-    open: (n) =>
-      `${n === 1 ? "One triangle" : `${n} triangles`} in front of you ${n === 1 ? "shows its" : "show their"} back, so culling left ${n === 1 ? "a hole" : "holes"}.`,
-    culledShare: "Culled from here",
+    label: { culled: "Holes that face you", painted: "Backs that face you" },
+    whole: {
+      culled: "Every triangle agrees: culling leaves out the far half, and nobody can tell.",
+      painted: "Every triangle agrees: all backs are on the inner side, and from here none shows.",
+    },
+    away: {
+      culled: "The turned triangles are on the far side: their fronts now face inward, so you would see them only through a hole.",
+      painted: "The turned triangles are on the far side, behind the near half: from here no back shows.",
+    },
+    open: {
+      culled: (n) =>
+        `${n === 1 ? "One triangle" : `${n} triangles`} in front of you ${n === 1 ? "shows its" : "show their"} back, so culling left ${n === 1 ? "a hole" : "holes"}.`,
+      painted: (n) =>
+        `${n === 1 ? "One triangle" : `${n} triangles`} in front of you ${n === 1 ? "shows its" : "show their"} back, in orange. Culling would make ${n === 1 ? "it a hole" : "them holes"}.`,
+    },
+    insideOut: {
+      culled: "All agree again, and the ball is inside out: culling leaves out the near half, and you look into the far one.",
+      painted: "All agree again, and the ball is inside out: whatever you see of it shows its back.",
+    },
+    culledShare: { culled: "Culled from here", painted: "Culling would leave out" },
     of: (n, all) => `${n} of ${all}`,
     edges: "Edges whose triangles disagree",
     oriented: "Consistently wound",
     yes: "yes",
     no: "no",
+    volume: "Volume, by the order of corners",
+    noVolume: "none",
     story: [
       "A file does not say which side of a triangle is out. The *order of its corners* does: seen from the front they run counter-clockwise. On a closed surface the backs are inside, so a graphics processor leaves out whatever runs clockwise on the screen, *about half of all triangles*. It looks at nothing but the order.",
       "Two neighbours agree when they run along their common edge in opposite ways. Turn one over and its three edges disagree. At rest, with both sides drawn, nobody sees it; lit or culled, it is a hole. That is why two meshes that look alike can behave differently.",
@@ -97,16 +116,31 @@ const texts: Record<Language, Texts> = {
     backs: "背面",
     culled: "剔除",
     painted: "涂成橙色",
-    label: "朝向你的孔",
-    whole: "所有三角形方向一致：剔除去掉了背向的一半，谁也看不出来。",
-    away: "翻转的三角形在背面一侧：它们的正面现在朝内，只有透过孔才看得见。",
-    open: (n) => `你面前有 ${n} 个三角形是背面朝外，剔除后就成了孔。`,
-    culledShare: "从这里看被剔除的",
+    label: { culled: "朝向你的孔", painted: "朝向你的背面" },
+    whole: {
+      culled: "所有三角形方向一致：剔除去掉了背向的一半，谁也看不出来。",
+      painted: "所有三角形方向一致：背面都朝里，从这里一个也看不见。",
+    },
+    away: {
+      culled: "翻转的三角形在背面一侧：它们的正面现在朝内，只有透过孔才看得见。",
+      painted: "翻转的三角形在远侧，被近侧的一半挡住：从这里看不见背面。",
+    },
+    open: {
+      culled: (n) => `你面前有 ${n} 个三角形是背面朝外，剔除后就成了孔。`,
+      painted: (n) => `你面前有 ${n} 个三角形是背面朝外，涂成橙色。若剔除，就成了孔。`,
+    },
+    insideOut: {
+      culled: "方向又都一致，但球里外颠倒：剔除去掉了近侧的一半，你看到的是远侧的内壁。",
+      painted: "方向又都一致，但球里外颠倒：看得见的全是背面。",
+    },
+    culledShare: { culled: "从这里看被剔除的", painted: "若剔除，将去掉" },
     of: (n, all) => `${all} 个中的 ${n} 个`,
     edges: "两侧方向不一致的边",
     oriented: "环绕方向一致",
     yes: "是",
     no: "否",
+    volume: "按顶点次序算出的体积",
+    noVolume: "无",
     story: [
       "文件里并没有写三角形哪面朝外，写明的是*顶点的次序*：从正面看，顶点按逆时针排列。封闭曲面的背面都在里面，所以图形处理器把屏幕上按顺时针排列的三角形全部去掉，*大约占一半*。这就是背面剔除，它只看次序。",
       "两个相邻三角形沿公共边的走向相反，就算一致。翻转其中一个，它的三条边就都不一致。静止地双面绘制时看不出来；一打光、一剔除，就是一个孔。两个看上去一样的网格表现不同，原因就在这里。",
@@ -193,11 +227,19 @@ function Figure({ page }: { page: Page }) {
 
 function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
   const n = answer.holes;
+  const { backs } = state;
+  const isInsideOut = answer.oriented && answer.signed_volume < 0;
   return {
     value: n,
     shown: say.whole(n),
-    label: texts.label,
-    meaning: n ? texts.open(n) : state.flipped.length ? texts.away : texts.whole,
+    label: texts.label[backs],
+    meaning: isInsideOut
+      ? texts.insideOut[backs]
+      : n
+        ? texts.open[backs](n)
+        : state.flipped.length
+          ? texts.away[backs]
+          : texts.whole[backs],
     tone: n ? "bad" : "good",
   };
 }
@@ -254,7 +296,7 @@ function Panel({ page }: { page: Page }) {
       />
       <dl>
         <div>
-          <dt>{texts.culledShare}</dt>
+          <dt>{texts.culledShare[state.backs]}</dt>
           <dd>
             <Data name="back-share" value={answer.back_share}>
               {texts.of(say.whole(answer.back), say.whole(answer.triangles))} ({say.percent(answer.back_share)})
@@ -272,6 +314,14 @@ function Panel({ page }: { page: Page }) {
         <div>
           <dt>{texts.oriented}</dt>
           <dd>{answer.oriented ? texts.yes : texts.no}</dd>
+        </div>
+        <div>
+          <dt>{texts.volume}</dt>
+          <dd>
+            <Data name="volume" value={answer.oriented ? answer.signed_volume : null}>
+              {answer.oriented ? say.fixed(answer.signed_volume) : texts.noVolume}
+            </Data>
+          </dd>
         </div>
       </dl>
     </>

@@ -1,23 +1,23 @@
-// The six questions at the end, each with a number and the exhibit that shows it.
+// The six questions at the end, each with the number that its exhibit shows at rest.
 import { Choice } from "../view/parts";
-import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import culling from "./culling";
+import { type AnyExhibit, type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
+import field from "./field";
 import { word } from "./fragment";
 import { EXHIBITS, fileOf } from "./index";
+import joins from "./joins";
+import normals from "./normals";
+import overshade from "./overshade";
+import quad from "./quad";
 import { QUESTIONS, type Question, texts } from "./questions_texts";
-import type { Language, Say } from "./say";
+import type { Language } from "./say";
 
 interface State {
   question: Question;
 }
 
-interface Answer {
-  triangles: [number, number];
-  normals: [number, number];
-  winding: number;
-  joins: { class: number; curvatures: [number, number]; gap: number };
-  fields: { edges: number; bound: number };
-  cost: [number, number];
-}
+/** What the core says to each exhibit at rest, by its name, without what is only drawn. */
+type Answer = Record<string, unknown>;
 
 const defaults: State = { question: "triangles" };
 
@@ -26,17 +26,15 @@ export interface Texts extends CommonTexts {
   choose: string;
   questions: Record<Question, string>;
   short: Record<Question, string>;
-  label: Record<Question, string>;
   answers: Record<Question, string>;
   see: string;
   widget: string;
-  and: string;
 }
 
 type Page = PageOf<State, Answer, Texts>;
 
-/** Where each is shown, in the order in which one would look. */
-const SHOWN: Record<Question, readonly string[]> = {
+/** Where each is shown, in the order in which one would look: the number is that of the first. */
+const SHOWN: Record<Question, readonly [string, ...string[]]> = {
   triangles: ["quad", "inside", "weights"],
   normals: ["normals"],
   winding: ["culling", "doctor"],
@@ -45,26 +43,20 @@ const SHOWN: Record<Question, readonly string[]> = {
   cost: ["overshade", "levels", "budget"],
 };
 
-const valueOf = (question: Question, answer: Answer): number =>
-  ({
-    triangles: answer.triangles[1],
-    normals: answer.normals[1],
-    winding: answer.winding,
-    joins: answer.joins.gap,
-    fields: answer.fields.edges,
-    cost: answer.cost[1],
-  })[question];
+/** The first of each. */
+const FIRST: Record<Question, AnyExhibit> = { triangles: quad, normals, winding: culling, joins, fields: field, cost: overshade };
 
-function shownOf(question: Question, answer: Answer, say: Say, and: string): string {
-  const { triangles, normals, winding, joins, fields, cost } = answer;
-  return {
-    triangles: `${say.number(triangles[0])}${and}${say.number(triangles[1])}`,
-    normals: `${normals[0]}${and}${normals[1]}`,
-    winding: say.percent(winding),
-    joins: `C${joins.class}${and}${say.fixed(joins.gap)}`,
-    fields: `1${and}${fields.edges}`,
-    cost: `${say.fixed(cost[0])}${and}${say.fixed(cost[1])}`,
-  }[question];
+/** What an exhibit asks when it is opened. */
+const atRest = (question: Question) => ({
+  exhibit: SHOWN[question][0],
+  ...FIRST[question].question(FIRST[question].defaults),
+});
+
+/** The number that an exhibit shows when it is opened. */
+function numberOf(question: Question, { answer, say, set, isStill, isSmall }: Page): LiveNumber {
+  const first = FIRST[question];
+  const own = { state: first.defaults, answer: answer[SHOWN[question][0]], texts: first.texts[say.language] };
+  return first.number({ ...own, say, set, isStill, isSmall });
 }
 
 /** A small picture of each, in a card of 220 by 200. */
@@ -100,7 +92,7 @@ const PICTURES: Record<Question, readonly (readonly [kind: string, d: string])[]
 };
 
 function Figure({ page }: { page: Page }) {
-  const { state, answer, texts, say } = page;
+  const { state, texts } = page;
   return (
     <svg class="flat six" data-figure viewBox="0 0 720 480" role="group" aria-label={texts.figure}>
       {QUESTIONS.map((question, i) => (
@@ -114,9 +106,7 @@ function Figure({ page }: { page: Page }) {
           {PICTURES[question].map(([kind, d]) => (
             <path key={d} class={kind} d={d} />
           ))}
-          <text class="big" x="110" y="164">
-            {shownOf(question, answer, say, texts.and)}
-          </text>
+          <Shown text={numberOf(question, page).shown} />
           <text x="110" y="192">
             {i + 1} · {texts.short[question]}
           </text>
@@ -126,15 +116,16 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
-  const { question } = state;
-  return {
-    value: valueOf(question, answer),
-    shown: shownOf(question, answer, say, texts.and),
-    label: texts.label[question],
-    meaning: texts.answers[question],
-    tone: "plain",
-  };
+/** As much as six digits are wide is written large. */
+const Shown = ({ text }: { text: string }) => (
+  <text class={text.length > 6 ? "big long" : "big"} x="110" y="164">
+    {text}
+  </text>
+);
+
+function liveNumber(page: Page): LiveNumber {
+  const { question } = page.state;
+  return { ...numberOf(question, page), meaning: page.texts.answers[question], tone: "plain" };
 }
 
 function Panel({ page }: { page: Page }) {
@@ -173,7 +164,7 @@ function Panel({ page }: { page: Page }) {
 export default exhibit<State, Answer, Texts>({
   defaults,
   parts: { question: ["n", word(...QUESTIONS)] },
-  question: () => ({}),
+  question: () => ({ asked: QUESTIONS.map(atRest) }),
   texts,
   number: liveNumber,
   Figure,

@@ -21,18 +21,10 @@ export const texts: Record<Language, Texts> = {
     short: {
       triangles: "out of plane",
       normals: "vertices of a cube",
-      winding: "culled",
-      joins: "class, and the jump of curvature",
-      fields: "evaluation, edges of the mesh",
+      winding: "holes in a ball",
+      joins: "class, jump of curvature",
+      fields: "distance by one value",
       cost: "shaded per pixel",
-    },
-    label: {
-      triangles: "How far the last corner leaves the plane: of a triangle, of a quad",
-      normals: "Vertices of a cube: smooth, with hard edges",
-      winding: "Triangles of a ball that culling skips",
-      joins: "Two curves joined, and by how much the curvature jumps",
-      fields: "Evaluations of a field, edges of its mesh: to know one point’s side",
-      cost: "Shaded per pixel: sides of 16 pixels, of 0.7",
     },
     answers: {
       triangles:
@@ -49,15 +41,14 @@ export const texts: Record<Language, Texts> = {
     },
     see: "Shown in",
     widget: "Two curves joined",
-    and: " · ",
     story: [
-      "This is the end of the path. *How do you write a shape down?* As points that can be listed and drawn, or as a rule that any point can be put into; everything else followed from that.",
-      "Six questions are left for you. Each has a number that the core computes while you read, and one or more exhibits in which it can be moved. If an answer is not what you expected, go back to its exhibit and try to break the claim.",
+      "Six questions are left for you. Each has a number, the one that its exhibit shows when it is opened, computed by the core while you read. *Go there, move something*, and see what becomes of it. If an answer is not what you expected, try to break the claim.",
+      "*How do you write a shape down?* As points that can be listed and drawn, or as a rule that any point can be put into; everything else followed from that.",
       "What all of it has in common is one sentence: *decide what may be lost, and ask for a proof of what was.* That is what the program behind these pages does, for whole files: chordal mesh teapot.bpt --px 1.",
     ],
     attempts: [
       "Answer all six without looking. Which one took longest?",
-      "Take the third: what does the number become for a ball seen from very near?",
+      "Take the third to its exhibit, and turn the ball until the number is zero.",
     ],
   },
   zh: {
@@ -75,18 +66,10 @@ export const texts: Record<Language, Texts> = {
     short: {
       triangles: "离开平面",
       normals: "立方体的顶点",
-      winding: "被剔除",
-      joins: "曲率突变",
-      fields: "判断内外：求值次数与边数",
+      winding: "球上的孔",
+      joins: "类别与曲率突变",
+      fields: "一次求值得到的距离",
       cost: "每像素着色",
-    },
-    label: {
-      triangles: "最后一个角离开平面多远：三角形与四边形",
-      normals: "立方体的顶点数：平滑与硬边",
-      winding: "球的三角形中被剔除的比例",
-      joins: "两条曲线相接，曲率突变多少",
-      fields: "判断一个点的内外：场求值次数与网格的边数",
-      cost: "每像素着色次数：边长 16 像素与 0.7 像素",
     },
     answers: {
       triangles: "三点必共面，必为凸形，顶点上的量只有一种混合方式。第四点可以离开平面，这时曲面取决于对角线怎么取。",
@@ -102,12 +85,11 @@ export const texts: Record<Language, Texts> = {
     },
     see: "见展品",
     widget: "两条曲线相接",
-    and: " · ",
     story: [
-      "这里是终点。*形状该怎样写下来？*写成可以列出、可以画的点，或者写成任何点都能代入的规则；其余一切都由此而来。",
-      "还有六个问题留给你。每个问题有一个数字，由内核在你阅读时算出，还有一个或几个可以动手的展品。答案若出乎意料，就回到展品，试着推翻它的论断。",
+      "还有六个问题留给你。每个问题有一个数字，就是对应展品打开时显示的那一个，由内核在你阅读时算出。*到那里动手移动一样东西*，看数字怎样变。答案若出乎意料，就试着推翻它的论断。",
+      "*形状该怎样写下来？*写成可以列出、可以画的点，或者写成任何点都能代入的规则；其余一切都由此而来。",
       "它们的共同点是一句话：*先决定可以损失多少，再要求证明损失了多少。*这些页面背后的程序对整个文件做的正是这件事：chordal mesh teapot.bpt --px 1。",
     ],
-    attempts: ["不看答案回答全部六题，哪一题花的时间最长？", "看第三题：离球非常近时，这个数会变成多少？"],
+    attempts: ["不看答案回答全部六题，哪一题花的时间最长？", "到第三题的展品去，转动球，直到数字变为零。"],
   },
 };

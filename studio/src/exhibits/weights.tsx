@@ -17,6 +17,7 @@ interface Blend {
   rows: [number, number, number];
   weights: [number, number, number];
   sum: number;
+  smallest: number;
   color: [number, number, number];
   is_inside: boolean;
 }
@@ -53,7 +54,9 @@ interface Texts extends CommonTexts {
   weight(name: string): string;
   label3: string;
   label4: string;
+  sum: string;
   outside: string;
+  onEdge(name: string): string;
   mixed: string;
   same: string;
   two(percent: string): string;
@@ -72,21 +75,22 @@ const texts: Record<Language, Texts> = {
     cut: "Cut it along",
     cutAlong: (name) => `cut ${name}`,
     weight: (name) => `Weight of ${name}`,
-    label3: "Sum of the three weights",
+    label3: "Smallest of the three weights",
+    sum: "Sum",
     label4: "Two answers for one point: largest difference in a channel",
     outside: "Outside a weight is negative: the colour would have to be guessed beyond what the corners say.",
+    onEdge: (name) => `On an edge: ${name} has no say here, and the triangle beyond blends the same colours.`,
     mixed: "All weights are between 0 and 1: the colour is a mixture of the three. No other linear rule gives each corner its own colour.",
     same: "Here both cuts agree.",
     two: (percent) => `The same point, the same four corners, two colours: they differ by ${percent}.`,
     swatch: "Colour at the probe",
     story: [
-      "Whatever is known at the corners can be blended over a triangle: a colour, a normal, a place in a texture. Each corner gets a *weight*, the area that the point spans with the opposite side, as a share of the whole.",
-      "The weights are never negative inside and *always sum to one*. At a corner its own weight is 1 and the others are 0; along an edge the third corner has no say, so neighbours agree there and no seam shows.",
-      "Three weights with three conditions, two for the place and one for the sum: exactly one solution. With four corners one number is left over. Every rule that picks it is a convention, and cutting the quad is the one that hardware takes: so the colour inside depends on the diagonal.",
+      "Whatever is known at the corners is blended over a triangle. Each corner gets a *weight*, the share of the area that the point spans with the opposite side. The weights always sum to one; the smallest is positive inside, 0 on an edge, negative outside. Three corners have one solution. With four a number is left over, and the diagonal decides.",
+      "What is blended may be a colour, a normal, a place in a texture. At a corner its own weight is 1 and the others are 0; along an edge the third corner has no say, so neighbours agree there and no seam shows.",
+      "Three weights have three conditions, two for the place and one for the sum. For four corners every rule that picks the number left over is a convention, and cutting the quad is the one that hardware takes: so the colour inside depends on the diagonal.",
     ],
     attempts: [
-      "Move the probe to a corner, then along an edge. Which weight stays 0?",
-      "Take it outside. The sum is still 1; what has become of the weights?",
+      "Move the probe across an edge and watch the smallest weight. What does the sum do?",
       "Choose four corners, put the probe in the middle, and change the cut.",
     ],
   },
@@ -101,23 +105,21 @@ const texts: Record<Language, Texts> = {
     cut: "沿哪条对角线剖分",
     cutAlong: (name) => `沿 ${name}`,
     weight: (name) => `${name} 的权重`,
-    label3: "三个权重之和",
+    label3: "三个权重中最小的",
+    sum: "总和",
     label4: "同一点有两个答案：各通道的最大差",
     outside: "在外面有权重为负：颜色要靠外推，顶点并没有给出。",
+    onEdge: (name) => `在一条边上：${name} 在这里不起作用，边那侧的三角形混合出同样的颜色。`,
     mixed: "权重都在 0 与 1 之间：颜色是三者的混合。没有别的线性规则能让每个顶点保持自己的颜色。",
     same: "在这一点两种剖分结果相同。",
     two: (percent) => `同一个点、同样四个顶点，却有两种颜色，相差 ${percent}。`,
     swatch: "探针处的颜色",
     story: [
-      "顶点上已知的量都可以在三角形上插值：颜色、法线、纹理坐标。每个顶点有一个*权重*：点与对边围成的面积占总面积的比例，即重心坐标。",
-      "在三角形内，权重不为负，且*总和恒为一*。在顶点处，自身权重为 1，其余为 0；在一条边上，第三个顶点不起作用，因此相邻三角形在公共边上一致，不露接缝。",
-      "三个权重、三个条件（位置两个，总和一个），解唯一。四个顶点则多出一个自由度，怎么取全凭约定；硬件的约定是把四边形切成两个三角形，于是内部的颜色取决于对角线。",
+      "顶点上已知的量可以在三角形上插值。每个顶点有一个*权重*：点与对边围成的面积占总面积的比例。权重总和恒为一；最小的一个在内部为正，在边上为零，在外部为负。三个顶点只有一个解；四个顶点多出一个自由度，由对角线决定。",
+      "插值的可以是颜色、法线、纹理坐标，这些权重就是重心坐标。在顶点处，自身权重为 1，其余为 0；在一条边上，第三个顶点不起作用，因此相邻三角形在公共边上一致，不露接缝。",
+      "三个权重有三个条件：位置两个，总和一个。四个顶点多出的自由度怎么取全凭约定；硬件的约定是把四边形切成两个三角形，于是内部的颜色取决于对角线。",
     ],
-    attempts: [
-      "把探针移到顶点，再沿边移动：哪个权重保持为 0？",
-      "移到外面：总和仍是 1，权重变成了什么样？",
-      "选四个顶点，把探针放在中间，再换一种剖分。",
-    ],
+    attempts: ["让探针越过一条边，看最小的权重怎样变，总和呢？", "选四个顶点，把探针放在中间，再换一种剖分。"],
   },
 };
 
@@ -208,13 +210,15 @@ function Swatch({ place, color }: { place: Point; color: readonly [number, numbe
 
 function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
   if (state.corners === "3") {
-    const blend = answer.blends[0]!;
+    const { smallest, weights, rows, is_inside } = answer.blends[0]!;
+    const least = "ABCD"[rows[weights.indexOf(smallest)]!]!;
     return {
-      value: blend.sum,
-      shown: say.fixed(blend.sum),
+      value: smallest,
+      shown: say.fixed(smallest, 3),
       label: texts.label3,
-      meaning: blend.is_inside ? texts.mixed : texts.outside,
-      tone: blend.is_inside ? "good" : "plain",
+      // A corner is on two edges.
+      meaning: !is_inside ? texts.outside : smallest === 0 ? texts.onEdge(least) : texts.mixed,
+      tone: is_inside ? "good" : "bad",
     };
   }
   const gap = answer.color_gap ?? 0;
@@ -250,6 +254,14 @@ function Panel({ page }: { page: Page }) {
                 </dd>
               </div>
             ))}
+            <div>
+              <dt>{texts.sum}</dt>
+              <dd>
+                <Data name={`sum-${i}`} value={blend.sum}>
+                  {say.fixed(blend.sum, 3)}
+                </Data>
+              </dd>
+            </div>
             <div>
               <dt>{texts.swatch}</dt>
               <dd class="with-swatch">

@@ -18,7 +18,7 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
   expect((await pages.state("bernstein"))["t"]).toBeGreaterThan(before + 0.03);
   for (const form of ["arch", "wave", "loop"]) {
     await page.locator(`input[name=form][value=${form}]`).check();
-    for (const [t, isInside] of [["0", true], ["0.5", true], ["1", true], ["-0.1", false], ["1.2", false]] as const) {
+    for (const [t, isInside] of [["0", true], ["0.5", true], ["1", true], ["-0.1", false], ["1.1", false]] as const) {
       await page.locator("#t").fill(t);
       const smallest = await pages.number("bernstein");
       expect(smallest >= 0, `${form} ${t}`).toBe(isInside);
@@ -28,8 +28,26 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
   }
   await grip(page).focus();
   await page.keyboard.press("Home");
-  expect(await pages.number("bernstein")).toBeLessThan(-1);
+  expect(await pages.number("bernstein")).toBeLessThan(-0.3);
   expect(await digits(page, "weight-1")).toBeLessThan(0);
+});
+
+test("bernstein: whatever t is, nothing of the construction is cut off at the figure's edge", async () => {
+  const page = await pages.at("bernstein.html");
+  for (const form of ["arch", "wave", "loop"]) {
+    await page.locator(`input[name=form][value=${form}]`).check();
+    for (const t of ["-0.1", "-0.05", "0.5", "1.05", "1.1"]) {
+      await page.locator("#t").fill(t);
+      await settled(page);
+      const out = await page.evaluate(() => {
+        const svg = document.querySelector<SVGSVGElement>("svg.flat")!;
+        const frame = svg.getBoundingClientRect();
+        const seen = [...svg.querySelectorAll(".mark, .control, .level, .beyond, .grip .dot")].map((one) => one.getBoundingClientRect());
+        return seen.filter((box) => box.left < frame.left || box.right > frame.right || box.top < frame.top || box.bottom > frame.bottom);
+      });
+      expect(out, `${form} ${t}`).toEqual([]);
+    }
+  }
 });
 
 test("joins: what is kept stays, and the handle breaks the rest; the mirror's picture is one", async () => {

@@ -1,7 +1,7 @@
 // The exhibits of fields and of cost as readers meet them: their numbers are the core's and change as their claims say.
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
-import { ExhibitPages, grip } from "./exhibit_page";
-import { digits, settled } from "./site";
+import { ExhibitPages, grip, live } from "./exhibit_page";
+import { digits, seriousFindings, settled } from "./site";
 
 let pages: ExhibitPages;
 beforeAll(async () => {
@@ -83,6 +83,60 @@ test("squares: twice as fine a lattice still cuts corners off, and the mesher th
   expect(await digits(page, "segments")).toBeLessThan(60);
 });
 
+test("squares: one cube, whose corners are switched by keys and by a press, and which the address restores", async () => {
+  const page = await pages.at("squares.html");
+  await page.locator("input[name=look][value=cube]").check();
+  await live(page);
+  // Two corners across a face: two triangles, two pieces, and one face with two readings.
+  expect(await pages.number("squares")).toBe(1);
+  const facts = async () => Promise.all(["triangles", "pieces", "readings"].map((name) => digits(page, name)));
+  expect(await facts()).toEqual([2, 2, 2]);
+  const patterns = await digits(page, "patterns");
+  const alternates = (signs: number) =>
+    [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]].filter((face) => {
+      const [a, b, c, d] = face.map((corner) => (signs >> corner) & 1);
+      return a === c && b === d && a !== b;
+    }).length;
+  const all = Array.from({ length: 256 }, (_, signs) => alternates(signs));
+  expect(patterns).toBe(all.filter((n) => n > 0).length);
+  const corner = (n: number) => page.getByRole("button", { name: `Corner ${n}`, exact: true });
+  let signs = 9;
+  for (const n of [2, 8, 5, 1, 7]) {
+    await corner(n).focus();
+    await page.keyboard.press(n % 2 ? "Enter" : "Space");
+    signs ^= 1 << (n - 1);
+    expect(await pages.number("squares"), `${signs}`).toBe(alternates(signs));
+    expect(await corner(n).getAttribute("aria-pressed")).toBe(String(((signs >> (n - 1)) & 1) === 1));
+    expect(await digits(page, "readings")).toBe(2 ** alternates(signs));
+    expect((await pages.state("squares"))["signs"]).toBe(signs);
+  }
+  await page.getByRole("button", { name: "every other corner" }).click();
+  expect(await pages.number("squares")).toBe(6);
+  expect(await facts()).toEqual([4, 4, 64]);
+  // A press on the corner in the figure.
+  const box = (await page.locator(".corner.inside circle").first().boundingBox())!;
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await settled(page);
+  expect((await pages.state("squares"))["signs"]).toBe(104);
+  await page.locator(".scene").focus();
+  await page.keyboard.press("ArrowLeft");
+  const { view } = await pages.state("squares");
+  expect(view).not.toEqual((pages.exhibits.get("squares")!.defaults as { view: unknown }).view);
+});
+
+test("squares: the address opens one cube with the tip of a box, which it loses", async () => {
+  const page = await pages.at("squares.zh.html#v=1&k=cube&g=1&t=1");
+  await live(page);
+  expect(await pages.number("squares")).toBe(0);
+  // From the middle of the cell to the plane through the middles of three edges.
+  expect(Math.abs((await digits(page, "lost")) - Math.sqrt(1 / 3))).toBeLessThan(0.01);
+  expect(await page.locator(".live .meaning").textContent()).toContain("0.58");
+  expect(await seriousFindings(page)).toEqual([]);
+  await page.locator("input[name=look][value=lattice]").check();
+  expect(await pages.number("squares")).toBeGreaterThan(0);
+  expect(await page.locator("svg.flat .lattice").count()).toBe(1);
+});
+
 test("baking: the two bounds add up, what is measured is within, and smaller cells lose less", async () => {
   const page = await pages.at("baking.html#v=1&n=8");
   let before = Infinity;
@@ -126,28 +180,89 @@ test("budget: half the error takes √2 times the segments and about twice the t
   const curve = await pages.number("budget");
   expect(curve).toBeGreaterThan(-0.6);
   expect(curve).toBeLessThan(-0.4);
-  for (const shape of ["patch", "cage", "field"]) {
+  for (const shape of ["patch", "cage", "nurbs", "field"]) {
     await page.locator(`input[name=shape][value=${shape}]`).check();
     const slope = await pages.number("budget");
-    expect(slope).toBeGreaterThan(-1.15);
-    expect(slope).toBeLessThan(-0.8);
+    expect(slope, shape).toBeGreaterThan(-1.15);
+    expect(slope, shape).toBeLessThan(-0.8);
     expect(await digits(page, "times")).toBeGreaterThan(1.6);
   }
 });
 
-test("questions: each has a number of the core and leads to exhibits that exist", async () => {
+test("budget: samples take their cells whatever may be lost, a mesh fewer than any; both end where their source does", async () => {
+  const page = await pages.at("budget.html#v=1&s=volume&n=0");
+  expect(await pages.number("budget")).toBe(0);
+  const cells = await digits(page, "count");
+  for (const shape of ["volume", "mesh"]) {
+    await page.locator(`input[name=shape][value=${shape}]`).check();
+    await settled(page);
+    const off = await digits(page, "source");
+    for (const step of [0, 2, 3, 4]) {
+      await page.locator("#step").fill(String(step));
+      await pages.number("budget");
+      const length = 0.125 / 2 ** step;
+      const shown = (await page.locator('[data-name="count"]').getAttribute("value")) ?? "";
+      expect(shown !== "", `${shape} ${length}`).toBe(length > off);
+      expect(await page.locator(".live.bad").count()).toBe(length > off ? 0 : 1);
+      if (shape === "volume" && shown) expect(Number(shown)).toBe(cells);
+      if (shown) expect(await digits(page, "bound")).toBeLessThanOrEqual(length);
+    }
+  }
+  await page.locator("#step").fill("0");
+  await settled(page);
+  const fewest = await digits(page, "count");
+  for (const shape of ["patch", "cage", "nurbs", "field"]) {
+    await page.locator(`input[name=shape][value=${shape}]`).check();
+    await settled(page);
+    expect(await digits(page, "count"), shape).toBeGreaterThan(fewest);
+  }
+});
+
+test("budget: no word of the chart is cut off or lies on another, wide and narrow, in both languages", async () => {
+  for (const file of ["budget.html", "budget.zh.html"]) {
+    const page = await pages.at(`${file}#v=1&s=curve&n=4`);
+    for (const [width, shape] of [[1200, "curve"], [360, "curve"], [360, "mesh"]] as const) {
+      await page.setViewportSize({ width, height: 740 });
+      await page.locator(`input[name=shape][value=${shape}]`).check();
+      await settled(page);
+      const found = await page.evaluate(() => {
+        const svg = document.querySelector<SVGSVGElement>("svg.chart.flat")!;
+        const frame = svg.getBoundingClientRect();
+        const words = [...svg.querySelectorAll("text")].filter((one) => one.checkVisibility());
+        const isOut = (box: DOMRect) =>
+          box.left < frame.left || box.right > frame.right || box.top < frame.top || box.bottom > frame.bottom;
+        const names = words.filter((one) => one.classList.contains("name")).map((one) => one.getBoundingClientRect());
+        // A line of text is a quarter higher than its letters.
+        const lie = names.filter((box, i) => names.some((other, k) => k < i && Math.abs(other.top - box.top) < 0.75 * box.height));
+        return [...words.filter((one) => isOut(one.getBoundingClientRect())).map((one) => one.textContent), ...lie];
+      });
+      expect(found, `${file} ${width} ${shape}`).toEqual([]);
+    }
+  }
+});
+
+test("questions: each number is the one that its exhibit shows when it is opened, and leads there", async () => {
   const page = await pages.at("questions.html");
-  const seen = new Set<string>();
+  const seen = new Map<string, [label: string, value: number, shown: string, card: string]>();
   for (const question of ["triangles", "normals", "winding", "joins", "fields", "cost"]) {
     await page.locator(`input[name=question][value=${question}]`).check();
-    expect(Number.isFinite(await pages.number("questions"))).toBe(true);
-    seen.add((await page.locator(".live .meaning").textContent())!);
+    const value = await pages.number("questions");
+    const [label, shown, card] = await Promise.all(
+      [".live h2", ".live data", ".card.chosen .big"].map(async (what) => (await page.locator(what).textContent())!),
+    );
     const links = page.locator(".seen a");
-    expect(await links.count()).toBeGreaterThan(0);
     for (const link of await links.all()) {
       const file = (await link.getAttribute("href"))!;
       expect((await page.request.get(new URL(file, page.url()).href)).ok(), file).toBe(true);
     }
+    seen.set((await links.first().getAttribute("href"))!, [label!, value, shown!, card!]);
   }
   expect(seen.size).toBe(6);
+  for (const [file, [label, value, shown, card]] of seen) {
+    const there = await pages.at(file);
+    expect(await digits(there, "live"), file).toBe(value);
+    expect(await there.locator(".live h2").textContent()).toBe(label);
+    expect(await there.locator(".live data").textContent()).toBe(shown);
+    expect(card).toBe(shown);
+  }
 });

@@ -68,13 +68,26 @@ test("inside: the point is inside exactly where all three signs agree, and clock
   expect(await page.locator(".live .meaning").textContent()).toContain("On an edge");
 });
 
-test("weights: they sum to one everywhere; four corners have two colours in the middle", async () => {
+test("weights: the smallest is positive inside and negative outside, they sum to one; four corners have two colours", async () => {
   const page = await pages.at("weights.html");
+  expect(await pages.number("weights")).toBeGreaterThan(0.2);
   await grip(page).focus();
+  const seen: number[] = [];
   for (const key of ["ArrowLeft", "PageDown", "Shift+ArrowUp", "PageUp", "Home"]) {
     await page.keyboard.press(key);
-    expect(await pages.number("weights")).toBeCloseTo(1, 14);
+    const smallest = await pages.number("weights");
+    seen.push(smallest);
+    const weights = await Promise.all([0, 1, 2].map((k) => digits(page, `weight-0-${k}`)));
+    expect(Math.min(...weights)).toBe(smallest);
+    expect(await digits(page, "sum-0")).toBeCloseTo(1, 14);
+    expect(await page.locator(".live.good").count()).toBe(smallest < 0 ? 0 : 1);
   }
+  expect(Math.max(...seen)).toBeGreaterThan(0.2);
+  expect(Math.min(...seen)).toBeLessThan(-0.1);
+  // At a corner its own weight is one, and the others have no say.
+  await page.evaluate(() => (location.hash = "#v=1&p=1.4,1.1"));
+  expect(await pages.number("weights")).toBe(0);
+  expect(await page.locator(".live .meaning").textContent()).toContain("On an edge");
   await page.locator("input[name=corners][value='4']").check();
   await pages.at("weights.html#v=1&c=4&p=6,4");
   const gap = await pages.number("weights");
@@ -169,6 +182,43 @@ test("culling: a pressed triangle is turned, breaks three edges and leaves a hol
   await page.getByRole("button", { name: "Turn it over" }).click();
   await settled(page);
   expect(await digits(page, "inconsistent")).toBe(0);
+});
+
+test("culling: whatever is turned over, culled or painted, the sentence says what is seen", async () => {
+  const all = Array.from({ length: 80 }, (_, i) => i);
+  const page = await pages.at("culling.html");
+  const said = async (flipped: readonly number[], backs: string) => {
+    await page.evaluate((hash) => (location.hash = hash), `#v=1&f=${flipped.join()}&b=${backs}`);
+    const holes = await pages.number("culling");
+    const [label, meaning] = await Promise.all(
+      [".live h2", ".live .meaning"].map(async (what) => (await page.locator(what).textContent())!),
+    );
+    const volume = await page.locator('[data-name="volume"]').getAttribute("value");
+    expect(label!.startsWith(backs === "culled" ? "Holes" : "Backs"), backs).toBe(true);
+    return { holes, meaning: meaning!, volume: volume ? Number(volume) : null, disagree: await digits(page, "inconsistent") };
+  };
+  const front = { culled: /left (a hole|holes)/, painted: /orange/ };
+  const none = { culled: /leaves out the far half/, painted: /none shows/ };
+  const far = { culled: /far side/, painted: /far side/ };
+  const out = { culled: /inside out: culling/, painted: /inside out: whatever/ };
+  for (const backs of ["culled", "painted"] as const) {
+    const whole = await said([], backs);
+    expect([whole.holes, whole.disagree]).toEqual([0, 0]);
+    expect(whole.meaning).toMatch(none[backs]);
+    expect(whole.volume).toBeGreaterThan(3);
+    const turned = await said(all, backs);
+    expect(turned.disagree).toBe(0);
+    expect(turned.holes).toBeGreaterThan(20);
+    expect(turned.meaning).toMatch(out[backs]);
+    expect(turned.volume).toBe(-whole.volume!);
+    // One that faces the eye, and one that does not; then all but one.
+    const some = [await said([47], backs), await said([0], backs), await said([20], backs), await said(all.slice(1), backs)];
+    for (const { holes, meaning, volume, disagree } of some) {
+      expect(meaning).toMatch(holes ? front[backs] : far[backs]);
+      expect([volume, disagree]).toEqual([null, 3]);
+    }
+    expect(new Set(some.map(({ holes }) => Math.min(holes, 1))).size).toBe(2);
+  }
 });
 
 test("doctor: every patient is healed by the buttons that are offered", async () => {

@@ -6,9 +6,10 @@ use chordal::explicit::parametric::bernstein as weights_at;
 use chordal::math::exact::{PointInTriangle, triangle_contains};
 use serde_json::{Value, json};
 
-/// The parameters that may be asked for: a quarter beyond both ends, where weights become negative.
-const RANGE: [f64; 2] = [-0.25, 1.25];
-/// Steps of the graphs of the weights: 60 of them are 0.025 wide.
+/// The parameters that may be asked for: a tenth beyond both ends, where weights become negative and the construction is
+/// still in the picture.
+const RANGE: [f64; 2] = [-0.1, 1.1];
+/// Steps of the graphs of the weights: 60 of them are 0.02 wide.
 const STEPS: u32 = 60;
 
 /// Answers `{"control": [[x, y] × 4], "t": 0.4}`: the weights, the levels of the construction, both parts,
@@ -73,7 +74,7 @@ mod tests {
         assert_eq!(asked(0.5)["point"], json!([2.0, 3.0]));
         assert_eq!(asked(0.5)["weights"], json!([0.125, 0.375, 0.375, 0.125]));
         // Beyond them one is, and the sum is still one.
-        for t in [-0.25, -0.05, 1.05, 1.25] {
+        for t in [-0.1, -0.05, 1.05, 1.1] {
             let facts = asked(t);
             assert!(
                 facts["smallest"].as_f64().unwrap() < 0.0 && facts["is_in_hull"] == json!(false),

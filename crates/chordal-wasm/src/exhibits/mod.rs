@@ -14,6 +14,7 @@ mod inside;
 mod joins;
 mod levels;
 mod normals;
+mod one_cube;
 mod overshade;
 mod plane;
 mod quad;
@@ -76,7 +77,7 @@ mod tests {
             ("[]", "object"),
             ("{}", "exhibit"),
             (r#"{"exhibit": "nothing"}"#, "nothing"),
-            (r#"{"exhibit": "bernstein", "control": [[0, 0], [1, 0], [1, 1], [0, 1]], "t": 2}"#, "1.25"),
+            (r#"{"exhibit": "bernstein", "control": [[0, 0], [1, 0], [1, 1], [0, 1]], "t": 2}"#, "1.1"),
             (r#"{"exhibit": "joins", "first": [[0, 0]], "second": [], "keep": "C1", "scale": 1}"#, "first"),
             (r#"{"exhibit": "runge", "count": 400, "row": 0, "lift": 0}"#, "count"),
             (
@@ -95,7 +96,10 @@ mod tests {
             (r#"{"exhibit": "field", "point": [1, 1], "length": 0}"#, "length"),
             (r#"{"exhibit": "csg", "operation": "xor", "point": [1, 1]}"#, "operation"),
             (r#"{"exhibit": "tracing", "aim": [0.9, 4.2]}"#, "eye"),
-            (r#"{"exhibit": "squares", "cells": 400, "method": "squares"}"#, "cells"),
+            (r#"{"exhibit": "squares", "look": "lattice", "cells": 400, "method": "squares"}"#, "cells"),
+            (r#"{"exhibit": "squares", "look": "cube", "signs": 256}"#, "signs"),
+            (r#"{"exhibit": "squares", "look": "cone"}"#, "look"),
+            (r#"{"exhibit": "questions", "asked": [{"exhibit": "questions", "asked": []}]}"#, "asked"),
             (r#"{"exhibit": "baking", "shape": "cube", "cells": 2}"#, "cells"),
             (r#"{"exhibit": "levels", "distance": 0}"#, "distance"),
             (r#"{"exhibit": "overshade", "side": 0.01}"#, "side"),

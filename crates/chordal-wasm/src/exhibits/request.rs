@@ -69,6 +69,13 @@ impl ExhibitRequest {
         found.ok_or_else(|| format!("{key} is a list of whole numbers below {below}"))
     }
 
+    /// At most `most` questions to exhibits.
+    pub fn questions(&self, key: &str, most: usize) -> Result<&[Value], String> {
+        let all =
+            self.get(key).as_array().filter(|all| all.len() <= most && all.iter().all(Value::is_object));
+        all.map(Vec::as_slice).ok_or_else(|| format!("{key} is a list of at most {most} questions"))
+    }
+
     /// Words of a list of at most `most`.
     pub fn words(&self, key: &str, most: usize) -> Result<Vec<&str>, String> {
         let all = self.get(key).as_array().filter(|all| all.len() <= most);

@@ -1,5 +1,6 @@
 //! Marching squares: a lattice of samples, the lines through it, and the corners that it loses.
 use super::answer::ExhibitAnswer;
+use super::one_cube::one_cube;
 use super::plane::{SIZE, loops, once, raised, thin_mesh, told};
 use super::request::ExhibitRequest;
 use chordal::check::{Goal, deviation};
@@ -19,9 +20,13 @@ const CLOSE: f64 = 0.002; // chosen: below a pixel of the figure
 /// How much finer the measured error is enclosed.
 const GOAL: Goal = Goal { relative: 0.02, absolute: None, max: None }; // chosen: two digits are shown
 
-/// Answers `{"cells": 16, "method": "squares"}`: samples, lines and their largest error.
+/// Answers `{"look": "lattice", "cells": 16, "method": "squares"}`: samples, lines and their largest error; or one cell
+/// in space, as [`one_cube`] says.
 pub(super) fn squares(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
-    asked.only(&["cells", "method"])?;
+    if asked.word("look", &["lattice", "cube"])? == "cube" {
+        return one_cube(asked);
+    }
+    asked.only(&["look", "cells", "method"])?;
     let cells = asked.number("cells", CELLS)?.round();
     let method = asked.word("method", &["squares", "corners"])?;
     let step = SIZE[0] / cells;
@@ -38,6 +43,7 @@ pub(super) fn squares(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
     let mut answer = ExhibitAnswer::default();
     let values: Vec<f64> = (0..grid.samples().len()).map(|row| grid.samples().get(row)).collect();
     answer.facts = json!({
+        "look": "lattice",
         "step": step,
         "size": [grid.size()[0], grid.size()[1]],
         "values": answer.floats(&values),
@@ -126,7 +132,8 @@ mod tests {
     use super::*;
 
     fn at(cells: u32, method: &str) -> serde_json::Value {
-        let question = json!({ "exhibit": "squares", "cells": cells, "method": method }).to_string();
+        let question =
+            json!({ "exhibit": "squares", "look": "lattice", "cells": cells, "method": method }).to_string();
         squares(&ExhibitRequest::parse(question.as_bytes()).unwrap().1).unwrap().facts
     }
 

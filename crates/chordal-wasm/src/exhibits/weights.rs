@@ -20,6 +20,7 @@ pub(super) fn weights(asked: &ExhibitRequest) -> Result<ExhibitAnswer, String> {
         interpolate(rows.map(|row| &colors[row as usize][..]), weights, &mut color);
         json!({
             "rows": rows, "weights": weights, "sum": weights.iter().sum::<f64>(), "color": color,
+            "smallest": weights.into_iter().fold(f64::INFINITY, |least, w| if w < least { w } else { least }),
             "is_inside": triangle.position(point) != PointInTriangle::Outside,
         })
     };
@@ -59,6 +60,22 @@ mod tests {
         assert_eq!(facts["blends"][0]["weights"], json!([0.25, 0.25, 0.5]));
         assert_eq!(facts["blends"][0]["color"], json!([0.25, 0.25, 0.5]));
         assert_eq!(facts["blends"][0]["sum"], json!(1.0));
+        assert_eq!(facts["blends"][0]["smallest"], json!(0.25));
+    }
+
+    #[test]
+    fn the_smallest_weight_is_zero_on_an_edge_and_negative_outside() {
+        for (point, smallest) in [([1, 0], 0.0), ([2, 2], 0.0), ([0, 0], 0.0), ([4, 4], -1.0), ([1, 1], 0.25)]
+        {
+            let question = json!({
+                "exhibit": "weights", "corners": [[0, 0], [4, 0], [0, 4]], "point": point,
+                "colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+            });
+            let facts = asked(&question.to_string());
+            assert_eq!(facts["blends"][0]["smallest"], json!(smallest), "{point:?}");
+            assert_eq!(facts["blends"][0]["is_inside"], json!(smallest >= 0.0), "{point:?}");
+            assert_eq!(facts["blends"][0]["sum"], json!(1.0));
+        }
     }
 
     #[test]
