@@ -23,7 +23,8 @@ export function Exports({ page }: { page: Page }) {
   const name = line.at(-1)!;
   const text =
     language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, name) : rust(bench, screen, name);
-  const save = (line: Line, zipped?: string) => void control?.export(line).then((made) => made && saveAll(made, zipped));
+  const save = (line: Line, zipped?: string) =>
+    void control?.export(line).then((made) => made && saveAll(made, zipped).catch(() => control.say("trapped")));
   return (
     <section class="export">
       <div class="panel">
@@ -85,14 +86,21 @@ export function Exports({ page }: { page: Page }) {
   );
 }
 
-/** One file as it is; several, or those of a folder, in an archive. */
+/** One file as it is; several, or those of a folder, in an archive. Rejected where that does not fit into memory. */
 async function saveAll(made: Files, zipped?: string): Promise<void> {
   const names = Object.keys(made);
   if (!zipped && names.length === 1) return save(names[0]!, made[names[0]!]!);
-  const { zip } = await import("fflate");
-  zip(made, { level: 6 }, (error, bytes) => {
-    if (!error) save(zipped ?? "files.zip", bytes);
-  });
+  const worker = new Worker(new URL("./archive.ts", import.meta.url), { type: "module" });
+  try {
+    const bytes = await new Promise<Uint8Array>((resolve, reject) => {
+      worker.onmessage = ({ data }: MessageEvent<Uint8Array>) => resolve(data);
+      worker.onerror = reject;
+      worker.postMessage(made);
+    });
+    save(zipped ?? "files.zip", bytes);
+  } finally {
+    worker.terminate();
+  }
 }
 
 function save(name: string, bytes: Uint8Array): void {

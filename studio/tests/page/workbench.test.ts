@@ -1,4 +1,5 @@
 // The workbench as one who makes something uses it: write, look, prove, mend, combine, export.
+import { unzipSync } from "fflate";
 import { mkdtempSync, readFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -225,6 +226,17 @@ describe("a file", () => {
     const picker = page.locator(".inputs input[type=file]");
     await picker.setInputFiles({ name: "a.stl", mimeType: "model/stl", buffer: Buffer.from("solid nothing") });
     await expect.poll(() => page.locator(".fault").textContent()).toMatch(/^Error: .{10,}/);
+  });
+
+  test("becomes an archive of tiles, also where one of them is large", async () => {
+    const { page, errors } = await open();
+    const files = unzipSync(await saved(page, "tiles"));
+    const made = await run(module, ["lod", "bracket.star", "--px", "1", "-o", "tiles/"], { "bracket.star": text("sphere(1)") });
+    expect(Object.keys(files).sort()).toEqual(Object.keys(made.made).sort());
+    for (const [name, bytes] of Object.entries(made.made)) expect(Buffer.compare(files[name]!, bytes), name).toBe(0);
+    // The library has workers of its own for what is larger than this, which the page's policy refuses.
+    expect(Math.max(...Object.values(files).map(({ length }) => length))).toBeGreaterThan(160_000);
+    expect(faults(errors)).toEqual([]);
   });
 
   test("becomes a field and comes back, and has levels by distance", async () => {
