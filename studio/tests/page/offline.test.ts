@@ -4,7 +4,12 @@ import { readFile } from "node:fs/promises";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
-import { DIST, Site, digits, settled } from "./site";
+import { bench } from "../../src/workbench/document";
+import { pack } from "../../src/workbench/share";
+import { DIST, Site, digits, isLong, settled } from "./site";
+
+/** What the command is given for one step: as a test's module it is half as fast as that of pages. */
+const WORK_MS = 50_000;
 
 let site: Site;
 let page: Page;
@@ -61,6 +66,35 @@ test("what was visited works without a network: loaded again, by a deep link, an
   }
   await open("csg.html");
 });
+
+const BENCHES = isLong ? ["workbench.html", "workbench.zh.html"] : ["workbench.html"];
+test.each(BENCHES)("%s works without a network: it proves, draws beside the mesh, and writes", async (file) => {
+  const ball = bench("ball.star", { "ball.star": new TextEncoder().encode("sphere(1)") });
+  const address = `${file}#s=${await pack(ball)}`;
+  page = (await site.ready(address, { serviceWorkers: "allow" })).page;
+  page.setDefaultTimeout(WORK_MS);
+  await settled(page);
+  await page.waitForSelector("html[data-offline]");
+  const proved = await digits(page, "bound");
+  await site.down();
+  try {
+    await open(address);
+    expect(await digits(page, "bound")).toBe(proved);
+    // What is loaded when it is needed is there, too: the editor, the viewer, the archive.
+    await page.locator(".cm-content").waitFor();
+    await page.waitForSelector('.scene[data-viewer="webgl"]');
+    await page.locator(".field-picture").waitFor();
+    await page.locator(".budget input[type=text]").fill("2%");
+    await page.keyboard.press("Enter");
+    await settled(page);
+    expect(await digits(page, "bound")).toBeGreaterThan(proved);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.locator("[data-export=tiles]").click()]);
+    expect(download.suggestedFilename()).toBe("ball-tiles.zip");
+    expect(await page.locator("p.fault, .note").allTextContents()).toEqual([]);
+  } finally {
+    await site.up();
+  }
+}, 4 * WORK_MS);
 
 test("a new version takes the place of the old one, with the pages that were visited", async () => {
   await keep("quad.html");

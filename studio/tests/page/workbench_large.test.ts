@@ -1,0 +1,67 @@
+// A file on the workbench that is as large as files get: what was found comes, or a sentence, and the page goes on.
+import { closeSync, mkdtempSync, openSync, rmSync, writeSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
+import { Site, isLong, settled } from "./site";
+import { PATIENCE, Workbenches } from "./workbench_page";
+
+/** What the largest file is given. */
+const LARGE_MS = 600_000;
+vi.setConfig({ ...PATIENCE, testTimeout: 2 * LARGE_MS, expect: { poll: { timeout: LARGE_MS } } });
+
+const folder = mkdtempSync(join(tmpdir(), "chordal-large-"));
+let site: Site;
+let pages: Workbenches;
+beforeAll(async () => {
+  site = await Site.open();
+  pages = new Workbenches(site);
+});
+afterEach(() => pages.close());
+afterAll(async () => {
+  await site.close();
+  rmSync(folder, { recursive: true });
+});
+
+/** A torus of `2 * around * across` triangles but for one, as a binary STL; 50 bytes each. */
+function torus(path: string, around: number, across: number): void {
+  const file = openSync(path, "w");
+  const head = Buffer.alloc(84);
+  head.writeUInt32LE(2 * around * across - 1, 80);
+  writeSync(file, head);
+  const at = (i: number, j: number) => {
+    const [u, v] = [(2 * Math.PI * (i % around)) / around, (2 * Math.PI * (j % across)) / across];
+    const far = 2 + Math.cos(v);
+    return [far * Math.cos(u), far * Math.sin(u), Math.sin(v)];
+  };
+  for (let i = 0; i < around; i++) {
+    const row = Buffer.alloc(100 * across);
+    for (let j = 0; j < across; j++) {
+      const [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+      for (const [k, corners] of [[a, b, c], [a, c, d]].entries()) {
+        corners.flat().forEach((x, n) => row.writeFloatLE(x!, 100 * j + 50 * k + 12 + 4 * n));
+      }
+    }
+    writeSync(file, i === 0 ? row.subarray(50) : row);
+  }
+  closeSync(file);
+}
+
+/** `make test` opens a file of two megabytes in the same way. */
+test.each(isLong ? [[1000, 20], [2000, 1000]] : [[1000, 20]])("2 times %i times %i triangles", async (around, across) => {
+  const path = join(folder, "torus.stl");
+  torus(path, around, across);
+  const { page } = await pages.open();
+  await page.locator(".inputs input[type=file]").setInputFiles(path);
+  const said = async (where: string) => (await page.locator(where).allTextContents()).join(" ");
+  const refused = "p.fault, .note";
+  await expect.poll(() => said(`.findings, ${refused}`)).toMatch(/.{20,}/);
+  // What is too much for a browser says so; what is not is counted.
+  if (!(await said(refused))) expect(await said(".findings")).toContain("3 boundary edges");
+  expect(await said(refused)).toMatch(around * across < 1e6 ? /^$/ : /^$|memory/);
+  // The mesh of so many triangles takes minutes; the page goes on with something else.
+  await page.locator(".inputs select").selectOption("bracket");
+  await page.locator(".cm-content").waitFor();
+  await settled(page);
+  expect(await page.locator(".certificate .proved").count()).toBe(1);
+});
