@@ -195,7 +195,7 @@ function Figure({ page }: { page: Page }) {
       isFigure
       width={720}
       height={480}
-      x={{ low: 0.75, high: 0.0018, isLog: true, label: texts.x, ticks: lengths.map((x) => [x, say.number(x)] as const) }}
+      x={{ low: 0.55, high: 0.0018, isLog: true, label: texts.x, ticks: lengths.map((x) => [x, say.number(x)] as const) }}
       y={{
         low,
         high,
@@ -212,7 +212,14 @@ function Figure({ page }: { page: Page }) {
         const order = lines.map((_, i) => i).sort((i, k) => Number(lines[i]!.name === state.shape) - Number(lines[k]!.name === state.shape));
         return (
           <>
-            {chosen.source_off > 0 && <path class="ends" d={chain(at, [[chosen.source_off, low], [chosen.source_off, high]])} />}
+            {chosen.source_off > 0 && (
+              <>
+                <path class="ends" d={chain(at, [[chosen.source_off, low], [chosen.source_off, high]])} />
+                <text class="y step" x={px(at(chosen.source_off, high)[0] - 8)} y={px(at(chosen.source_off, high)[1] + 16)}>
+                  {texts.source}
+                </text>
+              </>
+            )}
             {order.map((i) => {
               const { name, points } = lines[i]!;
               const isChosen = name === state.shape;

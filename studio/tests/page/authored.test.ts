@@ -34,6 +34,8 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
 
 test("bernstein: whatever t is, nothing of the construction is cut off at the figure's edge", async () => {
   const page = await pages.at("bernstein.html");
+  const opacities = await page.locator(".weighted .label").evaluateAll((all) => all.map((one) => getComputedStyle(one).fillOpacity));
+  expect(opacities, "each name is as dark as the others").toEqual(["1", "1", "1", "1"]);
   for (const form of ["arch", "wave", "loop"]) {
     await page.locator(`input[name=form][value=${form}]`).check();
     for (const t of ["-0.1", "-0.05", "0.5", "1.05", "1.1"]) {
