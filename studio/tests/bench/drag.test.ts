@@ -4,8 +4,9 @@ import { loadavg } from "node:os";
 import { afterAll, beforeAll, test } from "vitest";
 import type { Locator, Page } from "playwright-core";
 import { EXHIBITS } from "../../src/exhibits/index";
-import { handleOf, wave } from "../page/drag";
+import { handleOf } from "../page/drag";
 import { Site, settled } from "../page/site";
+import { dragCost } from "./drag_cost";
 
 /** Half of a frame at 60 Hz: the other half is the browser's, for painting. */
 const WANTED_MS = 8;
@@ -47,42 +48,3 @@ test.each(EXHIBITS.map(({ id }) => id).filter((id) => id !== "questions"))("the 
   );
   await page.context().close();
 });
-
-interface TraceEvent {
-  name: string;
-  ph: string;
-  ts: number;
-  dur?: number;
-  tdur?: number;
-  tid: number;
-  pid: number;
-  args: { data?: { type?: string } };
-}
-
-/** The time that the processor spends on the page's main thread for each pointer move of a drag, from a trace. */
-async function dragCost(page: Page, handle: Locator): Promise<{ moves: number; median: number; p95: number }> {
-  const session = await page.context().newCDPSession(page);
-  const events: TraceEvent[] = [];
-  session.on("Tracing.dataCollected", ({ value }) => events.push(...(value as unknown as TraceEvent[])));
-  const done = new Promise((resolve) => session.once("Tracing.tracingComplete", resolve));
-  const traceConfig = { includedCategories: ["toplevel", "devtools.timeline"] };
-  await wave(page, handle, () => session.send("Tracing.start", { transferMode: "ReportEvents", traceConfig }));
-  await session.send("Tracing.end");
-  await done;
-  await page.mouse.up();
-  const isMove = (event: TraceEvent) => event.name === "EventDispatch" && event.args.data?.type === "pointermove";
-  const moves = events.filter(isMove).sort((a, b) => a.ts - b.ts);
-  const { tid, pid } = moves[0]!;
-  const tasks = events.filter((event) => event.ph === "X" && event.pid === pid && event.tid === tid && event.name.endsWith("RunTask"));
-  const [first, last] = [moves[0]!.ts, moves.at(-1)!.ts];
-  // A task belongs to the newest move before its end: the move's own task began before its event.
-  const cost = moves.slice(0, -1).map(() => 0);
-  for (const task of tasks) {
-    const end = task.ts + task.dur!;
-    if (end <= first || end > last) continue;
-    const owner = moves.findLastIndex((move) => move.ts < end);
-    cost[owner]! += (task.tdur ?? 0) / 1000;
-  }
-  cost.sort((a, b) => a - b);
-  return { moves: cost.length, median: cost[Math.floor(cost.length / 2)]!, p95: cost[Math.floor(cost.length * 0.95)]! };
-}
