@@ -54,7 +54,7 @@ export const texts: Record<Language, Texts> = {
       lost: "Lost of the tip, in cells",
     },
     story: [
-      "To draw a field, ask it on a lattice: where neighbours differ in sign, the outline passes between them. Joining these crossings cell by cell is *marching squares*; with triangles in cubes, *marching cubes*. A sharp corner inside a cell was never asked about, and is cut off. A mesher that knows the parts of the field puts a vertex there.",
+      "To draw a field, ask it on a lattice: where neighbours differ in sign, the outline passes between them. Joining these crossings cell by cell is *marching squares*; with triangles in cubes, *marching cubes*. A sharp corner inside a cell was never asked about, and is cut off. A mesher that knows the parts puts a vertex there.",
       "The two values say where a crossing lies: between −1 and 3, a quarter of the way. If the signs *alternate* around a cell, four crossings can be joined in two ways, and nothing in the samples says which: parts may touch that are apart. It takes a rule, the same for both neighbours, or the mesh gets a hole.",
       "In space a cell is a cube with eight signs: 256 patterns, each with its triangles in a table. The face that two cubes share is where they have to agree, and nearly half of all patterns have a face that can be read in two ways.",
       "Twice as many cells cut off half as much of a corner on average; how much exactly depends on where in its cell the corner lies. The error of a smooth outline falls with the square of the cell. All errors here are enclosed between two proved bounds; shown is the upper one.",

@@ -85,9 +85,9 @@ const texts: Record<Language, Texts> = {
     two: (percent) => `The same point, the same four corners, two colours: they differ by ${percent}.`,
     swatch: "Colour at the probe",
     story: [
-      "Whatever is known at the corners is blended over a triangle. Each corner gets a *weight*, the share of the area that the point spans with the opposite side. The weights always sum to one; the smallest is positive inside, 0 on an edge, negative outside. Three corners have one solution. With four a number is left over, and the diagonal decides.",
+      "Whatever is known at the corners is blended over a triangle. Each corner gets a *weight*, the share of the area that the point spans with the opposite side. The weights always sum to one; the smallest is positive inside, 0 on an edge, negative outside. Three corners have one solution; with four the diagonal decides.",
       "What is blended may be a colour, a normal, a place in a texture. At a corner its own weight is 1 and the others are 0; along an edge the third corner has no say, so neighbours agree there and no seam shows.",
-      "Three weights have three conditions, two for the place and one for the sum. For four corners every rule that picks the number left over is a convention, and cutting the quad is the one that hardware takes: so the colour inside depends on the diagonal.",
+      "Three weights have three conditions, two for the place and one for the sum. With four corners one number is left over; every rule that picks it is a convention, and cutting the quad is the one that hardware takes: so the colour inside depends on the diagonal.",
     ],
     attempts: [
       "Move the probe across an edge and watch the smallest weight. What does the sum do?",
@@ -115,7 +115,7 @@ const texts: Record<Language, Texts> = {
     two: (percent) => `同一个点、同样四个顶点，却有两种颜色，相差 ${percent}。`,
     swatch: "探针处的颜色",
     story: [
-      "顶点上已知的量可以在三角形上插值。每个顶点有一个*权重*：点与对边围成的面积占总面积的比例。权重总和恒为一；最小的一个在内部为正，在边上为零，在外部为负。三个顶点只有一个解；四个顶点多出一个自由度，由对角线决定。",
+      "顶点上已知的量可以在三角形上插值。每个顶点有一个*权重*：点与对边围成的面积占总面积的比例。权重总和恒为一；最小的一个在内部为正，在边上为零，在外部为负。三个顶点只有一个解；四个顶点则由对角线决定。",
       "插值的可以是颜色、法线、纹理坐标，这些权重就是重心坐标。在顶点处，自身权重为 1，其余为 0；在一条边上，第三个顶点不起作用，因此相邻三角形在公共边上一致，不露接缝。",
       "三个权重有三个条件：位置两个，总和一个。四个顶点多出的自由度怎么取全凭约定；硬件的约定是把四边形切成两个三角形，于是内部的颜色取决于对角线。",
     ],
